@@ -1,0 +1,82 @@
+# The front door: every job is a target. `make` alone lists them.
+
+SCENE ?= digit-single
+SEED ?= 1
+PYTHON ?= python3
+VENV ?= .venv
+RUN = $(VENV)/bin/python
+
+.PHONY: help demo test sim vhdl verilog train lint clean tools
+
+help:
+	@echo "make demo    [SCENE=]                     a scene end to end: simulate, export, table of errors"
+	@echo "make test    [TESTS=tests/test_x.py]      all tests, or some"
+	@echo "make sim     [BLOCK=] [SIM=ghdl|icarus] [SCENE=] [SEED=] [WAVES=1]"
+	@echo "                                          one bench, or every bench of the scene"
+	@echo "make vhdl    [SCENE=]                     export to build/<scene>/vhdl"
+	@echo "make verilog [SCENE=]                     export to build/<scene>/verilog"
+	@echo "make train   [SCENE=]                     train the scene's network, write it beside the scene"
+	@echo "make lint                                 ruff and mypy"
+	@echo "make clean                                remove build and .venv"
+	@echo
+	@echo "SCENE is a name ($(basename $(notdir $(filter-out %.provenance.toml,$(wildcard golden/scenes/*.toml)))))"
+	@echo "or a path to a .toml file; now $(SCENE)"
+
+demo: $(VENV)/.ready tools
+	@$(RUN) -m tb.demo "$(SCENE)"
+
+test: $(VENV)/.ready tools
+	@$(RUN) -m pytest $(TESTS)
+
+sim: $(VENV)/.ready
+	@$(RUN) -m tb.sim "$(SCENE)" --seed "$(SEED)" \
+		$(if $(BLOCK),--block "$(BLOCK)") $(if $(SIM),--sim "$(SIM)") $(if $(filter-out 0,$(WAVES)),--waves)
+
+vhdl verilog: $(VENV)/.ready
+	@$(RUN) -m hdl.export "$(SCENE)" $@
+
+train: $(VENV)/.ready
+	@$(RUN) -m golden.training "$(SCENE)"
+
+lint: $(VENV)/.ready
+	@$(RUN) -m ruff check . && $(RUN) -m ruff format --check . && $(RUN) -m mypy
+
+clean:
+	rm -rf build $(VENV)
+
+# Simulators and what Debian's own Python lacks. As root, or where sudo asks no password, they are
+# installed; elsewhere the command to run is printed.
+tools:
+	@missing=; \
+	command -v ghdl >/dev/null || missing="$$missing ghdl"; \
+	command -v iverilog >/dev/null || missing="$$missing iverilog"; \
+	$(call install,$$missing)
+
+$(VENV)/.ready: pyproject.toml
+	@missing=; \
+	command -v $(PYTHON) >/dev/null || missing="$$missing python3"; \
+	$(PYTHON) -c "import ensurepip" 2>/dev/null || missing="$$missing python3-venv"; \
+	$(call install,$$missing)
+	@$(PYTHON) -c "import sys; sys.exit(not (3, 11) <= sys.version_info[:2] < (3, 14))" || \
+		{ echo "error: $(PYTHON) is $$($(PYTHON) -V), expected Python 3.11 to 3.13; set PYTHON=" >&2; exit 2; }
+	@echo "setting up $(VENV)"
+	@$(PYTHON) -m venv $(VENV)
+	@$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[dev]"
+	@missing=; \
+	test -n "$$($(RUN) -m find_libpython)" || \
+		missing="libpython$$($(RUN) -c 'import sys; print("%d.%d" % sys.version_info[:2])')"; \
+	$(call install,$$missing)
+	@touch $@
+
+# $(1): packages, maybe none.
+define install
+if [ -n "$(1)" ]; then \
+	if [ "$$(id -u)" = 0 ]; then as=; elif sudo -n true 2>/dev/null; then as="sudo -n"; else \
+		echo "error: not installed:$(1); run: sudo apt-get install$(1)" >&2; exit 2; fi; \
+	command -v apt-get >/dev/null || \
+		{ echo "error: not installed:$(1); install with your system's package manager" >&2; exit 2; }; \
+	echo "installing$(1)"; \
+	$$as apt-get update -qq && \
+	$$as env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $(1) >/dev/null; \
+fi
+endef

@@ -1,0 +1,1 @@
+"""The specification that runs: formats, bit-true twins, float references, scenes, data."""

@@ -1,0 +1,47 @@
+"""ABS: sign and magnitude of a signed code."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from golden.block import Block
+from golden.fixed import Codes, Fix
+
+
+@dataclass(frozen=True)
+class AbsUnit(Block):
+    """Magnitude and sign of a signed code (thesis section 4.5.2.2).
+
+    Parameters
+    ----------
+    fmt : Fix
+        Format of the input. The magnitude has the same fraction bits and one bit less, unsigned.
+
+    Notes
+    -----
+    Overflow: the most negative code has no positive counterpart; its magnitude saturates to the
+    largest code. The error is 1 LSB for that one code and 0 for every other.
+    """
+
+    block = "abs_unit"
+    area = "activation"
+    fmt: Fix
+
+    @property
+    def mag_width(self) -> int:
+        """Bits of the unsigned magnitude."""
+        return self.fmt.width - 1
+
+    def process(self, data: ArrayLike) -> tuple[Codes, NDArray[np.bool_]]:
+        """Magnitudes and the flags of negative codes, each the shape of ``data``.
+
+        Raises
+        ------
+        ValueError
+            For a code outside ``fmt``.
+        """
+        codes = self.fmt.check(data, "abs_unit data")
+        return np.minimum(np.abs(codes), self.fmt.high), codes < 0

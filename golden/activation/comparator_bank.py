@@ -1,0 +1,60 @@
+"""Comparator bank: which segment of the activation a magnitude lies in."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.block import Block
+from golden.fixed import Codes
+
+
+@dataclass(frozen=True)
+class ComparatorBank(Block):
+    """Address of the segment that holds a magnitude (thesis 4.5.2.3.1 C, Addresser of 5.4.5.2).
+
+    Parameters
+    ----------
+    mag_width : int
+        Bits of the unsigned magnitude.
+    thresholds : tuple of int
+        Upper codes of the segments, strictly rising. A magnitude equal to a threshold still
+        belongs to the segment below it; the first segment includes 0.
+
+    Raises
+    ------
+    ValueError
+        When there is no threshold, they do not rise, or one is never exceeded by a magnitude:
+        its comparator could not fire.
+    """
+
+    block = "comparator_bank"
+    area = "activation"
+    mag_width: int
+    thresholds: tuple[int, ...]
+
+    def __post_init__(self) -> None:
+        top = (1 << self.mag_width) - 1
+        rising = list(self.thresholds) == sorted(set(self.thresholds))
+        if not self.thresholds or not rising:
+            raise ValueError(
+                f"comparator_bank: got thresholds {self.thresholds}, "
+                "expected at least one, strictly rising"
+            )
+        if self.thresholds[0] < 0 or self.thresholds[-1] >= top:
+            raise ValueError(
+                f"comparator_bank: got thresholds {self.thresholds}, expected 0 to {top - 1} "
+                f"for a magnitude of {self.mag_width} bits"
+            )
+
+    @property
+    def addr_width(self) -> int:
+        """Bits of the address: it counts from 0 to the number of thresholds."""
+        return len(self.thresholds).bit_length()
+
+    def process(self, mag: ArrayLike) -> Codes:
+        """Number of thresholds each magnitude exceeds, which is the segment's address."""
+        found = np.searchsorted(np.asarray(self.thresholds), np.asarray(mag), side="left")
+        return found.astype(np.int64)

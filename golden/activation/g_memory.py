@@ -1,0 +1,14 @@
+"""g_memory: the gradient G_n of every segment."""
+
+from __future__ import annotations
+
+from golden.activation.rom import Rom
+
+
+class GMemory(Rom):
+    """ROM of the gradient G_n by segment address (thesis section 5.4.5.2).
+
+    The contents come from `golden.activation.segments`; format and error bound are stated there.
+    """
+
+    block = "g_memory"

@@ -1,0 +1,81 @@
+"""GRAD_EQN: gradient times magnitude plus intercept."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.block import Block
+from golden.fixed import Codes, Fix, Rounding
+
+
+@dataclass(frozen=True)
+class GradEqn(Block):
+    """f = G_n m + i_n with one multiplier (thesis equation 4.23, section 5.4.5.2).
+
+    Parameters
+    ----------
+    mag_width, mag_frac : int
+        Unsigned magnitude m.
+    coeff_width, coeff_frac : int
+        Unsigned gradient G_n.
+    intercept_width, intercept_frac : int
+        Unsigned intercept i_n; at most as many fraction bits as the product has.
+    out_fmt : Fix
+        Format of the result, which is never negative.
+    rounding : Rounding
+        TRUNCATE or ROUND of the exact sum.
+
+    Notes
+    -----
+    Product and sum are exact. ``golden.activation.segments`` refuses a segment whose largest
+    result leaves ``out_fmt``, so nothing a neuron can reach overflows and the block has no
+    saturation logic; a magnitude beyond the neuron's reach wraps.
+    """
+
+    block = "grad_eqn"
+    area = "activation"
+    mag_width: int
+    mag_frac: int
+    coeff_width: int
+    coeff_frac: int
+    intercept_width: int
+    intercept_frac: int
+    out_fmt: Fix
+    rounding: Rounding
+
+    def __post_init__(self) -> None:
+        for name, value in (
+            ("intercept_frac", self.intercept_frac),
+            ("out_fmt", self.out_fmt.frac),
+        ):
+            if value > self.product_frac:
+                raise ValueError(
+                    f"grad_eqn: {name} has {value} fraction bits, expected at most "
+                    f"{self.product_frac}, those of the product"
+                )
+
+    @property
+    def product_frac(self) -> int:
+        """Fraction bits of the exact product and sum."""
+        return self.mag_frac + self.coeff_frac
+
+    @property
+    def intercept_shift(self) -> int:
+        """Places by which the intercept moves left to meet the product's binary point."""
+        return self.product_frac - self.intercept_frac
+
+    @property
+    def out_shift(self) -> int:
+        """Fraction bits dropped at the end."""
+        return self.product_frac - self.out_fmt.frac
+
+    def process(self, mag: ArrayLike, coeff: ArrayLike, intercept: ArrayLike) -> Codes:
+        """Result codes, 0 to ``out_fmt.high``; the arguments broadcast."""
+        product = np.asarray(mag, dtype=np.int64) * np.asarray(coeff, dtype=np.int64)
+        total = product + (np.asarray(intercept, dtype=np.int64) << self.intercept_shift)
+        if self.rounding is Rounding.ROUND and self.out_shift:
+            total = total + (1 << (self.out_shift - 1))
+        return (total >> self.out_shift) & self.out_fmt.high

@@ -1,0 +1,108 @@
+"""The modified Gradient activation: tanh by segments on one multiplier."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from numpy.typing import ArrayLike
+
+from golden.activation.abs_unit import AbsUnit
+from golden.activation.comparator_bank import ComparatorBank
+from golden.activation.g_memory import GMemory
+from golden.activation.grad_eqn import GradEqn
+from golden.activation.i_memory import IMemory
+from golden.activation.segments import SegmentTable
+from golden.activation.sign_retriever import SignRetriever
+from golden.block import Block
+from golden.fixed import Codes, Fix, Rounding
+
+
+@dataclass(frozen=True)
+class Gradient(Block):
+    """r = tanh(Q qbar), approximated by straight segments (thesis section 5.4.3, Figure 5.10).
+
+    Parameters
+    ----------
+    in_fmt, out_fmt : Fix
+        Formats of qbar and r.
+    table : SegmentTable
+        Constants of the segments that the neuron can reach.
+    intercept_width, intercept_frac : int
+        Format of the intercept words, unsigned.
+    rounding : Rounding
+        How GRAD_EQN ends.
+
+    Notes
+    -----
+    A magnitude beyond the reach the table was made for falls into the last segment kept, where the
+    result may wrap; the neuron cannot produce it. Worst error against tanh: 132 units of 2**-13
+    with the whole table at Q = 3, over all 16384 codes (tests/test_gradient.py).
+    """
+
+    block = "gradient"
+    area = "activation"
+    in_fmt: Fix
+    out_fmt: Fix
+    table: SegmentTable
+    intercept_width: int
+    intercept_frac: int
+    rounding: Rounding
+
+    @property
+    def abs_unit(self) -> AbsUnit:
+        return AbsUnit(self.in_fmt)
+
+    @property
+    def comparator_bank(self) -> ComparatorBank:
+        return ComparatorBank(self.abs_unit.mag_width, self.table.thresholds, variant=self.variant)
+
+    @property
+    def g_memory(self) -> GMemory:
+        return GMemory(self.table.coeffs, self.table.coeff_width, variant=self.variant)
+
+    @property
+    def i_memory(self) -> IMemory:
+        return IMemory(self.table.intercepts, self.intercept_width, variant=self.variant)
+
+    @property
+    def grad_eqn(self) -> GradEqn:
+        return GradEqn(
+            self.abs_unit.mag_width,
+            self.in_fmt.frac,
+            self.table.coeff_width,
+            self.table.coeff_frac,
+            self.intercept_width,
+            self.intercept_frac,
+            self.out_fmt,
+            self.rounding,
+            variant=self.variant,
+        )
+
+    @property
+    def sign_retriever(self) -> SignRetriever:
+        return SignRetriever(self.out_fmt)
+
+    def parts(self) -> tuple[Block, ...]:
+        return (
+            self.abs_unit,
+            self.comparator_bank,
+            self.g_memory,
+            self.i_memory,
+            self.grad_eqn,
+            self.sign_retriever,
+        )
+
+    def process(self, data: ArrayLike) -> Codes:
+        """Activation codes in ``out_fmt``, the shape of ``data``.
+
+        Raises
+        ------
+        ValueError
+            For a code outside ``in_fmt``.
+        """
+        mag, negative = self.abs_unit.process(data)
+        addr = self.comparator_bank.process(mag)
+        result = self.grad_eqn.process(
+            mag, self.g_memory.process(addr), self.i_memory.process(addr)
+        )
+        return self.sign_retriever.process(result, negative)

@@ -1,0 +1,14 @@
+"""i_memory: the intercept i_n of every segment."""
+
+from __future__ import annotations
+
+from golden.activation.rom import Rom
+
+
+class IMemory(Rom):
+    """ROM of the intercept i_n by segment address (thesis section 5.4.5.2).
+
+    The contents come from `golden.activation.segments`; format and error bound are stated there.
+    """
+
+    block = "i_memory"

@@ -1,0 +1,50 @@
+"""The read-only memory that g_memory and i_memory share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.block import Block
+from golden.fixed import Codes
+
+
+@dataclass(frozen=True)
+class Rom(Block):
+    """Unsigned words by address, read without a clock.
+
+    Parameters
+    ----------
+    words : tuple of int
+        The contents. An address beyond the last word reads the last word.
+    width : int
+        Bits of a word.
+
+    Raises
+    ------
+    ValueError
+        When there is no word or one does not fit ``width`` bits.
+    """
+
+    area = "activation"
+    words: tuple[int, ...]
+    width: int
+
+    def __post_init__(self) -> None:
+        if not self.words or min(self.words) < 0 or max(self.words) >= 1 << self.width:
+            raise ValueError(
+                f"{self.block}: got words {self.words}, expected at least one, each 0 to "
+                f"{(1 << self.width) - 1}"
+            )
+
+    @property
+    def addr_width(self) -> int:
+        """Bits of the address."""
+        return max(1, (len(self.words) - 1).bit_length())
+
+    def process(self, addr: ArrayLike) -> Codes:
+        """The word at each address."""
+        inside = np.minimum(np.asarray(addr), len(self.words) - 1)
+        return np.asarray(np.take(self.words, inside), dtype=np.int64)

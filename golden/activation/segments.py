@@ -1,0 +1,178 @@
+"""The nine straight segments of the Gradient scheme and their constants for a neuron.
+
+Thesis Table 4.1 gives upper bound, gradient g_n and intercept i_n of each segment of tanh(q).
+A neuron whose input is normalised by Q works on qbar = q / Q, so its thresholds are q_n / Q and
+its gradients G_n = g_n Q (equation 4.23). Beyond the last threshold the result is 1 - 2**-frac.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from golden.fixed import Fix, Rounding
+
+UPPER = (0.5, 1.0, 1.2, 1.5, 1.8, 2.05, 2.45, 3.15, 4.0)
+GRADIENT = (0.93046, 0.59805, 0.35986, 0.23741, 0.1381, 0.082, 0.0441, 0.0154, 0.0034)
+INTERCEPT = (0.00767, 0.1793, 0.4039, 0.552, 0.7001, 0.8001, 0.8783, 0.9498, 0.9862)
+
+# One signed input of a MULT18X18 holds an unsigned coefficient of 17 bits.
+COEFF_WIDTH_LIMIT = 17
+
+
+def nearest(value: float) -> int:
+    """The integer nearest to a value that is not negative, halves up."""
+    return int(value + 0.5)
+
+
+def gradient_real(q: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The Gradient scheme in floating point and its slope (equation 4.3).
+
+    Parameters
+    ----------
+    q : array_like of float
+
+    Returns
+    -------
+    value, slope : float arrays, the shape of ``q``
+        The value at q = 0 is the intercept of the first segment, as in the hardware.
+    """
+    real = np.asarray(q, dtype=np.float64)
+    segment = np.searchsorted(UPPER, np.abs(real))
+    slope = np.array([*GRADIENT, 0.0])[segment]
+    value = slope * np.abs(real) + np.array([*INTERCEPT, 1.0])[segment]
+    return np.where(real < 0, -value, value), slope
+
+
+@dataclass(frozen=True)
+class SegmentTable:
+    """Constants of the segments a neuron can reach, as unsigned codes.
+
+    ``coeffs`` and ``intercepts`` hold one word per threshold and one more for what lies beyond
+    the last threshold.
+    """
+
+    thresholds: tuple[int, ...]
+    coeffs: tuple[int, ...]
+    coeff_frac: int
+    intercepts: tuple[int, ...]
+
+    @property
+    def coeff_width(self) -> int:
+        """Bits of the widest coefficient."""
+        return max(1, max(self.coeffs).bit_length())
+
+
+def coefficient_codes(factor: float, width: int, frac_limit: int) -> tuple[list[int], int]:
+    """Gradients g_n * factor as unsigned codes that share one binary point.
+
+    Parameters
+    ----------
+    factor : float
+        Q of the neuron.
+    width : int
+        Signed width, 14 or 18, that each coefficient is rounded to at its own binary point.
+    frac_limit : int
+        Most fraction bits a coefficient may have.
+
+    Returns
+    -------
+    codes : list of int
+    frac : int
+        The common binary point.
+
+    Notes
+    -----
+    A coefficient is first rounded at the largest binary point at which it fits ``width`` bits:
+    for width 14, limit 13 and Q = 3 these are the points 11, 12, 12, 13, ... of Table 4.3. All
+    codes are then written with the finest of these points, which is exact (a left shift) and needs
+    no shifter in the hardware. Where that would take more than 17 bits (Q above 17), the common
+    point moves up until the widest coefficient fits, and every coefficient is rounded at it. The
+    product's error stays below 0.25 LSB of Fix(14,13) then, because segment n is only used up to
+    q_n / Q: 2**-(frac + 1) * 4 / Q <= 2**-15 for every Q.
+
+    Raises
+    ------
+    ValueError
+        When the steepest coefficient does not fit 17 bits even without fraction bits; the message
+        names the segment and the format.
+    """
+    real = [g * factor for g in GRADIENT]
+    points = []
+    for n, value in enumerate(real):
+        fitting = [p for p in range(frac_limit, -1, -1) if nearest(value * 2**p) < 2 ** (width - 1)]
+        if not fitting:
+            raise ValueError(
+                f"segment {n + 1}: gradient {value:g} (Q = {factor:g}) does not fit "
+                f"{Fix(width, 0)}, expected below {2 ** (width - 1)}"
+            )
+        points.append(fitting[0])
+    frac = max(points)
+    while nearest(max(real) * 2**frac) >= 2**COEFF_WIDTH_LIMIT:
+        frac -= 1
+    codes = []
+    for value, own in zip(real, points, strict=True):
+        point = min(own, frac)
+        codes.append(nearest(value * 2**point) << (frac - point))
+    return codes, frac
+
+
+def segment_table(
+    factor: float,
+    reach: int,
+    mag: Fix,
+    out: Fix,
+    coeff_width: int,
+    coeff_frac_limit: int,
+    intercept_frac: int,
+    rounding: Rounding,
+) -> SegmentTable:
+    """Constants for one neuron; segments it cannot reach are left out.
+
+    Parameters
+    ----------
+    factor : float
+        Q of the neuron, 1 where the input is not normalised.
+    reach : int
+        Largest magnitude code the neuron can produce.
+    mag, out : Fix
+        Formats of the activation's input and output.
+    coeff_width, coeff_frac_limit : int
+        See ``coefficient_codes``.
+    intercept_frac : int
+        Fraction bits of the intercepts.
+    rounding : Rounding
+        How GRAD_EQN ends; needed to prove that no segment overflows.
+
+    Raises
+    ------
+    ValueError
+        When a coefficient does not fit, two thresholds fall on one code (Q too large for the
+        format), or a segment's largest result leaves ``out``.
+    """
+    scaled = [nearest(u / factor * 2**mag.frac) for u in UPPER]
+    kept = max(1, sum(t < min(reach, mag.high) for t in scaled))
+    thresholds = scaled[:kept]
+    if thresholds != sorted(set(thresholds)):
+        raise ValueError(
+            f"Q = {factor:g}: thresholds {thresholds} coincide in {mag}, expected distinct codes"
+        )
+    codes, frac = coefficient_codes(factor, coeff_width, coeff_frac_limit)
+    intercepts = [nearest(i * 2**intercept_frac) for i in INTERCEPT]
+    saturated = kept == len(UPPER)
+    words = kept if saturated else kept + 1
+    coeffs = codes[:words]
+    offsets = intercepts[:words]
+    if saturated:
+        coeffs.append(0)
+        offsets.append(out.high << (intercept_frac - out.frac))
+    drop = mag.frac + frac - out.frac
+    half = (1 << drop) >> 1 if rounding is Rounding.ROUND else 0
+    ends = [*thresholds, min(reach, mag.high)]
+    for n, (end, coeff, offset) in enumerate(zip(ends, coeffs, offsets, strict=True)):
+        largest = (end * coeff + (offset << (mag.frac + frac - intercept_frac)) + half) >> drop
+        if largest > out.high:
+            raise ValueError(f"segment {n + 1}: largest result {largest} leaves {out} ({out.high})")
+    return SegmentTable(tuple(thresholds), tuple(coeffs), frac, tuple(offsets))

@@ -1,0 +1,43 @@
+"""Sign retriever: gives a magnitude its sign back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.block import Block
+from golden.fixed import Codes, Fix
+
+
+@dataclass(frozen=True)
+class SignRetriever(Block):
+    """Negates a magnitude when its flag is set (thesis section 4.5.2.4).
+
+    Parameters
+    ----------
+    fmt : Fix
+        Format of the output; the magnitude is unsigned with one bit less.
+
+    Notes
+    -----
+    Exact: every magnitude has both signs in ``fmt``; the most negative code never comes out.
+    """
+
+    block = "sign_retriever"
+    area = "activation"
+    fmt: Fix
+
+    def process(self, mag: ArrayLike, negative: ArrayLike) -> Codes:
+        """Signed codes in ``fmt``.
+
+        Raises
+        ------
+        ValueError
+            For a magnitude outside 0 to ``fmt.high``.
+        """
+        codes = self.fmt.check(mag, "sign_retriever mag")
+        if (codes < 0).any():
+            raise ValueError(f"sign_retriever mag: got {int(codes.min())}, expected 0 or more")
+        return np.where(np.asarray(negative, dtype=bool), -codes, codes)

@@ -1,0 +1,22 @@
+"""How every command ends: bad input prints one line and exits 2, never a traceback."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+
+
+class CommandError(Exception):
+    """A fault of the user's input or machine; the message says what to do."""
+
+
+def run(main: Callable[[], int | None]) -> int:
+    """The exit code of ``main``; its complaints about input go to stderr as one message."""
+    try:
+        return main() or 0
+    except (CommandError, ValueError, FileNotFoundError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return 130

@@ -1,0 +1,185 @@
+"""Fixed-point formats, rounding and overflow: the one place where bits are defined.
+
+A signal of format ``Fix(width, frac)`` is a signed two's complement integer, its *code*; the value
+it stands for is ``code / 2**frac``. ``Fix(14, 13)`` is Q1.13: one sign bit, thirteen fraction bits.
+Twins pass codes as ``int64`` arrays and never use floating point inside.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Codes = NDArray[np.int64]
+
+
+class Rounding(Enum):
+    """What happens to the bits below the last one kept."""
+
+    TRUNCATE = "truncate"  # floor, towards minus infinity
+    ROUND = "round"  # to nearest, halves up
+
+
+class Overflow(Enum):
+    """What happens to a value outside the format."""
+
+    WRAP = "wrap"  # the upper bits are dropped
+    SATURATE = "saturate"  # the nearest end of the range
+
+
+@dataclass(frozen=True)
+class Fix:
+    """A signed two's complement format.
+
+    Parameters
+    ----------
+    width : int
+        Bits in all, sign included; 2 to 62, so that codes and their sums stay inside int64.
+    frac : int
+        Fraction bits; 0 or more, and it may exceed ``width``.
+
+    Raises
+    ------
+    ValueError
+        When width or frac is outside its range.
+    """
+
+    width: int
+    frac: int
+
+    def __post_init__(self) -> None:
+        if not 2 <= self.width <= 62:
+            raise ValueError(f"Fix: width={self.width}, expected 2 to 62")
+        if self.frac < 0:
+            raise ValueError(f"Fix: frac={self.frac}, expected 0 or more")
+
+    def __str__(self) -> str:
+        return f"Fix({self.width},{self.frac})"
+
+    @property
+    def low(self) -> int:
+        """The most negative code."""
+        return -(1 << (self.width - 1))
+
+    @property
+    def high(self) -> int:
+        """The largest code."""
+        return (1 << (self.width - 1)) - 1
+
+    def check(self, codes: ArrayLike, name: str = "codes", columns: int | None = None) -> Codes:
+        """Return ``codes`` as int64 after checking type, shape and range.
+
+        Parameters
+        ----------
+        codes : array_like of int
+            Codes of this format.
+        name : str
+            How the error message calls them.
+        columns : int, optional
+            Required length of the last axis.
+
+        Raises
+        ------
+        ValueError
+            When codes are not integers, the last axis is not ``columns`` long, or a code lies
+            outside the format; the message names what was got and what was expected.
+        """
+        array = np.asarray(codes)
+        if array.dtype.kind not in "iu":
+            raise ValueError(f"{name}: got dtype {array.dtype}, expected integer codes of {self}")
+        if columns is not None and (array.ndim == 0 or array.shape[-1] != columns):
+            raise ValueError(f"{name}: got shape {array.shape}, expected (..., {columns})")
+        outside = (array < self.low) | (array > self.high)
+        if outside.any():
+            at = np.unravel_index(int(np.argmax(outside)), array.shape)
+            where = f" at index {tuple(int(i) for i in at)}" if array.ndim else ""
+            raise ValueError(
+                f"{name}: got code {int(array[at])}{where}, "
+                f"expected {self.low} to {self.high} of {self}"
+            )
+        return array.astype(np.int64)
+
+    def quantise(self, values: ArrayLike, name: str = "values") -> tuple[Codes, int]:
+        """Codes nearest to real ``values`` (halves up), saturated to the format.
+
+        Returns
+        -------
+        codes : int64 array, the shape of ``values``
+        saturated : int
+            How many values lay outside the format and were replaced by its end.
+
+        Raises
+        ------
+        ValueError
+            For NaN or infinity; the message names the value and its index.
+        """
+        real = np.asarray(values, dtype=np.float64)
+        bad = ~np.isfinite(real)
+        if bad.any():
+            at = np.unravel_index(int(np.argmax(bad)), real.shape)
+            where = f" at index {tuple(int(i) for i in at)}" if real.ndim else ""
+            raise ValueError(f"{name}: got {real[at]}{where}, expected finite numbers")
+        scaled = np.floor(np.ldexp(real, self.frac) + 0.5)
+        saturated = int(((scaled < self.low) | (scaled > self.high)).sum())
+        return np.clip(scaled, self.low, self.high).astype(np.int64), saturated
+
+    def to_real(self, codes: ArrayLike) -> NDArray[np.float64]:
+        """The real values that ``codes`` stand for."""
+        return np.ldexp(np.asarray(codes, dtype=np.float64), -self.frac)
+
+    @classmethod
+    def largest_frac(cls, width: int, values: Any, name: str = "values") -> Fix:
+        """The format of ``width`` bits with the most fraction bits that still holds every value.
+
+        Raises
+        ------
+        ValueError
+            When the values need more than ``width`` bits even without fraction bits.
+        """
+        real = np.asarray(values, dtype=np.float64)
+        for frac in range(width - 1, -1, -1):
+            fmt = cls(width, frac)
+            if fmt.quantise(real, name)[1] == 0:
+                return fmt
+        raise ValueError(
+            f"{name}: largest magnitude {float(np.abs(real).max()):g} does not fit {width} bits; "
+            f"expected below {2 ** (width - 1)}"
+        )
+
+
+def requantise(
+    codes: ArrayLike, shift: int, target: Fix, rounding: Rounding, overflow: Overflow
+) -> Codes:
+    """Drop ``shift`` fraction bits and bring the result into ``target``.
+
+    Parameters
+    ----------
+    codes : array_like of int
+        Exact codes with ``target.frac + shift`` fraction bits.
+    shift : int
+        Fraction bits to drop, 0 or more.
+    target : Fix
+        Format of the result.
+    rounding, overflow : Rounding, Overflow
+        The two policies, always explicit.
+    """
+    if shift < 0:
+        raise ValueError(f"requantise: shift={shift}, expected 0 or more")
+    exact = np.asarray(codes, dtype=np.int64)
+    if rounding is Rounding.ROUND and shift:
+        exact = exact + (1 << (shift - 1))
+    kept = exact >> shift
+    if overflow is Overflow.SATURATE:
+        return np.clip(kept, target.low, target.high)
+    span = 1 << target.width
+    return np.asarray(((kept - target.low) % span) + target.low, dtype=np.int64)
+
+
+def signed_width(bounds: Iterable[int]) -> int:
+    """Bits of the smallest signed number that holds every one of ``bounds``."""
+    return max(2, *((b.bit_length() if b >= 0 else (-b - 1).bit_length()) + 1 for b in bounds))

@@ -1,0 +1,104 @@
+"""CONTROLLER 1: counts the samples of a frame and refuses frames of the wrong length."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from golden.block import Block
+from golden.fixed import Codes
+
+
+@dataclass(frozen=True)
+class FrameScan:
+    """What the controller decided for each sample, as arrays of one length.
+
+    Attributes
+    ----------
+    addr : int64 array
+        Position of the sample in its frame, 0 where the sample is dropped.
+    accept : bool array
+        False while the rest of an overlong frame is dropped.
+    done : bool array
+        The sample completes a frame that yields a result.
+    error : bool array
+        The sample breaks the frame: ``frame_error`` follows for one clock.
+    """
+
+    addr: Codes
+    accept: NDArray[np.bool_]
+    done: NDArray[np.bool_]
+    error: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class InputController(Block):
+    """Weight address, accumulator controls and frame check (thesis 5.4.5.1, CONTROLLER 1).
+
+    Parameters
+    ----------
+    inputs : int
+        Samples of one frame, 1 or more.
+    spacing : int
+        Least clocks from the last sample of one frame to the last sample of the next. A design
+        that needs more clocks for its outputs than a frame has samples sets it to the number of
+        outputs; otherwise it is 0 and its counter is left out.
+
+    Notes
+    -----
+    A frame is wrong when ``last`` comes too early or does not come with the last sample, or when
+    the frame ends before ``spacing`` clocks have passed. A wrong frame raises one error; of an
+    overlong frame everything up to and including its ``last`` is dropped.
+    """
+
+    block = "input_controller"
+    area = "layers"
+    inputs: int
+    spacing: int
+
+    def __post_init__(self) -> None:
+        if self.inputs < 1 or self.spacing < 0:
+            raise ValueError(
+                f"{self.entity}: got inputs={self.inputs}, spacing={self.spacing}, "
+                "expected inputs of 1 or more and spacing of 0 or more"
+            )
+
+    @property
+    def addr_width(self) -> int:
+        """Bits of the weight address."""
+        return max(1, (self.inputs - 1).bit_length())
+
+    def process(self, last: ArrayLike, clock: ArrayLike) -> FrameScan:
+        """Decisions for samples that arrive after a reset.
+
+        Parameters
+        ----------
+        last : array_like of bool
+            The ``last`` flag of each valid sample.
+        clock : array_like of int
+            The clock in which each sample arrived; only differences matter.
+        """
+        flags = np.asarray(last, dtype=bool)
+        times = np.asarray(clock, dtype=np.int64)
+        addr = np.zeros(len(flags), dtype=np.int64)
+        accept = np.ones(len(flags), dtype=bool)
+        done = np.zeros(len(flags), dtype=bool)
+        error = np.zeros(len(flags), dtype=bool)
+        count, dropping, free_at = 0, False, None
+        for k, (is_last, time) in enumerate(zip(flags, times, strict=True)):
+            if dropping:
+                accept[k] = False
+                dropping = not is_last
+                continue
+            addr[k] = count
+            complete = count == self.inputs - 1
+            early = free_at is not None and time < free_at
+            done[k] = complete and is_last and not early
+            error[k] = (complete or is_last) and not done[k]
+            dropping = complete and not is_last
+            count = 0 if complete or is_last else count + 1
+            if done[k]:
+                free_at = time + self.spacing
+        return FrameScan(addr, accept, done, error)

@@ -1,0 +1,44 @@
+"""Input integral: all nodes of the hidden layer side by side."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.block import Block
+from golden.fixed import Codes
+from golden.layers.input_node import InputNode
+
+
+@dataclass(frozen=True)
+class InputIntegral(Block):
+    """q_j = b_j + sum_k w_jk x_k for every hidden node j (thesis section 5.4.5.1).
+
+    Parameters
+    ----------
+    nodes : tuple of InputNode
+        One per hidden node; all take the same samples in the same formats.
+    """
+
+    block = "input_integral"
+    area = "layers"
+    nodes: tuple[InputNode, ...]
+
+    def __post_init__(self) -> None:
+        shapes = {(len(n.weights), n.in_fmt, n.out_fmt) for n in self.nodes}
+        if len(shapes) != 1:
+            raise ValueError(f"{self.entity}: got nodes of shapes {shapes}, expected one shape")
+
+    @property
+    def inputs(self) -> int:
+        """Samples of one frame."""
+        return len(self.nodes[0].weights)
+
+    def parts(self) -> tuple[Block, ...]:
+        return self.nodes
+
+    def process(self, frames: ArrayLike) -> Codes:
+        """Results, shape (..., hidden), of frames of samples, shape (..., inputs)."""
+        return np.stack([node.process(frames) for node in self.nodes], axis=-1)

@@ -1,0 +1,107 @@
+"""One node of the input integral: a neuron's weighted sum of serial samples."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.block import Block
+from golden.fixed import Codes, Fix, Overflow, Rounding, requantise, signed_width
+
+
+@dataclass(frozen=True)
+class InputNode(Block):
+    """q = b + sum_k w_k x_k on one multiplier (thesis equation 5.1, Figure 5.9).
+
+    Parameters
+    ----------
+    weights : tuple of int
+        Codes of ``coeff_fmt``, in the order in which the samples arrive.
+    bias : int
+        Code of ``coeff_fmt``; the accumulator starts from it.
+    in_fmt, coeff_fmt, out_fmt : Fix
+        Formats of sample, weight and result.
+    product_shift : int
+        Fraction bits cut (floor) from each product before it is added: 13 in ``thesis``
+        precision, 0 in ``precise``.
+
+    Notes
+    -----
+    The sum is exact: ``acc_width`` holds the sum of the magnitudes of all terms, hence every
+    partial sum in any order. The result is rounded half up and saturated to ``out_fmt``; with no
+    bits to drop and an accumulator no wider than ``out_fmt`` both vanish.
+    """
+
+    block = "input_node"
+    area = "layers"
+    weights: tuple[int, ...]
+    bias: int
+    in_fmt: Fix
+    coeff_fmt: Fix
+    out_fmt: Fix
+    product_shift: int
+
+    def __post_init__(self) -> None:
+        self.coeff_fmt.check(np.array([*self.weights, self.bias]), f"{self.entity} weights")
+        if self.acc_frac < max(self.out_fmt.frac, self.coeff_fmt.frac):
+            raise ValueError(
+                f"{self.entity}: the accumulator has {self.acc_frac} fraction bits, expected at "
+                f"least those of {self.out_fmt} and {self.coeff_fmt}"
+            )
+
+    @property
+    def acc_frac(self) -> int:
+        """Fraction bits of the accumulator."""
+        return self.in_fmt.frac + self.coeff_fmt.frac - self.product_shift
+
+    @property
+    def bias_shift(self) -> int:
+        """Places by which the bias moves left into the accumulator."""
+        return self.acc_frac - self.coeff_fmt.frac
+
+    @property
+    def out_shift(self) -> int:
+        """Fraction bits dropped from the accumulator at the end."""
+        return self.acc_frac - self.out_fmt.frac
+
+    @property
+    def acc_bound(self) -> int:
+        """Largest magnitude that the accumulator can reach with samples anywhere in ``in_fmt``.
+
+        |floor(w x / 2**s)| is largest at the most negative sample, where it is exact.
+        """
+        terms = [abs(w * self.in_fmt.low) >> self.product_shift for w in self.weights]
+        return sum(terms) + abs(self.bias << self.bias_shift)
+
+    @property
+    def acc_width(self) -> int:
+        """Bits of the accumulator: no sum of any subset of the terms can leave it."""
+        positive = negative = 0
+        for term in [self.bias << self.bias_shift] + [
+            (w * x) >> self.product_shift
+            for w in self.weights
+            for x in ((self.in_fmt.low, self.in_fmt.high))
+        ]:
+            positive += max(term, 0)
+            negative += min(term, 0)
+        return signed_width((positive, negative))
+
+    @property
+    def reach(self) -> int:
+        """Largest magnitude code of the result."""
+        return min((self.acc_bound >> self.out_shift) + 1, self.out_fmt.high)
+
+    def process(self, frames: ArrayLike) -> Codes:
+        """Results in ``out_fmt``, shape (...), of frames of samples, shape (..., inputs).
+
+        Raises
+        ------
+        ValueError
+            For a wrong last axis or a code outside ``in_fmt``.
+        """
+        x = self.in_fmt.check(frames, "input_node frames", len(self.weights))
+        terms = (x * np.asarray(self.weights, dtype=np.int64)) >> self.product_shift
+        acc = terms.sum(axis=-1) + (self.bias << self.bias_shift)
+        return requantise(acc, self.out_shift, self.out_fmt, Rounding.ROUND, Overflow.SATURATE)

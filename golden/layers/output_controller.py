@@ -1,0 +1,38 @@
+"""CONTROLLER 2: steps through the outputs of a frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from golden.block import Block
+from golden.fixed import Codes
+
+
+@dataclass(frozen=True)
+class OutputController(Block):
+    """Row address for each output in turn (thesis section 5.4.5.3, CONTROLLER 2).
+
+    Parameters
+    ----------
+    outputs : int
+        Outputs of one frame, 1 or more.
+    """
+
+    block = "output_controller"
+    area = "layers"
+    outputs: int
+
+    def __post_init__(self) -> None:
+        if self.outputs < 1:
+            raise ValueError(f"{self.entity}: got outputs={self.outputs}, expected 1 or more")
+
+    @property
+    def addr_width(self) -> int:
+        """Bits of the row address."""
+        return max(1, (self.outputs - 1).bit_length())
+
+    def process(self, frames: int) -> Codes:
+        """Row addresses of ``frames`` frames, shape (frames, outputs)."""
+        return np.tile(np.arange(self.outputs, dtype=np.int64), (frames, 1))

@@ -1,0 +1,117 @@
+"""Output integral: the outputs, one after the other, on one multiplier per hidden node."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.block import Block
+from golden.fixed import Codes, Fix, Overflow, Rounding, requantise, signed_width
+
+
+@dataclass(frozen=True)
+class OutputIntegral(Block):
+    """y_i = (b_i + sum_j w_ij r_j) Y_i, one output a clock (thesis equation 5.2, Figure 5.11).
+
+    Parameters
+    ----------
+    weights : tuple of tuple of int
+        One row of codes of ``coeff_fmt`` per output.
+    biases : tuple of int
+        Codes of ``coeff_fmt``, one per output.
+    factors : tuple of int, or None
+        De-normalisation Y_i (equation 4.17); None leaves the multiplier out.
+    in_fmt, coeff_fmt, out_fmt : Fix
+        Formats of r, weight and y.
+    product_shift : int
+        Fraction bits cut (floor) from each product before it is added.
+
+    Notes
+    -----
+    Sum and product with Y_i are exact. The result is rounded half up (in ``thesis`` precision
+    there are no bits to drop) and saturated to ``out_fmt``.
+    """
+
+    block = "output_integral"
+    area = "layers"
+    weights: tuple[tuple[int, ...], ...]
+    biases: tuple[int, ...]
+    factors: tuple[int, ...] | None
+    in_fmt: Fix
+    coeff_fmt: Fix
+    out_fmt: Fix
+    product_shift: int
+
+    def __post_init__(self) -> None:
+        self.coeff_fmt.check(np.array(self.weights), f"{self.entity} weights", self.hidden)
+        self.coeff_fmt.check(np.array(self.biases), f"{self.entity} biases", self.outputs)
+        if self.factors is not None and (
+            len(self.factors) != self.outputs or min(self.factors) < 1
+        ):
+            raise ValueError(
+                f"{self.entity}: got factors {self.factors}, expected {self.outputs} of 1 or more"
+            )
+
+    @property
+    def outputs(self) -> int:
+        """Results of one frame."""
+        return len(self.weights)
+
+    @property
+    def hidden(self) -> int:
+        """Activations of one frame."""
+        return len(self.weights[0])
+
+    @property
+    def acc_frac(self) -> int:
+        """Fraction bits of the sum."""
+        return self.in_fmt.frac + self.coeff_fmt.frac - self.product_shift
+
+    @property
+    def bias_shift(self) -> int:
+        """Places by which the bias moves left to meet the sum's binary point."""
+        return self.acc_frac - self.coeff_fmt.frac
+
+    @property
+    def out_shift(self) -> int:
+        """Fraction bits dropped at the end."""
+        return self.acc_frac - self.out_fmt.frac
+
+    def sum_range(self, row: int) -> tuple[int, int]:
+        """Least and largest value of any partial sum of output ``row``."""
+        ends = [self.biases[row] << self.bias_shift]
+        for w in self.weights[row]:
+            ends += [(w * r) >> self.product_shift for r in (self.in_fmt.low, self.in_fmt.high)]
+        return sum(e for e in ends if e < 0), sum(e for e in ends if e > 0)
+
+    @property
+    def acc_width(self) -> int:
+        """Bits of the sum: no partial sum of any output can leave them."""
+        return signed_width(end for i in range(self.outputs) for end in self.sum_range(i))
+
+    @property
+    def scaled_width(self) -> int:
+        """Bits of the sum after the product with its factor."""
+        if self.factors is None:
+            return self.acc_width
+        return signed_width(
+            end * self.factors[i] for i in range(self.outputs) for end in self.sum_range(i)
+        )
+
+    def process(self, activations: ArrayLike) -> Codes:
+        """Results in ``out_fmt``, shape (..., outputs), of activations, shape (..., hidden).
+
+        Raises
+        ------
+        ValueError
+            For a wrong last axis or a code outside ``in_fmt``.
+        """
+        r = self.in_fmt.check(activations, "output_integral activations", self.hidden)
+        weights = np.asarray(self.weights, dtype=np.int64)
+        terms = (r[..., np.newaxis, :] * weights) >> self.product_shift
+        acc = terms.sum(axis=-1) + (np.asarray(self.biases, dtype=np.int64) << self.bias_shift)
+        if self.factors is not None:
+            acc = acc * np.asarray(self.factors, dtype=np.int64)
+        return requantise(acc, self.out_shift, self.out_fmt, Rounding.ROUND, Overflow.SATURATE)

@@ -1,0 +1,76 @@
+"""Trained networks on disk: an NPZ of w1, b1, w2, b2 with its provenance beside it as TOML."""
+
+from __future__ import annotations
+
+import zipfile
+from pathlib import Path
+
+import numpy as np
+
+from golden.files import replace_file
+from golden.networks.mlp import Mlp
+
+NAMES = ("w1", "b1", "w2", "b2")
+
+
+def provenance_path(path: Path) -> Path:
+    """Where the provenance of the network at ``path`` stands."""
+    return path.with_suffix(".provenance.toml")
+
+
+def load_network(path: Path, shape: tuple[int, int, int]) -> Mlp:
+    """The network at ``path``.
+
+    Parameters
+    ----------
+    path : Path
+    shape : tuple of int
+        Inputs, hidden nodes and outputs that the network must have.
+
+    Raises
+    ------
+    FileNotFoundError
+        When there is no such file; the message says how to train one.
+    ValueError
+        When the file is no NPZ, an array is missing, has another shape than expected, or holds
+        NaN; the message names file and array.
+    """
+    if not path.is_file():
+        raise FileNotFoundError(f"{path}: no such network; make train SCENE=... writes it")
+    inputs, hidden, outputs = shape
+    expected = {
+        "w1": (hidden, inputs),
+        "b1": (hidden,),
+        "w2": (outputs, hidden),
+        "b2": (outputs,),
+    }
+    arrays = {}
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            for name in NAMES:
+                if name not in archive:
+                    raise ValueError(f"{path}: no array {name!r}, got {', '.join(archive.files)}")
+                arrays[name] = np.asarray(archive[name], dtype=np.float64)
+    except (zipfile.BadZipFile, EOFError, AttributeError, TypeError) as error:
+        raise ValueError(f"{path}: not an NPZ of numbers: {error}") from None
+    for name, array in arrays.items():
+        if array.shape != expected[name]:
+            raise ValueError(
+                f"{path}: {name}: got shape {array.shape}, expected {expected[name]} "
+                f"of a {inputs}:{hidden}:{outputs} network"
+            )
+        if not np.isfinite(array).all():
+            raise ValueError(f"{path}: {name}: got NaN or infinity, expected finite numbers")
+    return Mlp(**arrays)
+
+
+def save_network(path: Path, mlp: Mlp, provenance: dict[str, str | int | float]) -> None:
+    """Write the network and its provenance; either file is whole or untouched."""
+    with replace_file(path) as temporary:
+        np.savez(temporary, w1=mlp.w1, b1=mlp.b1, w2=mlp.w2, b2=mlp.b2)
+    lines = [
+        f'{key} = "{value}"' if isinstance(value, str) else f"{key} = {value}"
+        for key, value in provenance.items()
+    ]
+    with replace_file(provenance_path(path)) as temporary:
+        temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -1,0 +1,108 @@
+"""Hybrid: a network of two layers, folded over its inputs and over its outputs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.activation.gradient import Gradient
+from golden.activation.segments import UPPER
+from golden.block import Block
+from golden.fixed import Codes
+from golden.layers.input_controller import InputController
+from golden.layers.input_integral import InputIntegral
+from golden.layers.output_controller import OutputController
+from golden.layers.output_integral import OutputIntegral
+
+
+@dataclass(frozen=True)
+class Hybrid(Block):
+    """y = f2(activation(f1(x))) with N + M + L folded work (thesis section 5.4, Figure 5.8).
+
+    Layer 1 has one multiplier per hidden node, used once per sample; each hidden node has one
+    activation; layer 2 has one multiplier per hidden node, used once per output.
+
+    Parameters
+    ----------
+    input_integral : InputIntegral
+    activations : tuple of Gradient
+        One per hidden node.
+    output_integral : OutputIntegral
+    """
+
+    block = "hybrid"
+    area = "networks"
+    input_integral: InputIntegral
+    activations: tuple[Gradient, ...]
+    output_integral: OutputIntegral
+
+    def __post_init__(self) -> None:
+        hidden = len(self.input_integral.nodes)
+        if not hidden == len(self.activations) == self.output_integral.hidden:
+            raise ValueError(
+                f"{self.entity}: got {hidden} nodes, {len(self.activations)} activations and "
+                f"{self.output_integral.hidden} weights per output, expected equal numbers"
+            )
+
+    @property
+    def inputs(self) -> int:
+        """Samples of one frame."""
+        return self.input_integral.inputs
+
+    @property
+    def outputs(self) -> int:
+        """Results of one frame."""
+        return self.output_integral.outputs
+
+    @property
+    def interval(self) -> int:
+        """Least clocks from one frame to the next."""
+        return max(self.inputs, self.outputs)
+
+    @property
+    def input_controller(self) -> InputController:
+        spacing = self.outputs if self.outputs > self.inputs else 0
+        return InputController(self.inputs, spacing, variant=self.variant)
+
+    @property
+    def output_controller(self) -> OutputController:
+        return OutputController(self.outputs, variant=self.variant)
+
+    def parts(self) -> tuple[Block, ...]:
+        return (
+            self.input_controller,
+            self.input_integral,
+            *self.activations,
+            self.output_controller,
+            self.output_integral,
+        )
+
+    def left_out(self) -> list[str]:
+        """What this network does not need and therefore does not build."""
+        all_segments = len(UPPER)
+        comparators = sum(all_segments - len(a.table.thresholds) for a in self.activations)
+        words = sum(2 * (all_segments + 1 - len(a.table.coeffs)) for a in self.activations)
+        texts = []
+        if comparators:
+            texts.append(
+                f"{comparators} comparators and {words} ROM words of segments no neuron reaches"
+            )
+        if self.output_integral.factors is None:
+            texts.append("the de-normalisation multiplier and its ROM")
+        if not self.input_controller.spacing:
+            texts.append("the counter that keeps frames apart: a frame has samples enough")
+        return texts
+
+    def process(self, frames: ArrayLike) -> Codes:
+        """Output codes, shape (..., outputs), of frames of sample codes, shape (..., inputs).
+
+        Raises
+        ------
+        ValueError
+            For a wrong last axis or a code outside the signal format.
+        """
+        q = self.input_integral.process(frames)
+        columns = [a.process(q[..., j]) for j, a in enumerate(self.activations)]
+        return self.output_integral.process(np.stack(columns, axis=-1))

@@ -1,0 +1,68 @@
+"""The network in floating point: the reference that every bit-true network is compared with."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Real = NDArray[np.float64]
+
+# An activation gives its value and its slope; training needs both.
+Activation = Callable[[Real], tuple[Real, Real]]
+
+
+def tanh(q: Real) -> tuple[Real, Real]:
+    """The hyperbolic tangent and its slope."""
+    value = np.tanh(q)
+    return value, 1 - value * value
+
+
+@dataclass(frozen=True)
+class Mlp:
+    """y = w2 f(w1 x + b1) + b2 (thesis equation 3.11).
+
+    Parameters
+    ----------
+    w1 : float array, shape (hidden, inputs)
+    b1 : float array, shape (hidden,)
+    w2 : float array, shape (outputs, hidden)
+    b2 : float array, shape (outputs,)
+
+    Raises
+    ------
+    ValueError
+        When the shapes do not fit each other or a value is not finite.
+    """
+
+    w1: Real
+    b1: Real
+    w2: Real
+    b2: Real
+
+    def __post_init__(self) -> None:
+        shapes = [np.shape(a) for a in (self.w1, self.b1, self.w2, self.b2)]
+        hidden, outputs = len(self.b1), len(self.b2)
+        inputs = shapes[0][-1] if len(shapes[0]) == 2 else 0
+        expected = [(hidden, inputs), (hidden,), (outputs, hidden), (outputs,)]
+        if shapes != expected:
+            raise ValueError(
+                f"w1, b1, w2, b2: got shapes {shapes}, expected (hidden, inputs), (hidden,), "
+                "(outputs, hidden), (outputs,)"
+            )
+        for name in ("w1", "b1", "w2", "b2"):
+            if not np.isfinite(getattr(self, name)).all():
+                raise ValueError(f"{name}: got NaN or infinity, expected finite numbers")
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Inputs, hidden nodes and outputs."""
+        return self.w1.shape[1], self.w1.shape[0], self.w2.shape[0]
+
+    def process(self, frames: ArrayLike, activation: Activation = tanh) -> Real:
+        """Outputs, shape (..., outputs), of frames, shape (..., inputs)."""
+        hidden, _ = activation(np.asarray(frames, dtype=np.float64) @ self.w1.T + self.b1)
+        result: Real = hidden @ self.w2.T + self.b2
+        return result

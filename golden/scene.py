@@ -1,0 +1,282 @@
+"""A scene: which sensors, which outputs, which network, in which form of hardware.
+
+A scene is one TOML file, in ``golden/scenes`` or anywhere else. Paths in it are relative to it.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from golden.fixed import Codes
+from golden.network_file import load_network
+from golden.networks.hybrid import Hybrid
+from golden.networks.mlp import Mlp
+from golden.precision import PRECISIONS, SIGNAL, Precision, build_hybrid
+from golden.table import read_table, suggest
+
+FOLDER = Path(__file__).parent / "scenes"
+
+# Section, key, type, default; None as a default makes the key required.
+_KEYS: dict[str, dict[str, tuple[type, Any]]] = {
+    "data": {
+        "file": (str, None),
+        "sensors": (list, None),
+        "outputs": (list, None),
+        "group_by": (str, None),
+        "full_scale": (dict, {}),
+        "reference": (str, ""),
+    },
+    "network": {
+        "arrangement": (str, None),
+        "hidden": (int, None),
+        "weights": (str, None),
+    },
+    "hardware": {
+        "design": (str, None),
+        "activation": (str, None),
+        "precision": (str, None),
+        "clock_mhz": (float, 64.0),
+    },
+    "training": {
+        "seed": (int, 1),
+        "restarts": (int, 8),
+        "weight_decay": (float, 1e-4),
+        "steps": (int, 200),
+    },
+}
+_CHOICES = {
+    ("network", "arrangement"): ("single",),
+    ("hardware", "design"): ("hybrid",),
+    ("hardware", "activation"): ("gradient",),
+    ("hardware", "precision"): tuple(PRECISIONS),
+}
+
+
+@dataclass(frozen=True)
+class Training:
+    """How a scene's network is trained; see ``golden.training``."""
+
+    seed: int
+    restarts: int
+    weight_decay: float
+    steps: int
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One scene, read and checked.
+
+    Attributes
+    ----------
+    name : str
+        The file's name without its ending.
+    path : Path
+    data_path, weights_path : Path
+    sensors, outputs : tuple of str
+        Columns of the recorded vectors.
+    group_by : str
+        Column of the positions over which equation 3.15 averages.
+    full_scale : dict
+        Outputs whose error is divided by this constant instead of by the target.
+    reference : str
+        Table of golden/data/thesis_numbers.toml to compare with, or nothing.
+    hidden : int
+    activation : str
+    precision : Precision
+    clock_mhz : float
+    training : Training
+    """
+
+    name: str
+    path: Path
+    data_path: Path
+    weights_path: Path
+    sensors: tuple[str, ...]
+    outputs: tuple[str, ...]
+    group_by: str
+    full_scale: dict[str, float]
+    reference: str
+    hidden: int
+    activation: str
+    precision: Precision
+    clock_mhz: float
+    training: Training
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Inputs, hidden nodes and outputs."""
+        return len(self.sensors), self.hidden, len(self.outputs)
+
+    def vectors(self) -> Vectors:
+        """The recorded vectors of this scene.
+
+        Raises
+        ------
+        FileNotFoundError, ValueError
+            See ``read_table``; also for a target of 0 where the error is relative to the target.
+        """
+        columns = [*self.sensors, *self.outputs, self.group_by]
+        table = read_table(self.data_path, columns)
+        inputs = table[:, : len(self.sensors)]
+        targets = table[:, len(self.sensors) : -1]
+        for c, name in enumerate(self.outputs):
+            if name not in self.full_scale and (targets[:, c] == 0).any():
+                raise ValueError(
+                    f"{self.data_path}: column {name!r} holds a target of 0, whose relative error "
+                    f"is not defined; give {name} a full_scale in {self.path}"
+                )
+        codes, saturated = SIGNAL.quantise(inputs, f"{self.data_path} sensors")
+        return Vectors(inputs, targets, table[:, -1], codes, saturated)
+
+    def mlp(self) -> Mlp:
+        """The trained network in floating point.
+
+        Raises
+        ------
+        FileNotFoundError, ValueError
+            See ``load_network``.
+        """
+        return load_network(self.weights_path, self.shape)
+
+    def design(self) -> Hybrid:
+        """The bit-true network of this scene."""
+        return build_hybrid(self.mlp(), self.precision)
+
+
+@dataclass(frozen=True)
+class Vectors:
+    """Recorded vectors: real inputs, targets, positions, and the inputs as codes.
+
+    ``saturated`` counts inputs outside [-1, 1) that were replaced by the nearest code.
+    """
+
+    inputs: NDArray[np.float64]
+    targets: NDArray[np.float64]
+    groups: NDArray[np.float64]
+    codes: Codes
+    saturated: int
+
+
+def scene_names() -> list[str]:
+    """The scenes that tactus ships."""
+    return sorted(p.stem for p in FOLDER.glob("*.toml") if ".provenance" not in p.name)
+
+
+def load_scene(name: str) -> Scene:
+    """Read a scene by its name, or by a path that ends in ``.toml``.
+
+    Raises
+    ------
+    FileNotFoundError
+        For an unknown scene; the message lists those there are.
+    ValueError
+        For a fault in the file; the message names file, key, what was got and what was expected.
+    """
+    known = scene_names()
+    path = Path(name) if name.endswith(".toml") else FOLDER / f"{name}.toml"
+    if not path.is_file() or (path.parent == FOLDER and path.stem not in known):
+        raise FileNotFoundError(
+            f"scene {name!r}: no such scene, expected a path to a .toml file or one of "
+            f"{', '.join(known)}{suggest(name, known)}"
+        )
+    try:
+        raw = tomllib.loads(path.read_text(encoding="utf-8"))
+    except tomllib.TOMLDecodeError as error:
+        raise ValueError(f"{path}: not TOML: {error}") from None
+    values = _checked(raw, path)
+    return _scene(values, path)
+
+
+def _checked(raw: dict[str, Any], path: Path) -> dict[str, dict[str, Any]]:
+    """Every section with every key, types and choices checked, defaults filled in."""
+    _refuse_unknown(raw, _KEYS, f"{path}: section")
+    values: dict[str, dict[str, Any]] = {}
+    for section, keys in _KEYS.items():
+        given = raw.get(section, {})
+        if not isinstance(given, dict):
+            raise ValueError(f"{path}: {section}: got {given!r}, expected a section")
+        _refuse_unknown(given, keys, f"{path}: {section}: key")
+        values[section] = {}
+        for key, (kind, default) in keys.items():
+            value = given.get(key, default)
+            if value is None:
+                raise ValueError(f"{path}: {section}.{key}: missing, expected {_kind(kind)}")
+            if kind is float and type(value) is int:
+                value = float(value)
+            if type(value) is not kind:
+                raise ValueError(f"{path}: {section}.{key}: got {value!r}, expected {_kind(kind)}")
+            choices = _CHOICES.get((section, key))
+            if choices and value not in choices:
+                raise ValueError(
+                    f"{path}: {section}.{key}: got {value!r}, expected one of "
+                    f"{', '.join(choices)}{suggest(str(value), choices)}"
+                )
+            values[section][key] = value
+    return values
+
+
+def _kind(kind: type) -> str:
+    names = {str: "text", int: "a whole number", float: "a number", list: "a list", dict: "a table"}
+    return names[kind]
+
+
+def _refuse_unknown(given: dict[str, Any], known: dict[str, Any], place: str) -> None:
+    for name in given:
+        if name not in known:
+            raise ValueError(
+                f"{place} {name!r} is not known, expected {', '.join(known)}"
+                f"{suggest(name, list(known))}"
+            )
+
+
+def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
+    data, network, hardware = values["data"], values["network"], values["hardware"]
+    for key in ("sensors", "outputs"):
+        names = data[key]
+        if not names or any(type(n) is not str for n in names) or len(set(names)) < len(names):
+            raise ValueError(f"{path}: data.{key}: got {names!r}, expected column names, each once")
+    for name, scale in data["full_scale"].items():
+        if name not in data["outputs"]:
+            raise ValueError(
+                f"{path}: data.full_scale: {name!r} is no output, expected one of "
+                f"{', '.join(data['outputs'])}{suggest(name, data['outputs'])}"
+            )
+        if type(scale) not in (int, float) or not scale > 0:
+            raise ValueError(
+                f"{path}: data.full_scale.{name}: got {scale!r}, expected a number above 0"
+            )
+    positive = [
+        ("network.hidden", network["hidden"]),
+        ("hardware.clock_mhz", hardware["clock_mhz"]),
+    ]
+    positive += [(f"training.{k}", values["training"][k]) for k in ("restarts", "steps")]
+    for key, value in positive:
+        if not value > 0:
+            raise ValueError(f"{path}: {key}: got {value!r}, expected above 0")
+    if values["training"]["weight_decay"] < 0:
+        raise ValueError(
+            f"{path}: training.weight_decay: got {values['training']['weight_decay']!r}, "
+            "expected 0 or more"
+        )
+    return Scene(
+        name=path.stem,
+        path=path,
+        data_path=path.parent / data["file"],
+        weights_path=path.parent / network["weights"],
+        sensors=tuple(data["sensors"]),
+        outputs=tuple(data["outputs"]),
+        group_by=data["group_by"],
+        full_scale={name: float(s) for name, s in data["full_scale"].items()},
+        reference=data["reference"],
+        hidden=network["hidden"],
+        activation=hardware["activation"],
+        precision=PRECISIONS[hardware["precision"]],
+        clock_mhz=hardware["clock_mhz"],
+        training=Training(**values["training"]),
+    )

@@ -1,0 +1,75 @@
+"""Recorded vectors: a CSV of numbers with a header, checked cell by cell."""
+
+from __future__ import annotations
+
+import csv
+import difflib
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def read_table(path: Path, columns: Sequence[str]) -> NDArray[np.float64]:
+    """The named columns of a CSV file.
+
+    Parameters
+    ----------
+    path : Path
+        UTF-8, comma separated, first line the column names.
+    columns : sequence of str
+        Names of the columns wanted, in the order wanted.
+
+    Returns
+    -------
+    float array, shape (rows, columns)
+
+    Raises
+    ------
+    FileNotFoundError
+        When there is no such file.
+    ValueError
+        For an empty file, a missing or repeated column, a row of another length than the header,
+        a cell that is no number, NaN or infinity; the message names file, line and column.
+    """
+    if not path.is_file():
+        raise FileNotFoundError(f"{path}: no such file")
+    with path.open(newline="", encoding="utf-8-sig") as handle:
+        rows = [(reader.line_num, row) for reader in [csv.reader(handle)] for row in reader if row]
+    if len(rows) < 2:
+        raise ValueError(f"{path}: got {len(rows)} lines, expected a header and at least one row")
+    header = [name.strip() for name in rows[0][1]]
+    repeated = sorted({name for name in header if header.count(name) > 1})
+    if repeated:
+        raise ValueError(f"{path}: column {repeated[0]!r} stands twice in the header")
+    for name in columns:
+        if name not in header:
+            raise ValueError(
+                f"{path}: no column {name!r}, got {', '.join(header)}{suggest(name, header)}"
+            )
+    where = [header.index(name) for name in columns]
+    values = np.empty((len(rows) - 1, len(columns)))
+    for r, (line, row) in enumerate(rows[1:]):
+        if len(row) != len(header):
+            raise ValueError(f"{path}:{line}: got {len(row)} cells, expected {len(header)}")
+        for c, at in enumerate(where):
+            values[r, c] = _number(row[at], f"{path}:{line}: column {columns[c]!r}")
+    return values
+
+
+def _number(text: str, place: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        raise ValueError(f"{place}: got {text!r}, expected a number") from None
+    if not math.isfinite(value):
+        raise ValueError(f"{place}: got {text.strip()}, expected a finite number")
+    return value
+
+
+def suggest(name: str, known: Sequence[str]) -> str:
+    """A hint at the nearest known name, or nothing."""
+    near = difflib.get_close_matches(name, known, n=1)
+    return f"; did you mean {near[0]!r}?" if near else ""

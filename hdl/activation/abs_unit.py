@@ -1,0 +1,60 @@
+"""ABS: sign and magnitude of a signed code."""
+
+from myhdl import always, always_comb, always_seq, block
+
+from golden.activation.abs_unit import AbsUnit
+from hdl.common.signals import signed, unsigned
+
+
+@block
+def abs_unit(clk, rst, in_valid, in_data, out_valid, out_mag, out_negative, *, spec: AbsUnit):
+    """Magnitude and sign of ``in_data`` one clock later (thesis section 4.5.2.2).
+
+    Parameters
+    ----------
+    in_valid, in_data : bool, signed ``spec.fmt``
+    out_valid, out_mag, out_negative : bool, unsigned ``spec.mag_width`` bits, bool
+    spec : AbsUnit
+        Formats; the twin states rounding and overflow (the most negative code saturates).
+
+    Notes
+    -----
+    Latency 1 clock, one code a clock. Reset clears ``out_valid`` alone.
+    """
+    width = spec.fmt.width
+    high = spec.fmt.high
+    # One bit wider than the input: VHDL would negate -2**(width - 1) in the input's own width.
+    wide = signed(width + 1)
+    opposite = signed(width + 1)
+    magnitude = unsigned(spec.mag_width)
+
+    @always_comb
+    def widen():
+        wide.next = in_data
+
+    @always_comb
+    def negate():
+        opposite.next = -wide
+
+    @always_comb
+    def choose():
+        if not in_data[width - 1]:
+            magnitude.next = wide[width - 1 :]
+        elif opposite > high:
+            magnitude.next = high
+        else:
+            magnitude.next = opposite[width - 1 :]
+
+    @always(clk.posedge)
+    def keep():
+        out_mag.next = magnitude
+        out_negative.next = in_data[width - 1]
+
+    @always_seq(clk.posedge, reset=rst)
+    def mark():
+        out_valid.next = in_valid
+
+    return widen, negate, choose, keep, mark
+
+
+abs_unit.latency = lambda spec: 1

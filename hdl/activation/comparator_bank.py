@@ -1,0 +1,67 @@
+"""Comparator bank: which segment of the activation a magnitude lies in."""
+
+from myhdl import always, always_comb, always_seq, block, intbv
+
+from golden.activation.comparator_bank import ComparatorBank
+from hdl.common.signals import flag, unsigned
+
+
+@block
+def comparator(mag, over, *, threshold: int):
+    """``over`` tells that ``mag`` exceeds ``threshold``."""
+
+    @always_comb
+    def compare():
+        over.next = mag > threshold
+
+    return compare
+
+
+@block
+def comparator_bank(
+    clk, rst, in_valid, in_mag, out_valid, out_addr, out_mag, *, spec: ComparatorBank
+):
+    """Segment address of ``in_mag`` one clock later, with the magnitude beside it.
+
+    Thesis section 4.5.2.3.1 C and the Addresser of 5.4.5.2: every comparator looks at the
+    magnitude at once; the address is the number of thresholds exceeded.
+
+    Parameters
+    ----------
+    in_valid, in_mag : bool, unsigned ``spec.mag_width`` bits
+    out_valid, out_addr, out_mag : bool, unsigned ``spec.addr_width`` bits, as ``in_mag``
+    spec : ComparatorBank
+        The thresholds; one comparator is built for each.
+
+    Notes
+    -----
+    Latency 1 clock, one magnitude a clock. Reset clears ``out_valid`` alone.
+    """
+    count = len(spec.thresholds)
+    over = [flag() for _ in range(count)]
+    bank = [comparator(in_mag, over[n], threshold=t) for n, t in enumerate(spec.thresholds)]
+    addr = unsigned(spec.addr_width)
+
+    @always_comb
+    def locate():
+        # The thresholds rise, so the last one exceeded is also their number.
+        found = intbv(0, min=0, max=count + 1)
+        found[:] = 0
+        for n in range(count):
+            if over[n]:
+                found[:] = n + 1
+        addr.next = found
+
+    @always(clk.posedge)
+    def keep():
+        out_addr.next = addr
+        out_mag.next = in_mag
+
+    @always_seq(clk.posedge, reset=rst)
+    def mark():
+        out_valid.next = in_valid
+
+    return bank, locate, keep, mark
+
+
+comparator_bank.latency = lambda spec: 1

@@ -1,0 +1,80 @@
+"""GRAD_EQN: gradient times magnitude plus intercept."""
+
+from myhdl import always, always_comb, block
+
+from golden.activation.grad_eqn import GradEqn
+from golden.fixed import Rounding
+from hdl.common.delay import delay
+from hdl.common.signals import unsigned
+
+
+@block
+def grad_eqn(
+    clk, rst, in_valid, in_mag, in_coeff, in_intercept, out_valid, out_data, *, spec: GradEqn
+):
+    """``in_coeff * in_mag + in_intercept`` two clocks later (equation 4.23, section 5.4.5.2).
+
+    Parameters
+    ----------
+    in_valid, in_mag, in_coeff, in_intercept : bool and unsigned codes, widths of ``spec``
+    out_valid, out_data : bool, unsigned ``spec.out_fmt.width - 1`` bits
+    spec : GradEqn
+        Widths, binary points and rounding.
+
+    Notes
+    -----
+    One multiplier. Latency 2 clocks (product, sum), one result a clock. Reset clears ``out_valid``
+    and the flag on its way to it.
+    """
+    product_width = spec.mag_width + spec.coeff_width
+    aligned_width = spec.intercept_width + spec.intercept_shift
+    # Sum of two numbers below 2**w and 2**v, and half an LSB, stays below 2**(max(w, v) + 1).
+    total_width = max(product_width, aligned_width) + 1
+    shift = spec.out_shift
+    align = spec.intercept_shift
+    half = (1 << shift) >> 1 if spec.rounding is Rounding.ROUND else 0
+
+    product = unsigned(product_width)
+    intercept = unsigned(spec.intercept_width)
+    wide_intercept = unsigned(aligned_width)
+    aligned = unsigned(aligned_width)
+    total = unsigned(total_width)
+    rounded = unsigned(total_width)
+    out_width = spec.out_fmt.width - 1
+    kept = unsigned(max(out_width, total_width - shift))
+
+    @always(clk.posedge)
+    def multiply():
+        product.next = in_mag * in_coeff
+        intercept.next = in_intercept
+
+    @always_comb
+    def widen():
+        wide_intercept.next = intercept
+
+    @always_comb
+    def move():
+        aligned.next = wide_intercept << align
+
+    @always_comb
+    def add():
+        total.next = product + aligned
+
+    @always_comb
+    def add_half():
+        rounded.next = total + half
+
+    @always_comb
+    def cut():
+        kept.next = rounded >> shift
+
+    @always(clk.posedge)
+    def keep():
+        # segments.py proves that no magnitude in the neuron's reach has a bit above these.
+        out_data.next = kept[out_width:]
+
+    mark = delay(clk, rst, in_valid, out_valid, clocks=2)
+    return multiply, widen, move, add, add_half, cut, keep, mark
+
+
+grad_eqn.latency = lambda spec: 2

@@ -1,0 +1,84 @@
+"""The modified Gradient activation: tanh by segments on one multiplier."""
+
+from myhdl import block
+
+from golden.activation.gradient import Gradient
+from hdl.activation.abs_unit import abs_unit
+from hdl.activation.comparator_bank import comparator_bank
+from hdl.activation.g_memory import g_memory
+from hdl.activation.grad_eqn import grad_eqn
+from hdl.activation.i_memory import i_memory
+from hdl.activation.sign_retriever import sign_retriever
+from hdl.common.delay import delay
+from hdl.common.signals import flag, unsigned
+
+
+@block
+def gradient(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Gradient):
+    """Activation of ``in_data`` five clocks later (thesis section 5.4.3, Figure 5.10).
+
+    Parameters
+    ----------
+    in_valid, in_data : bool, signed ``spec.in_fmt``
+    out_valid, out_data : bool, signed ``spec.out_fmt``
+    spec : Gradient
+        The neuron's segments; the twin states rounding and error.
+
+    Notes
+    -----
+    One multiplier. Latency 5 clocks: ABS 1, comparator bank 1, GRAD_EQN 2, sign retriever 1; the
+    memories are read between registers. One result a clock. Reset clears the valid flags.
+    """
+    mag_width = spec.abs_unit.mag_width
+    mag_valid, addr_valid, sum_valid = flag(), flag(), flag()
+    mag, segment_mag = unsigned(mag_width), unsigned(mag_width)
+    negative, negative_late = flag(), flag()
+    addr = unsigned(spec.comparator_bank.addr_width)
+    coeff = unsigned(spec.g_memory.width)
+    intercept = unsigned(spec.i_memory.width)
+    result = unsigned(spec.out_fmt.width - 1)
+
+    return (
+        abs_unit(clk, rst, in_valid, in_data, mag_valid, mag, negative, spec=spec.abs_unit),
+        comparator_bank(
+            clk, rst, mag_valid, mag, addr_valid, addr, segment_mag, spec=spec.comparator_bank
+        ),
+        g_memory(addr, coeff, spec=spec.g_memory),
+        i_memory(addr, intercept, spec=spec.i_memory),
+        grad_eqn(
+            clk,
+            rst,
+            addr_valid,
+            segment_mag,
+            coeff,
+            intercept,
+            sum_valid,
+            result,
+            spec=spec.grad_eqn,
+        ),
+        delay(
+            clk,
+            None,
+            negative,
+            negative_late,
+            clocks=comparator_bank.latency(spec.comparator_bank) + grad_eqn.latency(spec.grad_eqn),
+        ),
+        sign_retriever(
+            clk,
+            rst,
+            sum_valid,
+            result,
+            negative_late,
+            out_valid,
+            out_data,
+            spec=spec.sign_retriever,
+        ),
+    )
+
+
+gradient.latency = lambda spec: (
+    abs_unit.latency(spec.abs_unit)
+    + comparator_bank.latency(spec.comparator_bank)
+    + grad_eqn.latency(spec.grad_eqn)
+    + sign_retriever.latency(spec.sign_retriever)
+)

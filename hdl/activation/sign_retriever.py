@@ -1,0 +1,50 @@
+"""Sign retriever: gives a magnitude its sign back."""
+
+from myhdl import always, always_comb, always_seq, block
+
+from golden.activation.sign_retriever import SignRetriever
+from hdl.common.signals import fixed
+
+
+@block
+def sign_retriever(
+    clk, rst, in_valid, in_mag, in_negative, out_valid, out_data, *, spec: SignRetriever
+):
+    """``in_mag``, negated when ``in_negative``, one clock later (thesis section 4.5.2.4).
+
+    Parameters
+    ----------
+    in_valid, in_mag, in_negative : bool, unsigned ``spec.fmt.width - 1`` bits, bool
+    out_valid, out_data : bool, signed ``spec.fmt``
+    spec : SignRetriever
+
+    Notes
+    -----
+    Latency 1 clock, one code a clock. Reset clears ``out_valid`` alone.
+    """
+    positive = fixed(spec.fmt)
+    opposite = fixed(spec.fmt)
+
+    @always_comb
+    def widen():
+        positive.next = in_mag
+
+    @always_comb
+    def negate():
+        opposite.next = -positive
+
+    @always(clk.posedge)
+    def keep():
+        if in_negative:
+            out_data.next = opposite
+        else:
+            out_data.next = positive
+
+    @always_seq(clk.posedge, reset=rst)
+    def mark():
+        out_valid.next = in_valid
+
+    return widen, negate, keep, mark
+
+
+sign_retriever.latency = lambda spec: 1

@@ -1,0 +1,1 @@
+"""Parts inlined into blocks: they never become entities of their own."""

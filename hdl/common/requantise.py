@@ -1,0 +1,61 @@
+"""Rounding and saturation of an exact sum."""
+
+from myhdl import always_comb, block
+
+from golden.fixed import Rounding
+from hdl.common.signals import signed
+
+
+@block
+def requantise(exact, result, *, shift: int, rounding: Rounding):
+    """``result`` is ``exact`` without its ``shift`` lowest bits, saturated to its own range.
+
+    Stages that do nothing are left out: no rounding without bits to drop, no saturation where the
+    shifted sum cannot leave the result. Every step has its own full-width signal, because VHDL and
+    Verilog cut the bits of an expression at different widths.
+    """
+    width = len(exact)
+    rounded = exact
+    steps = []
+    if rounding is Rounding.ROUND and shift > 0:
+        width += 1  # the sum with half an LSB needs the carry
+        rounded = signed(width)
+        half = 1 << (shift - 1)
+
+        @always_comb
+        def add_half():
+            rounded.next = exact + half
+
+        steps.append(add_half)
+
+    kept = rounded
+    if shift > 0:
+        kept = signed(max(2, width - shift))
+
+        @always_comb
+        def cut():
+            kept.next = rounded >> shift
+
+        steps.append(cut)
+
+    if len(kept) <= len(result):
+
+        @always_comb
+        def copy():
+            result.next = kept
+
+        return steps, copy
+
+    high = int(result.max) - 1
+    low = int(result.min)
+
+    @always_comb
+    def saturate():
+        if kept > high:
+            result.next = high
+        elif kept < low:
+            result.next = low
+        else:
+            result.next = kept
+
+    return steps, saturate

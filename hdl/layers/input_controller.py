@@ -1,0 +1,115 @@
+"""CONTROLLER 1: counts the samples of a frame and refuses frames of the wrong length."""
+
+from myhdl import always_comb, always_seq, block
+
+from golden.layers.input_controller import InputController
+from hdl.common.delay import delay
+from hdl.common.signals import flag, unsigned
+
+
+@block
+def input_controller(
+    clk,
+    rst,
+    in_valid,
+    in_last,
+    addr,
+    preset,
+    accumulate,
+    capture,
+    out_valid,
+    frame_error,
+    *,
+    spec: InputController,
+):
+    """Address and controls for the nodes of the input integral (thesis 5.4.5.1, CONTROLLER 1).
+
+    Parameters
+    ----------
+    in_valid, in_last : bool
+        The sample stream without its data.
+    addr : unsigned ``spec.addr_width`` bits
+        Position of the sample, in the same clock.
+    preset, accumulate : bool
+        One clock after each accepted sample; ``preset`` with the first of a frame.
+    capture : bool
+        Two clocks after the last sample of a good frame.
+    out_valid : bool
+        Three clocks after it: the nodes hold the frame's sums.
+    frame_error : bool
+        One clock long, one clock after the sample that breaks a frame: ``last`` too early or
+        missing, or a frame that ends less than ``spec.spacing`` clocks after the last good one.
+    spec : InputController
+
+    Notes
+    -----
+    Throughput one sample a clock. Reset clears everything: the next sample starts a frame.
+    """
+    inputs = spec.inputs
+    spacing = spec.spacing
+    count = unsigned(spec.addr_width)
+    dropping = flag()
+    accept, complete, done, broken = flag(), flag(), flag(), flag()
+    early = flag()
+    parts = []
+
+    if spacing > 1:
+        wait = unsigned((spacing - 1).bit_length())
+
+        @always_comb
+        def compare():
+            early.next = wait != 0
+
+        @always_seq(clk.posedge, reset=rst)
+        def tick():
+            if done:
+                wait.next = spacing - 1
+            elif wait != 0:
+                wait.next = wait - 1
+
+        @always_comb
+        def check():
+            done.next = accept and complete and in_last and not early
+
+        parts += [compare, tick, check]
+    else:
+
+        @always_comb
+        def check():
+            done.next = accept and complete and in_last
+
+        parts.append(check)
+
+    @always_comb
+    def look():
+        accept.next = in_valid and not dropping
+        complete.next = count == inputs - 1
+
+    @always_comb
+    def judge():
+        broken.next = accept and (complete or in_last) and not done
+
+    @always_comb
+    def show():
+        addr.next = count
+
+    @always_seq(clk.posedge, reset=rst)
+    def step():
+        preset.next = accept and count == 0
+        accumulate.next = accept
+        frame_error.next = broken
+        if accept:
+            if complete or in_last:
+                count.next = 0
+                dropping.next = not in_last
+            else:
+                count.next = count + 1
+        elif in_valid and in_last:
+            dropping.next = False
+
+    finish = delay(clk, rst, done, capture, clocks=2)
+    mark = delay(clk, rst, done, out_valid, clocks=3)
+    return parts, look, judge, show, step, finish, mark
+
+
+input_controller.latency = lambda spec: 3

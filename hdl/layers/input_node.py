@@ -1,0 +1,101 @@
+"""One node of the input integral: a neuron's weighted sum of serial samples."""
+
+from myhdl import always, always_comb, block
+
+from golden.fixed import Rounding
+from golden.layers.input_node import InputNode
+from hdl.common.requantise import requantise
+from hdl.common.rom import rom
+from hdl.common.signals import fixed, signed
+
+
+@block
+def input_node(clk, in_data, addr, preset, accumulate, capture, out_data, *, spec: InputNode):
+    """Bias plus weighted sum of the samples of a frame (thesis equation 5.1, Figure 5.9).
+
+    Parameters
+    ----------
+    in_data : signed ``spec.in_fmt``
+        A sample.
+    addr : unsigned
+        Its position in the frame, in the same clock.
+    preset, accumulate : bool
+        One clock after the sample: add its product, to the bias when ``preset``.
+    capture : bool
+        One clock after the last ``accumulate`` of a frame: hand the sum to the output.
+    out_data : signed ``spec.out_fmt``
+        The sum of the last complete frame, held until the next one is captured.
+    spec : InputNode
+        Weights, bias and formats; the twin states rounding and overflow.
+
+    Notes
+    -----
+    One multiplier. Latency 3 clocks from the last sample to ``out_data`` (product, accumulator,
+    output), one sample a clock. No reset: the controls that CONTROLLER 1 makes carry the state.
+    """
+    shift = spec.product_shift
+    bias = spec.bias
+    align = spec.bias_shift
+    product_width = spec.in_fmt.width + spec.coeff_fmt.width
+
+    weight = fixed(spec.coeff_fmt)
+    product = signed(product_width)
+    term = signed(product_width - shift)
+    bias_word = signed(spec.acc_width)
+    start = signed(spec.acc_width)
+    base = signed(spec.acc_width)
+    total = signed(spec.acc_width)
+    acc = signed(spec.acc_width)
+    result = fixed(spec.out_fmt)
+
+    weights = rom(addr, weight, words=spec.weights)
+
+    @always(clk.posedge)
+    def multiply():
+        product.next = in_data * weight
+
+    @always_comb
+    def cut():
+        term.next = product >> shift
+
+    @always_comb
+    def load():
+        # Selected here and shifted below: the shifted constant may exceed the 2**30 up to which
+        # MyHDL converts a literal rightly.
+        if preset:
+            bias_word.next = bias
+        else:
+            bias_word.next = 0
+
+    @always_comb
+    def move():
+        start.next = bias_word << align
+
+    @always_comb
+    def choose():
+        if preset:
+            base.next = start
+        else:
+            base.next = acc
+
+    @always_comb
+    def add():
+        # acc_width holds every partial sum (InputNode.acc_width).
+        total.next = base + term
+
+    @always(clk.posedge)
+    def gather():
+        if accumulate:
+            acc.next = total
+
+    finish = requantise(acc, result, shift=spec.out_shift, rounding=Rounding.ROUND)
+
+    @always(clk.posedge)
+    def hold():
+        if capture:
+            out_data.next = result
+
+    return weights, multiply, cut, load, move, choose, add, gather, finish, hold
+
+
+input_node.latency = lambda spec: 3

@@ -1,0 +1,181 @@
+"""Output integral: the outputs, one after the other, on one multiplier per hidden node."""
+
+from myhdl import always, always_comb, block
+
+from golden.fixed import Rounding
+from golden.layers.output_integral import OutputIntegral
+from hdl.common.delay import delay
+from hdl.common.requantise import requantise
+from hdl.common.rom import rom
+from hdl.common.signals import fixed, signed, unsigned
+
+
+@block
+def weigh(clk, addr, in_data, term, *, weights, coeff_fmt, shift: int):
+    """``in_data`` times the weight of row ``addr`` one clock later, less ``shift`` bits."""
+    weight = fixed(coeff_fmt)
+    product = signed(len(in_data) + coeff_fmt.width)
+    words = rom(addr, weight, words=weights)
+
+    @always(clk.posedge)
+    def multiply():
+        product.next = in_data * weight
+
+    @always_comb
+    def cut():
+        term.next = product >> shift
+
+    return words, multiply, cut
+
+
+@block
+def bias_term(clk, addr, term, *, biases, coeff_fmt, shift: int):
+    """The bias of row ``addr`` one clock later, moved left by ``shift`` places."""
+    bias = fixed(coeff_fmt)
+    wide = signed(coeff_fmt.width + shift)
+    moved = signed(coeff_fmt.width + shift)
+    words = rom(addr, bias, words=biases)
+
+    @always_comb
+    def widen():
+        wide.next = bias
+
+    @always_comb
+    def move():
+        moved.next = wide << shift
+
+    @always(clk.posedge)
+    def keep():
+        term.next = moved
+
+    return words, widen, move, keep
+
+
+@block
+def add_pair(clk, left, right, total):
+    """Registered sum of two terms."""
+
+    @always(clk.posedge)
+    def add():
+        total.next = left + right
+
+    return add
+
+
+@block
+def adder_tree(clk, terms, total, *, width: int):
+    """Sum of ``terms``, one register per level; no partial sum leaves ``width`` bits."""
+    level = list(terms)
+    adders = []
+    while len(level) > 1:
+        # A pair needs one bit more than its wider term, until the proved bound takes over.
+        wider = min(width, max(len(t) for t in level) + 1)
+        pairs = len(level) // 2
+        top = len(level) == 2
+        sums = [total] if top else [signed(wider) for _ in range((len(level) + 1) // 2)]
+        adders += [add_pair(clk, level[2 * p], level[2 * p + 1], sums[p]) for p in range(pairs)]
+        if len(level) % 2:
+            adders.append(delay(clk, None, level[-1], sums[-1], clocks=1))
+        level = sums
+    return adders
+
+
+def tree_depth(terms: int) -> int:
+    """Levels, hence clocks, of an adder tree."""
+    return (terms - 1).bit_length()
+
+
+@block
+def scale(clk, addr, in_data, product, *, factors, width: int):
+    """``in_data`` times the de-normalisation factor of row ``addr``, one clock later."""
+    factor = signed(width)
+    words = rom(addr, factor, words=factors)
+
+    @always(clk.posedge)
+    def multiply():
+        product.next = in_data * factor
+
+    return words, multiply
+
+
+@block
+def output_integral(
+    clk,
+    rst,
+    in_valid,
+    in_last,
+    in_addr,
+    in_r,
+    out_valid,
+    out_data,
+    out_last,
+    *,
+    spec: OutputIntegral,
+):
+    """One output a clock from the activations (thesis equation 5.2, Figure 5.11).
+
+    Parameters
+    ----------
+    in_valid, in_last, in_addr : bool, bool, unsigned
+        CONTROLLER 2's row.
+    in_r : Words of signed ``spec.in_fmt``
+        The activations, ports ``in_r_0``, ``in_r_1``, ...; steady while rows are stepped through.
+    out_valid, out_data, out_last : bool, signed ``spec.out_fmt``, bool
+        The output stream.
+    spec : OutputIntegral
+        Weights, biases, factors and formats; the twin states rounding and overflow.
+
+    Notes
+    -----
+    One multiplier per hidden node, and one for the factors where there are any. Latency: product
+    1 clock, adder tree one per level, factor 1, rounding 1. Reset clears the valid and last flags.
+    """
+    shift = spec.product_shift
+    depth = tree_depth(spec.hidden + 1)
+    term_width = spec.in_fmt.width + spec.coeff_fmt.width - shift
+    terms = [signed(term_width) for _ in range(spec.hidden)]
+    bias = signed(spec.coeff_fmt.width + spec.bias_shift)
+    total = signed(spec.acc_width)
+    result = fixed(spec.out_fmt)
+
+    products = [
+        weigh(
+            clk,
+            in_addr,
+            in_r[j],
+            terms[j],
+            weights=[row[j] for row in spec.weights],
+            coeff_fmt=spec.coeff_fmt,
+            shift=shift,
+        )
+        for j in range(spec.hidden)
+    ]
+    biases = bias_term(
+        clk, in_addr, bias, biases=spec.biases, coeff_fmt=spec.coeff_fmt, shift=spec.bias_shift
+    )
+    tree = adder_tree(clk, [*terms, bias], total, width=spec.acc_width)
+
+    scaling = []
+    exact = total
+    if spec.factors is not None:
+        factor_width = max(spec.factors).bit_length() + 1
+        exact = signed(spec.acc_width + factor_width)
+        late_addr = unsigned(len(in_addr))
+        scaling = [
+            delay(clk, None, in_addr, late_addr, clocks=1 + depth),
+            scale(clk, late_addr, total, exact, factors=spec.factors, width=factor_width),
+        ]
+
+    finish = requantise(exact, result, shift=spec.out_shift, rounding=Rounding.ROUND)
+
+    @always(clk.posedge)
+    def keep():
+        out_data.next = result
+
+    clocks = output_integral.latency(spec)
+    mark = delay(clk, rst, in_valid, out_valid, clocks=clocks)
+    close = delay(clk, rst, in_last, out_last, clocks=clocks)
+    return products, biases, tree, scaling, finish, keep, mark, close
+
+
+output_integral.latency = lambda spec: 2 + tree_depth(spec.hidden + 1) + (spec.factors is not None)

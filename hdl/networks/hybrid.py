@@ -1,0 +1,103 @@
+"""Hybrid: a network of two layers, folded over its inputs and over its outputs."""
+
+from myhdl import block
+
+from golden.networks.hybrid import Hybrid
+from hdl.activation.gradient import gradient
+from hdl.common.signals import Words, fixed, flag, unsigned
+from hdl.layers.input_controller import input_controller
+from hdl.layers.input_integral import input_integral
+from hdl.layers.output_controller import output_controller
+from hdl.layers.output_integral import output_integral
+
+
+@block
+def hybrid(
+    clk,
+    rst,
+    in_valid,
+    in_data,
+    in_last,
+    out_valid,
+    out_data,
+    out_last,
+    frame_error,
+    *,
+    spec: Hybrid,
+):
+    """A frame of sensor samples in, a frame of outputs out (thesis section 5.4, Figure 5.8).
+
+    Parameters
+    ----------
+    in_valid, in_data, in_last : bool, signed Fix(14,13), bool
+        One sample a clock at most; ``in_last`` with the last sensor of a scan.
+    out_valid, out_data, out_last : bool, signed Fix(14,13), bool
+        One output a clock; ``out_last`` with the last output.
+    frame_error : bool
+        One clock long for each frame of the wrong length, which yields no result.
+    spec : Hybrid
+
+    Notes
+    -----
+    Latency from the last sample to the first output: ``hybrid.latency(spec)`` clocks; a frame may
+    follow the last after ``spec.interval`` clocks. Reset clears every flag and counter.
+    """
+    hidden = len(spec.activations)
+    in_fmt = spec.activations[0].in_fmt
+    addr = unsigned(spec.input_controller.addr_width)
+    preset, accumulate, capture, q_valid = flag(), flag(), flag(), flag()
+    q = Words(hidden, lambda: fixed(in_fmt))
+    r = Words(hidden, lambda: fixed(spec.output_integral.in_fmt))
+    r_valid = Words(hidden, flag)
+    row = unsigned(spec.output_controller.addr_width)
+    row_valid, row_last = flag(), flag()
+
+    # The latencies must agree: all activations answer in the same clock.
+    if len({gradient.latency(a) for a in spec.activations}) != 1:
+        raise ValueError(f"{spec.entity}: activations of different latency, expected one latency")
+
+    return (
+        input_controller(
+            clk,
+            rst,
+            in_valid,
+            in_last,
+            addr,
+            preset,
+            accumulate,
+            capture,
+            q_valid,
+            frame_error,
+            spec=spec.input_controller,
+        ),
+        input_integral(
+            clk, in_data, addr, preset, accumulate, capture, q, spec=spec.input_integral
+        ),
+        [
+            gradient(clk, rst, q_valid, q[j], r_valid[j], r[j], spec=activation)
+            for j, activation in enumerate(spec.activations)
+        ],
+        output_controller(
+            clk, rst, r_valid[0], row, row_valid, row_last, spec=spec.output_controller
+        ),
+        output_integral(
+            clk,
+            rst,
+            row_valid,
+            row_last,
+            row,
+            r,
+            out_valid,
+            out_data,
+            out_last,
+            spec=spec.output_integral,
+        ),
+    )
+
+
+hybrid.latency = lambda spec: (
+    input_controller.latency(spec.input_controller)
+    + gradient.latency(spec.activations[0])
+    + output_controller.latency(spec.output_controller)
+    + output_integral.latency(spec.output_integral)
+)

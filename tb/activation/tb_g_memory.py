@@ -1,0 +1,17 @@
+"""g_memory against its twin.
+
+Sweeps: every address that the port can carry, also beyond the last word.
+Drives: each address once, then 200 in random order.
+Checks: the word bit for bit, in the same clock.
+Does not prove: that the contents are the right ones (tests/test_segments.py does).
+"""
+
+import cocotb
+
+from tb.common.bench import Bench
+from tb.common.memory import check_memory
+
+
+@cocotb.test()
+async def every_address(dut):
+    await check_memory(Bench(dut))

@@ -1,0 +1,1 @@
+"""Driver, recorder, scoreboard and runner shared by every bench."""

@@ -1,0 +1,155 @@
+"""What every bench does inside the simulator: play a timeline, record the ports, compare.
+
+A bench prepares one value per clock for every input port, plays them, and gets back what stood on
+the watched ports in every clock. Only then, with arrays in hand, it feeds the recorded inputs to
+the twin and compares. Row t of a recording holds the ports just before the rising edge of clock t:
+an input of row t and a registered output of row t + latency belong together.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from pathlib import Path
+
+import cocotb
+import numpy as np
+from cocotb.triggers import Timer
+
+from golden.block import walk
+from golden.scene import load_scene
+
+RESET_CLOCKS = 2
+CONFIGURATION = "TACTUS_BENCH"
+
+
+class Recording:
+    """The watched ports, row by row, as strings of bits."""
+
+    def __init__(self, ports: list[str], rows: list[list[str]], seconds: float):
+        self.columns = {name: [row[i] for row in rows] for i, name in enumerate(ports)}
+        self.clocks = len(rows)
+        self.seconds = seconds
+
+    def rows(self, port: str) -> np.ndarray:
+        """Rows after the initial reset in which a flag is set; an undefined flag is an error.
+
+        During the initial reset a flag may be undefined, or left from the test before.
+        """
+        bits = self.columns[port]
+        after = range(RESET_CLOCKS, self.clocks)
+        undefined = [t for t in after if bits[t] not in "01"]
+        assert not undefined, f"{port} is {bits[undefined[0]]} in clock {undefined[0]}"
+        return np.array([t for t in after if bits[t] == "1"], dtype=np.int64)
+
+    def unsigned(self, port: str, rows: np.ndarray) -> np.ndarray:
+        """Codes of an unsigned port in the given rows."""
+        bits = self.columns[port]
+        for t in rows:
+            assert set(bits[t]) <= {"0", "1"}, f"{port} is {bits[t]} in clock {t}"
+        return np.array([int(bits[t], 2) for t in rows], dtype=np.int64)
+
+    def signed(self, port: str, rows: np.ndarray) -> np.ndarray:
+        """Codes of a signed port in the given rows."""
+        width = len(self.columns[port][0])
+        codes = self.unsigned(port, rows)
+        return codes - ((codes >> (width - 1)) << width)
+
+    def resets(self) -> np.ndarray:
+        """Rows in which reset is high."""
+        return self.rows("rst") if "rst" in self.columns else np.array([], dtype=np.int64)
+
+    def undisturbed(self, first: np.ndarray, last: np.ndarray) -> np.ndarray:
+        """Whether no reset falls on any of the rows first to last, for each pair."""
+        resets = self.resets()
+        return np.searchsorted(resets, last, side="right") == np.searchsorted(resets, first)
+
+
+class Bench:
+    """One cocotb test: the twin, the published latency, a seeded generator and the count."""
+
+    def __init__(self, dut):
+        self.dut = dut
+        self.configuration = json.loads(os.environ[CONFIGURATION])
+        self.scene = load_scene(self.configuration["scene"])
+        self.design = self.scene.design()
+        entity = self.configuration["entity"]
+        self.twin = next(block for block in walk(self.design) if block.entity == entity)
+        self.latency = self.configuration["latency"]
+        # cocotb derives RANDOM_SEED from the run's seed and the test's name.
+        self.rng = np.random.default_rng(cocotb.RANDOM_SEED)
+        self.compared = 0
+        self.facts: dict[str, float] = {}
+        dut._log.info("rerun: %s", self.configuration["rerun"])
+
+    async def play(self, drive: dict[str, np.ndarray], watch: list[str]) -> Recording:
+        """Reset the block, play one value per clock on every port of ``drive``, record ``watch``.
+
+        The driven ports are recorded too. A reset port that ``drive`` leaves out stays low after
+        the initial reset.
+        """
+        length = len(next(iter(drive.values())))
+        columns = {name: [int(v) for v in values] for name, values in drive.items()}
+        assert all(len(c) == length for c in columns.values()), "columns of unequal length"
+        clocked = hasattr(self.dut, "clk")
+        if hasattr(self.dut, "rst"):
+            columns.setdefault("rst", [0] * length)
+        for name, column in columns.items():
+            columns[name] = [int(name == "rst")] * RESET_CLOCKS + column
+        ports = list(columns) + watch
+        handles = [getattr(self.dut, name) for name in ports]
+        changes = _changes([(getattr(self.dut, n), c) for n, c in columns.items()])
+        half = Timer(5, "ns")
+        rows = []
+        started = time.perf_counter()
+        for change in changes:
+            if clocked:
+                self.dut.clk.value = 0
+            for handle, value in change:
+                handle.value = value
+            await half
+            rows.append([str(handle.value) for handle in handles])
+            if clocked:
+                self.dut.clk.value = 1
+            await half
+        return Recording(ports, rows, time.perf_counter() - started)
+
+    def compare(self, name: str, got: np.ndarray, expected: np.ndarray, **context: np.ndarray):
+        """Bit-exact comparison; a mismatch names everything that is needed to find it."""
+        got, expected = np.asarray(got), np.asarray(expected)
+        where = f"{self.configuration['entity']}: {name}"
+        rerun = f"rerun: {self.configuration['rerun']}"
+        assert len(got) == len(expected), (
+            f"{where}: got {len(got)} results, expected {len(expected)}; {rerun}"
+        )
+        differ = got != expected
+        wrong = np.flatnonzero(differ.any(axis=tuple(range(1, differ.ndim))))
+        if len(wrong):
+            at = wrong[0]
+            inputs = ", ".join(f"{key}={values[at]}" for key, values in context.items())
+            raise AssertionError(
+                f"{where}: {len(wrong)} of {len(got)} results differ, first result {at} "
+                f"({inputs}): got {got[at]}, expected {expected[at]}, "
+                f"difference {got[at] - expected[at]} LSB; {rerun}"
+            )
+        self.compared += len(got)
+
+    def finish(self, at_least: int = 1):
+        """Fail when less was compared than the bench promises; hand the count to the runner."""
+        entity = self.configuration["entity"]
+        assert self.compared >= at_least, (
+            f"{entity}: compared {self.compared} results, expected at least {at_least}"
+        )
+        line = {"compared": self.compared, **self.facts}
+        with Path(self.configuration["result"]).open("a") as handle:
+            handle.write(json.dumps(line) + "\n")
+
+
+def _changes(columns):
+    """For every clock the (handle, value) pairs that differ from the clock before."""
+    length = len(columns[0][1])
+    changes = [[(handle, values[0]) for handle, values in columns]]
+    for t in range(1, length):
+        changes.append([(h, v[t]) for h, v in columns if v[t] != v[t - 1]])
+    return changes

@@ -1,0 +1,37 @@
+"""Frames of right and wrong length, and what the twin of CONTROLLER 1 makes of a recording."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from golden.layers.input_controller import FrameScan, InputController
+from tb.common.bench import Recording
+
+
+def random_lengths(rng: np.random.Generator, inputs: int, samples: int) -> np.ndarray:
+    """``last`` flags of frames, two in three of them of the right length."""
+    last: list[int] = []
+    while len(last) < samples:
+        right = rng.random() < 2 / 3
+        length = inputs if right else int(rng.integers(1, 3 * inputs + 1))
+        last += [0] * (length - 1) + [1]
+    return np.array(last, dtype=np.int64)
+
+
+def scan(controller: InputController, recording: Recording) -> tuple[np.ndarray, FrameScan]:
+    """The clocks of all samples that no reset swallowed, and the twin's decision for each.
+
+    After a reset the twin starts afresh, as the hardware does.
+    """
+    rows = np.setdiff1d(recording.rows("in_valid"), recording.resets())
+    last = np.isin(rows, recording.rows("in_last"))
+    since = np.searchsorted(recording.resets(), rows)
+    parts = [
+        controller.process(last[since == epoch], rows[since == epoch]) for epoch in np.unique(since)
+    ]
+    return rows, FrameScan(
+        *(
+            np.concatenate([getattr(part, name) for part in parts])
+            for name in ("addr", "accept", "done", "error")
+        )
+    )

@@ -1,0 +1,216 @@
+"""Runs benches: exports the scene, builds, simulates, and counts what was compared.
+
+Each bench runs on the exported files themselves, with the entity under test as top, in a build
+folder and a process of its own.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from golden.block import walk
+from golden.cli import CommandError
+from golden.scene import Scene, load_scene, scene_names
+from golden.table import suggest
+from hdl.export import MANIFEST, ORDER
+from tb.common.bench import CONFIGURATION
+from tb.common.tools import check_simulator, language
+
+ROOT = Path(__file__).parents[2]
+BUILD = ROOT / "build"
+SEED = 1
+
+
+@dataclass(frozen=True)
+class Job:
+    """One entity under one simulator."""
+
+    scene: Scene
+    entity: str
+    block: str
+    area: str
+    latency: int
+    simulator: str
+    seed: int = SEED
+    waves: bool = False
+    build: Path = BUILD
+
+    @property
+    def folder(self) -> Path:
+        """Where it is built and logged."""
+        return self.build / self.scene.name / "sim" / self.simulator / self.entity
+
+    @property
+    def hdl_folder(self) -> Path:
+        """The exported files that it runs on."""
+        return self.build / self.scene.name / language(self.simulator)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a job."""
+
+    job: Job
+    passed: bool
+    compared: int
+    seconds: float
+    facts: dict = field(default_factory=dict)
+
+    @property
+    def log(self) -> Path:
+        """The simulator's output."""
+        return self.job.folder / "log.txt"
+
+    def complaint(self) -> str:
+        """The line of the log that says what went wrong."""
+        text = self.log.read_text(errors="replace") if self.log.exists() else ""
+        marked = [line for line in text.splitlines() if "Error: " in line or "error: " in line]
+        return marked[0].removeprefix("INFO cocotb:").strip() if marked else "no message"
+
+
+def export(scene: Scene, tongue: str, build: Path = BUILD) -> None:
+    """Export the scene in a fresh process, whose hash seed the exporter fixes.
+
+    Raises
+    ------
+    CommandError
+        With the exporter's message, when the scene cannot be exported.
+    """
+    command = [sys.executable, "-m", "hdl.export", str(scene.path), tongue, "--build", str(build)]
+    result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    if result.returncode:
+        raise CommandError(result.stderr.strip().removeprefix("error: "))
+
+
+def plan(
+    scene: Scene,
+    simulators: Iterable[str],
+    block: str | None = None,
+    seed: int = SEED,
+    waves: bool = False,
+    build: Path = BUILD,
+) -> list[Job]:
+    """Export what is needed and list the jobs: every entity of ``block``, or of every block.
+
+    Raises
+    ------
+    CommandError
+        For an unknown or missing simulator, or a block that the scene does not contain.
+    """
+    simulators = list(simulators)
+    for simulator in simulators:
+        check_simulator(simulator)
+    if block is not None:
+        _check_block(scene, block)
+    jobs = []
+    for simulator in simulators:
+        tongue = language(simulator)
+        export(scene, tongue, build)
+        manifest = json.loads((build / scene.name / tongue / MANIFEST).read_text())
+        jobs += [
+            Job(
+                scene,
+                entry["entity"],
+                entry["block"],
+                entry["area"],
+                entry["latency"],
+                simulator,
+                seed,
+                waves,
+                build,
+            )
+            for entry in manifest
+            if block in (None, entry["block"])
+        ]
+    # The largest first, so that the last one to finish is a small one.
+    return jobs[::-1]
+
+
+def _check_block(scene: Scene, block: str) -> None:
+    present = sorted({part.block for part in walk(scene.design())})
+    if block in present:
+        return
+    elsewhere = [
+        name
+        for name in scene_names()
+        if name != scene.name and block in {p.block for p in walk(load_scene(name).design())}
+    ]
+    hint = f"; scene {elsewhere[0]} contains it" if elsewhere else suggest(block, present)
+    raise CommandError(
+        f"BLOCK={block}: scene {scene.name} has no such block, expected one of "
+        f"{', '.join(present)}{hint}"
+    )
+
+
+def run_job(job: Job) -> Outcome:
+    """Build and simulate one entity."""
+    shutil.rmtree(job.folder, ignore_errors=True)
+    job.folder.mkdir(parents=True)
+    result = job.folder / "compared.jsonl"
+    sources = [str(job.hdl_folder / name) for name in (job.hdl_folder / ORDER).read_text().split()]
+    rerun = f"make sim BLOCK={job.block} SIM={job.simulator} SCENE={_scene_argument(job.scene)}"
+    configuration = {
+        "scene": str(job.scene.path.resolve()),
+        "entity": job.entity,
+        "latency": job.latency,
+        "result": str(result),
+        "rerun": f"{rerun} SEED={job.seed}",
+    }
+    order = {
+        "simulator": job.simulator,
+        "sources": sources,
+        "entity": job.entity,
+        "module": f"tb.{job.area}.tb_{job.block}",
+        "build": str(job.folder / "build"),
+        "waves": job.waves,
+    }
+    # cocotb-test lets an inherited variable win over the one it is asked to set.
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(("COCOTB", "TACTUS"))}
+    environment |= {
+        CONFIGURATION: json.dumps(configuration),
+        "COCOTB_RANDOM_SEED": str(job.seed),
+        "SIM": job.simulator,
+        "WAVES": str(int(job.waves)),
+        "PYTHONPATH": str(ROOT),
+        # One thread: two simulations share two cores.
+        "OPENBLAS_NUM_THREADS": "1",
+    }
+    started = time.perf_counter()
+    with (job.folder / "log.txt").open("w") as log:
+        code = subprocess.run(
+            [sys.executable, "-m", "tb.common.simulate", json.dumps(order)],
+            cwd=ROOT,
+            env=environment,
+            stdout=log,
+            stderr=subprocess.STDOUT,
+            check=False,
+        ).returncode
+    seconds = time.perf_counter() - started
+    lines = [json.loads(x) for x in result.read_text().splitlines()] if result.exists() else []
+    compared = sum(line.pop("compared") for line in lines)
+    facts = {key: value for line in lines for key, value in line.items()}
+    # A run that compared nothing proves nothing, whatever its exit code says.
+    return Outcome(job, code == 0 and compared > 0, compared, seconds, facts)
+
+
+def _scene_argument(scene: Scene) -> str:
+    return scene.name if scene.name in scene_names() else str(scene.path)
+
+
+def run_jobs(jobs: list[Job], tell: Callable[[Outcome], None]) -> list[Outcome]:
+    """Run all jobs, as many at a time as there are cores; ``tell`` hears of each as it ends."""
+    outcomes = []
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        for outcome in pool.map(run_job, jobs):
+            tell(outcome)
+            outcomes.append(outcome)
+    return outcomes

@@ -1,0 +1,85 @@
+"""Codes and timelines that several benches drive."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from golden.fixed import Fix
+
+EXHAUSTIVE_WIDTH = 14
+STRATA = 16384
+
+
+def all_codes(fmt: Fix, borders: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Every code of a format up to 14 bits; of a wider one a random code of each of 16384 strata.
+
+    The neighbourhood of every border, of zero and of both ends is always there.
+    """
+    if fmt.width <= EXHAUSTIVE_WIDTH:
+        codes = np.arange(fmt.low, fmt.high + 1)
+    else:
+        step = (fmt.high - fmt.low + 1) // STRATA
+        codes = np.arange(fmt.low, fmt.high + 1, step) + rng.integers(0, step, STRATA)
+    marks = np.concatenate([[fmt.low, fmt.high, 0], borders, -np.asarray(borders)])
+    near = (marks[:, np.newaxis] + np.arange(-2, 3)).ravel()
+    return np.concatenate([codes, near[(near >= fmt.low) & (near <= fmt.high)]]).astype(np.int64)
+
+
+def spread(
+    rng: np.random.Generator,
+    items: dict[str, np.ndarray],
+    valid: str,
+    gap: float,
+    tail: int,
+    pause: np.ndarray | int = 0,
+) -> dict[str, np.ndarray]:
+    """Items in order, one per clock at most, with idle clocks between them.
+
+    Parameters
+    ----------
+    items : dict
+        Port name to values, all of one length.
+    valid : str
+        The port that is high where an item stands.
+    gap : float
+        Probability of an idle clock before each item. Idle clocks carry values of other items, so
+        that a block that ignores ``valid`` is found out.
+    tail : int
+        Idle clocks at the end.
+    pause : int array or int
+        Idle clocks before each item on top of the random ones.
+    """
+    count = len(next(iter(items.values())))
+    idle = rng.geometric(1 - gap, count) - 1 + pause
+    at = np.cumsum(idle + 1) - 1
+    length = at[-1] + 1 + tail
+    flags = np.zeros(length, dtype=np.int64)
+    flags[at] = 1
+    timeline = {valid: flags}
+    for name, values in items.items():
+        column = np.asarray(values)[rng.integers(0, count, length)]
+        column[at] = values
+        timeline[name] = column
+    return timeline
+
+
+def random_resets(rng: np.random.Generator, length: int, every: int) -> np.ndarray:
+    """A reset of one to three clocks about every ``every`` clocks."""
+    column = np.zeros(length, dtype=np.int64)
+    for start in np.flatnonzero(rng.random(length) < 1 / every):
+        column[start : start + rng.integers(1, 4)] = 1
+    return column
+
+
+def corner_frames(fmt: Fix, inputs: int) -> np.ndarray:
+    """Rails, alternating rails, zeros, and each sensor alone at a rail."""
+    low, high = fmt.low, fmt.high
+    alternating = np.where(np.arange(inputs) % 2, low, high)
+    frames = [np.full(inputs, c) for c in (low, high, 0, -1, 1, low + 1)]
+    frames += [alternating, np.where(alternating == low, high, low)]
+    for k in range(inputs):
+        for rail in (low, high):
+            frame = np.zeros(inputs, dtype=np.int64)
+            frame[k] = rail
+            frames.append(frame)
+    return np.array(frames, dtype=np.int64)

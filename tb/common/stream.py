@@ -1,0 +1,53 @@
+"""The check that every block with ``in_valid`` and ``out_valid`` shares."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from tb.common.bench import Bench, Recording
+from tb.common.stimulus import random_resets, spread
+
+SIGNED, UNSIGNED = Recording.signed, Recording.unsigned
+
+
+async def check_stream(
+    bench: Bench,
+    items: dict[str, np.ndarray],
+    inputs: dict[str, Callable],
+    outputs: dict[str, Callable],
+    twin: Callable,
+    gap: float = 0.0,
+    resets: bool = False,
+):
+    """Play ``items``, feed what stood on the input ports to ``twin``, compare all outputs.
+
+    Parameters
+    ----------
+    items : dict
+        Values of the input ports, without ``in_valid``.
+    inputs, outputs : dict
+        Port name to SIGNED or UNSIGNED.
+    twin : callable
+        From the recorded inputs, in the order of ``inputs``, to the outputs in the order of
+        ``outputs``.
+    gap : float
+        Probability of an idle clock before each item.
+    resets : bool
+        Reset now and then: an item whose way through the block meets a reset must vanish.
+    """
+    drive = spread(bench.rng, items, "in_valid", gap, tail=bench.latency + 4)
+    if resets:
+        drive["rst"] = random_resets(bench.rng, len(drive["in_valid"]), every=40)
+    recording = await bench.play(drive, ["out_valid", *outputs])
+    entered = recording.rows("in_valid")
+    kept = entered[recording.undisturbed(entered, entered + bench.latency - 1)]
+    seen = {port: read(recording, port, kept) for port, read in inputs.items()}
+    expected = twin(*seen.values())
+    if len(outputs) == 1:
+        expected = (expected,)
+    left = recording.rows("out_valid")
+    bench.compare("clocks of the results", left, kept + bench.latency)
+    for (port, read), values in zip(outputs.items(), expected, strict=True):
+        bench.compare(port, read(recording, port, left), np.asarray(values, dtype=np.int64), **seen)

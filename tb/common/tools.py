@@ -1,0 +1,46 @@
+"""The simulators: what each needs and which language it reads."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+
+from golden.cli import CommandError
+from golden.table import suggest
+
+# Simulator name to (program, Debian package, language).
+SIMULATORS = {"ghdl": ("ghdl", "ghdl", "vhdl"), "icarus": ("iverilog", "iverilog", "verilog")}
+
+
+def check_simulator(name: str) -> None:
+    """Refuse an unknown simulator, or one that is not installed, with what to do about it.
+
+    Raises
+    ------
+    CommandError
+    """
+    if name not in SIMULATORS:
+        known = list(SIMULATORS)
+        raise CommandError(
+            f"SIM={name}: no such simulator, expected one of {', '.join(known)}"
+            f"{suggest(name, known)}"
+        )
+    program, package, _ = SIMULATORS[name]
+    if shutil.which(program) is None:
+        raise CommandError(
+            f"SIM={name}: {program} is not installed; on Debian: apt-get install {package}"
+        )
+
+
+def language(name: str) -> str:
+    """The language whose export the simulator runs."""
+    return SIMULATORS[name][2]
+
+
+def version(name: str) -> str:
+    """First line that the simulator prints about itself."""
+    flag = "--version" if name == "ghdl" else "-V"
+    result = subprocess.run(
+        [SIMULATORS[name][0], flag], capture_output=True, text=True, check=False
+    )
+    return result.stdout.splitlines()[0] if result.stdout else "unknown"

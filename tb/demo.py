@@ -1,0 +1,199 @@
+"""``make demo``: a scene end to end, and one table of what came out.
+
+Every block of the scene is simulated under GHDL and Icarus against its twin on the exported files;
+then the errors on the recorded vectors are printed beside the clocks and the simulators' speed.
+Benches whose inputs have not changed since they passed are not run again.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+import tomllib
+from collections import defaultdict
+
+import numpy as np
+
+from golden.cli import run
+from golden.files import replace_file
+from golden.fingerprint import fingerprint, sources
+from golden.metrics import OutputError, percent_errors, summarise
+from golden.precision import SIGNAL
+from golden.scene import FOLDER, Scene, load_scene
+from golden.training.search import ACTIVATIONS
+from tb.common.runner import BUILD, Outcome, plan, run_jobs
+from tb.common.tools import SIMULATORS, check_simulator, language, version
+from tb.sim import tell
+
+
+def simulate(scene: Scene) -> dict:
+    """Run all benches of the scene, or take over the results of unchanged ones."""
+    jobs = plan(scene, SIMULATORS)
+    store = BUILD / scene.name / "sim" / "results.json"
+    inputs = [*sources("golden", "hdl", "tb"), scene.path, scene.weights_path, scene.data_path]
+    inputs += [BUILD / scene.name / language(s) for s in SIMULATORS]
+    state = fingerprint(inputs, *(version(s) for s in SIMULATORS))
+    if store.is_file():
+        results = json.loads(store.read_text())
+        if results["state"] == state:
+            return results | {"fresh": False}
+    outcomes = run_jobs(jobs, _progress(scene))
+    results = {
+        "state": state,
+        "benches": len(outcomes),
+        "failed": sum(not o.passed for o in outcomes),
+        "compared": sum(o.compared for o in outcomes),
+        "blocks": _by_block(outcomes),
+        "facts": {o.job.simulator: o.facts for o in outcomes if o.facts},
+    }
+    if not results["failed"]:
+        with replace_file(store) as temporary:
+            temporary.write_text(json.dumps(results, indent=1))
+    return results | {"fresh": True}
+
+
+def _progress(scene: Scene):
+    """Counts benches as they end; only failures get a line of their own."""
+    done = 0
+
+    def listen(outcome: Outcome) -> None:
+        nonlocal done
+        done += 1
+        if not outcome.passed:
+            tell(outcome)
+        elif sys.stdout.isatty():
+            print(f"\r{scene.name}: {done} benches done ", end="", flush=True)
+        elif done % 20 == 0:
+            print(f"{scene.name}: {done} benches done", flush=True)
+
+    return listen
+
+
+def _by_block(outcomes: list[Outcome]) -> dict:
+    """Entities and values compared, per block and simulator."""
+    table: dict = defaultdict(lambda: {s: [0, 0] for s in SIMULATORS})
+    for outcome in outcomes:
+        cell = table[outcome.job.block][outcome.job.simulator]
+        cell[0] += 1
+        cell[1] += outcome.compared
+    return dict(sorted(table.items()))
+
+
+def errors(scene: Scene) -> dict[str, list[OutputError]]:
+    """Errors on the recorded vectors: in real arithmetic and bit-true."""
+    vectors = scene.vectors()
+    results = {
+        "float": scene.mlp().process(vectors.inputs, ACTIVATIONS[scene.activation]),
+        "bit-true": SIGNAL.to_real(scene.design().process(vectors.codes)),
+    }
+    return {
+        name: summarise(
+            percent_errors(values, vectors.targets, scene.outputs, scene.full_scale),
+            vectors.groups,
+        )
+        for name, values in results.items()
+    }
+
+
+def thesis_figures(scene: Scene) -> list[float] | None:
+    """The thesis' largest mean errors for this network, where the scene names them."""
+    if not scene.reference:
+        return None
+    table = tomllib.loads((FOLDER.parent / "data" / "thesis_numbers.toml").read_text())
+    for key in scene.reference.split("."):
+        table = table[key]
+    return list(table["simulation"])
+
+
+def twin_speed(scene: Scene) -> float:
+    """Frames a second of the bit-true numpy twin on one core."""
+    design = scene.design()
+    codes = np.tile(scene.vectors().codes, (200, 1))
+    started = time.perf_counter()
+    design.process(codes)
+    return len(codes) / (time.perf_counter() - started)
+
+
+def report(scene: Scene, results: dict) -> str:
+    """The table."""
+    found = errors(scene)
+    thesis = thesis_figures(scene)
+    shape = ":".join(str(n) for n in scene.shape)
+    vectors = scene.vectors()
+    lines = [
+        "",
+        f"scene {scene.name}: {shape}, hybrid, {scene.activation}, "
+        f"{scene.precision.name} precision",
+        f"errors in % on {len(vectors.codes)} recorded frames; 'largest mean' is over positions, "
+        "the reference's figure",
+        "",
+        f"{'':10} {'float':^26}  {'bit-true':^26}" + (f"  {'thesis':>8}" if thesis else ""),
+        f"{'output':10} "
+        + "  ".join([f"{'mean':>6} {'largest':>10} {'worst':>8}"] * 2)
+        + (f"  {'largest':>8}" if thesis else ""),
+    ]
+    for c, name in enumerate(scene.outputs):
+        cells = [
+            f"{e[c].mean:6.2f} {e[c].largest_mean:10.2f} {e[c].worst:8.2f}" for e in found.values()
+        ]
+        last = f"  {thesis[c]:8.2f}" if thesis else ""
+        lines.append(f"{name:10} " + "  ".join(cells) + last)
+    facts = results["facts"]
+    first = next(iter(facts.values()))
+    clocks, interval = first["clocks_per_frame"], first["interval"]
+    lines += [
+        "",
+        f"clocks a frame            {clocks}, first sample in to last output out "
+        f"({clocks / scene.clock_mhz:.3f} us at {scene.clock_mhz:g} MHz)",
+        f"clocks between frames     {interval} "
+        f"({scene.clock_mhz * 1e6 / interval:,.0f} frames a second)",
+        f"samples saturated         {vectors.saturated} of {vectors.codes.size}",
+    ]
+    lines += [f"left out                  {text}" for text in scene.design().left_out()]
+    lines += [
+        "",
+        "frames a second, simulated: "
+        + ", ".join(f"{s} {f['frames'] / f['seconds']:,.0f}" for s, f in facts.items())
+        + f", numpy twin {twin_speed(scene):,.0f}",
+    ]
+    return "\n".join(lines)
+
+
+def bench_table(results: dict) -> str:
+    """Entities and values compared, a line per block."""
+    lines = [
+        "",
+        f"{'block':20} " + "  ".join(f"{s + ' entities, compared':>28}" for s in SIMULATORS),
+    ]
+    for block, cells in results["blocks"].items():
+        columns = [f"{cells[s][0]:18} {cells[s][1]:9}" for s in SIMULATORS]
+        lines.append(f"{block:20} " + "  ".join(columns))
+    when = "just run" if results["fresh"] else "unchanged since they passed, not run again"
+    lines.append(
+        f"{results['benches']} benches ({when}), {results['failed']} failed, "
+        f"{results['compared']} values compared bit for bit"
+    )
+    return "\n".join(lines)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="make demo", description=__doc__)
+    parser.add_argument("scene")
+    scene = load_scene(parser.parse_args().scene)
+    for simulator in SIMULATORS:
+        check_simulator(simulator)
+    scene.vectors()
+    results = simulate(scene)
+    print(bench_table(results))
+    if results["failed"]:
+        return 1
+    print(report(scene, results))
+    for simulator in SIMULATORS:
+        print(f"{language(simulator):8} in build/{scene.name}/{language(simulator)}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

@@ -1,0 +1,59 @@
+"""input_controller against its twin.
+
+Sweeps: 4000 samples in frames of the right length, shorter and longer ones, mixed at random.
+Drives: back to back and with gaps; then the same with resets at random clocks.
+Checks: address, accumulate, preset, capture, valid and frame_error, each in its clock, and that
+none of them is high in any other clock.
+Does not prove: frames longer than three times the right length.
+"""
+
+import cocotb
+import numpy as np
+
+from tb.common.bench import Bench
+from tb.common.framing import random_lengths, scan
+from tb.common.stimulus import random_resets, spread
+
+OUTPUTS = ["addr", "preset", "accumulate", "capture", "out_valid", "frame_error"]
+
+
+async def check(bench, gap, resets):
+    last = random_lengths(bench.rng, bench.twin.inputs, 4000)
+    drive = spread(bench.rng, {"in_last": last}, "in_valid", gap, tail=6)
+    if resets:
+        drive["rst"] = random_resets(bench.rng, len(drive["in_valid"]), every=50)
+    recording = await bench.play(drive, OUTPUTS)
+    rows, frames = scan(bench.twin, recording)
+    accepted = rows[frames.accept]
+    opening = rows[frames.accept & (frames.addr == 0)]
+    done = rows[frames.done]
+    addr = recording.unsigned("addr", accepted)
+    bench.compare("addr", addr, frames.addr[frames.accept], clock=accepted)
+    # A reset in row t clears the flags that would rise in row t + 1 and after.
+    for port, cause, delay in [
+        ("accumulate", accepted, 1),
+        ("preset", opening, 1),
+        ("capture", done, 2),
+        ("out_valid", done, 3),
+        ("frame_error", rows[frames.error], 1),
+    ]:
+        alive = cause[recording.undisturbed(cause, cause + delay - 1)]
+        bench.compare(f"clocks of {port}", recording.rows(port), alive + delay)
+    assert np.any(frames.error), "no wrong frame was driven"
+    assert np.any(frames.done), "no good frame was driven"
+    bench.finish(at_least=2000)
+
+
+@cocotb.test()
+async def back_to_back(dut):
+    await check(Bench(dut), gap=0.0, resets=False)
+
+
+@cocotb.test()
+async def gaps(dut):
+    await check(Bench(dut), gap=0.5, resets=False)
+
+
+@cocotb.test()
+async def resets(dut):
+    await check(Bench(dut), gap=0.2, resets=True)

@@ -1,0 +1,59 @@
+"""``make sim``: the benches of one block, or of every block of a scene."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from golden.cli import run
+from golden.scene import load_scene
+from tb.common.runner import SEED, Outcome, plan, run_jobs
+from tb.common.tools import SIMULATORS
+
+
+def tell(outcome: Outcome) -> None:
+    """One line per finished bench."""
+    job = outcome.job
+    verdict = "pass" if outcome.passed else "FAIL"
+    print(
+        f"{verdict}  {job.simulator:6}  {job.entity:28} "
+        f"{outcome.compared:8} compared  {outcome.seconds:6.1f} s",
+        flush=True,
+    )
+    if not outcome.passed:
+        print(f"      {outcome.complaint()}\n      log: {outcome.log}", flush=True)
+
+
+def conclude(outcomes: list[Outcome]) -> int:
+    """The closing line and the exit code."""
+    failed = sum(not o.passed for o in outcomes)
+    compared = sum(o.compared for o in outcomes)
+    print(f"{len(outcomes)} benches, {failed} failed, {compared} results compared")
+    return 1 if failed else 0
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="make sim", description=__doc__)
+    parser.add_argument("scene")
+    parser.add_argument("--block")
+    parser.add_argument("--sim", help=f"one of {', '.join(SIMULATORS)}; both when left out")
+    parser.add_argument("--seed", type=int, default=SEED)
+    parser.add_argument("--waves", action="store_true")
+    arguments = parser.parse_args()
+    jobs = plan(
+        load_scene(arguments.scene),
+        [arguments.sim] if arguments.sim else SIMULATORS,
+        arguments.block,
+        arguments.seed,
+        arguments.waves,
+    )
+    outcomes = run_jobs(jobs, tell)
+    if arguments.waves:
+        for outcome in outcomes:
+            for wave in sorted(outcome.job.folder.rglob("*.[fg][sh][tw]")):
+                print(f"waves: {wave}")
+    return conclude(outcomes)
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))
