@@ -175,7 +175,7 @@ def requantise(
         exact = exact + (1 << (shift - 1))
     kept = exact >> shift
     if overflow is Overflow.SATURATE:
-        return np.clip(kept, target.low, target.high)
+        return np.asarray(np.clip(kept, target.low, target.high), dtype=np.int64)
     span = 1 << target.width
     return np.asarray(((kept - target.low) % span) + target.low, dtype=np.int64)
 
