@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from golden.files import replace_file
-from golden.networks.mlp import Mlp
+from golden.networks.mlp import Mlp, Real
 
 NAMES = ("w1", "b1", "w2", "b2")
 
@@ -44,15 +44,12 @@ def load_network(path: Path, shape: tuple[int, int, int]) -> Mlp:
         "w2": (outputs, hidden),
         "b2": (outputs,),
     }
+    found = _arrays(path)
     arrays = {}
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            for name in NAMES:
-                if name not in archive:
-                    raise ValueError(f"{path}: no array {name!r}, got {', '.join(archive.files)}")
-                arrays[name] = np.asarray(archive[name], dtype=np.float64)
-    except (zipfile.BadZipFile, EOFError, AttributeError, TypeError) as error:
-        raise ValueError(f"{path}: not an NPZ of numbers: {error}") from None
+    for name in NAMES:
+        if name not in found:
+            raise ValueError(f"{path}: no array {name!r}, got {', '.join(found)}")
+        arrays[name] = found[name]
     for name, array in arrays.items():
         if array.shape != expected[name]:
             raise ValueError(
@@ -62,6 +59,16 @@ def load_network(path: Path, shape: tuple[int, int, int]) -> Mlp:
         if not np.isfinite(array).all():
             raise ValueError(f"{path}: {name}: got NaN or infinity, expected finite numbers")
     return Mlp(**arrays)
+
+
+def _arrays(path: Path) -> dict[str, Real]:
+    """Every array of an NPZ file, as float64."""
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            return {name: np.asarray(archive[name], dtype=np.float64) for name in archive.files}
+    except (zipfile.BadZipFile, EOFError, ValueError, AttributeError, TypeError) as error:
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise ValueError(f"{path}: not an NPZ of numbers: {reason}") from None
 
 
 def save_network(path: Path, mlp: Mlp, provenance: dict[str, str | int | float]) -> None:

@@ -5,6 +5,7 @@ A scene is one TOML file, in ``golden/scenes`` or anywhere else. Paths in it are
 
 from __future__ import annotations
 
+import math
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
@@ -247,7 +248,7 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
                 f"{path}: data.full_scale: {name!r} is no output, expected one of "
                 f"{', '.join(data['outputs'])}{suggest(name, data['outputs'])}"
             )
-        if type(scale) not in (int, float) or not scale > 0:
+        if type(scale) not in (int, float) or not 0 < scale < math.inf:
             raise ValueError(
                 f"{path}: data.full_scale.{name}: got {scale!r}, expected a number above 0"
             )
@@ -257,9 +258,9 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
     ]
     positive += [(f"training.{k}", values["training"][k]) for k in ("restarts", "steps")]
     for key, value in positive:
-        if not value > 0:
+        if not 0 < value < math.inf:
             raise ValueError(f"{path}: {key}: got {value!r}, expected above 0")
-    if values["training"]["weight_decay"] < 0:
+    if not 0 <= values["training"]["weight_decay"] < math.inf:
         raise ValueError(
             f"{path}: training.weight_decay: got {values['training']['weight_decay']!r}, "
             "expected 0 or more"

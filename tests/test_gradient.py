@@ -1,0 +1,51 @@
+"""The assembled activation over every code it can meet."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from golden.precision import PRECISE, SIGNAL, THESIS, gradient_for
+
+CASES = [(THESIS, q) for q in (1, 2, 3, 8, 16, 32, 128, 512)] + [(PRECISE, 1)]
+IDS = [f"{p.name}-q{q}" for p, q in CASES]
+
+
+def every_code(precision):
+    return np.arange(precision.hidden_fmt.low, precision.hidden_fmt.high + 1)
+
+
+@pytest.mark.parametrize(("precision", "factor"), CASES, ids=IDS)
+def test_error_against_tanh_over_every_code(precision, factor: int) -> None:
+    """132 units of 2**-13 is the scheme's own error; the arithmetic adds less than two."""
+    gradient = gradient_for(precision, factor, precision.hidden_fmt.high)
+    codes = every_code(precision)
+    exact = np.tanh(factor * precision.hidden_fmt.to_real(codes))
+    units = np.abs(SIGNAL.to_real(gradient.process(codes)) - exact) * 8192
+    assert units.max() < 134
+
+
+@pytest.mark.parametrize(("precision", "factor"), CASES, ids=IDS)
+def test_odd_and_inside_the_format_over_every_code(precision, factor: int) -> None:
+    gradient = gradient_for(precision, factor, precision.hidden_fmt.high)
+    codes = every_code(precision)
+    results = gradient.process(codes)
+    assert np.abs(results).max() <= SIGNAL.high
+    positive = codes[codes > 0]
+    assert np.array_equal(gradient.process(-positive), -gradient.process(positive))
+    lowest = precision.hidden_fmt.low
+    assert gradient.process(lowest) == -gradient.process(precision.hidden_fmt.high)
+
+
+def test_thesis_reading_of_the_mean_error() -> None:
+    """Equation 4.32 at Q = 3: the thesis prints 0.40 %; twice the mean absolute error gives it."""
+    gradient = gradient_for(THESIS, 3, SIGNAL.high)
+    codes = every_code(THESIS)
+    error = SIGNAL.to_real(gradient.process(codes)) - np.tanh(3 * SIGNAL.to_real(codes))
+    assert 2 * 100 * np.abs(error).mean() == pytest.approx(0.40, abs=0.02)
+
+
+def test_a_code_outside_the_format_is_refused() -> None:
+    gradient = gradient_for(THESIS, 3, SIGNAL.high)
+    with pytest.raises(ValueError, match="got code 8192 at index"):
+        gradient.process([0, 8192])

@@ -1,0 +1,126 @@
+"""Layers and controllers against plain integer arithmetic and against their bounds."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from golden.fixed import Fix
+from golden.layers.input_controller import InputController
+from golden.layers.input_node import InputNode
+from golden.layers.output_integral import OutputIntegral
+from golden.precision import PRECISE, SIGNAL
+
+COEFF = Fix(18, 14)
+codes = st.integers(COEFF.low, COEFF.high)
+samples = st.integers(SIGNAL.low, SIGNAL.high)
+
+
+def node(weights, bias, shift=0) -> InputNode:
+    return InputNode(tuple(weights), bias, SIGNAL, COEFF, PRECISE.hidden_fmt, shift)
+
+
+@given(st.lists(st.tuples(codes, samples), min_size=1, max_size=6), codes, st.integers(0, 13))
+def test_node_is_the_rounded_exact_sum(pairs, bias, shift) -> None:
+    weights, x = zip(*pairs, strict=True)
+    twin = node(weights, bias, shift)
+    acc = sum((w * v) >> shift for w, v in pairs) + (bias << (13 - shift))
+    rounded = (acc + ((1 << twin.out_shift) >> 1)) >> twin.out_shift
+    expected = min(max(rounded, twin.out_fmt.low), twin.out_fmt.high)
+    assert int(twin.process(np.array(x))) == expected
+    assert abs(expected) <= twin.reach or expected == twin.out_fmt.low
+
+
+@given(st.lists(codes, min_size=1, max_size=5), codes, st.integers(0, 13))
+def test_accumulator_is_wide_enough_and_no_wider(weights, bias, shift) -> None:
+    twin = node(weights, bias, shift)
+    half = 1 << (twin.acc_width - 1)
+    largest = 0
+    for rails in itertools.product((SIGNAL.low, SIGNAL.high), repeat=len(weights)):
+        terms = [(w * x) >> shift for w, x in zip(weights, rails, strict=True)]
+        start = bias << twin.bias_shift
+        for end in range(len(terms) + 1):
+            partial = start + sum(terms[:end])
+            assert -half <= partial < half
+        largest = max(largest, abs(start + sum(terms)), abs(sum(terms)))
+    assert largest <= twin.acc_bound
+    assert twin.acc_width <= max(2, twin.acc_bound.bit_length() + 1)
+
+
+@given(
+    st.integers(1, 4).flatmap(
+        lambda hidden: st.tuples(
+            st.lists(st.lists(codes, min_size=hidden, max_size=hidden), min_size=1, max_size=3),
+            st.lists(samples, min_size=hidden, max_size=hidden),
+        )
+    ),
+    st.booleans(),
+    st.integers(0, 13),
+)
+def test_output_is_the_rounded_exact_sum(case, scaled, shift) -> None:
+    weights, r = case
+    biases = [w[0] for w in weights]
+    factors = tuple(range(3, 3 + len(weights))) if scaled else None
+    twin = OutputIntegral(
+        tuple(tuple(w) for w in weights), tuple(biases), factors, SIGNAL, COEFF, SIGNAL, shift
+    )
+    results = twin.process(np.array(r))
+    for i, row in enumerate(weights):
+        acc = sum((w * v) >> shift for w, v in zip(row, r, strict=True))
+        acc += biases[i] << twin.bias_shift
+        assert -(1 << (twin.acc_width - 1)) <= acc < 1 << (twin.acc_width - 1)
+        acc *= factors[i] if factors else 1
+        assert -(1 << (twin.scaled_width - 1)) <= acc < 1 << (twin.scaled_width - 1)
+        rounded = (acc + ((1 << twin.out_shift) >> 1)) >> twin.out_shift
+        assert results[i] == min(max(rounded, SIGNAL.low), SIGNAL.high)
+
+
+def test_wrong_shapes_and_codes_are_refused() -> None:
+    twin = node([1, 2, 3], 0)
+    with pytest.raises(ValueError, match=r"got shape \(2,\), expected \(..., 3\)"):
+        twin.process([1, 2])
+    with pytest.raises(ValueError, match="got code -8193"):
+        twin.process([1, 2, -8193])
+    with pytest.raises(ValueError, match=r"input_node weights: got code 131072"):
+        node([131072], 0)
+
+
+def scan(inputs, spacing, flags, clock=None):
+    controller = InputController(inputs, spacing)
+    return controller.process(flags, range(len(flags)) if clock is None else clock)
+
+
+def test_frames_of_the_right_length_pass() -> None:
+    found = scan(3, 0, [0, 0, 1] * 2)
+    assert found.addr.tolist() == [0, 1, 2] * 2
+    assert found.done.tolist() == [False, False, True] * 2
+    assert not found.error.any()
+
+
+def test_a_short_frame_is_one_error_and_the_next_frame_passes() -> None:
+    found = scan(3, 0, [0, 1, 0, 0, 1])
+    assert found.error.tolist() == [False, True, False, False, False]
+    assert found.done.tolist() == [False] * 4 + [True]
+
+
+def test_a_long_frame_is_one_error_and_dropped_up_to_its_last() -> None:
+    found = scan(3, 0, [0, 0, 0, 0, 0, 0, 1, 0, 0, 1])
+    assert np.flatnonzero(found.error).tolist() == [2]
+    assert found.accept.tolist() == [True] * 3 + [False] * 4 + [True] * 3
+    assert np.flatnonzero(found.done).tolist() == [9]
+
+
+def test_a_frame_that_comes_too_early_is_an_error() -> None:
+    flags = [0, 1] * 3
+    assert np.flatnonzero(scan(2, 4, flags).error).tolist() == [3]
+    assert not scan(2, 4, flags, clock=[0, 1, 4, 5, 8, 9]).error.any()
+
+
+@pytest.mark.parametrize(("inputs", "spacing"), [(0, 0), (3, -1)])
+def test_controller_parameters_are_checked(inputs, spacing) -> None:
+    with pytest.raises(ValueError, match=f"got inputs={inputs}, spacing={spacing}"):
+        InputController(inputs, spacing)

@@ -1,0 +1,154 @@
+"""Faults of scenes, CSV files and networks: each gets one clear message."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from golden.network_file import load_network, provenance_path, save_network
+from golden.precision import SIGNAL, build_hybrid
+from golden.scene import Scene, load_scene, scene_names
+from golden.table import read_table
+
+
+def edited(scene: Scene, old: str, new: str) -> str:
+    """The scene's file with one text replaced; its path."""
+    text = scene.path.read_text()
+    assert old in text
+    scene.path.write_text(text.replace(old, new))
+    return str(scene.path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("hidden = 5", 'hidden = "5"', "network.hidden: got '5', expected a whole number"),
+        ("hidden = 5", "hidden = 0", "network.hidden: got 0, expected above 0"),
+        ("hidden = 5", "", "network.hidden: missing, expected a whole number"),
+        ("hidden = 5", "hidden = true", "network.hidden: got True, expected a whole number"),
+        ("hidden = 5", "hiden = 5", "network: key 'hiden' is not known, .*did you mean 'hidden'"),
+        ("[hardware]", "[hardwear]", "section 'hardwear' is not known, .*did you mean 'hardware'"),
+        ('"precise"', '"preciss"', "hardware.precision: got 'preciss', .*did you mean 'precise'"),
+        ('["x0", "x1", "x2"]', '["x0", "x0", "x2"]', "data.sensors: got .* each once"),
+        ('["x0", "x1", "x2"]', "[]", "data.sensors: got .* expected column names"),
+        ("[network]", "[network", "not TOML"),
+        ("[network]", "full_scale = { y9 = 1 }\n[network]", "data.full_scale: 'y9' is no output"),
+        ("[network]", "full_scale = { y1 = 0 }\n[network]", "data.full_scale.y1: got 0"),
+        ("steps = 20", "steps = 0", "training.steps: got 0, expected above 0"),
+        ("steps = 20", "weight_decay = -1", "training.weight_decay: got -1.0"),
+        ("steps = 20", "weight_decay = nan", "training.weight_decay: got nan"),
+        ("[training]", "clock_mhz = inf\n[training]", "hardware.clock_mhz: got inf"),
+    ],
+)
+def test_a_fault_in_a_scene_names_file_key_and_what_was_expected(
+    small_scene: Scene, old: str, new: str, message: str
+) -> None:
+    path = edited(small_scene, old, new)
+    with pytest.raises(ValueError, match=message) as caught:
+        load_scene(path)
+    assert "small.toml" in str(caught.value)
+
+
+def test_an_unknown_scene_lists_the_known_ones() -> None:
+    with pytest.raises(FileNotFoundError, match=r"digit-singel.*did you mean 'digit-single'\?"):
+        load_scene("digit-singel")
+    with pytest.raises(FileNotFoundError, match="no such scene"):
+        load_scene("nowhere/my.toml")
+    assert "digit-single" in scene_names()
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("0.1,0.2,oops,0.4,0.5", r"small.csv:3: column 'x2': got 'oops', expected a number"),
+        ("0.1,0.2,nan,0.4,0.5", r"small.csv:3: column 'x2': got nan, expected a finite number"),
+        ("0.1,0.2,inf,0.4,0.5", r"small.csv:3: column 'x2': got inf, expected a finite number"),
+        ("0.1,0.2,,0.4,0.5", r"small.csv:3: column 'x2': got '', expected a number"),
+        ("0.1,0.2", r"small.csv:3: got 2 cells, expected 5"),
+        ("0.1,0.2,0.3,0.0,0.5", r"column 'y0' holds a target of 0"),
+    ],
+)
+def test_a_fault_in_a_csv_names_line_and_column(
+    small_scene: Scene, line: str, message: str
+) -> None:
+    lines = small_scene.data_path.read_text().splitlines()
+    lines[2] = line
+    small_scene.data_path.write_text("\n".join(lines))
+    with pytest.raises(ValueError, match=message):
+        small_scene.vectors()
+
+
+def test_columns_missing_or_twice(small_scene: Scene) -> None:
+    text = small_scene.data_path.read_text()
+    small_scene.data_path.write_text(text.replace("x2", "x3", 1))
+    with pytest.raises(ValueError, match=r"no column 'x2', got x0, x1, x3, y0, y1"):
+        small_scene.vectors()
+    small_scene.data_path.write_text(text.replace("x2", "x1", 1))
+    with pytest.raises(ValueError, match="column 'x1' stands twice"):
+        small_scene.vectors()
+
+
+def test_no_rows_and_no_file(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("x\n")
+    with pytest.raises(ValueError, match="expected a header and at least one row"):
+        read_table(tmp_path / "a.csv", ["x"])
+    with pytest.raises(FileNotFoundError, match=r"b.csv: no such file"):
+        read_table(tmp_path / "b.csv", ["x"])
+
+
+def test_values_outside_the_signal_are_counted(small_scene: Scene) -> None:
+    lines = small_scene.data_path.read_text().splitlines()
+    lines[1] = "1.5,-1.5,0.1,0.5,0.5"
+    small_scene.data_path.write_text("\n".join(lines))
+    vectors = small_scene.vectors()
+    assert vectors.saturated == 2
+    assert vectors.codes[0, :2].tolist() == [SIGNAL.high, SIGNAL.low]
+
+
+def test_a_network_survives_the_disk(small_scene: Scene, tmp_path: Path) -> None:
+    mlp = small_scene.mlp()
+    path = tmp_path / "copy.npz"
+    save_network(path, mlp, {"seed": 3, "scene": "x"})
+    again = load_network(path, small_scene.shape)
+    assert all(np.array_equal(getattr(mlp, n), getattr(again, n)) for n in ("w1", "b1", "w2", "b2"))
+    assert tomllib.loads(provenance_path(path).read_text()) == {"seed": 3, "scene": "x"}
+    assert sorted(p.name for p in tmp_path.glob("*copy*")) == ["copy.npz", "copy.provenance.toml"]
+
+
+def test_a_network_of_the_wrong_shape(small_scene: Scene) -> None:
+    wider = replace(small_scene, hidden=6)
+    with pytest.raises(ValueError, match=r"small.npz: w1: got shape \(5, 3\), expected \(6, 3\)"):
+        wider.mlp()
+
+
+@pytest.mark.parametrize("content", [b"", b"no zip at all", b"PK\x03\x04 cut off"])
+def test_a_network_file_that_is_none(small_scene: Scene, content: bytes) -> None:
+    small_scene.weights_path.write_bytes(content)
+    with pytest.raises(ValueError, match=r"small.npz: not an NPZ"):
+        small_scene.mlp()
+
+
+def test_a_network_with_faults(small_scene: Scene) -> None:
+    mlp, path = small_scene.mlp(), small_scene.weights_path
+    np.savez(path, w1=mlp.w1, b1=mlp.b1, w2=mlp.w2)
+    with pytest.raises(ValueError, match=r"small.npz: no array 'b2', got w1, b1, w2"):
+        small_scene.mlp()
+    np.savez(path, w1=mlp.w1 * np.nan, b1=mlp.b1, w2=mlp.w2, b2=mlp.b2)
+    with pytest.raises(ValueError, match=r"small.npz: w1: got NaN or infinity"):
+        small_scene.mlp()
+    path.unlink()
+    with pytest.raises(FileNotFoundError, match="no such network; make train"):
+        small_scene.mlp()
+
+
+def test_every_shipped_scene_builds() -> None:
+    for name in scene_names():
+        scene = load_scene(name)
+        assert build_hybrid(scene.mlp(), scene.precision) == scene.design()
+        provenance = tomllib.loads(provenance_path(scene.weights_path).read_text())
+        for key in ("seed", "restarts", "weight_decay", "steps"):
+            assert provenance[key] == getattr(scene.training, key), key

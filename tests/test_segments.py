@@ -1,0 +1,93 @@
+"""The Gradient scheme's constants against the thesis and against their own claims."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from golden.activation import segments
+from golden.activation.segments import COEFF_WIDTH_LIMIT, coefficient_codes, gradient_real
+from golden.precision import PRECISE, SIGNAL, THESIS, gradient_for
+
+DATA = Path(segments.__file__).parents[1] / "data" / "thesis_numbers.toml"
+THESIS_TABLE = tomllib.loads(DATA.read_text())["activation"]["gradient"]
+FACTORS = [1, 2, 3, 5, 8, 16, 17, 18, 32, 100, 128, 511, 512]
+
+# Table 5.2 of the thesis, first and tenth row, headed g_n Q_j.
+TABLE_5_2 = {
+    16: (0.0582, 0.0374, 0.0225, 0.0148, 0.0086, 0.0051, 0.0028, 0.001, 0.0002),
+    32: (0.0291, 0.0187, 0.0112, 0.0074, 0.0043, 0.0026, 0.0014, 0.0005, 0.0001),
+}
+
+
+def test_the_table_is_the_thesis_table() -> None:
+    assert list(segments.UPPER) == THESIS_TABLE["upper"]
+    assert list(segments.GRADIENT) == THESIS_TABLE["gradient"]
+    assert list(segments.INTERCEPT) == THESIS_TABLE["intercept"]
+
+
+def test_binary_points_of_table_4_3() -> None:
+    """For Q = 3 every coefficient is rounded at the point that the thesis prints."""
+    codes, frac = coefficient_codes(3, 14, 13)
+    assert frac == 13
+    for code, gradient, point in zip(
+        codes, segments.GRADIENT, THESIS_TABLE["binary_point_gradient"], strict=True
+    ):
+        assert code == int(3 * gradient * 2**point + 0.5) << (13 - point)
+
+
+def test_thresholds_of_table_4_3_with_the_misprint_mended() -> None:
+    """sigma_6 is 2.05 / 3 = 0.683, not the printed 0.633; 1.05 and 1.333 are never exceeded."""
+    table = gradient_for(THESIS, 3, SIGNAL.high).table
+    expected = [round(v * 8192) for v in (0.5 / 3, 1 / 3, 0.4, 0.5, 0.6, 2.05 / 3, 2.45 / 3)]
+    assert list(table.thresholds) == expected
+
+
+@pytest.mark.parametrize("q", TABLE_5_2)
+def test_table_5_2_holds_gradients_divided_by_q(q: int) -> None:
+    assert [round(g / q, 4) for g in segments.GRADIENT] == list(TABLE_5_2[q])
+
+
+@pytest.mark.parametrize("factor", FACTORS)
+@pytest.mark.parametrize(("width", "limit"), [(14, 13), (18, 17)])
+def test_coefficients_stay_exact_enough(factor: int, width: int, limit: int) -> None:
+    """Where a segment is used, its coefficient's error moves the product by at most half an LSB."""
+    codes, frac = coefficient_codes(factor, width, limit)
+    assert max(codes) < 2**COEFF_WIDTH_LIMIT
+    for code, gradient, upper in zip(codes, segments.GRADIENT, segments.UPPER, strict=True):
+        reach = min(1.0, upper / factor)
+        assert abs(code / 2**frac - gradient * factor) * reach * 8192 <= 0.5
+
+
+def test_too_large_a_factor_names_segment_and_format() -> None:
+    with pytest.raises(ValueError, match=r"segment 1: gradient 1\d+ \(Q = 200000\) does not fit"):
+        coefficient_codes(200_000, 18, 17)
+    with pytest.raises(ValueError, match=r"thresholds .* coincide in"):
+        gradient_for(THESIS, 8000, SIGNAL.high)
+
+
+@pytest.mark.parametrize("precision", [THESIS, PRECISE], ids=lambda p: p.name)
+@pytest.mark.parametrize("reach", [0.2, 0.55, 0.9])
+def test_segments_out_of_reach_are_left_out_and_change_nothing(precision, reach) -> None:
+    factor = 5 if precision is THESIS else 1
+    limit = int(reach * (4 / 5 * 2**13 if precision is THESIS else 4 * 2**14))
+    full = gradient_for(precision, factor, precision.hidden_fmt.high)
+    lean = gradient_for(precision, factor, limit)
+    assert len(lean.table.thresholds) < len(full.table.thresholds)
+    codes = np.arange(-limit, limit + 1)
+    assert np.array_equal(lean.process(codes), full.process(codes))
+
+
+def test_real_scheme_is_odd_and_close_to_tanh() -> None:
+    q = np.linspace(-6, 6, 20001)
+    value, slope = gradient_real(q)
+    away = np.abs(q) > 1e-9
+    assert np.allclose(value[away], -gradient_real(-q)[0][away])
+    assert np.abs(value - np.tanh(q)).max() < 0.0163
+    step = 1e-7
+    inside = np.abs(np.abs(q)[:, None] - np.array((0, *segments.UPPER))).min(axis=1) > 1e-6
+    numeric = (gradient_real(q + step)[0] - gradient_real(q - step)[0]) / (2 * step)
+    assert np.allclose(slope[inside], numeric[inside], atol=1e-6)
