@@ -1,7 +1,8 @@
 """hybrid, the whole folded network, against its twin.
 
 Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one
-sensor alone); frames that drive each hidden sum to its ends; 400 random frames; frames too short and too long among good ones.
+sensor alone); frames that drive each hidden sum to its ends; 400 random frames; frames too short
+and too long among good ones.
 Drives: back to back, with random gaps, and with resets in mid-frame.
 Checks: every output, ``out_last`` and ``frame_error`` bit for bit in its clock, and that nothing
 comes out in any other clock. Measures the clocks of a frame.
