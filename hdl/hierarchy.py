@@ -99,7 +99,7 @@ def _convert(instance: _Block, folder: Path, language: str, done: dict) -> None:
     file = folder / f"{spec.entity}{SUFFIX[language]}"
     text = _tidy(file.read_text(), language)
     file.write_text(text)
-    done[spec.entity] = (spec, _directions(text, language))
+    done[spec.entity] = (spec, port_directions(text, language))
 
 
 def _entities(instance: _Block) -> Iterator[_Block]:
@@ -168,7 +168,7 @@ def _name_grouped_signals(instance: _Block) -> None:
             instance.sigdict.setdefault(name, value)
 
 
-def _directions(text: str, language: str) -> dict[str, str]:
+def port_directions(text: str, language: str) -> dict[str, str]:
     """Direction of each port, read from the converted header."""
     if language == "vhdl":
         return dict(re.findall(r"^\s+(\w+): (in|out) ", text, re.M))

@@ -116,23 +116,14 @@ def twin_speed(scene: Scene) -> float:
     return len(codes) / (time.perf_counter() - started)
 
 
-def report(scene: Scene, results: dict) -> str:
-    """The table."""
+def error_table(scene: Scene) -> list[str]:
+    """Per output: mean, largest mean over positions, and worst frame, float and bit-true."""
     found = errors(scene)
     thesis = thesis_figures(scene)
-    shape = ":".join(str(n) for n in scene.shape)
-    vectors = scene.vectors()
+    group = f"{'mean':>6} {'largest':>10} {'worst':>8}"
     lines = [
-        "",
-        f"scene {scene.name}: {shape}, hybrid, {scene.activation}, "
-        f"{scene.precision.name} precision",
-        f"errors in % on {len(vectors.codes)} recorded frames; 'largest mean' is over positions, "
-        "the reference's figure",
-        "",
         f"{'':10} {'float':^26}  {'bit-true':^26}" + (f"  {'thesis':>8}" if thesis else ""),
-        f"{'output':10} "
-        + "  ".join([f"{'mean':>6} {'largest':>10} {'worst':>8}"] * 2)
-        + (f"  {'largest':>8}" if thesis else ""),
+        f"{'output':10} {group}  {group}" + (f"  {'largest':>8}" if thesis else ""),
     ]
     for c, name in enumerate(scene.outputs):
         cells = [
@@ -140,19 +131,31 @@ def report(scene: Scene, results: dict) -> str:
         ]
         last = f"  {thesis[c]:8.2f}" if thesis else ""
         lines.append(f"{name:10} " + "  ".join(cells) + last)
+    return lines
+
+
+def report(scene: Scene, results: dict) -> str:
+    """Errors, clocks, what was left out, and speed."""
+    shape = ":".join(str(n) for n in scene.shape)
+    vectors = scene.vectors()
     facts = results["facts"]
     first = next(iter(facts.values()))
     clocks, interval = first["clocks_per_frame"], first["interval"]
-    lines += [
+    lines = [
+        "",
+        f"scene {scene.name}: {shape}, hybrid, {scene.activation}, "
+        f"{scene.precision.name} precision",
+        f"errors in % on {len(vectors.codes)} recorded frames; 'largest' is the largest mean over "
+        "the positions",
+        "",
+        *error_table(scene),
         "",
         f"clocks a frame            {clocks}, first sample in to last output out "
         f"({clocks / scene.clock_mhz:.3f} us at {scene.clock_mhz:g} MHz)",
         f"clocks between frames     {interval} "
         f"({scene.clock_mhz * 1e6 / interval:,.0f} frames a second)",
         f"samples saturated         {vectors.saturated} of {vectors.codes.size}",
-    ]
-    lines += [f"left out                  {text}" for text in scene.design().left_out()]
-    lines += [
+        *(f"left out                  {text}" for text in scene.design().left_out()),
         "",
         "frames a second, simulated: "
         + ", ".join(f"{s} {f['frames'] / f['seconds']:,.0f}" for s, f in facts.items())

@@ -7,7 +7,7 @@ import pytest
 
 from golden.precision import PRECISE, SIGNAL, THESIS, gradient_for
 
-CASES = [(THESIS, q) for q in (1, 2, 3, 8, 16, 32, 128, 512)] + [(PRECISE, 1)]
+CASES = [(THESIS, q) for q in (1, 2, 3, 8, 16, 32, 77, 100, 128, 511, 512)] + [(PRECISE, 1)]
 IDS = [f"{p.name}-q{q}" for p, q in CASES]
 
 
@@ -49,3 +49,14 @@ def test_a_code_outside_the_format_is_refused() -> None:
     gradient = gradient_for(THESIS, 3, SIGNAL.high)
     with pytest.raises(ValueError, match="got code 8192 at index"):
         gradient.process([0, 8192])
+
+
+def test_every_q_up_to_512_is_as_exact_as_the_scheme() -> None:
+    """The worst over all factors and all codes is the scheme's own step at |q| = 0.5."""
+    codes = every_code(THESIS)
+    worst = 0.0
+    for factor in range(1, 513):
+        results = SIGNAL.to_real(gradient_for(THESIS, factor, SIGNAL.high).process(codes))
+        error = np.abs(results - np.tanh(factor * SIGNAL.to_real(codes)))
+        worst = max(worst, 8192 * error.max())
+    assert worst < 132.6

@@ -134,3 +134,14 @@ def test_metrics_on_numbers_done_by_hand() -> None:
     load, position = summarise(errors, [1, 2, 2])
     assert (load.largest_mean, load.worst) == pytest.approx((20, 20))
     assert (position.mean, position.largest_mean) == pytest.approx((10, 10))
+
+
+def test_a_node_without_weights_still_builds() -> None:
+    """Its accumulator is narrower than the half LSB that rounding adds."""
+    mlp = random_mlp((2, 3, 1), 0.3, 1)
+    mlp.w1[1] = 0
+    mlp.b1[1] = 0
+    design = build_hybrid(mlp, PRECISE)
+    node = design.input_integral.nodes[1]
+    assert node.acc_width < node.out_shift
+    assert design.input_integral.process([[SIGNAL.low, SIGNAL.high]])[0, 1] == 0

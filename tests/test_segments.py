@@ -42,8 +42,16 @@ def test_binary_points_of_table_4_3() -> None:
 def test_thresholds_of_table_4_3_with_the_misprint_mended() -> None:
     """sigma_6 is 2.05 / 3 = 0.683, not the printed 0.633; 1.05 and 1.333 are never exceeded."""
     table = gradient_for(THESIS, 3, SIGNAL.high).table
-    expected = [round(v * 8192) for v in (0.5 / 3, 1 / 3, 0.4, 0.5, 0.6, 2.05 / 3, 2.45 / 3)]
-    assert list(table.thresholds) == expected
+    printed = (0.167, 0.333, 0.4, 0.5, 0.6, 0.683, 0.817)
+    assert [round(t / 8192, 3) for t in table.thresholds] == list(printed)
+
+
+@pytest.mark.parametrize("factor", FACTORS)
+def test_every_code_is_in_the_segment_that_equation_4_23_says(factor: int) -> None:
+    gradient = gradient_for(THESIS, factor, SIGNAL.high)
+    mags = np.arange(SIGNAL.high + 1)
+    exact = (mags[:, np.newaxis] * factor * 100 > np.array(segments.UPPER) * 819200).sum(axis=1)
+    assert np.array_equal(gradient.comparator_bank.process(mags), exact)
 
 
 @pytest.mark.parametrize("q", TABLE_5_2)

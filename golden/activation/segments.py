@@ -8,6 +8,8 @@ its gradients G_n = g_n Q (equation 4.23). Beyond the last threshold the result 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
+from math import floor
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -152,7 +154,9 @@ def segment_table(
         When a coefficient does not fit, two thresholds fall on one code (Q too large for the
         format), or a segment's largest result leaves ``out``.
     """
-    scaled = [nearest(u / factor * 2**mag.frac) for u in UPPER]
+    # Floor: a magnitude code m lies in the segment, m Q / 2**frac <= q_n, just when m is at most
+    # the floor of q_n 2**frac / Q. The nearest code would move the border, by 1 % of q at Q = 512.
+    scaled = [floor(Fraction(str(u)) / Fraction(factor) * 2**mag.frac) for u in UPPER]
     kept = max(1, sum(t < min(reach, mag.high) for t in scaled))
     thresholds = scaled[:kept]
     if thresholds != sorted(set(thresholds)):

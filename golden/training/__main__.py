@@ -12,7 +12,7 @@ import scipy
 from golden.cli import run
 from golden.network_file import provenance_path, save_network
 from golden.scene import load_scene
-from golden.training.search import Candidate, run_restart
+from golden.training.search import Candidate, run_restart, split_rows
 
 
 def main() -> None:
@@ -21,6 +21,7 @@ def main() -> None:
     scene = load_scene(parser.parse_args().scene)
     vectors = scene.vectors()
     settings = scene.training
+    split_rows(len(vectors.inputs), settings.seed)  # refuses too few rows before any restart
     best: Candidate | None = None
     refused = 0
     for restart in range(settings.restarts):

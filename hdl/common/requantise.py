@@ -18,7 +18,8 @@ def requantise(exact, result, *, shift: int, rounding: Rounding):
     rounded = exact
     steps = []
     if rounding is Rounding.ROUND and shift > 0:
-        width += 1  # the sum with half an LSB needs the carry
+        # Each addend is below 2**(max(width, shift) - 1) in magnitude; the sum has one bit more.
+        width = max(width, shift) + 1
         rounded = signed(width)
         half = 1 << (shift - 1)
 

@@ -1,0 +1,139 @@
+"""The commands as a user types them: what they list, refuse and leave behind."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import random_mlp, write_scene
+
+from golden.fingerprint import fingerprint
+from golden.scene import FOLDER
+
+ROOT = Path(__file__).parents[1]
+
+
+def run(*command: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        list(command),
+        cwd=ROOT,
+        env=os.environ | environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def make(*words: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    """make with the running interpreter's environment, so that nothing is installed."""
+    environment.setdefault("MAKEFLAGS", "")
+    return run("make", "--no-print-directory", f"VENV={sys.prefix}", *words, **environment)
+
+
+def test_make_alone_lists_the_targets() -> None:
+    result = make()
+    assert result.returncode == 0
+    targets = re.findall(r"^make (\w+)", result.stdout, re.M)
+    assert targets == ["demo", "test", "sim", "vhdl", "verilog", "train", "lint", "clean"]
+    assert "digit-single" in result.stdout
+
+
+@pytest.fixture(scope="module", autouse=True)
+def ready() -> None:
+    """The environment is this one; make need not set it up again."""
+    (Path(sys.prefix) / ".ready").touch()
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["demo", "SCENE=digit-singel"], "did you mean 'digit-single'?"),
+        (["vhdl", "SCENE=nowhere.toml"], "scene 'nowhere.toml': no such scene"),
+        (["verilog", "SCENE=digit"], "expected a path to a .toml file or one of"),
+        (["train", "SCENE=digit"], "expected a path to a .toml file or one of"),
+        (["sim", "BLOCK=gradeint"], "did you mean 'gradient'?"),
+        (["sim", "BLOCK=hybrid", "SIM=modelsim"], "SIM=modelsim: no such simulator, expected"),
+        (["sim", "BLOCK=hybrid", "SIM=icaru"], "did you mean 'icarus'?"),
+        (["sim", "BLOCK=hybrid", "SEED=one"], "invalid int value: 'one'"),
+    ],
+)
+def test_bad_input_is_one_message_and_exit_code_2(words: list[str], message: str) -> None:
+    result = make(*words)
+    assert result.returncode == 2
+    assert message in result.stderr
+    assert "Traceback" not in result.stderr + result.stdout
+
+
+def test_a_missing_simulator_is_named_with_its_package(tmp_path: Path) -> None:
+    for program in ("python", "bash", "env"):
+        found = shutil.which(program)
+        if found:
+            (tmp_path / program).symlink_to(found)
+    words = [sys.executable, "-m", "tb.sim", "digit-single", "--block", "hybrid", "--sim"]
+    for simulator, package in (("ghdl", "ghdl"), ("icarus", "iverilog")):
+        result = run(*words, simulator, PATH=str(tmp_path))
+        assert result.returncode == 2
+        assert f"is not installed; on Debian: apt-get install {package}" in result.stderr
+
+
+def test_one_bench_by_its_command(tmp_path: Path) -> None:
+    shape = (2, 3, 1)
+    path = write_scene(tmp_path, "mine", shape, "precise", random_mlp(shape, 1.0, 1))
+    try:
+        result = make("sim", "BLOCK=abs_unit", "SIM=icarus", f"SCENE={path}", "SEED=7", "WAVES=1")
+        assert result.returncode == 0, result.stdout + result.stderr
+        assert re.search(r"^pass +icarus +abs_unit +\d+ compared", result.stdout, re.M)
+        assert re.search(r"1 benches, 0 failed, [1-9]\d+ results compared", result.stdout)
+        wave = re.search(r"^waves: (.*\.fst)$", result.stdout, re.M)
+        assert wave
+        assert Path(wave[1]).stat().st_size > 0
+    finally:
+        shutil.rmtree(ROOT / "build" / "mine", ignore_errors=True)
+
+
+def test_a_broken_scene_writes_nothing(tmp_path: Path) -> None:
+    shape = (2, 3, 1)
+    path = write_scene(tmp_path, "bad", shape, "precise", random_mlp(shape, 1.0, 1))
+    lines = (tmp_path / "bad.csv").read_text().splitlines()
+    (tmp_path / "bad.csv").write_text("\n".join([*lines[:3], "0.1,text,0.3", *lines[4:]]))
+    before = fingerprint([tmp_path])
+    for target in ("demo", "train"):
+        result = make(target, f"SCENE={path}")
+        assert result.returncode == 2
+        assert "bad.csv:4: column 'x1': got 'text', expected a number" in result.stderr
+    assert fingerprint([tmp_path]) == before
+    assert not (ROOT / "build" / "bad").exists()
+
+
+def test_train_writes_network_and_provenance(tmp_path: Path) -> None:
+    shape = (2, 3, 1)
+    path = write_scene(tmp_path, "mine", shape, "precise", random_mlp(shape, 1.0, 1))
+    contents = []
+    for _ in range(2):
+        result = make("train", f"SCENE={path}")
+        assert result.returncode == 0, result.stderr
+        assert "restart 2 of 2" in result.stdout
+        contents.append((tmp_path / "mine.npz").read_bytes())
+    assert contents[0] == contents[1]
+    assert 'precision = "precise"' in (tmp_path / "mine.provenance.toml").read_text()
+
+
+def test_train_refuses_too_few_rows(tmp_path: Path) -> None:
+    shape = (2, 3, 1)
+    path = write_scene(tmp_path, "few", shape, "precise", random_mlp(shape, 1.0, 1), rows=5)
+    before = (tmp_path / "few.npz").read_bytes()
+    result = make("train", f"SCENE={path}")
+    assert result.returncode == 2
+    assert "got 5 rows, expected at least 8" in result.stderr
+    assert (tmp_path / "few.npz").read_bytes() == before
+
+
+def test_no_stray_files_beside_the_scenes() -> None:
+    stems = {p.stem for p in FOLDER.glob("*.toml") if ".provenance" not in p.name}
+    expected = {f"{s}{end}" for s in stems for end in (".toml", ".npz", ".provenance.toml")}
+    assert {p.name for p in FOLDER.iterdir()} == expected

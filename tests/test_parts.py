@@ -1,0 +1,114 @@
+"""The parts that blocks inline, simulated in MyHDL against the formats' own arithmetic."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from myhdl import ResetSignal, Simulation, StopSimulation, delay, instance
+
+from golden.fixed import Fix, Overflow, Rounding, requantise
+from golden.scene import load_scene
+from hdl.common.delay import delay as delay_line
+from hdl.common.requantise import requantise as requantise_part
+from hdl.common.rom import rom
+from hdl.common.signals import Words, fixed, flag, signed, unsigned
+from hdl.elaborate import latency
+from hdl.networks.hybrid import hybrid
+
+
+def settle(stimulus, *blocks) -> None:
+    """Run a generator of delays against some blocks to its end."""
+
+    @instance
+    def drive():
+        yield from stimulus()
+        raise StopSimulation
+
+    Simulation(drive, *blocks).run(quiet=1)
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    st.integers(2, 12),
+    st.integers(2, 10),
+    st.integers(0, 9),
+    st.sampled_from(Rounding),
+)
+def test_requantise_is_the_formats_requantise(width, out_width, shift, rounding) -> None:
+    exact, result = signed(width), signed(out_width)
+    part = requantise_part(exact, result, shift=shift, rounding=rounding)
+    seen = []
+
+    def stimulus():
+        for code in range(int(exact.min), int(exact.max)):
+            exact.next = code
+            yield delay(1)
+            seen.append(int(result))
+
+    settle(stimulus, part)
+    codes = np.arange(int(exact.min), int(exact.max))
+    expected = requantise(codes, shift, Fix(out_width, 0), rounding, Overflow.SATURATE)
+    assert seen == expected.tolist()
+
+
+@pytest.mark.parametrize("words", [[5], [1, -3, 7], [0, 1, 2, 3]])
+def test_rom_repeats_its_last_word(words) -> None:
+    addr, word = unsigned(2), signed(8)
+    seen = []
+
+    def stimulus():
+        for code in range(4):
+            addr.next = code
+            yield delay(1)
+            seen.append(int(word))
+
+    settle(stimulus, rom(addr, word, words=words))
+    assert seen == (words + [words[-1]] * 4)[:4]
+
+
+def test_delay_refuses_no_clock_at_all() -> None:
+    with pytest.raises(ValueError, match="delay: clocks=0, expected 1 or more"):
+        delay_line(flag(), None, flag(), flag(), clocks=0)
+
+
+def test_words_are_numbered_ports() -> None:
+    group = Words(3, flag)
+    assert list(vars(group)) == ["0", "1", "2"]
+    assert len(group) == 3
+    with pytest.raises(IndexError):
+        group[3]
+
+
+def test_the_network_simulated_in_myhdl_equals_its_twin() -> None:
+    """The third engine: what MyHDL itself computes, before any conversion."""
+    scene = load_scene("digit-single-thesis")
+    design = scene.design()
+    codes = scene.vectors().codes[::24]
+    clk, rst = flag(), ResetSignal(0, active=1, isasync=False)
+    valid, data, last = flag(), fixed(Fix(14, 13)), flag()
+    out_valid, out_data, out_last, error = flag(), fixed(Fix(14, 13)), flag(), flag()
+    network = hybrid(clk, rst, valid, data, last, out_valid, out_data, out_last, error, spec=design)
+    samples = [(int(c), k == 3) for frame in codes for k, c in enumerate(frame)]
+    seen = []
+
+    def stimulus():
+        idle = latency(design) + design.outputs
+        for t, sample in enumerate([None, *samples, *[None] * idle]):
+            rst.next = t == 0
+            valid.next = sample is not None
+            if sample is not None:
+                data.next, last.next = sample
+            yield delay(1)
+            if out_valid and t:
+                seen.append((int(out_data), bool(out_last)))
+            clk.next = True
+            yield delay(1)
+            clk.next = False
+            yield delay(1)
+            assert not error
+
+    settle(stimulus, network)
+    results = design.process(codes).ravel().tolist()
+    assert seen == [(r, i % 4 == 3) for i, r in enumerate(results)]
