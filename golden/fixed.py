@@ -152,6 +152,23 @@ class Fix:
         )
 
 
+def check_unsigned(codes: ArrayLike, width: int, name: str) -> Codes:
+    """Return ``codes`` as int64 after checking that they are unsigned numbers of ``width`` bits.
+
+    Raises
+    ------
+    ValueError
+        When they are not integers or one lies outside 0 to 2**width - 1.
+    """
+    array = np.asarray(codes)
+    if array.dtype.kind not in "iu":
+        raise ValueError(f"{name}: got dtype {array.dtype}, expected unsigned codes")
+    if array.size and (array.min() < 0 or array.max() >= 1 << width):
+        worst = int(array.min() if array.min() < 0 else array.max())
+        raise ValueError(f"{name}: got {worst}, expected 0 to {(1 << width) - 1}")
+    return array.astype(np.int64)
+
+
 def requantise(
     codes: ArrayLike, shift: int, target: Fix, rounding: Rounding, overflow: Overflow
 ) -> Codes:

@@ -57,7 +57,11 @@ class Precision:
     rounding: Rounding
 
     def coefficients(self, weights: Real, biases: Real, layer: str) -> tuple[Codes, Codes, Fix]:
-        """Codes of a layer's weights and biases and the format they share."""
+        """Codes of a layer's weights and biases and the format they share.
+
+        A weight that normalises to exactly 1, which Fix(14,13) cannot hold, saturates: an error of
+        one LSB, no more than the rounding of two other weights.
+        """
         if self.coeff_frac is None:
             both = np.concatenate([weights.ravel(), biases.ravel()])
             fmt = Fix.largest_frac(self.coeff_width, both, layer)

@@ -120,12 +120,20 @@ class Scene:
         Raises
         ------
         FileNotFoundError, ValueError
-            See ``read_table``; also for a target of 0 where the error is relative to the target.
+            See ``read_table``; also for a target outside -1 to 1, or a target of 0 where the
+            error is relative to the target.
         """
         columns = [*self.sensors, *self.outputs, self.group_by]
         table = read_table(self.data_path, columns)
         inputs = table[:, : len(self.sensors)]
         targets = table[:, len(self.sensors) : -1]
+        beyond = np.argwhere(np.abs(targets) > 1)
+        if len(beyond):
+            row, c = beyond[0]
+            raise ValueError(
+                f"{self.data_path}: column {self.outputs[c]!r}: got a target of {targets[row, c]:g}"
+                f" in row {row + 1}, expected -1 to 1, the range of {SIGNAL}"
+            )
         for c, name in enumerate(self.outputs):
             if name not in self.full_scale and (targets[:, c] == 0).any():
                 raise ValueError(
@@ -164,6 +172,26 @@ class Vectors:
     saturated: int
 
 
+def thesis_figures(key: str, outputs: int, path: Path) -> list[float]:
+    """The thesis' largest mean errors that a scene names, one per output, in percent.
+
+    Raises
+    ------
+    ValueError
+        When golden/data/thesis_numbers.toml has no such table, or another number of figures.
+    """
+    table: Any = tomllib.loads((FOLDER.parent / "data" / "thesis_numbers.toml").read_text())
+    for part in key.split("."):
+        table = table.get(part) if isinstance(table, dict) else None
+    figures = table.get("simulation") if isinstance(table, dict) else None
+    if figures is None or len(figures) != outputs:
+        raise ValueError(
+            f"{path}: data.reference: got {key!r}, expected a table of thesis_numbers.toml with "
+            f"{outputs} simulation figures, such as digit.hybrid"
+        )
+    return [float(figure) for figure in figures]
+
+
 def scene_names() -> list[str]:
     """The scenes that tactus ships."""
     return sorted(p.stem for p in FOLDER.glob("*.toml") if ".provenance" not in p.name)
@@ -180,7 +208,7 @@ def load_scene(name: str) -> Scene:
         For a fault in the file; the message names file, key, what was got and what was expected.
     """
     known = scene_names()
-    path = Path(name) if name.endswith(".toml") else FOLDER / f"{name}.toml"
+    path = Path(name).expanduser() if name.endswith(".toml") else FOLDER / f"{name}.toml"
     if not path.is_file() or (path.parent == FOLDER and path.stem not in known):
         raise FileNotFoundError(
             f"scene {name!r}: no such scene, expected a path to a .toml file or one of "
@@ -260,11 +288,12 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
     for key, value in positive:
         if not 0 < value < math.inf:
             raise ValueError(f"{path}: {key}: got {value!r}, expected above 0")
-    if not 0 <= values["training"]["weight_decay"] < math.inf:
-        raise ValueError(
-            f"{path}: training.weight_decay: got {values['training']['weight_decay']!r}, "
-            "expected 0 or more"
-        )
+    for key in ("weight_decay", "seed"):
+        value = values["training"][key]
+        if not 0 <= value < math.inf:
+            raise ValueError(f"{path}: training.{key}: got {value!r}, expected 0 or more")
+    if data["reference"]:
+        thesis_figures(data["reference"], len(data["outputs"]), path)
     return Scene(
         name=path.stem,
         path=path,

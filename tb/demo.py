@@ -11,7 +11,6 @@ import argparse
 import json
 import sys
 import time
-import tomllib
 from collections import defaultdict
 
 import numpy as np
@@ -21,7 +20,7 @@ from golden.files import replace_file
 from golden.fingerprint import fingerprint, sources
 from golden.metrics import OutputError, percent_errors, summarise
 from golden.precision import SIGNAL
-from golden.scene import FOLDER, Scene, load_scene
+from golden.scene import Scene, load_scene, thesis_figures
 from golden.training.search import ACTIVATIONS
 from tb.common.runner import BUILD, Outcome, plan, run_jobs
 from tb.common.tools import SIMULATORS, check_simulator, language, version
@@ -97,16 +96,6 @@ def errors(scene: Scene) -> dict[str, list[OutputError]]:
     }
 
 
-def thesis_figures(scene: Scene) -> list[float] | None:
-    """The thesis' largest mean errors for this network, where the scene names them."""
-    if not scene.reference:
-        return None
-    table = tomllib.loads((FOLDER.parent / "data" / "thesis_numbers.toml").read_text())
-    for key in scene.reference.split("."):
-        table = table[key]
-    return list(table["simulation"])
-
-
 def twin_speed(scene: Scene) -> float:
     """Frames a second of the bit-true numpy twin on one core."""
     design = scene.design()
@@ -119,7 +108,9 @@ def twin_speed(scene: Scene) -> float:
 def error_table(scene: Scene) -> list[str]:
     """Per output: mean, largest mean over positions, and worst frame, float and bit-true."""
     found = errors(scene)
-    thesis = thesis_figures(scene)
+    thesis = None
+    if scene.reference:
+        thesis = thesis_figures(scene.reference, len(scene.outputs), scene.path)
     group = f"{'mean':>6} {'largest':>10} {'worst':>8}"
     lines = [
         f"{'':10} {'float':^26}  {'bit-true':^26}" + (f"  {'thesis':>8}" if thesis else ""),

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from conftest import random_mlp, write_scene
 
+from golden.block import walk
 from golden.networks.mlp import Mlp
 from golden.scene import load_scene, scene_names
 from tb.common.runner import Outcome, plan, run_jobs
@@ -60,8 +61,9 @@ def test_hardware_equals_twin(outcomes, scene: str, simulator: str) -> None:
     results = outcomes[scene, simulator]
     failed = [f"{o.job.entity}: {o.complaint()}" for o in results if not o.passed]
     assert not failed, "\n".join(failed)
-    blocks = {o.job.block for o in results}
-    assert blocks >= set(ODD_BLOCKS)
+    present = {part.block for part in walk(results[0].job.scene.design())}
+    expected = present if scene in scene_names() else present & set(ODD_BLOCKS)
+    assert {o.job.block for o in results} == expected
     assert all(o.compared > 0 for o in results)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from golden.block import walk
-from golden.scene import load_scene
+from golden.scene import load_scene, scene_names
 from hdl.elaborate import elaborate
 from hdl.hierarchy import convert_hierarchy, port_directions
 from tb.demo import error_table
@@ -58,14 +58,18 @@ def test_a_datasheet_has_its_headings_in_order(sheet: Path) -> None:
 
 @pytest.fixture(scope="module")
 def ports(tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, str]]:
-    """Ports and directions by block, from the VHDL of a shipped scene."""
-    design = load_scene("digit-single").design()
-    folder = tmp_path_factory.mktemp("vhdl")
-    convert_hierarchy(elaborate(design), folder, "vhdl")
-    return {
-        block.block: port_directions((folder / f"{block.entity}.vhd").read_text(), "vhdl")
-        for block in walk(design)
-    }
+    """Ports and directions by block, from the VHDL of the shipped scenes."""
+    found: dict[str, dict[str, str]] = {}
+    for name in scene_names():
+        design = load_scene(name).design()
+        if all(block.block in found for block in walk(design)):
+            continue
+        folder = tmp_path_factory.mktemp("vhdl")
+        convert_hierarchy(elaborate(design), folder, "vhdl")
+        for block in walk(design):
+            text = (folder / f"{block.entity}.vhd").read_text()
+            found[block.block] = port_directions(text, "vhdl")
+    return found
 
 
 @pytest.mark.parametrize("sheet", SHEETS, ids=lambda p: p.stem)

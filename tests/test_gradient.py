@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from golden.activation.segments import gradient_real
 from golden.precision import PRECISE, SIGNAL, THESIS, gradient_for
 
 CASES = [(THESIS, q) for q in (1, 2, 3, 8, 16, 32, 77, 100, 128, 511, 512)] + [(PRECISE, 1)]
@@ -60,3 +61,26 @@ def test_every_q_up_to_512_is_as_exact_as_the_scheme() -> None:
         error = np.abs(results - np.tanh(factor * SIGNAL.to_real(codes)))
         worst = max(worst, 8192 * error.max())
     assert worst < 132.6
+
+
+@pytest.mark.parametrize(("precision", "factor"), CASES, ids=IDS)
+def test_zero_is_in_the_first_segment(precision, factor: int) -> None:
+    """Its value is the first intercept, 0.00767: 63 units; the thesis leaves q = 0 out."""
+    assert gradient_for(precision, factor, precision.hidden_fmt.high).process(0) == 63
+    assert gradient_real(0.0)[0] == 0.00767
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("comparator_bank", 8192), "comparator_bank mag: got 8192, expected 0 to 8191"),
+        (("g_memory", -1), "g_memory addr: got -1, expected 0 to 15"),
+        (("i_memory", 16), "i_memory addr: got 16, expected 0 to 15"),
+        (("grad_eqn", 0, 0, 8192), "grad_eqn intercept: got 8192, expected 0 to 8191"),
+        (("grad_eqn", 0.5, 0, 0), "grad_eqn mag: got dtype float64, expected unsigned codes"),
+    ],
+)
+def test_parts_refuse_codes_outside_their_width(arguments, message: str) -> None:
+    block, *codes = arguments
+    with pytest.raises(ValueError, match=message):
+        getattr(gradient_for(THESIS, 8, SIGNAL.high), block).process(*codes)

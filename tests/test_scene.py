@@ -41,6 +41,9 @@ def edited(scene: Scene, old: str, new: str) -> str:
         ("steps = 20", "steps = 0", "training.steps: got 0, expected above 0"),
         ("steps = 20", "weight_decay = -1", "training.weight_decay: got -1.0"),
         ("steps = 20", "weight_decay = nan", "training.weight_decay: got nan"),
+        ("steps = 20", "seed = -1", "training.seed: got -1, expected 0 or more"),
+        ("[network]", 'reference = "digit"\n[network]', "data.reference: got 'digit', expected"),
+        ("[network]", 'reference = "digit.hybrid"\n[network]', "with 2 simulation figures"),
         ("[training]", "clock_mhz = inf\n[training]", "hardware.clock_mhz: got inf"),
     ],
 )
@@ -69,6 +72,7 @@ def test_an_unknown_scene_lists_the_known_ones() -> None:
         ("0.1,0.2,inf,0.4,0.5", r"small.csv:3: column 'x2': got inf, expected a finite number"),
         ("0.1,0.2,,0.4,0.5", r"small.csv:3: column 'x2': got '', expected a number"),
         ("0.1,0.2", r"small.csv:3: got 2 cells, expected 5"),
+        ("0.1,0.2,0.3,1.5,0.5", r"column 'y0': got a target of 1.5 in row 2, expected -1 to 1"),
         ("0.1,0.2,0.3,0.0,0.5", r"column 'y0' holds a target of 0"),
     ],
 )

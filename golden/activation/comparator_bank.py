@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.block import Block
-from golden.fixed import Codes
+from golden.fixed import Codes, check_unsigned
 
 
 @dataclass(frozen=True)
@@ -55,6 +55,13 @@ class ComparatorBank(Block):
         return len(self.thresholds).bit_length()
 
     def process(self, mag: ArrayLike) -> Codes:
-        """Number of thresholds each magnitude exceeds, which is the segment's address."""
-        found = np.searchsorted(np.asarray(self.thresholds), np.asarray(mag), side="left")
+        """Number of thresholds each magnitude exceeds, which is the segment's address.
+
+        Raises
+        ------
+        ValueError
+            For a magnitude of more than ``mag_width`` bits.
+        """
+        codes = check_unsigned(mag, self.mag_width, "comparator_bank mag")
+        found = np.searchsorted(np.asarray(self.thresholds), codes, side="left")
         return found.astype(np.int64)

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.block import Block
-from golden.fixed import Codes, Fix, Rounding
+from golden.fixed import Codes, Fix, Rounding, check_unsigned
 
 
 @dataclass(frozen=True)
@@ -73,9 +72,17 @@ class GradEqn(Block):
         return self.product_frac - self.out_fmt.frac
 
     def process(self, mag: ArrayLike, coeff: ArrayLike, intercept: ArrayLike) -> Codes:
-        """Result codes, 0 to ``out_fmt.high``; the arguments broadcast."""
-        product = np.asarray(mag, dtype=np.int64) * np.asarray(coeff, dtype=np.int64)
-        total = product + (np.asarray(intercept, dtype=np.int64) << self.intercept_shift)
+        """Result codes, 0 to ``out_fmt.high``; the arguments broadcast.
+
+        Raises
+        ------
+        ValueError
+            For an argument outside its width.
+        """
+        m = check_unsigned(mag, self.mag_width, "grad_eqn mag")
+        g = check_unsigned(coeff, self.coeff_width, "grad_eqn coeff")
+        i = check_unsigned(intercept, self.intercept_width, "grad_eqn intercept")
+        total = m * g + (i << self.intercept_shift)
         if self.rounding is Rounding.ROUND and self.out_shift:
             total = total + (1 << (self.out_shift - 1))
         return (total >> self.out_shift) & self.out_fmt.high

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.block import Block
-from golden.fixed import Codes
+from golden.fixed import Codes, check_unsigned
 
 
 @dataclass(frozen=True)
@@ -45,6 +45,13 @@ class Rom(Block):
         return max(1, (len(self.words) - 1).bit_length())
 
     def process(self, addr: ArrayLike) -> Codes:
-        """The word at each address."""
-        inside = np.minimum(np.asarray(addr), len(self.words) - 1)
+        """The word at each address.
+
+        Raises
+        ------
+        ValueError
+            For an address of more than ``addr_width`` bits.
+        """
+        codes = check_unsigned(addr, self.addr_width, f"{self.block} addr")
+        inside = np.minimum(codes, len(self.words) - 1)
         return np.asarray(np.take(self.words, inside), dtype=np.int64)

@@ -47,6 +47,11 @@ class OutputIntegral(Block):
     def __post_init__(self) -> None:
         self.coeff_fmt.check(np.array(self.weights), f"{self.entity} weights", self.hidden)
         self.coeff_fmt.check(np.array(self.biases), f"{self.entity} biases", self.outputs)
+        if self.acc_frac < max(self.out_fmt.frac, self.coeff_fmt.frac):
+            raise ValueError(
+                f"{self.entity}: the sum has {self.acc_frac} fraction bits, expected at least "
+                f"those of {self.out_fmt} and {self.coeff_fmt}"
+            )
         if self.factors is not None and (
             len(self.factors) != self.outputs or min(self.factors) < 1
         ):

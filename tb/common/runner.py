@@ -19,7 +19,7 @@ from pathlib import Path
 
 from golden.block import walk
 from golden.cli import CommandError
-from golden.scene import Scene, load_scene, scene_names
+from golden.scene import FOLDER, Scene, load_scene, scene_names
 from golden.table import suggest
 from hdl.export import MANIFEST, ORDER
 from tb.common.bench import CONFIGURATION
@@ -203,7 +203,7 @@ def run_job(job: Job) -> Outcome:
 
 
 def _scene_argument(scene: Scene) -> str:
-    return scene.name if scene.name in scene_names() else str(scene.path)
+    return scene.name if scene.path.parent == FOLDER else str(scene.path)
 
 
 def run_jobs(jobs: list[Job], tell: Callable[[Outcome], None]) -> list[Outcome]:
