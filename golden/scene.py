@@ -14,11 +14,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from golden.activation.schemes import SCHEMES
 from golden.fixed import Codes
 from golden.network_file import load_network
+from golden.networks.build import build_hybrid
 from golden.networks.hybrid import Hybrid
 from golden.networks.mlp import Mlp
-from golden.precision import PRECISIONS, SIGNAL, Precision, build_hybrid
+from golden.precision import PRECISIONS, SIGNAL, Precision
 from golden.table import read_table, suggest
 
 FOLDER = Path(__file__).parent / "scenes"
@@ -54,7 +56,7 @@ _KEYS: dict[str, dict[str, tuple[type, Any]]] = {
 _CHOICES = {
     ("network", "arrangement"): ("single",),
     ("hardware", "design"): ("hybrid",),
-    ("hardware", "activation"): ("gradient",),
+    ("hardware", "activation"): tuple(SCHEMES),
     ("hardware", "precision"): tuple(PRECISIONS),
 }
 
@@ -153,9 +155,13 @@ class Scene:
         """
         return load_network(self.weights_path, self.shape)
 
+    def build(self, mlp: Mlp) -> Hybrid:
+        """The bit-true network of ``mlp`` in this scene's hardware."""
+        return build_hybrid(mlp, self.precision, self.activation)
+
     def design(self) -> Hybrid:
         """The bit-true network of this scene."""
-        return build_hybrid(self.mlp(), self.precision)
+        return self.build(self.mlp())
 
 
 @dataclass(frozen=True)

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
-
 from myhdl import ResetSignal
 from myhdl._block import _Block
 
-from golden.block import Block
 from golden.networks.hybrid import Hybrid
 from golden.precision import SIGNAL
 from hdl.common.signals import fixed, flag
@@ -28,9 +25,3 @@ def elaborate(spec: Hybrid) -> _Block:
         flag(),
         spec=spec,
     )
-
-
-def latency(spec: Block) -> int:
-    """Latency in clocks that the hardware block of ``spec`` publishes."""
-    module = importlib.import_module(f"hdl.{spec.area}.{spec.block}")
-    return int(getattr(module, spec.block).latency(spec))

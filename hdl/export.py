@@ -21,7 +21,8 @@ from golden.cli import run
 from golden.files import replace_folder
 from golden.fingerprint import fingerprint, sources
 from golden.scene import Scene, load_scene
-from hdl.elaborate import elaborate, latency
+from hdl.common.lookup import latency
+from hdl.elaborate import elaborate
 from hdl.hierarchy import LANGUAGES, SUFFIX, convert_hierarchy
 
 # Functions that MyHDL's VHDL calls (stdl, bool); MyHDL writes the package beside its output.

@@ -15,13 +15,13 @@ from collections import defaultdict
 
 import numpy as np
 
+from golden.activation.schemes import SCHEMES
 from golden.cli import run
 from golden.files import replace_file
 from golden.fingerprint import fingerprint, sources
 from golden.metrics import OutputError, percent_errors, summarise
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, thesis_figures
-from golden.training.search import ACTIVATIONS
 from tb.common.runner import BUILD, Outcome, plan, run_jobs
 from tb.common.tools import SIMULATORS, check_simulator, language, version
 from tb.sim import tell
@@ -84,7 +84,7 @@ def errors(scene: Scene) -> dict[str, list[OutputError]]:
     """Errors on the recorded vectors: in real arithmetic and bit-true."""
     vectors = scene.vectors()
     results = {
-        "float": scene.mlp().process(vectors.inputs, ACTIVATIONS[scene.activation]),
+        "float": scene.mlp().process(vectors.inputs, SCHEMES[scene.activation].real),
         "bit-true": SIGNAL.to_real(scene.design().process(vectors.codes)),
     }
     return {

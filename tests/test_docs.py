@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import re
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -87,3 +90,43 @@ def test_the_readme_shows_what_the_demo_prints() -> None:
     readme = (ROOT / "README.md").read_text()
     for line in error_table(load_scene("digit-single")):
         assert f"    {line.rstrip()}\n" in readme
+
+
+def test_the_worked_example_works(tmp_path: Path) -> None:
+    """docs/new-block.md, typed in as it stands: the block trains, simulates and is found out."""
+    page = (ROOT / "docs" / "new-block.md").read_text()
+    copy = tmp_path / "tactus"
+    for room in ("golden", "hdl", "tb"):
+        ignore = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(ROOT / room, copy / room, ignore=ignore)
+    named = r"^`([\w/.-]+\.(?:py|toml))`[^\n]*(?:\n[^\n]+)*:\n\n```(?:python|toml)\n(.*?)```"
+    files = re.findall(named, page, re.M | re.S)
+    assert len(files) >= 4
+    for name, text in files:
+        (copy / name).parent.mkdir(exist_ok=True)
+        (copy / name).write_text(text)
+    diff = re.search(r"```diff\n(.*?)```", page, re.S)
+    assert diff
+    subprocess.run(
+        ["git", "apply", "--recount", "--unidiff-zero", "-"],
+        input=diff[1],
+        text=True,
+        cwd=copy,
+        check=True,
+    )
+    scene = next(name for name, _ in files if name.endswith(".toml"))
+
+    def run(*words: str) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, "-m", *words]
+        return subprocess.run(command, cwd=copy, capture_output=True, text=True, check=False)
+
+    trained = run("golden.training", scene)
+    assert trained.returncode == 0, trained.stderr
+    simulated = run("tb.sim", scene, "--block", "relu")
+    assert simulated.returncode == 0, simulated.stdout + simulated.stderr
+    assert "2 benches, 0 failed" in simulated.stdout
+    hardware = copy / "hdl" / "activation" / "relu.py"
+    hardware.write_text(hardware.read_text().replace("Rounding.ROUND", "Rounding.TRUNCATE"))
+    broken = run("tb.sim", scene, "--block", "relu", "--sim", "icarus")
+    assert broken.returncode == 1
+    assert "results differ" in broken.stdout

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from golden.activation.schemes import gradient_for
 from golden.activation.segments import gradient_real
-from golden.precision import PRECISE, SIGNAL, THESIS, gradient_for
+from golden.precision import PRECISE, SIGNAL, THESIS
 
 CASES = [(THESIS, q) for q in (1, 2, 3, 8, 16, 32, 77, 100, 128, 511, 512)] + [(PRECISE, 1)]
 IDS = [f"{p.name}-q{q}" for p, q in CASES]

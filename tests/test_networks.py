@@ -11,13 +11,14 @@ from conftest import random_mlp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from golden.activation.schemes import SCHEMES
 from golden.activation.segments import gradient_real
 from golden.block import walk
 from golden.metrics import percent_errors, summarise
+from golden.networks.build import build_hybrid
 from golden.networks.mlp import Mlp
-from golden.precision import PRECISE, PRECISIONS, SIGNAL, THESIS, build_hybrid, normalisation
+from golden.precision import PRECISE, PRECISIONS, SIGNAL, THESIS, normalisation
 from golden.scene import FOLDER, load_scene, scene_names
-from golden.training.search import ACTIVATIONS
 
 SCENES = scene_names()
 
@@ -42,7 +43,7 @@ def test_no_worse_than_the_simulated_hybrid_of_the_thesis(name: str) -> None:
 def test_precise_costs_next_to_nothing() -> None:
     """Against the same network with the same activation in real arithmetic."""
     scene = load_scene("digit-single")
-    real = scene.mlp().process(scene.vectors().inputs, ACTIVATIONS[scene.activation])
+    real = scene.mlp().process(scene.vectors().inputs, SCHEMES[scene.activation].real)
     assert (largest_means(scene, bit_true(scene)) <= 1.05 * largest_means(scene, real)).all()
 
 
@@ -57,7 +58,7 @@ def test_bit_true_follows_float(seed: int, name: str, spread: float) -> None:
     shape = (4, 6, 2)
     mlp = random_mlp(shape, spread, seed)
     frames = np.random.default_rng(seed).integers(SIGNAL.low, SIGNAL.high + 1, (200, 4))
-    design = build_hybrid(mlp, PRECISIONS[name])
+    design = build_hybrid(mlp, PRECISIONS[name], "gradient")
     results = SIGNAL.to_real(design.process(frames))
     exact = np.clip(mlp.process(SIGNAL.to_real(frames), gradient_real), -1, SIGNAL.high / 8192)
     # One LSB of a weight, a product or q in each term, carried to the output by its weights; a q
@@ -74,7 +75,7 @@ def test_bit_true_follows_float(seed: int, name: str, spread: float) -> None:
 @pytest.mark.parametrize("precision", PRECISIONS.values(), ids=lambda p: p.name)
 def test_rails_on_all_sensors(precision) -> None:
     mlp = random_mlp((4, 6, 2), 3.0, 3)
-    design = build_hybrid(mlp, precision)
+    design = build_hybrid(mlp, precision, "gradient")
     rails = np.array(np.meshgrid(*[[SIGNAL.low, 0, SIGNAL.high]] * 4)).reshape(4, -1).T
     results = design.process(rails)
     assert results.min() >= SIGNAL.low
@@ -86,7 +87,7 @@ def test_huge_weights_still_build() -> None:
     rng = np.random.default_rng(0)
     mlp = Mlp(rng.normal(0, 60, (3, 4)), rng.normal(0, 60, 3), np.ones((1, 3)) * 0.3, np.zeros(1))
     for precision in (THESIS, PRECISE):
-        design = build_hybrid(mlp, precision)
+        design = build_hybrid(mlp, precision, "gradient")
         frames = rng.integers(SIGNAL.low, SIGNAL.high + 1, (500, 4))
         assert np.abs(design.process(frames)).max() <= -SIGNAL.low
 
@@ -94,19 +95,19 @@ def test_huge_weights_still_build() -> None:
 def test_weights_beyond_the_format_are_refused() -> None:
     mlp = Mlp(np.full((1, 1), 2e5), np.zeros(1), np.ones((1, 1)), np.zeros(1))
     with pytest.raises(ValueError, match="layer 1 weights: largest magnitude 200000 does not fit"):
-        build_hybrid(mlp, PRECISE)
+        build_hybrid(mlp, PRECISE, "gradient")
 
 
 def test_a_thesis_sum_that_could_wrap_is_refused() -> None:
     mlp = Mlp(np.full((1, 2), -1.0), np.array([1.0]), np.full((1, 1), 0.3), np.zeros(1))
     with pytest.raises(ValueError, match="hidden node 0: its normalised sum needs 15 bits"):
-        build_hybrid(mlp, THESIS)
+        build_hybrid(mlp, THESIS, "gradient")
 
 
 def test_an_input_that_no_weight_reads_changes_nothing() -> None:
     mlp = random_mlp((3, 4, 2), 1.0, 2)
     mlp.w1[:, 1] = 0
-    design = build_hybrid(mlp, THESIS)
+    design = build_hybrid(mlp, THESIS, "gradient")
     frames = np.zeros((2, 3), dtype=np.int64)
     frames[1, 1] = SIGNAL.low
     assert np.array_equal(*design.process(frames))
@@ -141,7 +142,7 @@ def test_a_node_without_weights_still_builds() -> None:
     mlp = random_mlp((2, 3, 1), 0.3, 1)
     mlp.w1[1] = 0
     mlp.b1[1] = 0
-    design = build_hybrid(mlp, PRECISE)
+    design = build_hybrid(mlp, PRECISE, "gradient")
     node = design.input_integral.nodes[1]
     assert node.acc_width < node.out_shift
     assert design.input_integral.process([[SIGNAL.low, SIGNAL.high]])[0, 1] == 0

@@ -11,10 +11,10 @@ from myhdl import ResetSignal, Simulation, StopSimulation, delay, instance
 from golden.fixed import Fix, Overflow, Rounding, requantise
 from golden.scene import load_scene
 from hdl.common.delay import delay as delay_line
+from hdl.common.lookup import latency
 from hdl.common.requantise import requantise as requantise_part
 from hdl.common.rom import rom
 from hdl.common.signals import Words, fixed, flag, signed, unsigned
-from hdl.elaborate import latency
 from hdl.networks.hybrid import hybrid
 
 

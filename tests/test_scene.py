@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from golden.network_file import load_network, provenance_path, save_network
-from golden.precision import SIGNAL, build_hybrid
+from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_names
 from golden.table import read_table
 
@@ -152,7 +152,7 @@ def test_a_network_with_faults(small_scene: Scene) -> None:
 def test_every_shipped_scene_builds() -> None:
     for name in scene_names():
         scene = load_scene(name)
-        assert build_hybrid(scene.mlp(), scene.precision) == scene.design()
+        assert scene.build(scene.mlp()) == scene.design()
         provenance = tomllib.loads(provenance_path(scene.weights_path).read_text())
         for key in ("seed", "restarts", "weight_decay", "steps"):
             assert provenance[key] == getattr(scene.training, key), key

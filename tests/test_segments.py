@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from golden.activation import segments
+from golden.activation.schemes import gradient_for
 from golden.activation.segments import COEFF_WIDTH_LIMIT, coefficient_codes, gradient_real
-from golden.precision import PRECISE, SIGNAL, THESIS, gradient_for
+from golden.precision import PRECISE, SIGNAL, THESIS
 
 DATA = Path(segments.__file__).parents[1] / "data" / "thesis_numbers.toml"
 THESIS_TABLE = tomllib.loads(DATA.read_text())["activation"]["gradient"]

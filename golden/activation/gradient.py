@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
 
 from golden.activation.abs_unit import AbsUnit
+from golden.activation.activation_block import ActivationBlock
 from golden.activation.comparator_bank import ComparatorBank
 from golden.activation.g_memory import GMemory
 from golden.activation.grad_eqn import GradEqn
 from golden.activation.i_memory import IMemory
-from golden.activation.segments import SegmentTable
+from golden.activation.segments import UPPER, SegmentTable
 from golden.activation.sign_retriever import SignRetriever
 from golden.block import Block
-from golden.fixed import Codes, Fix, Rounding
+from golden.fixed import Codes, Rounding
 
 
 @dataclass(frozen=True)
-class Gradient(Block):
+class Gradient(ActivationBlock):
     """r = tanh(Q qbar), approximated by straight segments (thesis section 5.4.3, Figure 5.10).
 
     Parameters
@@ -40,9 +42,6 @@ class Gradient(Block):
     """
 
     block = "gradient"
-    area = "activation"
-    in_fmt: Fix
-    out_fmt: Fix
     table: SegmentTable
     intercept_width: int
     intercept_frac: int
@@ -90,6 +89,18 @@ class Gradient(Block):
             self.i_memory,
             self.grad_eqn,
             self.sign_retriever,
+        )
+
+    def left_out(self) -> Counter[str]:
+        missing = len(UPPER) - len(self.table.thresholds)
+        if not missing:
+            return Counter()
+        words = 2 * (len(UPPER) + 1 - len(self.table.coeffs))
+        return Counter(
+            {
+                "comparators of segments no neuron reaches": missing,
+                "ROM words of segments no neuron reaches": words,
+            }
         )
 
     def process(self, data: ArrayLike) -> Codes:

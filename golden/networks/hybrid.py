@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.activation.gradient import Gradient
-from golden.activation.segments import UPPER
+from golden.activation.activation_block import ActivationBlock
 from golden.block import Block
 from golden.fixed import Codes
 from golden.layers.input_controller import InputController
@@ -27,7 +27,7 @@ class Hybrid(Block):
     Parameters
     ----------
     input_integral : InputIntegral
-    activations : tuple of Gradient
+    activations : tuple of ActivationBlock
         One per hidden node.
     output_integral : OutputIntegral
     """
@@ -35,7 +35,7 @@ class Hybrid(Block):
     block = "hybrid"
     area = "networks"
     input_integral: InputIntegral
-    activations: tuple[Gradient, ...]
+    activations: tuple[ActivationBlock, ...]
     output_integral: OutputIntegral
 
     def __post_init__(self) -> None:
@@ -81,14 +81,8 @@ class Hybrid(Block):
 
     def left_out(self) -> list[str]:
         """What this network does not need and therefore does not build."""
-        all_segments = len(UPPER)
-        comparators = sum(all_segments - len(a.table.thresholds) for a in self.activations)
-        words = sum(2 * (all_segments + 1 - len(a.table.coeffs)) for a in self.activations)
-        texts = []
-        if comparators:
-            texts.append(
-                f"{comparators} comparators and {words} ROM words of segments no neuron reaches"
-            )
+        counts: Counter[str] = sum((a.left_out() for a in self.activations), Counter())
+        texts = [f"{count} {what}" for what, count in sorted(counts.items())]
         if self.output_integral.factors is None:
             texts.append("the de-normalisation multiplier and its ROM")
         if not self.input_controller.spacing:

@@ -13,14 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.activation.segments import gradient_real
+from golden.activation.schemes import SCHEMES
 from golden.metrics import percent_errors
-from golden.networks.mlp import Activation, Mlp, Real, tanh
-from golden.precision import SIGNAL, build_hybrid
+from golden.networks.mlp import Mlp, Real, tanh
+from golden.precision import SIGNAL
 from golden.scene import Scene, Vectors
 from golden.training.levenberg_marquardt import fit
-
-ACTIVATIONS: dict[str, Activation] = {"gradient": gradient_real}
 
 
 @dataclass(frozen=True)
@@ -81,7 +79,7 @@ def shift_biases(scene: Scene, mlp: Mlp, vectors: Vectors, rows: NDArray[np.int6
     """Output biases moved by the weighted mean bit-true error on ``rows``, twice."""
     weight = 1 / error_scale(scene, vectors.targets)[rows] ** 2
     for _ in range(2):
-        results = SIGNAL.to_real(build_hybrid(mlp, scene.precision).process(vectors.codes[rows]))
+        results = SIGNAL.to_real(scene.build(mlp).process(vectors.codes[rows]))
         miss = (weight * (vectors.targets[rows] - results)).sum(axis=0) / weight.sum(axis=0)
         mlp = Mlp(mlp.w1, mlp.b1, mlp.w2, mlp.b2 + miss)
     return mlp
@@ -96,10 +94,10 @@ def run_restart(scene: Scene, vectors: Vectors, restart: int) -> Candidate:
     targets = vectors.targets[rows.training]
     scale = error_scale(scene, targets)
     mlp = starting_weights(scene.shape, np.random.default_rng([settings.seed, restart]))
-    for activation in (tanh, ACTIVATIONS[scene.activation]):
+    for activation in (tanh, SCHEMES[scene.activation].real):
         mlp = fit(mlp, inputs, targets, scale, activation, settings.weight_decay, settings.steps)
     mlp = shift_biases(scene, mlp, vectors, rows.training)
-    results = SIGNAL.to_real(build_hybrid(mlp, scene.precision).process(vectors.codes))
+    results = SIGNAL.to_real(scene.build(mlp).process(vectors.codes))
     errors = percent_errors(results, vectors.targets, scene.outputs, scene.full_scale)
     validation, test = (
         float(np.sqrt((errors[part] ** 2).mean())) for part in (rows.validation, rows.test)

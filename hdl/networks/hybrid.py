@@ -3,7 +3,7 @@
 from myhdl import block
 
 from golden.networks.hybrid import Hybrid
-from hdl.activation.gradient import gradient
+from hdl.common.lookup import hardware, latency
 from hdl.common.signals import Words, fixed, flag, unsigned
 from hdl.layers.input_controller import input_controller
 from hdl.layers.input_integral import input_integral
@@ -53,7 +53,7 @@ def hybrid(
     row_valid, row_last = flag(), flag()
 
     # The latencies must agree: all activations answer in the same clock.
-    if len({gradient.latency(a) for a in spec.activations}) != 1:
+    if len({latency(a) for a in spec.activations}) != 1:
         raise ValueError(f"{spec.entity}: activations of different latency, expected one latency")
 
     return (
@@ -74,7 +74,7 @@ def hybrid(
             clk, in_data, addr, preset, accumulate, capture, q, spec=spec.input_integral
         ),
         [
-            gradient(clk, rst, q_valid, q[j], r_valid[j], r[j], spec=activation)
+            hardware(activation)(clk, rst, q_valid, q[j], r_valid[j], r[j], spec=activation)
             for j, activation in enumerate(spec.activations)
         ],
         output_controller(
@@ -96,8 +96,8 @@ def hybrid(
 
 
 hybrid.latency = lambda spec: (
-    input_controller.latency(spec.input_controller)
-    + gradient.latency(spec.activations[0])
-    + output_controller.latency(spec.output_controller)
-    + output_integral.latency(spec.output_integral)
+    latency(spec.input_controller)
+    + latency(spec.activations[0])
+    + latency(spec.output_controller)
+    + latency(spec.output_integral)
 )
