@@ -21,7 +21,7 @@ samples = st.integers(SIGNAL.low, SIGNAL.high)
 
 
 def node(weights, bias, shift=0) -> InputNode:
-    return InputNode(tuple(weights), bias, SIGNAL, COEFF, PRECISE.hidden_fmt, shift)
+    return InputNode(SIGNAL, COEFF, PRECISE.hidden_fmt, shift, tuple(weights), bias)
 
 
 @given(st.lists(st.tuples(codes, samples), min_size=1, max_size=6), codes, st.integers(0, 13))
@@ -66,7 +66,7 @@ def test_output_is_the_rounded_exact_sum(case, scaled, shift) -> None:
     biases = [w[0] for w in weights]
     factors = tuple(range(3, 3 + len(weights))) if scaled else None
     twin = OutputIntegral(
-        tuple(tuple(w) for w in weights), tuple(biases), factors, SIGNAL, COEFF, SIGNAL, shift
+        SIGNAL, COEFF, SIGNAL, shift, tuple(tuple(w) for w in weights), tuple(biases), factors
     )
     results = twin.process(np.array(r))
     for i, row in enumerate(weights):

@@ -52,7 +52,7 @@ def test_thesis_normalisation_is_equation_4_16() -> None:
     assert normalisation(weights, np.array([2.0, 0.0])).tolist() == [5, 1]
 
 
-@settings(max_examples=40)
+@settings(max_examples=200, deadline=None)
 @given(st.integers(0, 10_000), st.sampled_from(sorted(PRECISIONS)), st.floats(0.2, 2.0))
 def test_bit_true_follows_float(seed: int, name: str, spread: float) -> None:
     shape = (4, 6, 2)
@@ -61,14 +61,15 @@ def test_bit_true_follows_float(seed: int, name: str, spread: float) -> None:
     design = build_hybrid(mlp, PRECISIONS[name], "gradient")
     results = SIGNAL.to_real(design.process(frames))
     exact = np.clip(mlp.process(SIGNAL.to_real(frames), gradient_real), -1, SIGNAL.high / 8192)
-    # One LSB of a weight, a product or q in each term, carried to the output by its weights; a q
-    # that falls on the other side of a threshold adds the scheme's step there.
+    # One LSB of a weight, a product or q in each term, carried to the output by its weights. A q
+    # that falls on the other side of a border adds the scheme's step there: 126 LSB at 0, where
+    # the first intercept changes its sign, and 44 at the most elsewhere.
     if name == "precise":
-        bound = (3 + np.abs(mlp.w2).sum(axis=1) * 40) / 8192
+        bound = (3 + np.abs(mlp.w2).sum(axis=1) * 130) / 8192
     else:
         y = normalisation(mlp.w2, mlp.b2)
         q = normalisation(mlp.w1, mlp.b1).max()
-        bound = (y * 10 + np.abs(mlp.w2).sum(axis=1) * (8 * q + 40)) / 8192
+        bound = (y * 10 + np.abs(mlp.w2).sum(axis=1) * (8 * q + 130)) / 8192
     assert (np.abs(results - exact) <= bound).all()
 
 

@@ -7,25 +7,22 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.block import Block
-from golden.fixed import Codes, Fix, Overflow, Rounding, requantise, signed_width
+from golden.fixed import Codes, Overflow, Rounding, requantise, signed_width
+from golden.layers.weighted_sum import WeightedSum
 
 
 @dataclass(frozen=True)
-class InputNode(Block):
+class InputNode(WeightedSum):
     """q = b + sum_k w_k x_k on one multiplier (thesis equation 5.1, Figure 5.9).
 
     Parameters
     ----------
+    in_fmt, coeff_fmt, out_fmt, product_shift
+        See ``WeightedSum``.
     weights : tuple of int
         Codes of ``coeff_fmt``, in the order in which the samples arrive.
     bias : int
         Code of ``coeff_fmt``; the accumulator starts from it.
-    in_fmt, coeff_fmt, out_fmt : Fix
-        Formats of sample, weight and result.
-    product_shift : int
-        Fraction bits cut (floor) from each product before it is added: 13 in ``thesis``
-        precision, 0 in ``precise``.
 
     Notes
     -----
@@ -35,36 +32,12 @@ class InputNode(Block):
     """
 
     block = "input_node"
-    area = "layers"
     weights: tuple[int, ...]
     bias: int
-    in_fmt: Fix
-    coeff_fmt: Fix
-    out_fmt: Fix
-    product_shift: int
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         self.coeff_fmt.check(np.array([*self.weights, self.bias]), f"{self.entity} weights")
-        if self.acc_frac < max(self.out_fmt.frac, self.coeff_fmt.frac):
-            raise ValueError(
-                f"{self.entity}: the accumulator has {self.acc_frac} fraction bits, expected at "
-                f"least those of {self.out_fmt} and {self.coeff_fmt}"
-            )
-
-    @property
-    def acc_frac(self) -> int:
-        """Fraction bits of the accumulator."""
-        return self.in_fmt.frac + self.coeff_fmt.frac - self.product_shift
-
-    @property
-    def bias_shift(self) -> int:
-        """Places by which the bias moves left into the accumulator."""
-        return self.acc_frac - self.coeff_fmt.frac
-
-    @property
-    def out_shift(self) -> int:
-        """Fraction bits dropped from the accumulator at the end."""
-        return self.acc_frac - self.out_fmt.frac
 
     @property
     def acc_bound(self) -> int:

@@ -7,26 +7,24 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.block import Block
-from golden.fixed import Codes, Fix, Overflow, Rounding, requantise, signed_width
+from golden.fixed import Codes, Overflow, Rounding, requantise, signed_width
+from golden.layers.weighted_sum import WeightedSum
 
 
 @dataclass(frozen=True)
-class OutputIntegral(Block):
+class OutputIntegral(WeightedSum):
     """y_i = (b_i + sum_j w_ij r_j) Y_i, one output a clock (thesis equation 5.2, Figure 5.11).
 
     Parameters
     ----------
+    in_fmt, coeff_fmt, out_fmt, product_shift
+        See ``WeightedSum``; the samples are the activations r.
     weights : tuple of tuple of int
         One row of codes of ``coeff_fmt`` per output.
     biases : tuple of int
         Codes of ``coeff_fmt``, one per output.
     factors : tuple of int, or None
         De-normalisation Y_i (equation 4.17); None leaves the multiplier out.
-    in_fmt, coeff_fmt, out_fmt : Fix
-        Formats of r, weight and y.
-    product_shift : int
-        Fraction bits cut (floor) from each product before it is added.
 
     Notes
     -----
@@ -35,23 +33,14 @@ class OutputIntegral(Block):
     """
 
     block = "output_integral"
-    area = "layers"
     weights: tuple[tuple[int, ...], ...]
     biases: tuple[int, ...]
     factors: tuple[int, ...] | None
-    in_fmt: Fix
-    coeff_fmt: Fix
-    out_fmt: Fix
-    product_shift: int
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         self.coeff_fmt.check(np.array(self.weights), f"{self.entity} weights", self.hidden)
         self.coeff_fmt.check(np.array(self.biases), f"{self.entity} biases", self.outputs)
-        if self.acc_frac < max(self.out_fmt.frac, self.coeff_fmt.frac):
-            raise ValueError(
-                f"{self.entity}: the sum has {self.acc_frac} fraction bits, expected at least "
-                f"those of {self.out_fmt} and {self.coeff_fmt}"
-            )
         if self.factors is not None and (
             len(self.factors) != self.outputs or min(self.factors) < 1
         ):
@@ -68,21 +57,6 @@ class OutputIntegral(Block):
     def hidden(self) -> int:
         """Activations of one frame."""
         return len(self.weights[0])
-
-    @property
-    def acc_frac(self) -> int:
-        """Fraction bits of the sum."""
-        return self.in_fmt.frac + self.coeff_fmt.frac - self.product_shift
-
-    @property
-    def bias_shift(self) -> int:
-        """Places by which the bias moves left to meet the sum's binary point."""
-        return self.acc_frac - self.coeff_fmt.frac
-
-    @property
-    def out_shift(self) -> int:
-        """Fraction bits dropped at the end."""
-        return self.acc_frac - self.out_fmt.frac
 
     def sum_range(self, row: int) -> tuple[int, int]:
         """Least and largest value of any partial sum of output ``row``."""

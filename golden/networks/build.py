@@ -44,24 +44,24 @@ def build_hybrid(mlp: Mlp, precision: Precision, activation: str) -> Hybrid:
     )
     nodes = tuple(
         InputNode(
-            tuple(int(w) for w in w1[j]),
-            int(b1[j]),
             SIGNAL,
             fmt1,
             precision.hidden_fmt,
             precision.product_shift,
+            tuple(int(w) for w in w1[j]),
+            int(b1[j]),
             variant=str(j),
         )
         for j in range(hidden)
     )
     output = OutputIntegral(
-        tuple(tuple(int(w) for w in row) for row in w2),
-        tuple(int(b) for b in b2),
-        tuple(int(y) for y in y_factors) if precision.normalise else None,
         SIGNAL,
         fmt2,
         SIGNAL,
         precision.product_shift,
+        tuple(tuple(int(w) for w in row) for row in w2),
+        tuple(int(b) for b in b2),
+        tuple(int(y) for y in y_factors) if precision.normalise else None,
     )
     if precision.normalise:
         for name, width in [(f"hidden node {j}", n.acc_width) for j, n in enumerate(nodes)] + [

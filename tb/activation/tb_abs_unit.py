@@ -11,7 +11,7 @@ import cocotb
 
 from tb.common.bench import Bench
 from tb.common.stimulus import all_codes
-from tb.common.stream import SIGNED, UNSIGNED, check_stream
+from tb.common.stream import SIGNED, UNSIGNED, check_gaps_and_resets, check_stream
 
 OUTPUTS = {"out_mag": UNSIGNED, "out_negative": UNSIGNED}
 
@@ -27,14 +27,5 @@ async def sweep(dut):
 @cocotb.test()
 async def gaps_and_resets(dut):
     bench = Bench(dut)
-    codes = bench.rng.choice(all_codes(bench.twin.fmt, [], bench.rng), 2000)
-    await check_stream(
-        bench,
-        {"in_data": codes},
-        {"in_data": SIGNED},
-        OUTPUTS,
-        bench.twin.process,
-        gap=0.3,
-        resets=True,
-    )
-    bench.finish(at_least=1000)
+    items = {"in_data": all_codes(bench.twin.fmt, [], bench.rng)}
+    await check_gaps_and_resets(bench, items, {"in_data": SIGNED}, OUTPUTS, bench.twin.process)

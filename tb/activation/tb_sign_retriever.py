@@ -10,7 +10,7 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
-from tb.common.stream import SIGNED, UNSIGNED, check_stream
+from tb.common.stream import SIGNED, UNSIGNED, check_gaps_and_resets, check_stream
 
 INPUTS = {"in_mag": UNSIGNED, "in_negative": UNSIGNED}
 OUTPUTS = {"out_data": SIGNED}
@@ -32,7 +32,4 @@ async def sweep(dut):
 async def gaps_and_resets(dut):
     bench = Bench(dut)
     items = operands(bench)
-    order = bench.rng.permutation(len(items["in_mag"]))[:2000]
-    items = {name: values[order] for name, values in items.items()}
-    await check_stream(bench, items, INPUTS, OUTPUTS, bench.twin.process, gap=0.3, resets=True)
-    bench.finish(at_least=1000)
+    await check_gaps_and_resets(bench, items, INPUTS, OUTPUTS, bench.twin.process)

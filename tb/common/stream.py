@@ -51,3 +51,17 @@ async def check_stream(
     bench.compare("clocks of the results", left, kept + bench.latency)
     for (port, read), values in zip(outputs.items(), expected, strict=True):
         bench.compare(port, read(recording, port, left), np.asarray(values, dtype=np.int64), **seen)
+
+
+async def check_gaps_and_resets(
+    bench: Bench,
+    items: dict[str, np.ndarray],
+    inputs: dict[str, Callable],
+    outputs: dict[str, Callable],
+    twin: Callable,
+):
+    """2000 of the items in random order, with idle clocks and resets between them."""
+    order = bench.rng.integers(0, len(next(iter(items.values()))), 2000)
+    chosen = {name: values[order] for name, values in items.items()}
+    await check_stream(bench, chosen, inputs, outputs, twin, gap=0.3, resets=True)
+    bench.finish(at_least=1000)

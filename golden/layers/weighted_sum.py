@@ -1,0 +1,55 @@
+"""What both layers share: the binary points of a sum of products."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from golden.block import Block
+from golden.fixed import Fix
+
+
+@dataclass(frozen=True)
+class WeightedSum(Block):
+    """Bias plus products of samples and weights, each product cut before it is added.
+
+    Parameters
+    ----------
+    in_fmt, coeff_fmt, out_fmt : Fix
+        Formats of sample, weight and result.
+    product_shift : int
+        Fraction bits cut (floor) from each product before it is added: 13 in ``thesis``
+        precision, 0 in ``precise``.
+
+    Raises
+    ------
+    ValueError
+        When the sum has fewer fraction bits than the result or the bias needs.
+    """
+
+    area = "layers"
+    in_fmt: Fix
+    coeff_fmt: Fix
+    out_fmt: Fix
+    product_shift: int
+
+    def __post_init__(self) -> None:
+        if self.acc_frac < max(self.out_fmt.frac, self.coeff_fmt.frac):
+            raise ValueError(
+                f"{self.entity}: the sum has {self.acc_frac} fraction bits, expected at least "
+                f"those of {self.out_fmt} and {self.coeff_fmt}"
+            )
+
+    @property
+    def acc_frac(self) -> int:
+        """Fraction bits of the exact sum."""
+        return self.in_fmt.frac + self.coeff_fmt.frac - self.product_shift
+
+    @property
+    def bias_shift(self) -> int:
+        """Places by which the bias moves left to meet the sum's binary point."""
+        return self.acc_frac - self.coeff_fmt.frac
+
+    @property
+    def out_shift(self) -> int:
+        """Fraction bits dropped at the end."""
+        return self.acc_frac - self.out_fmt.frac
