@@ -39,6 +39,13 @@ def test_odd_and_inside_the_format_over_every_code(precision, factor: int) -> No
     assert gradient.process(lowest) == -gradient.process(precision.hidden_fmt.high)
 
 
+@pytest.mark.parametrize(("precision", "factor"), CASES, ids=IDS)
+def test_looked_up_results_are_those_of_the_parts(precision, factor: int) -> None:
+    gradient = gradient_for(precision, factor, precision.hidden_fmt.high // 3)
+    codes = every_code(precision).reshape(2, -1)
+    assert np.array_equal(gradient.process(codes), gradient.compute(codes))
+
+
 def test_thesis_reading_of_the_mean_error() -> None:
     """Equation 4.32 at Q = 3: the thesis prints 0.40 %; twice the mean absolute error gives it."""
     gradient = gradient_for(THESIS, 3, SIGNAL.high)

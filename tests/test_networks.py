@@ -83,6 +83,19 @@ def test_rails_on_all_sensors(precision) -> None:
     assert results.max() <= SIGNAL.high
 
 
+def test_shapes_and_chunks_change_nothing() -> None:
+    design = build_hybrid(random_mlp((3, 4, 2), 1.0, 1), PRECISE, "gradient")
+    frames = np.random.default_rng(1).integers(SIGNAL.low, SIGNAL.high + 1, (3, 3001, 3))
+    results = design.process(frames)
+    assert results.shape == (3, 3001, 2)
+    assert np.array_equal(results[2, 3000], design.process(frames[2, 3000]))
+    assert design.process(np.empty((0, 3), dtype=np.int64)).shape == (0, 2)
+    with pytest.raises(ValueError, match=r"hybrid frames: got shape \(4,\), expected \(..., 3\)"):
+        design.process([1, 2, 3, 4])
+    with pytest.raises(ValueError, match="got dtype float64, expected integer codes"):
+        design.process([0.0, 0.1, 0.2])
+
+
 def test_huge_weights_still_build() -> None:
     """Q_j of several hundred, and weights that leave 18 bits few fraction bits."""
     rng = np.random.default_rng(0)

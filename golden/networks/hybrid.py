@@ -16,6 +16,9 @@ from golden.layers.input_integral import InputIntegral
 from golden.layers.output_controller import OutputController
 from golden.layers.output_integral import OutputIntegral
 
+# Frames computed at a time; 4096 x 16 nodes x 8 bytes fit a second-level cache.
+CHUNK = 4096
+
 
 @dataclass(frozen=True)
 class Hybrid(Block):
@@ -92,11 +95,24 @@ class Hybrid(Block):
     def process(self, frames: ArrayLike) -> Codes:
         """Output codes, shape (..., outputs), of frames of sample codes, shape (..., inputs).
 
+        Computed in chunks that stay in the processor's cache, so that memory beyond the results
+        does not grow with the batch.
+
         Raises
         ------
         ValueError
             For a wrong last axis or a code outside the signal format.
         """
-        q = self.input_integral.process(frames)
-        columns = [a.process(q[..., j]) for j, a in enumerate(self.activations)]
-        return self.output_integral.process(np.stack(columns, axis=-1))
+        samples = np.asarray(frames)
+        if samples.ndim == 0 or samples.shape[-1] != self.inputs:
+            raise ValueError(
+                f"{self.entity} frames: got shape {samples.shape}, expected (..., {self.inputs})"
+            )
+        flat = samples.reshape(-1, self.inputs)
+        results = np.empty((len(flat), self.outputs), dtype=np.int64)
+        for start in range(0, len(flat), CHUNK):
+            part = slice(start, start + CHUNK)
+            q = self.input_integral.process(flat[part])
+            columns = [a.process(q[:, j]) for j, a in enumerate(self.activations)]
+            results[part] = self.output_integral.process(np.stack(columns, axis=-1))
+        return results.reshape(*samples.shape[:-1], self.outputs)
