@@ -22,6 +22,7 @@ from golden.fingerprint import fingerprint, sources
 from golden.metrics import OutputError, percent_errors, summarise
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, thesis_figures
+from golden.training.search import split_rows
 from tb.common.runner import BUILD, Outcome, plan, run_jobs
 from tb.common.tools import SIMULATORS, check_simulator, language, version
 from tb.sim import tell
@@ -81,18 +82,23 @@ def _by_block(outcomes: list[Outcome]) -> dict:
 
 
 def errors(scene: Scene) -> dict[str, list[OutputError]]:
-    """Errors on the recorded vectors: in real arithmetic and bit-true."""
+    """Errors on the recorded vectors: in real arithmetic, bit-true, and bit-true on rows that
+    neither trained nor chose the network."""
     vectors = scene.vectors()
-    results = {
-        "float": scene.mlp().process(vectors.inputs, SCHEMES[scene.activation].real),
-        "bit-true": SIGNAL.to_real(scene.design().process(vectors.codes)),
-    }
+    real = scene.mlp().process(vectors.inputs, SCHEMES[scene.activation].real)
+    bit_true = SIGNAL.to_real(scene.design().process(vectors.codes))
+    everything = np.arange(len(vectors.codes))
+    held_out = split_rows(len(vectors.codes), scene.training.seed).test
     return {
         name: summarise(
-            percent_errors(values, vectors.targets, scene.outputs, scene.full_scale),
-            vectors.groups,
+            percent_errors(results[rows], vectors.targets[rows], scene.outputs, scene.full_scale),
+            vectors.groups[rows],
         )
-        for name, values in results.items()
+        for name, results, rows in (
+            ("float", real, everything),
+            ("bit-true", bit_true, everything),
+            ("bit-true, held out", bit_true, held_out),
+        )
     }
 
 
@@ -106,22 +112,22 @@ def twin_speed(scene: Scene) -> float:
 
 
 def error_table(scene: Scene) -> list[str]:
-    """Per output: mean, largest mean over positions, and worst frame, float and bit-true."""
+    """Per output and kind: mean, largest mean over positions, and worst frame."""
     found = errors(scene)
     thesis = None
     if scene.reference:
         thesis = thesis_figures(scene.reference, len(scene.outputs), scene.path)
-    group = f"{'mean':>6} {'largest':>10} {'worst':>8}"
+    group = f"{'mean':>6} {'largest':>8} {'worst':>6}"
     lines = [
-        f"{'':10} {'float':^26}  {'bit-true':^26}" + (f"  {'thesis':>8}" if thesis else ""),
-        f"{'output':10} {group}  {group}" + (f"  {'largest':>8}" if thesis else ""),
+        f"{'':9} " + "  ".join(f"{name:^22}" for name in found) + ("   thesis" if thesis else ""),
+        f"{'output':9} " + "  ".join([group] * len(found)) + ("  largest" if thesis else ""),
     ]
     for c, name in enumerate(scene.outputs):
         cells = [
-            f"{e[c].mean:6.2f} {e[c].largest_mean:10.2f} {e[c].worst:8.2f}" for e in found.values()
+            f"{e[c].mean:6.2f} {e[c].largest_mean:8.2f} {e[c].worst:6.2f}" for e in found.values()
         ]
-        last = f"  {thesis[c]:8.2f}" if thesis else ""
-        lines.append(f"{name:10} " + "  ".join(cells) + last)
+        last = f"  {thesis[c]:7.2f}" if thesis else ""
+        lines.append(f"{name:9} " + "  ".join(cells) + last)
     return lines
 
 
@@ -137,7 +143,8 @@ def report(scene: Scene, results: dict) -> str:
         f"scene {scene.name}: {shape}, hybrid, {scene.activation}, "
         f"{scene.precision.name} precision",
         f"errors in % on {len(vectors.codes)} recorded frames; 'largest' is the largest mean over "
-        "the positions",
+        "the positions;",
+        "'held out' are the frames that neither trained nor chose the network",
         "",
         *error_table(scene),
         "",
