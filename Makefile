@@ -6,7 +6,7 @@ PYTHON ?= python3
 VENV ?= .venv
 RUN = $(VENV)/bin/python
 
-.PHONY: help demo test sim vhdl verilog train lint clean tools
+.PHONY: help demo test sim vhdl verilog train network lint clean tools
 
 help:
 	@echo "make demo    [SCENE=]                     a scene end to end: simulate, export, table of errors"
@@ -16,6 +16,7 @@ help:
 	@echo "make vhdl    [SCENE=]                     export to build/<scene>/vhdl"
 	@echo "make verilog [SCENE=]                     export to build/<scene>/verilog"
 	@echo "make train   [SCENE=]                     train the scene's network, write it beside the scene"
+	@echo "make network TO=file.onnx [SCENE=]        write the scene's network as .npz, .mat or .onnx"
 	@echo "make lint                                 ruff and mypy"
 	@echo "make clean                                remove build and .venv"
 	@echo
@@ -37,6 +38,9 @@ vhdl verilog: $(VENV)/.ready
 
 train: $(VENV)/.ready
 	@$(RUN) -m golden.training "$(SCENE)"
+
+network: $(VENV)/.ready
+	@$(RUN) -m golden.convert "$(SCENE)" "$(TO)"
 
 lint: $(VENV)/.ready
 	@$(RUN) -m ruff check . && $(RUN) -m ruff format --check . && $(RUN) -m mypy

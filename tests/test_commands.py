@@ -39,7 +39,17 @@ def test_make_alone_lists_the_targets() -> None:
     result = make()
     assert result.returncode == 0
     targets = re.findall(r"^make (\w+)", result.stdout, re.M)
-    assert targets == ["demo", "test", "sim", "vhdl", "verilog", "train", "lint", "clean"]
+    assert targets == [
+        "demo",
+        "test",
+        "sim",
+        "vhdl",
+        "verilog",
+        "train",
+        "network",
+        "lint",
+        "clean",
+    ]
     assert "digit-single" in result.stdout
 
 

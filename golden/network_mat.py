@@ -1,0 +1,66 @@
+"""Networks as MATLAB files with the fields of Netlab, as the thesis' Appendix 5 loads them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.io import loadmat, savemat
+
+from golden.networks.mlp import Mlp, Real
+
+# Netlab keeps samples in rows: w1 is inputs x hidden, b1 is 1 x hidden.
+VARIABLE = "network"
+FIELDS = ("w1", "b1", "w2", "b2")
+
+
+def read_mat(path: Path) -> dict[str, Real]:
+    """The arrays of the one structure in the file that has the fields w1, b1, w2 and b2.
+
+    The structure may have any name; the fields may also be variables of the file itself.
+
+    Raises
+    ------
+    ValueError
+        When the file is no MATLAB file up to version 7, or holds no such fields or several.
+    """
+    try:
+        variables = loadmat(path, squeeze_me=False, struct_as_record=False)
+    except (ValueError, NotImplementedError, TypeError, OSError) as error:
+        raise ValueError(f"{path}: not a MATLAB file up to version 7: {error}") from None
+    names = [name for name in variables if not name.startswith("__")]
+    found = [fields for name in names if (fields := _fields(variables[name]))]
+    if all(name in variables for name in FIELDS):
+        found.append({name: variables[name] for name in FIELDS})
+    if len(found) != 1:
+        raise ValueError(
+            f"{path}: got {len(found)} networks among the variables {', '.join(names)}, expected "
+            f"one with the fields {', '.join(FIELDS)}"
+        )
+    try:
+        arrays = {name: np.asarray(found[0][name], dtype=np.float64) for name in FIELDS}
+    except (TypeError, ValueError):
+        raise ValueError(f"{path}: a field of {', '.join(FIELDS)} holds no real numbers") from None
+    return {
+        "w1": arrays["w1"].T,
+        "b1": arrays["b1"].ravel(),
+        "w2": arrays["w2"].T,
+        "b2": arrays["b2"].ravel(),
+    }
+
+
+def _fields(value: Any) -> dict[str, Any] | None:
+    """The four fields of a 1 x 1 structure, or None."""
+    if not isinstance(value, np.ndarray) or value.size != 1 or value.dtype != object:
+        return None
+    structure = value.ravel()[0]
+    if not all(hasattr(structure, name) for name in FIELDS):
+        return None
+    return {name: getattr(structure, name) for name in FIELDS}
+
+
+def write_mat(path: Path, mlp: Mlp) -> None:
+    """Write the network as a structure named ``network``."""
+    fields = {"w1": mlp.w1.T, "b1": mlp.b1[np.newaxis], "w2": mlp.w2.T, "b2": mlp.b2[np.newaxis]}
+    savemat(path, {VARIABLE: fields})

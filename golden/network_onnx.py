@@ -1,0 +1,158 @@
+"""Networks as ONNX graphs: a chain of two linear layers with tanh between them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import onnx
+from google.protobuf.message import DecodeError
+from onnx import TensorProto, helper, numpy_helper
+
+from golden.networks.mlp import Mlp, Real
+
+OPERATORS = ("Gemm", "MatMul", "Add", "Tanh", "Cast", "Identity", "Reshape")
+# Old enough for every runtime in use, new enough for every operator used.
+OPSET, IR_VERSION = 13, 7
+
+
+class _Chain:
+    """The layers found so far, walking the graph from its input."""
+
+    def __init__(self, path: Path, output: str):
+        self.path = path
+        self.output = output
+        self.layers: list[dict[str, Real]] = []
+        self.tanh_after: list[int] = []
+
+    def refuse(self, node: Any, reason: str) -> ValueError:
+        return ValueError(f"{self.path}: operator {node.op_type} ({node.name!r}): {reason}")
+
+    def linear(self, weights: Real, bias: Real | None) -> None:
+        layer = {"w": weights}
+        if bias is not None:
+            layer["b"] = bias.ravel()
+        self.layers.append(layer)
+
+    def add(self, node: Any, bias: Real) -> None:
+        fresh = self.layers and "b" not in self.layers[-1]
+        if not fresh or len(self.layers) in self.tanh_after:
+            raise self.refuse(node, "expected right after a MatMul, as its bias")
+        self.layers[-1]["b"] = bias.ravel()
+
+
+def read_onnx(path: Path) -> dict[str, Real]:
+    """The arrays of a network that PyTorch, Keras or scikit-learn exported.
+
+    Understood are Gemm, or MatMul with Add, then Tanh, then Gemm or MatMul with Add; Cast,
+    Identity, and a Reshape that changes nothing may stand between them.
+
+    Raises
+    ------
+    ValueError
+        When the file is no ONNX graph, or for any other operator or order; the message names
+        the operator.
+    """
+    try:
+        model = onnx.load(str(path))
+    except (DecodeError, ValueError, OSError) as error:
+        raise ValueError(f"{path}: not an ONNX file: {error}") from None
+    graph = model.graph
+    constants = {c.name: numpy_helper.to_array(c) for c in graph.initializer}
+    inputs = [i.name for i in graph.input if i.name not in constants]
+    if len(inputs) != 1 or len(graph.output) != 1:
+        raise ValueError(
+            f"{path}: got {len(inputs)} inputs and {len(graph.output)} outputs, expected a graph "
+            "with one of each"
+        )
+    chain = _Chain(path, graph.output[0].name)
+    current = inputs[0]
+    for node in graph.node:
+        if node.op_type == "Constant":
+            value = next((a for a in node.attribute if a.name == "value"), None)
+            if value is None:
+                raise chain.refuse(node, "expected a tensor as its value")
+            constants[node.output[0]] = numpy_helper.to_array(value.t)
+            continue
+        _step(chain, node, current, constants)
+        current = node.output[0]
+    if current != chain.output:
+        raise ValueError(f"{path}: the output is {chain.output!r}, expected {current!r}")
+    if len(chain.layers) != 2 or chain.tanh_after != [1]:
+        raise ValueError(
+            f"{path}: got {len(chain.layers)} linear layers with Tanh after layers "
+            f"{chain.tanh_after}, expected 2 with Tanh after the first"
+        )
+    first, second = chain.layers
+    return {
+        "w1": first["w"],
+        "b1": first.get("b", np.zeros(len(first["w"]))),
+        "w2": second["w"],
+        "b2": second.get("b", np.zeros(len(second["w"]))),
+    }
+
+
+def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> None:
+    """Take one operator into the chain."""
+    if node.op_type not in OPERATORS or node.domain not in ("", "ai.onnx"):
+        raise chain.refuse(node, f"not supported, expected one of {', '.join(OPERATORS)}")
+    if current not in node.input:
+        raise chain.refuse(node, f"does not read {current!r}; expected a chain without branches")
+    others = [name for name in node.input if name and name != current]
+    missing = [name for name in others if name not in constants]
+    if missing or list(node.input).count(current) != 1:
+        raise chain.refuse(
+            node, f"reads {missing or current!r}, expected constants beside {current!r}"
+        )
+    values = [np.asarray(constants[name]) for name in others]
+    attributes = {a.name: helper.get_attribute_value(a) for a in node.attribute}
+    if node.op_type in ("Gemm", "MatMul"):
+        if node.input[0] != current or values[0].ndim != 2:
+            raise chain.refuse(node, "expected the data first and a matrix of weights second")
+        if attributes.get("transA", 0):
+            raise chain.refuse(node, "transA=1, expected 0")
+        weights = values[0].astype(np.float64) * attributes.get("alpha", 1.0)
+        bias = None
+        if len(values) > 1:
+            bias = np.broadcast_to(
+                values[1].astype(np.float64) * attributes.get("beta", 1.0),
+                (1, weights.shape[0 if attributes.get("transB", 0) else 1]),
+            )
+        chain.linear(weights if attributes.get("transB", 0) else weights.T, bias)
+    elif node.op_type == "Add":
+        chain.add(node, values[0].astype(np.float64))
+    elif node.op_type == "Tanh":
+        chain.tanh_after.append(len(chain.layers))
+    elif node.op_type == "Reshape":
+        # skl2onnx ends with a column of all results, whatever the number of outputs: the values
+        # and their order stay what they are.
+        width = len(chain.layers[-1]["w"]) if chain.layers else None
+        shapes = [[-1, width]] + ([[-1, 1]] if node.output[0] == chain.output else [])
+        if values[0].tolist() not in shapes:
+            raise chain.refuse(node, f"to {values[0].tolist()}, expected one of {shapes}")
+
+
+def write_onnx(path: Path, mlp: Mlp) -> None:
+    """Write the network as Gemm, Tanh, Gemm on double precision numbers."""
+    inputs, _, outputs = mlp.shape
+    nodes = [
+        helper.make_node("Gemm", ["x", "w1", "b1"], ["q"], name="layer1", transB=1),
+        helper.make_node("Tanh", ["q"], ["r"], name="activation"),
+        helper.make_node("Gemm", ["r", "w2", "b2"], ["y"], name="layer2", transB=1),
+    ]
+    graph = helper.make_graph(
+        nodes,
+        "tactus",
+        [helper.make_tensor_value_info("x", TensorProto.DOUBLE, ["frames", inputs])],
+        [helper.make_tensor_value_info("y", TensorProto.DOUBLE, ["frames", outputs])],
+        [numpy_helper.from_array(getattr(mlp, n), n) for n in ("w1", "b1", "w2", "b2")],
+    )
+    model = helper.make_model(
+        graph,
+        producer_name="tactus",
+        opset_imports=[helper.make_opsetid("", OPSET)],
+        ir_version=IR_VERSION,
+    )
+    onnx.checker.check_model(model)
+    path.write_bytes(model.SerializeToString())

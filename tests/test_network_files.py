@@ -1,0 +1,184 @@
+"""Networks brought from elsewhere, and what is refused by name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import onnx
+import pytest
+from conftest import random_mlp
+from onnx import TensorProto, helper, numpy_helper
+from onnx.reference import ReferenceEvaluator
+from scipy.io import savemat
+
+from golden.convert import main as convert
+from golden.network_file import load_network, write_network
+from golden.networks.mlp import Mlp
+from golden.scene import Scene, load_scene
+
+SHAPE = (3, 5, 2)
+DATA = Path(__file__).parent / "data"
+FORMS = [".npz", ".mat", ".onnx"]
+
+
+def same(one: Mlp, other: Mlp) -> bool:
+    names = ("w1", "b1", "w2", "b2")
+    return all(np.array_equal(getattr(one, n), getattr(other, n)) for n in names)
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("shape", [SHAPE, (1, 1, 1)])
+def test_every_form_gives_the_same_network_back(tmp_path: Path, form: str, shape) -> None:
+    mlp = random_mlp(shape, 1.0, 1)
+    write_network(tmp_path / f"net{form}", mlp)
+    assert same(load_network(tmp_path / f"net{form}", shape), mlp)
+    assert [p.name for p in tmp_path.iterdir()] == [f"net{form}"]
+
+
+def test_our_onnx_computes_what_our_float_network_computes(tmp_path: Path) -> None:
+    mlp = random_mlp(SHAPE, 1.0, 1)
+    write_network(tmp_path / "net.onnx", mlp)
+    frames = np.random.default_rng(1).uniform(-1, 1, (20, 3))
+    (results,) = ReferenceEvaluator(str(tmp_path / "net.onnx")).run(None, {"x": frames})
+    assert np.allclose(results, mlp.process(frames), atol=1e-14)
+
+
+@pytest.mark.parametrize("outputs", [1, 2])
+def test_a_network_from_scikit_learn(outputs: int) -> None:
+    """MLPRegressor through skl2onnx: Cast, MatMul, Add, Tanh, MatMul, Add, Reshape."""
+    name = f"sklearn-3-5-{outputs}"
+    mlp = load_network(DATA / f"{name}.onnx", (3, 5, outputs))
+    with np.load(DATA / f"{name}.npz") as recorded:
+        expected = recorded["y"].reshape(-1, outputs)
+        assert np.allclose(mlp.process(recorded["x"]), expected, atol=1e-6)
+
+
+def graph(tmp_path: Path, nodes, constants, outputs=("y",)) -> Path:
+    made = helper.make_graph(
+        nodes,
+        "test",
+        [helper.make_tensor_value_info("x", TensorProto.DOUBLE, [None, 3])],
+        [helper.make_tensor_value_info(n, TensorProto.DOUBLE, [None, 2]) for n in outputs],
+        [numpy_helper.from_array(np.asarray(v), k) for k, v in constants.items()],
+    )
+    path = tmp_path / "net.onnx"
+    onnx.save(helper.make_model(made), str(path))
+    return path
+
+
+def constants(mlp: Mlp) -> dict[str, np.ndarray]:
+    return {"w1": mlp.w1.T, "b1": mlp.b1, "w2": mlp.w2.T, "b2": mlp.b2}
+
+
+def node(kind: str, inputs: str, output: str, **attributes):
+    return helper.make_node(kind, inputs.split(), [output], name=f"my_{kind}", **attributes)
+
+
+KERAS = [
+    node("MatMul", "x w1", "a"),
+    node("Add", "a b1", "b"),
+    node("Tanh", "b", "c"),
+    node("MatMul", "c w2", "d"),
+    node("Add", "b2 d", "y"),
+]
+
+
+def test_matmul_and_add_as_keras_writes_them(tmp_path: Path) -> None:
+    mlp = random_mlp(SHAPE, 1.0, 1)
+    assert same(load_network(graph(tmp_path, KERAS, constants(mlp)), SHAPE), mlp)
+
+
+def test_layers_without_a_bias_get_zeros(tmp_path: Path) -> None:
+    mlp = random_mlp(SHAPE, 1.0, 1)
+    nodes = [node("MatMul", "x w1", "a"), node("Tanh", "a", "b"), node("MatMul", "b w2", "y")]
+    found = load_network(graph(tmp_path, nodes, constants(mlp)), SHAPE)
+    assert not found.b1.any()
+    assert not found.b2.any()
+
+
+def test_gemm_scales_as_it_says(tmp_path: Path) -> None:
+    mlp = random_mlp(SHAPE, 1.0, 1)
+    nodes = [
+        node("Gemm", "x w1 b1", "a", alpha=0.5, beta=2.0),
+        node("Tanh", "a", "b"),
+        node("Gemm", "b w2 b2", "y"),
+    ]
+    found = load_network(graph(tmp_path, nodes, constants(mlp)), SHAPE)
+    assert np.allclose(found.w1, mlp.w1 / 2)
+    assert np.allclose(found.b1, mlp.b1 * 2)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            {2: node("Relu", "b", "c")},
+            r"operator Relu \('my_Relu'\): not supported, expected one of",
+        ),
+        ({2: node("Sigmoid", "b", "c")}, "operator Sigmoid"),
+        ({2: node("Identity", "b", "c")}, r"2 linear layers with Tanh after layers \[\]"),
+        ({1: node("Add", "a a", "b")}, "operator Add .* expected constants beside 'a'"),
+        ({2: node("Tanh", "a", "c")}, "operator Tanh .* expected a chain without branches"),
+        ({1: node("Tanh", "a", "b")}, r"Tanh after layers \[1, 1\]"),
+        ({3: node("Add", "c b1", "d")}, "operator Add .* expected right after a MatMul"),
+        ({0: node("MatMul", "w1 x", "a")}, "operator MatMul .* expected the data first"),
+        ({0: node("Gemm", "x w1", "a", transA=1)}, "operator Gemm .* transA=1, expected 0"),
+        ({4: node("Reshape", "d b2", "y")}, r"operator Reshape .* expected one of \[\[-1, 2\]"),
+        ({4: node("Add", "b2 d", "z")}, "the output is 'y', expected 'z'"),
+    ],
+)
+def test_other_graphs_are_refused_with_the_operators_name(tmp_path, change, message) -> None:
+    nodes = [change.get(i, kept) for i, kept in enumerate(KERAS)]
+    path = graph(tmp_path, nodes, constants(random_mlp(SHAPE, 1.0, 1)))
+    with pytest.raises(ValueError, match=message) as caught:
+        load_network(path, SHAPE)
+    assert "net.onnx" in str(caught.value)
+
+
+def test_a_graph_with_two_outputs_is_refused(tmp_path: Path) -> None:
+    path = graph(tmp_path, KERAS, constants(random_mlp(SHAPE, 1.0, 1)), outputs=("y", "c"))
+    with pytest.raises(ValueError, match="got 1 inputs and 2 outputs"):
+        load_network(path, SHAPE)
+
+
+def test_netlab_structures_of_any_name(tmp_path: Path) -> None:
+    mlp = random_mlp(SHAPE, 1.0, 1)
+    fields = {"w1": mlp.w1.T, "b1": mlp.b1[None], "w2": mlp.w2.T, "b2": mlp.b2[None]}
+    path = tmp_path / "net.mat"
+    savemat(path, {"demonetwork": fields | {"nin": 3}, "note": "trained long ago"})
+    assert same(load_network(path, SHAPE), mlp)
+    savemat(path, fields)
+    assert same(load_network(path, SHAPE), mlp)
+    savemat(path, {"one": fields, "two": fields})
+    with pytest.raises(ValueError, match="got 2 networks among the variables one, two"):
+        load_network(path, SHAPE)
+    savemat(path, {"one": {"w1": 1}})
+    with pytest.raises(ValueError, match=r"got 0 networks .* fields w1, b1, w2, b2"):
+        load_network(path, SHAPE)
+    savemat(path, {"one": fields | {"w1": "text"}})
+    with pytest.raises(ValueError, match="holds no real numbers"):
+        load_network(path, SHAPE)
+
+
+@pytest.mark.parametrize(("form", "what"), [(".mat", "a MATLAB file"), (".onnx", "an ONNX file")])
+def test_files_that_are_none(tmp_path: Path, form: str, what: str) -> None:
+    path = tmp_path / f"net{form}"
+    path.write_bytes(b"no network at all, only text that goes on for a while" * 10)
+    with pytest.raises(ValueError, match=rf"net{form}: not {what}"):
+        load_network(path, SHAPE)
+
+
+def test_an_unknown_ending_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "net.onx").touch()
+    with pytest.raises(ValueError, match=r"ending '.onx', expected one of .*did you mean '.onnx'"):
+        load_network(tmp_path / "net.onx", SHAPE)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_a_scene_can_name_any_form(small_scene: Scene, monkeypatch, form: str) -> None:
+    file = small_scene.path.with_name(f"other{form}")
+    monkeypatch.setattr("sys.argv", ["convert", str(small_scene.path), str(file)])
+    convert()
+    small_scene.path.write_text(small_scene.path.read_text().replace("small.npz", file.name))
+    assert load_scene(str(small_scene.path)).design() == small_scene.design()
