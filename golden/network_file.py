@@ -32,7 +32,8 @@ def load_network(path: Path, shape: tuple[int, int, int]) -> Mlp:
     ----------
     path : Path
     shape : tuple of int
-        Inputs, hidden nodes and outputs that the network must have.
+        Inputs, hidden nodes and outputs that the network must have; 0 hidden nodes take as many
+        as it has.
 
     Raises
     ------
@@ -44,14 +45,15 @@ def load_network(path: Path, shape: tuple[int, int, int]) -> Mlp:
     """
     if not path.is_file():
         raise FileNotFoundError(f"{path}: no such network; make train SCENE=... writes it")
+    found = READERS[_form(path)](path)
     inputs, hidden, outputs = shape
+    hidden = hidden or np.size(found.get("b1", 0))
     expected = {
         "w1": (hidden, inputs),
         "b1": (hidden,),
         "w2": (outputs, hidden),
         "b2": (outputs,),
     }
-    found = READERS[_form(path)](path)
     arrays = {}
     for name in NAMES:
         if name not in found:

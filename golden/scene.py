@@ -37,7 +37,7 @@ _KEYS: dict[str, dict[str, tuple[type, Any]]] = {
     },
     "network": {
         "arrangement": (str, None),
-        "hidden": (int, None),
+        "hidden": (int, 0),
         "weights": (str, None),
     },
     "hardware": {
@@ -47,6 +47,8 @@ _KEYS: dict[str, dict[str, tuple[type, Any]]] = {
         "clock_mhz": (float, 64.0),
     },
     "training": {
+        "optimiser": (str, "levenberg-marquardt"),
+        "hidden": (list, [4, 25]),
         "seed": (int, 1),
         "restarts": (int, 8),
         "weight_decay": (float, 1e-4),
@@ -58,6 +60,7 @@ _CHOICES = {
     ("hardware", "design"): ("hybrid",),
     ("hardware", "activation"): tuple(SCHEMES),
     ("hardware", "precision"): tuple(PRECISIONS),
+    ("training", "optimiser"): ("levenberg-marquardt", "scg"),
 }
 
 
@@ -65,6 +68,8 @@ _CHOICES = {
 class Training:
     """How a scene's network is trained; see ``golden.training``."""
 
+    optimiser: str
+    hidden: tuple[int, int]
     seed: int
     restarts: int
     weight_decay: float
@@ -90,6 +95,7 @@ class Scene:
     reference : str
         Table of golden/data/thesis_numbers.toml to compare with, or nothing.
     hidden : int
+        0 takes as many as the network file has; training then searches ``training.hidden``.
     activation : str
     precision : Precision
     clock_mhz : float
@@ -114,7 +120,7 @@ class Scene:
     @property
     def shape(self) -> tuple[int, int, int]:
         """Inputs, hidden nodes and outputs."""
-        return len(self.sensors), self.hidden, len(self.outputs)
+        return self.mlp().shape
 
     def vectors(self) -> Vectors:
         """The recorded vectors of this scene.
@@ -153,7 +159,8 @@ class Scene:
         FileNotFoundError, ValueError
             See ``load_network``.
         """
-        return load_network(self.weights_path, self.shape)
+        shape = (len(self.sensors), self.hidden, len(self.outputs))
+        return load_network(self.weights_path, shape)
 
     def build(self, mlp: Mlp) -> Hybrid:
         """The bit-true network of ``mlp`` in this scene's hardware."""
@@ -286,10 +293,15 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
             raise ValueError(
                 f"{path}: data.full_scale.{name}: got {scale!r}, expected a number above 0"
             )
-    positive = [
-        ("network.hidden", network["hidden"]),
-        ("hardware.clock_mhz", hardware["clock_mhz"]),
-    ]
+    if network["hidden"] < 0:
+        raise ValueError(f"{path}: network.hidden: got {network['hidden']}, expected 0 or more")
+    span = values["training"]["hidden"]
+    if [type(n) for n in span] != [int, int] or not 1 <= span[0] <= span[1]:
+        raise ValueError(
+            f"{path}: training.hidden: got {span!r}, expected the least and the largest number of "
+            "hidden nodes, such as [4, 25]"
+        )
+    positive = [("hardware.clock_mhz", hardware["clock_mhz"])]
     positive += [(f"training.{k}", values["training"][k]) for k in ("restarts", "steps")]
     for key, value in positive:
         if not 0 < value < math.inf:
@@ -314,5 +326,5 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
         activation=hardware["activation"],
         precision=PRECISIONS[hardware["precision"]],
         clock_mhz=hardware["clock_mhz"],
-        training=Training(**values["training"]),
+        training=Training(**(values["training"] | {"hidden": (span[0], span[1])})),
     )

@@ -128,7 +128,7 @@ def error_table(scene: Scene) -> list[str]:
         ]
         last = f"  {thesis[c]:7.2f}" if thesis else ""
         lines.append(f"{name:9} " + "  ".join(cells) + last)
-    return lines
+    return [line.rstrip() for line in lines]
 
 
 def report(scene: Scene, results: dict) -> str:

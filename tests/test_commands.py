@@ -124,11 +124,14 @@ def test_train_writes_network_and_provenance(tmp_path: Path) -> None:
     shape = (2, 3, 1)
     path = write_scene(tmp_path, "mine", shape, "precise", random_mlp(shape, 1.0, 1))
     contents = []
-    for _ in range(2):
-        result = make("train", f"SCENE={path}")
-        assert result.returncode == 0, result.stderr
-        assert "restart 2 of 2" in result.stdout
-        contents.append((tmp_path / "mine.npz").read_bytes())
+    try:
+        for _ in range(2):
+            result = make("train", f"SCENE={path}")
+            assert result.returncode == 0, result.stderr
+            assert "2 of 2 candidates" in result.stdout
+            contents.append((tmp_path / "mine.npz").read_bytes())
+    finally:
+        shutil.rmtree(ROOT / "build" / "mine", ignore_errors=True)
     assert contents[0] == contents[1]
     assert 'precision = "precise"' in (tmp_path / "mine.provenance.toml").read_text()
 

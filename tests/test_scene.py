@@ -27,8 +27,11 @@ def edited(scene: Scene, old: str, new: str) -> str:
     ("old", "new", "message"),
     [
         ("hidden = 5", 'hidden = "5"', "network.hidden: got '5', expected a whole number"),
-        ("hidden = 5", "hidden = 0", "network.hidden: got 0, expected above 0"),
-        ("hidden = 5", "", "network.hidden: missing, expected a whole number"),
+        ("hidden = 5", "hidden = -1", "network.hidden: got -1, expected 0 or more"),
+        ('weights = "small.npz"', "", "network.weights: missing, expected text"),
+        ("steps = 20", "hidden = [4]", r"training.hidden: got \[4\], expected the least and"),
+        ("steps = 20", "hidden = [5, 4]", r"training.hidden: got \[5, 4\]"),
+        ("steps = 20", 'optimiser = "sgc"', "training.optimiser: got 'sgc', .*did you mean 'scg'"),
         ("hidden = 5", "hidden = true", "network.hidden: got True, expected a whole number"),
         ("hidden = 5", "hiden = 5", "network: key 'hiden' is not known, .*did you mean 'hidden'"),
         ("[hardware]", "[hardwear]", "section 'hardwear' is not known, .*did you mean 'hardware'"),
@@ -154,5 +157,5 @@ def test_every_shipped_scene_builds() -> None:
         scene = load_scene(name)
         assert scene.build(scene.mlp()) == scene.design()
         provenance = tomllib.loads(provenance_path(scene.weights_path).read_text())
-        for key in ("seed", "restarts", "weight_decay", "steps"):
+        for key in ("optimiser", "seed", "restarts", "weight_decay", "steps"):
             assert provenance[key] == getattr(scene.training, key), key

@@ -1,9 +1,10 @@
-"""The trainer: its Jacobian, its split, its determinism, and the networks it shipped."""
+"""The trainer: derivatives, optimisers, early stopping, split, determinism, shipped networks."""
 
 from __future__ import annotations
 
 import tomllib
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,53 +12,125 @@ from conftest import random_mlp
 
 from golden.activation.segments import gradient_real
 from golden.metrics import percent_errors
-from golden.network_file import provenance_path
+from golden.network_file import load_network, provenance_path, save_network
 from golden.networks.mlp import tanh
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_names
-from golden.training import levenberg_marquardt
-from golden.training.levenberg_marquardt import fit, pack, unpack
-from golden.training.search import run_restart, split_rows
+from golden.training.objective import Objective, Rows, pack, unpack
+from golden.training.scg import minimise
+from golden.training.search import OPTIMISERS, Result, candidates, search, split_rows, train
+
+SHAPE = (3, 4, 2)
+
+
+def rows(count: int, seed: int = 2) -> Rows:
+    rng = np.random.default_rng(seed)
+    inputs, targets = rng.uniform(-1, 1, (count, 3)), rng.uniform(0.1, 1, (count, 2))
+    return Rows(inputs, targets, np.abs(targets))
+
+
+def objective(activation=tanh, decay: float = 1e-3) -> Objective:
+    return Objective(SHAPE, activation, rows(9), rows(5, 3), decay)
 
 
 def test_pack_and_unpack_are_inverse() -> None:
-    mlp = random_mlp((3, 4, 2), 1.0, 1)
+    mlp = random_mlp(SHAPE, 1.0, 1)
     again = unpack(pack(mlp), mlp.shape)
     assert all(np.array_equal(getattr(mlp, n), getattr(again, n)) for n in ("w1", "b1", "w2", "b2"))
 
 
 @pytest.mark.parametrize("activation", [tanh, gradient_real])
-def test_the_jacobian_is_the_derivative(monkeypatch, activation) -> None:
-    """Caught on its way into SciPy and compared with central differences."""
-    caught = {}
-
-    def catch(residuals, start, jacobian, **_):
-        caught.update(f=residuals, x=start, j=jacobian)
-        raise StopIteration
-
-    monkeypatch.setattr(levenberg_marquardt, "least_squares", catch)
-    rng = np.random.default_rng(2)
-    inputs, targets = rng.uniform(-1, 1, (7, 3)), rng.uniform(0.1, 1, (7, 2))
-    with pytest.raises(StopIteration):
-        fit(random_mlp((3, 4, 2), 1.0, 1), inputs, targets, targets, activation, 1e-3, 10)
-    x, step = caught["x"], 1e-7
-    numeric = np.stack(
-        [
-            (caught["f"](x + step * e) - caught["f"](x - step * e)) / (2 * step)
-            for e in np.eye(len(x))
-        ],
-        axis=1,
-    )
-    assert np.allclose(caught["j"](x), numeric, atol=1e-5)
+def test_jacobian_and_gradient_are_the_derivatives(activation) -> None:
+    goal = objective(activation)
+    x, step = pack(random_mlp(SHAPE, 1.0, 1)), 1e-7
+    columns = [
+        (goal.residuals(x + step * e) - goal.residuals(x - step * e)) / (2 * step)
+        for e in np.eye(len(x))
+    ]
+    numeric = np.stack(columns, axis=1)
+    assert np.allclose(goal.jacobian(x), numeric, atol=1e-5)
+    value, gradient = goal.evaluate(x)
+    residuals = goal.residuals(x)
+    assert value == pytest.approx(residuals @ residuals)
+    assert np.allclose(gradient, 2 * goal.jacobian(x).T @ residuals, atol=1e-12)
 
 
-def test_fit_reaches_a_network_it_can_reach() -> None:
+@pytest.mark.parametrize("optimiser", OPTIMISERS)
+def test_an_optimiser_reaches_a_network_it_can_reach(optimiser: str) -> None:
     rng = np.random.default_rng(4)
-    goal = random_mlp((2, 3, 1), 1.0, 9)
-    inputs = rng.uniform(-1, 1, (60, 2))
-    targets = goal.process(inputs)
-    found = fit(random_mlp((2, 3, 1), 1.0, 1), inputs, targets, np.ones((60, 1)), tanh, 0.0, 2000)
-    assert np.abs(found.process(inputs) - targets).max() < 1e-3
+    inputs = rng.uniform(-1, 1, (60, 3))
+    targets = random_mlp((3, 2, 1), 1.0, 9).process(inputs)
+    data = Rows(inputs, targets, np.ones((60, 1)))
+    # More nodes than the network has that made the data: no local minimum in the way.
+    goal = Objective((3, 6, 1), tanh, data, data, 0.0)
+    OPTIMISERS[optimiser](goal, pack(random_mlp((3, 6, 1), 1.0, 1)), 5000)
+    assert goal.best is not None
+    found = unpack(goal.best, (3, 6, 1)).process(inputs)
+    assert np.abs(found - targets).max() < 2e-3
+
+
+@pytest.mark.parametrize("condition", [1.0, 1e3, 1e6])
+def test_scg_on_a_quadratic(condition: float) -> None:
+    """Stiff valleys included: the exact minimum is known."""
+    weights = np.geomspace(1, condition, 8)
+    goal = np.arange(8.0)
+
+    def evaluate(x):
+        return float(weights @ (x - goal) ** 2), 2 * weights * (x - goal)
+
+    found = minimise(evaluate, np.full(8, -3.0), 2000)
+    assert np.allclose(found, goal, atol=1e-4)
+
+
+def test_scg_on_the_rosenbrock_valley_and_beyond_a_pole() -> None:
+    def rosenbrock(x):
+        a, b = 1 - x[0], x[1] - x[0] ** 2
+        gradient = np.array([-2 * a - 400 * x[0] * b, 200 * b])
+        return float(a * a + 100 * b * b), gradient
+
+    assert np.allclose(minimise(rosenbrock, np.array([-1.2, 1.0]), 5000), [1, 1], atol=1e-4)
+
+    def walled(x):
+        """NaN beyond 1: a step that lands there is refused."""
+        with np.errstate(invalid="ignore"):
+            return float(-np.log(1 - x[0]) - 3 * x[0]), np.array([1 / (1 - x[0]) - 3])
+
+    assert minimise(walled, np.array([-5.0]), 500)[0] == pytest.approx(2 / 3, abs=1e-5)
+
+
+def test_scg_stops_where_there_is_nothing_to_gain() -> None:
+    calls = []
+
+    def flat(x):
+        calls.append(1)
+        return 0.0, np.zeros_like(x)
+
+    assert minimise(flat, np.ones(3), 100).tolist() == [1, 1, 1]
+    assert len(calls) == 1
+
+
+def test_early_stopping_keeps_the_point_of_least_validation_error() -> None:
+    goal = objective(decay=0.0)
+    start = pack(random_mlp(SHAPE, 1.0, 1))
+    seen = []
+    original = goal.residuals
+
+    def spy(vector):
+        result = original(vector)
+        seen.append(vector.copy())
+        return result
+
+    goal.residuals = spy  # type: ignore[method-assign]
+    OPTIMISERS["levenberg-marquardt"](goal, start, 300)
+    lowest, errors = np.inf, []
+    for vector in seen:
+        mlp = unpack(vector, SHAPE)
+        value = float((goal.training.residuals(mlp, tanh) ** 2).sum())
+        if value < lowest:
+            lowest = value
+            errors.append((float((goal.validation.residuals(mlp, tanh) ** 2).sum()), vector))
+    assert np.array_equal(goal.best, min(errors, key=lambda pair: pair[0])[1])
+    assert not np.array_equal(goal.best, errors[-1][1]), "the data do not overfit: no proof"
 
 
 def test_the_split_is_50_25_25_and_covers_every_row() -> None:
@@ -70,12 +143,63 @@ def test_the_split_is_50_25_25_and_covers_every_row() -> None:
         split_rows(7, 1)
 
 
-def test_a_restart_depends_on_seed_and_number_alone(small_scene: Scene) -> None:
+def test_a_candidate_depends_on_seed_and_numbers_alone(small_scene: Scene) -> None:
     vectors = small_scene.vectors()
-    first, again = (run_restart(small_scene, vectors, 1) for _ in range(2))
-    assert np.array_equal(pack(first.mlp), pack(again.mlp))
+
+    def weights(scene: Scene, hidden: int, restart: int):
+        return pack(train(scene, vectors, hidden, restart))
+
+    first = weights(small_scene, 5, 1)
+    assert np.array_equal(first, weights(small_scene, 5, 1))
     other = replace(small_scene, training=replace(small_scene.training, seed=9))
-    assert not np.array_equal(pack(first.mlp), pack(run_restart(other, vectors, 1).mlp))
+    assert not np.array_equal(first, weights(other, 5, 1))
+    assert not np.array_equal(first, weights(small_scene, 5, 2))
+
+
+def searched(scene: Scene, record: Path, workers: int = 1) -> list[Result]:
+    return list(search(scene, scene.vectors(), record, workers))
+
+
+def open_search(scene: Scene) -> Scene:
+    """The scene without a fixed number of hidden nodes: 3 sizes, 2 restarts."""
+    return replace(scene, hidden=0, training=replace(scene.training, hidden=(2, 4)))
+
+
+def test_workers_do_not_change_the_outcome(small_scene: Scene, tmp_path: Path) -> None:
+    scene = open_search(small_scene)
+    one = searched(scene, tmp_path / "one.jsonl")
+    assert [(r.hidden, r.restart) for r in one] == candidates(scene)
+    assert len(one) == 6
+    assert searched(scene, tmp_path / "two.jsonl", workers=2) == one
+    assert (tmp_path / "one.jsonl").read_bytes() == (tmp_path / "two.jsonl").read_bytes()
+
+
+def test_an_interrupted_search_goes_on(small_scene: Scene, tmp_path: Path, monkeypatch) -> None:
+    scene, record = open_search(small_scene), tmp_path / "record.jsonl"
+    whole = searched(scene, record)
+    lines = record.read_text().splitlines(keepends=True)
+    record.write_text("".join(lines[:3]) + lines[3][:10])
+    computed = []
+    from golden.training import search as module
+
+    original = module.measure
+    monkeypatch.setattr(module, "measure", lambda *a: computed.append(a[2:]) or original(*a))
+    assert searched(scene, record) == whole
+    assert computed == candidates(scene)[3:]
+    assert record.read_text() == "".join(lines)
+
+
+def test_the_network_file_decides_the_hidden_nodes(small_scene: Scene) -> None:
+    text = small_scene.path.read_text()
+    small_scene.path.write_text(text.replace("hidden = 5\n", ""))
+    scene = load_scene(str(small_scene.path))
+    assert scene.hidden == 0
+    assert scene.shape == (3, 5, 2)
+    save_network(scene.weights_path, random_mlp((3, 7, 2), 1.0, 1), {})
+    assert scene.shape == (3, 7, 2)
+    save_network(scene.weights_path, random_mlp((4, 7, 2), 1.0, 1), {})
+    with pytest.raises(ValueError, match=r"w1: got shape \(7, 4\), expected \(7, 3\)"):
+        load_network(scene.weights_path, (3, 0, 2))
 
 
 @pytest.mark.parametrize("name", scene_names())
@@ -89,3 +213,4 @@ def test_shipped_networks_have_the_errors_of_their_provenance(name: str) -> None
     for part in ("validation", "test"):
         rms = np.sqrt((errors[getattr(split, part)] ** 2).mean())
         assert rms == pytest.approx(provenance[f"{part}_rms_percent"], abs=1e-3)
+    assert provenance["network"] == ":".join(str(n) for n in scene.shape)
