@@ -6,7 +6,7 @@ PYTHON ?= python3
 VENV ?= .venv
 RUN = $(VENV)/bin/python
 
-.PHONY: help demo test sim vhdl verilog train network lint clean tools
+.PHONY: help demo test sim vhdl verilog train network bench lint clean tools
 
 help:
 	@echo "make demo    [SCENE=]                     a scene end to end: simulate, export, table of errors"
@@ -17,6 +17,7 @@ help:
 	@echo "make verilog [SCENE=]                     export to build/<scene>/verilog"
 	@echo "make train   [SCENE=]                     train the scene's network, write it beside the scene"
 	@echo "make network TO=file.onnx [SCENE=]        write the scene's network as .npz, .mat or .onnx"
+	@echo "make bench   [SCENE=] [FRAMES=]           speed and memory of the bit-true twin"
 	@echo "make lint                                 ruff and mypy"
 	@echo "make clean                                remove build and .venv"
 	@echo
@@ -41,6 +42,9 @@ train: $(VENV)/.ready
 
 network: $(VENV)/.ready
 	@$(RUN) -m golden.convert "$(SCENE)" "$(TO)"
+
+bench: $(VENV)/.ready
+	@$(RUN) -m golden.benchmark "$(SCENE)" $(if $(FRAMES),--frames "$(FRAMES)")
 
 lint: $(VENV)/.ready
 	@$(RUN) -m ruff check . && $(RUN) -m ruff format --check . && $(RUN) -m mypy

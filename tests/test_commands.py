@@ -47,6 +47,7 @@ def test_make_alone_lists_the_targets() -> None:
         "verilog",
         "train",
         "network",
+        "bench",
         "lint",
         "clean",
     ]
@@ -104,6 +105,23 @@ def test_one_bench_by_its_command(tmp_path: Path) -> None:
         assert Path(wave[1]).stat().st_size > 0
     finally:
         shutil.rmtree(ROOT / "build" / "mine", ignore_errors=True)
+
+
+def test_the_benchmark_reports_a_ratio() -> None:
+    result = make("bench", "FRAMES=2000")
+    assert result.returncode == 0, result.stderr
+    assert re.search(r"4:16:4 precise: 2000 frames, .* ratio \d+\.\d+; memory", result.stdout)
+    assert "frames: got 0, expected 1 or more" in make("bench", "FRAMES=0").stderr
+
+
+def test_network_writes_the_form_it_is_asked_for(tmp_path: Path) -> None:
+    result = make("network", f"TO={tmp_path / 'net.onnx'}")
+    assert result.returncode == 0, result.stderr
+    assert (tmp_path / "net.onnx").stat().st_size > 0
+    refused = make("network", f"TO={tmp_path / 'net.onx'}")
+    assert refused.returncode == 2
+    assert "did you mean '.onnx'" in refused.stderr
+    assert [p.name for p in tmp_path.iterdir()] == ["net.onnx"]
 
 
 def test_a_broken_scene_writes_nothing(tmp_path: Path) -> None:

@@ -1,0 +1,63 @@
+"""``python -m golden.benchmark SCENE``: how fast the twin computes, and how much memory it takes.
+
+The recorded frames are repeated to one large batch, computed bit-true on one core, and timed beside
+the same network in floating point. Speed depends on the machine; the ratio of the two hardly does.
+"""
+
+from __future__ import annotations
+
+import argparse
+import resource
+import sys
+import time
+
+import numpy as np
+
+from golden.activation.schemes import SCHEMES
+from golden.cli import run
+from golden.precision import SIGNAL
+from golden.scene import load_scene
+
+FLOAT_CHUNK = 4096
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="make bench", description=__doc__)
+    parser.add_argument("scene")
+    parser.add_argument("--frames", type=int, default=1_000_000)
+    arguments = parser.parse_args()
+    if arguments.frames < 1:
+        raise ValueError(f"frames: got {arguments.frames}, expected 1 or more")
+    scene = load_scene(arguments.scene)
+    design, mlp = scene.design(), scene.mlp()
+    recorded = scene.vectors().codes
+    frames = np.resize(recorded, (arguments.frames, recorded.shape[1]))
+    design.process(recorded)  # fills the tables of activations, which later calls share
+
+    before = _peak_megabytes()
+    started = time.perf_counter()
+    results = design.process(frames)
+    bit_true = len(frames) / (time.perf_counter() - started)
+    grown = _peak_megabytes() - before - results.nbytes / 2**20
+
+    activation = SCHEMES[scene.activation].real
+    started = time.perf_counter()
+    for start in range(0, len(frames), FLOAT_CHUNK):
+        mlp.process(SIGNAL.to_real(frames[start : start + FLOAT_CHUNK]), activation)
+    real = len(frames) / (time.perf_counter() - started)
+
+    shape = ":".join(str(n) for n in scene.shape)
+    print(
+        f"{scene.name} {shape} {scene.precision.name}: {len(frames)} frames, bit-true "
+        f"{bit_true:,.0f} a second, float {real:,.0f} a second, ratio {bit_true / real:.2f}; "
+        f"memory beside frames and results {max(grown, 0):.0f} MiB"
+    )
+
+
+def _peak_megabytes() -> float:
+    """The most memory that this process has held so far."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))
