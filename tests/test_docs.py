@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 import sys
+from dataclasses import fields
 from pathlib import Path
 
 import pytest
@@ -140,3 +141,20 @@ def test_the_worked_example_works(tmp_path: Path) -> None:
     broken = run("tb.sim", scene, "--block", "relu", "--sim", "icarus")
     assert broken.returncode == 1
     assert "results differ" in broken.stdout
+
+
+@pytest.mark.parametrize("sheet", SHEETS, ids=lambda p: p.stem)
+def test_the_parameter_table_is_the_twin(sheet: Path) -> None:
+    twins = {
+        block.block: {field.name for field in fields(block)}
+        for name in scene_names()
+        for block in walk(load_scene(name).design())
+    }
+    section = re.search(r"^## Parameters\n(.*?)^## ", sheet.read_text(), re.M | re.S)
+    assert section
+    named = {
+        name
+        for row in re.findall(r"^\| *(`[^|]*) *\|", section[1], re.M)
+        for name in re.findall(r"`(\w+)`", row)
+    }
+    assert named == twins[sheet.stem]
