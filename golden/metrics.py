@@ -29,6 +29,26 @@ class OutputError:
     worst: float
 
 
+def error_scale(
+    targets: ArrayLike, outputs: Sequence[str], full_scale: dict[str, float]
+) -> NDArray[np.float64]:
+    """What each error counts against: the full scale of its output, or the target's magnitude.
+
+    Parameters
+    ----------
+    targets : float array, shape (frames, outputs)
+    outputs : sequence of str
+        Names of the columns.
+    full_scale : dict
+        Scales of the outputs with a local error (position and width: 0.9).
+    """
+    scale = np.abs(np.asarray(targets, dtype=np.float64))
+    for c, name in enumerate(outputs):
+        if name in full_scale:
+            scale[:, c] = full_scale[name]
+    return scale
+
+
 def percent_errors(
     results: ArrayLike,
     targets: ArrayLike,
@@ -40,17 +60,11 @@ def percent_errors(
     Parameters
     ----------
     results, targets : float arrays, shape (frames, outputs)
-    outputs : sequence of str
-        Names of the columns.
-    full_scale : dict
-        Divisor of the outputs with a local error (position and width: 0.9).
+    outputs, full_scale
+        See ``error_scale``.
     """
-    goal = np.asarray(targets, dtype=np.float64)
-    divisor = np.abs(goal)
-    for c, name in enumerate(outputs):
-        if name in full_scale:
-            divisor[:, c] = full_scale[name]
-    return np.asarray(100 * np.abs(goal - np.asarray(results)) / divisor)
+    miss = np.abs(np.asarray(targets, dtype=np.float64) - np.asarray(results))
+    return np.asarray(100 * miss / error_scale(targets, outputs, full_scale))
 
 
 def summarise(errors: NDArray[np.float64], groups: ArrayLike) -> list[OutputError]:

@@ -19,8 +19,8 @@ from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
 from golden.activation.schemes import SCHEMES
-from golden.metrics import percent_errors
-from golden.networks.mlp import Mlp, Real, tanh
+from golden.metrics import error_scale, percent_errors
+from golden.networks.mlp import Mlp, tanh
 from golden.precision import SIGNAL
 from golden.scene import Scene, Vectors
 from golden.training import levenberg_marquardt, scg
@@ -79,15 +79,6 @@ class Result:
         return self.validation, self.hidden, self.restart
 
 
-def error_scale(scene: Scene, targets: Real) -> Real:
-    """What each error counts against: the full scale of its output, or the target."""
-    scale = np.abs(targets)
-    for c, name in enumerate(scene.outputs):
-        if name in scene.full_scale:
-            scale[:, c] = scene.full_scale[name]
-    return scale
-
-
 def starting_weights(shape: tuple[int, int, int], rng: np.random.Generator) -> Mlp:
     """Random weights that leave every hidden node in its bend."""
     inputs, hidden, outputs = shape
@@ -101,7 +92,7 @@ def starting_weights(shape: tuple[int, int, int], rng: np.random.Generator) -> M
 
 def shift_biases(scene: Scene, mlp: Mlp, vectors: Vectors, rows: NDArray[np.int64]) -> Mlp:
     """Output biases moved by the weighted mean bit-true error on ``rows``, twice."""
-    weight = 1 / error_scale(scene, vectors.targets)[rows] ** 2
+    weight = 1 / error_scale(vectors.targets, scene.outputs, scene.full_scale)[rows] ** 2
     for _ in range(2):
         results = SIGNAL.to_real(scene.build(mlp).process(vectors.codes[rows]))
         miss = (weight * (vectors.targets[rows] - results)).sum(axis=0) / weight.sum(axis=0)
@@ -121,7 +112,7 @@ def train(scene: Scene, vectors: Vectors, hidden: int, restart: int) -> Mlp:
     split = split_rows(len(vectors.inputs), settings.seed)
     # Trained on what the hardware sees: the quantised samples.
     inputs = SIGNAL.to_real(vectors.codes)
-    scale = error_scale(scene, vectors.targets)
+    scale = error_scale(vectors.targets, scene.outputs, scene.full_scale)
     training, validation = (
         Rows(inputs[rows], vectors.targets[rows], scale[rows])
         for rows in (split.training, split.validation)
