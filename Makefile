@@ -16,7 +16,8 @@ help:
 	@echo "make vhdl    [SCENE=]                     export to build/<scene>/vhdl"
 	@echo "make verilog [SCENE=]                     export to build/<scene>/verilog"
 	@echo "make train   [SCENE=]                     train the scene's network, write it beside the scene"
-	@echo "make network TO=file.onnx [SCENE=]        write the scene's network as .npz, .mat or .onnx"
+	@echo "make network TO=file.onnx [SCENE=] [OUTPUT=]"
+	@echo "                                          write a network of the scene as .npz, .mat or .onnx"
 	@echo "make bench   [SCENE=] [FRAMES=]           speed and memory of the bit-true twin"
 	@echo "make lint                                 ruff and mypy"
 	@echo "make clean                                remove build and .venv"
@@ -41,7 +42,7 @@ train: $(VENV)/.ready
 	@$(RUN) -m golden.training "$(SCENE)"
 
 network: $(VENV)/.ready
-	@$(RUN) -m golden.convert "$(SCENE)" "$(TO)"
+	@$(RUN) -m golden.convert "$(SCENE)" "$(TO)" $(if $(OUTPUT),--output "$(OUTPUT)")
 
 bench: $(VENV)/.ready
 	@$(RUN) -m golden.benchmark "$(SCENE)" $(if $(FRAMES),--frames "$(FRAMES)")

@@ -13,7 +13,6 @@ import time
 
 import numpy as np
 
-from golden.activation.schemes import SCHEMES
 from golden.cli import run
 from golden.precision import SIGNAL
 from golden.scene import load_scene
@@ -29,7 +28,7 @@ def main() -> None:
     if arguments.frames < 1:
         raise ValueError(f"frames: got {arguments.frames}, expected 1 or more")
     scene = load_scene(arguments.scene)
-    design, mlp = scene.design(), scene.mlp()
+    design = scene.design()
     recorded = scene.vectors().codes
     frames = np.resize(recorded, (arguments.frames, recorded.shape[1]))
     design.process(recorded)  # fills the tables of activations, which later calls share
@@ -40,15 +39,13 @@ def main() -> None:
     bit_true = len(frames) / (time.perf_counter() - started)
     grown = _peak_megabytes() - before - results.nbytes / 2**20
 
-    activation = SCHEMES[scene.activation].real
     started = time.perf_counter()
     for start in range(0, len(frames), FLOAT_CHUNK):
-        mlp.process(SIGNAL.to_real(frames[start : start + FLOAT_CHUNK]), activation)
+        scene.process_real(SIGNAL.to_real(frames[start : start + FLOAT_CHUNK]))
     real = len(frames) / (time.perf_counter() - started)
 
-    shape = ":".join(str(n) for n in scene.shape)
     print(
-        f"{scene.name} {shape} {scene.precision.name}: {len(frames)} frames, bit-true "
+        f"{scene.name} {scene.describe()} {scene.precision.name}: {len(frames)} frames, bit-true "
         f"{bit_true:,.0f} a second, float {real:,.0f} a second, ratio {bit_true / real:.2f}; "
         f"memory beside frames and results {max(grown, 0):.0f} MiB"
     )

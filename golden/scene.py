@@ -17,16 +17,17 @@ from numpy.typing import NDArray
 from golden.activation.schemes import SCHEMES
 from golden.fixed import Codes
 from golden.network_file import load_network
-from golden.networks.build import build_hybrid
-from golden.networks.hybrid import Hybrid
-from golden.networks.mlp import Mlp
+from golden.networks.arrangement import ARRANGEMENTS, build, process_real
+from golden.networks.mlp import Mlp, Real
+from golden.networks.network import Network
 from golden.precision import PRECISIONS, SIGNAL, Precision
 from golden.table import read_table, suggest
 
 FOLDER = Path(__file__).parent / "scenes"
 
-# Section, key, type, default; None as a default makes the key required.
-_KEYS: dict[str, dict[str, tuple[type, Any]]] = {
+# Section, key, type, default; None as a default makes the key required. A type in brackets is one
+# such value for all networks of the scene, or a list of one for each.
+_KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
     "data": {
         "file": (str, None),
         "sensors": (list, None),
@@ -37,8 +38,8 @@ _KEYS: dict[str, dict[str, tuple[type, Any]]] = {
     },
     "network": {
         "arrangement": (str, None),
-        "hidden": (int, 0),
-        "weights": (str, None),
+        "hidden": ([int], 0),
+        "weights": ([str], None),
     },
     "hardware": {
         "design": (str, None),
@@ -53,20 +54,26 @@ _KEYS: dict[str, dict[str, tuple[type, Any]]] = {
         "restarts": (int, 8),
         "weight_decay": (float, 1e-4),
         "steps": (int, 200),
+        "earlier_outputs": (str, "bit-true"),
     },
 }
 _CHOICES = {
-    ("network", "arrangement"): ("single",),
+    ("network", "arrangement"): ARRANGEMENTS,
     ("hardware", "design"): ("hybrid",),
     ("hardware", "activation"): tuple(SCHEMES),
     ("hardware", "precision"): tuple(PRECISIONS),
     ("training", "optimiser"): ("levenberg-marquardt", "scg"),
+    ("training", "earlier_outputs"): ("bit-true", "float"),
 }
 
 
 @dataclass(frozen=True)
 class Training:
-    """How a scene's network is trained; see ``golden.training``."""
+    """How a scene's networks are trained; see ``golden.training``.
+
+    ``earlier_outputs`` tells what a network of a cascade trains on: the outputs that the networks
+    before it give in floating point (the thesis' cascade A) or bit-true (cascade B).
+    """
 
     optimiser: str
     hidden: tuple[int, int]
@@ -74,6 +81,37 @@ class Training:
     restarts: int
     weight_decay: float
     steps: int
+    earlier_outputs: str
+
+
+@dataclass(frozen=True)
+class Member:
+    """One network of a scene.
+
+    Attributes
+    ----------
+    inputs : int
+        Sensors and, in a cascade, the outputs of the networks before it.
+    hidden : int
+        0 takes as many as the network file has; training then searches ``training.hidden``.
+    outputs : tuple of str
+    weights_path : Path
+    """
+
+    inputs: int
+    hidden: int
+    outputs: tuple[str, ...]
+    weights_path: Path
+
+    def load(self) -> Mlp:
+        """The trained network.
+
+        Raises
+        ------
+        FileNotFoundError, ValueError
+            See ``load_network``.
+        """
+        return load_network(self.weights_path, (self.inputs, self.hidden, len(self.outputs)))
 
 
 @dataclass(frozen=True)
@@ -85,7 +123,7 @@ class Scene:
     name : str
         The file's name without its ending.
     path : Path
-    data_path, weights_path : Path
+    data_path : Path
     sensors, outputs : tuple of str
         Columns of the recorded vectors.
     group_by : str
@@ -94,8 +132,9 @@ class Scene:
         Outputs whose error is divided by this constant instead of by the target.
     reference : str
         Table of golden/data/thesis_numbers.toml to compare with, or nothing.
-    hidden : int
-        0 takes as many as the network file has; training then searches ``training.hidden``.
+    arrangement : str
+    members : tuple of Member
+        The networks, in the order of the outputs.
     activation : str
     precision : Precision
     clock_mhz : float
@@ -105,22 +144,22 @@ class Scene:
     name: str
     path: Path
     data_path: Path
-    weights_path: Path
     sensors: tuple[str, ...]
     outputs: tuple[str, ...]
     group_by: str
     full_scale: dict[str, float]
     reference: str
-    hidden: int
+    arrangement: str
+    members: tuple[Member, ...]
     activation: str
     precision: Precision
     clock_mhz: float
     training: Training
 
     @property
-    def shape(self) -> tuple[int, int, int]:
-        """Inputs, hidden nodes and outputs."""
-        return self.mlp().shape
+    def weights_paths(self) -> list[Path]:
+        """The network files."""
+        return [member.weights_path for member in self.members]
 
     def vectors(self) -> Vectors:
         """The recorded vectors of this scene.
@@ -151,24 +190,27 @@ class Scene:
         codes, saturated = SIGNAL.quantise(inputs, f"{self.data_path} sensors")
         return Vectors(inputs, targets, table[:, -1], codes, saturated)
 
-    def mlp(self) -> Mlp:
-        """The trained network in floating point.
+    def mlps(self) -> list[Mlp]:
+        """The trained networks in floating point.
 
         Raises
         ------
         FileNotFoundError, ValueError
             See ``load_network``.
         """
-        shape = (len(self.sensors), self.hidden, len(self.outputs))
-        return load_network(self.weights_path, shape)
+        return [member.load() for member in self.members]
 
-    def build(self, mlp: Mlp) -> Hybrid:
-        """The bit-true network of ``mlp`` in this scene's hardware."""
-        return build_hybrid(mlp, self.precision, self.activation)
+    def process_real(self, samples: Real) -> Real:
+        """Outputs of the trained networks with this scene's activation in floating point."""
+        return process_real(self.arrangement, self.mlps(), samples, SCHEMES[self.activation].real)
 
-    def design(self) -> Hybrid:
-        """The bit-true network of this scene."""
-        return self.build(self.mlp())
+    def design(self) -> Network:
+        """The bit-true twin of this scene's hardware."""
+        return build(self.arrangement, self.mlps(), self.precision, self.activation)
+
+    def describe(self) -> str:
+        """Inputs, hidden nodes and outputs of each network."""
+        return ", ".join(":".join(str(n) for n in mlp.shape) for mlp in self.mlps())
 
 
 @dataclass(frozen=True)
@@ -251,7 +293,7 @@ def _checked(raw: dict[str, Any], path: Path) -> dict[str, dict[str, Any]]:
                 raise ValueError(f"{path}: {section}.{key}: missing, expected {_kind(kind)}")
             if kind is float and type(value) is int:
                 value = float(value)
-            if type(value) is not kind:
+            if not _is(value, kind):
                 raise ValueError(f"{path}: {section}.{key}: got {value!r}, expected {_kind(kind)}")
             choices = _CHOICES.get((section, key))
             if choices and value not in choices:
@@ -263,7 +305,16 @@ def _checked(raw: dict[str, Any], path: Path) -> dict[str, dict[str, Any]]:
     return values
 
 
-def _kind(kind: type) -> str:
+def _is(value: Any, kind: Any) -> bool:
+    if isinstance(kind, list):
+        values = value if isinstance(value, list) else [value]
+        return all(type(v) is kind[0] for v in values)
+    return type(value) is kind
+
+
+def _kind(kind: Any) -> str:
+    if isinstance(kind, list):
+        return f"{_kind(kind[0])}, or a list with one for each network"
     names = {str: "text", int: "a whole number", float: "a number", list: "a list", dict: "a table"}
     return names[kind]
 
@@ -293,8 +344,7 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
             raise ValueError(
                 f"{path}: data.full_scale.{name}: got {scale!r}, expected a number above 0"
             )
-    if network["hidden"] < 0:
-        raise ValueError(f"{path}: network.hidden: got {network['hidden']}, expected 0 or more")
+    members = _members(data, network, path)
     span = values["training"]["hidden"]
     if [type(n) for n in span] != [int, int] or not 1 <= span[0] <= span[1]:
         raise ValueError(
@@ -316,15 +366,43 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
         name=path.stem,
         path=path,
         data_path=path.parent / data["file"],
-        weights_path=path.parent / network["weights"],
         sensors=tuple(data["sensors"]),
         outputs=tuple(data["outputs"]),
         group_by=data["group_by"],
         full_scale={name: float(s) for name, s in data["full_scale"].items()},
         reference=data["reference"],
-        hidden=network["hidden"],
+        arrangement=network["arrangement"],
+        members=members,
         activation=hardware["activation"],
         precision=PRECISIONS[hardware["precision"]],
         clock_mhz=hardware["clock_mhz"],
         training=Training(**(values["training"] | {"hidden": (span[0], span[1])})),
+    )
+
+
+def _members(data: dict[str, Any], network: dict[str, Any], path: Path) -> tuple[Member, ...]:
+    """The networks: one for all outputs, or one for each."""
+    outputs, sensors = data["outputs"], len(data["sensors"])
+    single = network["arrangement"] == "single"
+    groups = [outputs] if single else [[name] for name in outputs]
+    count = len(groups)
+    hidden, weights = (
+        value if isinstance(value, list) else [value]
+        for value in (network["hidden"], network["weights"])
+    )
+    if len(hidden) == 1:
+        hidden = hidden * count
+    for key, values in (("hidden", hidden), ("weights", weights)):
+        if len(values) != count or (key == "weights" and len(set(values)) < count):
+            one = "one for all outputs" if single else "one for each output"
+            raise ValueError(
+                f"{path}: network.{key}: got {network[key]!r}, expected {count}: "
+                f"{network['arrangement']} has {one}"
+            )
+    if min(hidden) < 0:
+        raise ValueError(f"{path}: network.hidden: got {network['hidden']}, expected 0 or more")
+    cascade = network["arrangement"] == "cascade"
+    return tuple(
+        Member(sensors + i * cascade, hidden[i], tuple(groups[i]), path.parent / weights[i])
+        for i in range(count)
     )

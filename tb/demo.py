@@ -15,14 +15,13 @@ from collections import defaultdict
 
 import numpy as np
 
-from golden.activation.schemes import SCHEMES
 from golden.cli import run
 from golden.files import replace_file
 from golden.fingerprint import fingerprint, sources
 from golden.metrics import OutputError, percent_errors, summarise
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, thesis_figures
-from golden.training.search import split_rows
+from golden.training.task import split_rows
 from tb.common.runner import BUILD, Outcome, plan, run_jobs
 from tb.common.tools import SIMULATORS, check_simulator, language, version
 from tb.sim import tell
@@ -32,7 +31,7 @@ def simulate(scene: Scene) -> dict:
     """Run all benches of the scene, or take over the results of unchanged ones."""
     jobs = plan(scene, SIMULATORS)
     store = BUILD / scene.name / "sim" / "results.json"
-    inputs = [*sources("golden", "hdl", "tb"), scene.path, scene.weights_path, scene.data_path]
+    inputs = [*sources("golden", "hdl", "tb"), scene.path, *scene.weights_paths, scene.data_path]
     inputs += [BUILD / scene.name / language(s) for s in SIMULATORS]
     state = fingerprint(inputs, *(version(s) for s in SIMULATORS))
     if store.is_file():
@@ -85,7 +84,7 @@ def errors(scene: Scene) -> dict[str, list[OutputError]]:
     """Errors on the recorded vectors: in real arithmetic, bit-true, and bit-true on rows that
     neither trained nor chose the network."""
     vectors = scene.vectors()
-    real = scene.mlp().process(vectors.inputs, SCHEMES[scene.activation].real)
+    real = scene.process_real(vectors.inputs)
     bit_true = SIGNAL.to_real(scene.design().process(vectors.codes))
     everything = np.arange(len(vectors.codes))
     held_out = split_rows(len(vectors.codes), scene.training.seed).test
@@ -133,14 +132,13 @@ def error_table(scene: Scene) -> list[str]:
 
 def report(scene: Scene, results: dict) -> str:
     """Errors, clocks, what was left out, and speed."""
-    shape = ":".join(str(n) for n in scene.shape)
     vectors = scene.vectors()
     facts = results["facts"]
     first = next(iter(facts.values()))
     clocks, interval = first["clocks_per_frame"], first["interval"]
     lines = [
         "",
-        f"scene {scene.name}: {shape}, hybrid, {scene.activation}, "
+        f"scene {scene.name}: {scene.describe()}, hybrid, {scene.activation}, "
         f"{scene.precision.name} precision",
         f"errors in % on {len(vectors.codes)} recorded frames; 'largest' is the largest mean over "
         "the positions;",

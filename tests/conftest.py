@@ -19,9 +19,9 @@ outputs = {outputs}
 group_by = "y0"
 
 [network]
-arrangement = "single"
+arrangement = "{arrangement}"
 hidden = {hidden}
-weights = "{name}.npz"
+weights = {weights}
 
 [hardware]
 design = "hybrid"
@@ -47,10 +47,16 @@ def random_mlp(shape: tuple[int, int, int], spread: float, seed: int) -> Mlp:
 
 
 def write_scene(
-    folder: Path, name: str, shape: tuple[int, int, int], precision: str, mlp: Mlp, rows: int = 12
+    folder: Path,
+    name: str,
+    precision: str,
+    mlps: list[Mlp],
+    arrangement: str = "single",
+    rows: int = 12,
 ) -> Path:
-    """A scene with random vectors and the given network; returns its TOML file."""
-    inputs, hidden, outputs = shape
+    """A scene with random vectors and the given networks; returns its TOML file."""
+    inputs = mlps[0].shape[0]
+    outputs = sum(mlp.shape[2] for mlp in mlps)
     sensors = [f"x{k}" for k in range(inputs)]
     targets = [f"y{i}" for i in range(outputs)]
     rng = np.random.default_rng(5)
@@ -59,19 +65,33 @@ def write_scene(
     )
     lines = [",".join(sensors + targets)] + [",".join(f"{v:.4f}" for v in row) for row in table]
     (folder / f"{name}.csv").write_text("\n".join(lines) + "\n")
+    hidden = [mlp.shape[1] for mlp in mlps]
+    weights = [f"{name}.npz", *(f"{name}-{i}.npz" for i in range(1, len(mlps)))]
     text = TEMPLATE.format(
-        name=name, sensors=sensors, outputs=targets, hidden=hidden, precision=precision
+        name=name,
+        sensors=sensors,
+        outputs=targets,
+        arrangement=arrangement,
+        hidden=hidden[0] if len(mlps) == 1 else hidden,
+        weights=f'"{name}.npz"' if len(mlps) == 1 else weights,
+        precision=precision,
     )
     path = folder / f"{name}.toml"
     path.write_text(text.replace("'", '"'))
-    save_network(folder / f"{name}.npz", mlp, {"scene": name})
+    for file, mlp in zip(weights, mlps, strict=True):
+        save_network(folder / file, mlp, {"scene": name})
     return path
 
 
 @pytest.fixture
 def small_scene(tmp_path: Path) -> Scene:
     """A 3:5:2 scene in precise precision."""
-    shape = (3, 5, 2)
-    return load_scene(
-        str(write_scene(tmp_path, "small", shape, "precise", random_mlp(shape, 1.0, 1)))
-    )
+    mlp = random_mlp((3, 5, 2), 1.0, 1)
+    return load_scene(str(write_scene(tmp_path, "small", "precise", [mlp])))
+
+
+@pytest.fixture
+def small_cascade(tmp_path: Path) -> Scene:
+    """Networks 3:4:1, 4:3:1 and 5:2:1 in a cascade, precise precision."""
+    mlps = [random_mlp((3 + i, 4 - i, 1), 1.0, i) for i in range(3)]
+    return load_scene(str(write_scene(tmp_path, "chain", "precise", mlps, "cascade")))

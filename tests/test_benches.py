@@ -45,9 +45,9 @@ def outcomes(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], 
     jobs = []
     for name in scene_names():
         jobs += plan(load_scene(name), SIMULATORS, build=folder)
-    for name, (shape, precision, _) in ODD.items():
+    for name, (_, precision, _) in ODD.items():
         mlp = odd_network(name)
-        scene = load_scene(str(write_scene(folder, name, shape, precision, mlp)))
+        scene = load_scene(str(write_scene(folder, name, precision, [mlp])))
         jobs += [j for j in plan(scene, SIMULATORS, build=folder) if j.block in ODD_BLOCKS]
     found: dict[tuple[str, str], list[Outcome]] = {}
     for outcome in run_jobs(jobs, lambda _: None):
@@ -81,16 +81,16 @@ def test_clocks_are_the_same_in_both_simulators(outcomes, scene: str) -> None:
     for simulator in SIMULATORS:
         facts = next(o.facts for o in outcomes[scene, simulator] if o.job.block == "hybrid")
         timing.append((facts["clocks_per_frame"], facts["interval"]))
-        inputs, _, outputs = next(iter(outcomes[scene, simulator])).job.scene.shape
-        assert facts["interval"] == max(inputs, outputs)
+        design = next(iter(outcomes[scene, simulator])).job.scene.design()
+        assert facts["interval"] == design.interval
     assert timing[0] == timing[1]
 
 
 def test_the_shapes_differ_as_meant(tmp_path: Path) -> None:
     designs = {}
-    for name, (shape, precision, _) in ODD.items():
+    for name, (_, precision, _) in ODD.items():
         mlp = odd_network(name)
-        designs[name] = load_scene(str(write_scene(tmp_path, name, shape, precision, mlp))).design()
+        designs[name] = load_scene(str(write_scene(tmp_path, name, precision, [mlp]))).design()
     assert designs["wide"].input_controller.spacing == 5
     assert designs["least"].input_controller.spacing == 0
     assert max(int(a.variant[1:].split("c")[0]) for a in designs["huge"].activations) > 200

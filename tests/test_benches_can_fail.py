@@ -47,7 +47,7 @@ def jobs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Job]:
     """One job per block under Icarus, of a network whose sums reach their rails."""
     folder = tmp_path_factory.mktemp("faults")
     shape = (3, 4, 3)
-    path = write_scene(folder, "faulty", shape, "precise", random_mlp(shape, 20.0, 2))
+    path = write_scene(folder, "faulty", "precise", [random_mlp(shape, 20.0, 2)])
     return {job.block: job for job in plan(load_scene(str(path)), ["icarus"], build=folder)}
 
 

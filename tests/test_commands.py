@@ -13,7 +13,8 @@ import pytest
 from conftest import random_mlp, write_scene
 
 from golden.fingerprint import fingerprint
-from golden.scene import FOLDER
+from golden.network_file import provenance_path
+from golden.scene import FOLDER, Scene, load_scene, scene_names
 
 ROOT = Path(__file__).parents[1]
 
@@ -94,7 +95,7 @@ def test_a_missing_simulator_is_named_with_its_package(tmp_path: Path) -> None:
 
 def test_one_bench_by_its_command(tmp_path: Path) -> None:
     shape = (2, 3, 1)
-    path = write_scene(tmp_path, "mine", shape, "precise", random_mlp(shape, 1.0, 1))
+    path = write_scene(tmp_path, "mine", "precise", [random_mlp(shape, 1.0, 1)])
     try:
         result = make("sim", "BLOCK=abs_unit", "SIM=icarus", f"SCENE={path}", "SEED=7", "WAVES=1")
         assert result.returncode == 0, result.stdout + result.stderr
@@ -124,9 +125,22 @@ def test_network_writes_the_form_it_is_asked_for(tmp_path: Path) -> None:
     assert [p.name for p in tmp_path.iterdir()] == ["net.onnx"]
 
 
+def test_a_network_of_several_is_named_by_its_output(tmp_path: Path, small_cascade: Scene) -> None:
+    words = ("network", f"TO={tmp_path / 'net.mat'}", f"SCENE={small_cascade.path}")
+    result = make(*words, "OUTPUT=y1")
+    assert result.returncode == 0, result.stderr
+    assert "net.mat, 4:3:1" in result.stdout
+    for output in ("", "y9"):
+        refused = make(*words, f"OUTPUT={output}")
+        assert refused.returncode == 2
+        assert f"OUTPUT={output}: scene chain has 3 networks, expected one of y0, y1, y2" in (
+            refused.stderr
+        )
+
+
 def test_a_broken_scene_writes_nothing(tmp_path: Path) -> None:
     shape = (2, 3, 1)
-    path = write_scene(tmp_path, "bad", shape, "precise", random_mlp(shape, 1.0, 1))
+    path = write_scene(tmp_path, "bad", "precise", [random_mlp(shape, 1.0, 1)])
     lines = (tmp_path / "bad.csv").read_text().splitlines()
     (tmp_path / "bad.csv").write_text("\n".join([*lines[:3], "0.1,text,0.3", *lines[4:]]))
     before = fingerprint([tmp_path])
@@ -140,7 +154,7 @@ def test_a_broken_scene_writes_nothing(tmp_path: Path) -> None:
 
 def test_train_writes_network_and_provenance(tmp_path: Path) -> None:
     shape = (2, 3, 1)
-    path = write_scene(tmp_path, "mine", shape, "precise", random_mlp(shape, 1.0, 1))
+    path = write_scene(tmp_path, "mine", "precise", [random_mlp(shape, 1.0, 1)])
     contents = []
     try:
         for _ in range(2):
@@ -154,9 +168,23 @@ def test_train_writes_network_and_provenance(tmp_path: Path) -> None:
     assert 'precision = "precise"' in (tmp_path / "mine.provenance.toml").read_text()
 
 
+def test_train_writes_all_networks_of_a_cascade(small_cascade: Scene) -> None:
+    before = [path.read_bytes() for path in small_cascade.weights_paths]
+    try:
+        result = make("train", f"SCENE={small_cascade.path}")
+        assert result.returncode == 0, result.stderr
+        for name, path in zip(small_cascade.outputs, small_cascade.weights_paths, strict=True):
+            assert f"{name}: 2 of 2 candidates" in result.stdout
+            assert f'outputs = "{name}"' in provenance_path(path).read_text()
+        after = [path.read_bytes() for path in small_cascade.weights_paths]
+        assert all(a != b for a, b in zip(after, before, strict=True))
+    finally:
+        shutil.rmtree(ROOT / "build" / "chain", ignore_errors=True)
+
+
 def test_train_refuses_too_few_rows(tmp_path: Path) -> None:
     shape = (2, 3, 1)
-    path = write_scene(tmp_path, "few", shape, "precise", random_mlp(shape, 1.0, 1), rows=5)
+    path = write_scene(tmp_path, "few", "precise", [random_mlp(shape, 1.0, 1)], rows=5)
     before = (tmp_path / "few.npz").read_bytes()
     result = make("train", f"SCENE={path}")
     assert result.returncode == 2
@@ -165,6 +193,9 @@ def test_train_refuses_too_few_rows(tmp_path: Path) -> None:
 
 
 def test_no_stray_files_beside_the_scenes() -> None:
-    stems = {p.stem for p in FOLDER.glob("*.toml") if ".provenance" not in p.name}
-    expected = {f"{s}{end}" for s in stems for end in (".toml", ".npz", ".provenance.toml")}
+    expected = set()
+    for name in scene_names():
+        expected.add(f"{name}.toml")
+        for path in load_scene(name).weights_paths:
+            expected |= {path.name, provenance_path(path).name}
     assert {p.name for p in FOLDER.iterdir()} == expected

@@ -25,7 +25,7 @@ ROOT = Path(__file__).parents[1]
 def build(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Both languages of every shipped scene, and of a scene with more outputs than inputs."""
     folder = tmp_path_factory.mktemp("build")
-    wide = write_scene(folder, "wide", (2, 3, 5), "thesis", random_mlp((2, 3, 5), 1.5, 1))
+    wide = write_scene(folder, "wide", "thesis", [random_mlp((2, 3, 5), 1.5, 1)])
     for name in [*scene_names(), str(wide)]:
         for language in ("vhdl", "verilog"):
             export(load_scene(name), language, folder)
@@ -163,7 +163,7 @@ def test_a_reader_finds_every_block_by_name(build: Path, scene: str) -> None:
 
 def test_a_failed_export_leaves_the_old_one_alone(tmp_path: Path) -> None:
     shape = (2, 3, 1)
-    path = write_scene(tmp_path, "one", shape, "precise", random_mlp(shape, 1.0, 1))
+    path = write_scene(tmp_path, "one", "precise", [random_mlp(shape, 1.0, 1)])
     export(load_scene(str(path)), "vhdl", tmp_path)
     before = fingerprint([tmp_path / "one" / "vhdl"])
     (tmp_path / "one.npz").write_bytes(b"broken")
@@ -184,9 +184,7 @@ def test_a_failed_export_leaves_the_old_one_alone(tmp_path: Path) -> None:
 
 def test_an_edited_file_is_exported_again(tmp_path: Path) -> None:
     shape = (2, 3, 1)
-    scene = load_scene(
-        str(write_scene(tmp_path, "one", shape, "precise", random_mlp(shape, 1.0, 1)))
-    )
+    scene = load_scene(str(write_scene(tmp_path, "one", "precise", [random_mlp(shape, 1.0, 1)])))
     export(scene, "verilog", tmp_path)
     file = tmp_path / "one" / "verilog" / "hybrid.v"
     text = file.read_text()

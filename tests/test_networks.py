@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import tomllib
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,10 +12,10 @@ from conftest import random_mlp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from golden.activation.schemes import SCHEMES
 from golden.activation.segments import gradient_real
 from golden.block import walk
 from golden.metrics import percent_errors, summarise
+from golden.networks.arrangement import build
 from golden.networks.build import build_hybrid
 from golden.networks.mlp import Mlp
 from golden.precision import PRECISE, PRECISIONS, SIGNAL, THESIS, normalisation
@@ -43,7 +44,7 @@ def test_no_worse_than_the_simulated_hybrid_of_the_thesis(name: str) -> None:
 def test_precise_costs_next_to_nothing() -> None:
     """Against the same network with the same activation in real arithmetic."""
     scene = load_scene("digit-single")
-    real = scene.mlp().process(scene.vectors().inputs, SCHEMES[scene.activation].real)
+    real = scene.process_real(scene.vectors().inputs)
     assert (largest_means(scene, bit_true(scene)) <= 1.05 * largest_means(scene, real)).all()
 
 
@@ -81,6 +82,23 @@ def test_rails_on_all_sensors(precision) -> None:
     results = design.process(rails)
     assert results.min() >= SIGNAL.low
     assert results.max() <= SIGNAL.high
+
+
+@pytest.mark.parametrize("arrangement", ["multiple", "cascade"])
+def test_networks_together_do_what_each_does_alone(arrangement: str) -> None:
+    mlps = [random_mlp((3 + i * (arrangement == "cascade"), 4, 1), 1.0, i) for i in range(3)]
+    frames = np.random.default_rng(1).integers(SIGNAL.low, SIGNAL.high + 1, (5000, 3))
+    design = build(arrangement, mlps, PRECISE, "gradient")
+    seen, results = frames, []
+    for mlp in mlps:
+        results.append(build_hybrid(mlp, PRECISE, "gradient").process(seen))
+        if arrangement == "cascade":
+            seen = np.concatenate([seen, results[-1]], axis=1)
+    assert np.array_equal(design.process(frames), np.concatenate(results, axis=1))
+    for shape in ((5, 2, 1), (3, 2, 2), (4, 2, 2)):
+        odd = build_hybrid(random_mlp(shape, 1.0, 1), PRECISE, "gradient")
+        with pytest.raises(ValueError, match="got networks of"):
+            replace(design, networks=(design.networks[0], odd))
 
 
 def test_shapes_and_chunks_change_nothing() -> None:

@@ -26,9 +26,22 @@ def edited(scene: Scene, old: str, new: str) -> str:
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("hidden = 5", 'hidden = "5"', "network.hidden: got '5', expected a whole number"),
+        (
+            "hidden = 5",
+            'hidden = "5"',
+            "hidden: got '5', expected a whole number, or a list",
+        ),
         ("hidden = 5", "hidden = -1", "network.hidden: got -1, expected 0 or more"),
         ('weights = "small.npz"', "", "network.weights: missing, expected text"),
+        ("hidden = 5", "hidden = [5, 4]", r"hidden: got \[5, 4\], expected 1: single has one for"),
+        ('"single"', '"cascade"', "weights: got 'small.npz', expected 2: cascade has one for each"),
+        ('"single"', '"cascad"', "arrangement: got 'cascad', .*did you mean 'cascade'"),
+        ('"small.npz"', '["a.npz", 1]', "weights: got .* expected text, or a list"),
+        (
+            "steps = 20",
+            'earlier_outputs = "bits"',
+            "earlier_outputs: got 'bits', expected",
+        ),
         ("steps = 20", "hidden = [4]", r"training.hidden: got \[4\], expected the least and"),
         ("steps = 20", "hidden = [5, 4]", r"training.hidden: got \[5, 4\]"),
         ("steps = 20", 'optimiser = "sgc"', "training.optimiser: got 'sgc', .*did you mean 'scg'"),
@@ -117,45 +130,46 @@ def test_values_outside_the_signal_are_counted(small_scene: Scene) -> None:
 
 
 def test_a_network_survives_the_disk(small_scene: Scene, tmp_path: Path) -> None:
-    mlp = small_scene.mlp()
+    mlp = small_scene.mlps()[0]
     path = tmp_path / "copy.npz"
     save_network(path, mlp, {"seed": 3, "scene": "x"})
-    again = load_network(path, small_scene.shape)
+    again = load_network(path, mlp.shape)
     assert all(np.array_equal(getattr(mlp, n), getattr(again, n)) for n in ("w1", "b1", "w2", "b2"))
     assert tomllib.loads(provenance_path(path).read_text()) == {"seed": 3, "scene": "x"}
     assert sorted(p.name for p in tmp_path.glob("*copy*")) == ["copy.npz", "copy.provenance.toml"]
 
 
 def test_a_network_of_the_wrong_shape(small_scene: Scene) -> None:
-    wider = replace(small_scene, hidden=6)
+    wider = replace(small_scene, members=(replace(small_scene.members[0], hidden=6),))
     with pytest.raises(ValueError, match=r"small.npz: w1: got shape \(5, 3\), expected \(6, 3\)"):
-        wider.mlp()
+        wider.mlps()
 
 
 @pytest.mark.parametrize("content", [b"", b"no zip at all", b"PK\x03\x04 cut off"])
 def test_a_network_file_that_is_none(small_scene: Scene, content: bytes) -> None:
-    small_scene.weights_path.write_bytes(content)
+    small_scene.weights_paths[0].write_bytes(content)
     with pytest.raises(ValueError, match=r"small.npz: not an NPZ"):
-        small_scene.mlp()
+        small_scene.mlps()[0]
 
 
 def test_a_network_with_faults(small_scene: Scene) -> None:
-    mlp, path = small_scene.mlp(), small_scene.weights_path
+    mlp, path = small_scene.mlps()[0], small_scene.weights_paths[0]
     np.savez(path, w1=mlp.w1, b1=mlp.b1, w2=mlp.w2)
     with pytest.raises(ValueError, match=r"small.npz: no array 'b2', got w1, b1, w2"):
-        small_scene.mlp()
+        small_scene.mlps()[0]
     np.savez(path, w1=mlp.w1 * np.nan, b1=mlp.b1, w2=mlp.w2, b2=mlp.b2)
     with pytest.raises(ValueError, match=r"small.npz: w1: got NaN or infinity"):
-        small_scene.mlp()
+        small_scene.mlps()[0]
     path.unlink()
     with pytest.raises(FileNotFoundError, match="no such network; make train"):
-        small_scene.mlp()
+        small_scene.mlps()[0]
 
 
 def test_every_shipped_scene_builds() -> None:
     for name in scene_names():
         scene = load_scene(name)
-        assert scene.build(scene.mlp()) == scene.design()
-        provenance = tomllib.loads(provenance_path(scene.weights_path).read_text())
-        for key in ("optimiser", "seed", "restarts", "weight_decay", "steps"):
-            assert provenance[key] == getattr(scene.training, key), key
+        assert scene.design().outputs == len(scene.outputs)
+        for path in scene.weights_paths:
+            provenance = tomllib.loads(provenance_path(path).read_text())
+            for key in ("optimiser", "seed", "restarts", "weight_decay", "steps"):
+                assert provenance[key] == getattr(scene.training, key), key

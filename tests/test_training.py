@@ -12,13 +12,15 @@ from conftest import random_mlp
 
 from golden.activation.segments import gradient_real
 from golden.metrics import percent_errors
-from golden.network_file import load_network, provenance_path, save_network
+from golden.network_file import provenance_path, save_network
 from golden.networks.mlp import tanh
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_names
+from golden.training import __main__ as command
 from golden.training.objective import Objective, Rows, pack, unpack
 from golden.training.scg import minimise
-from golden.training.search import OPTIMISERS, Result, candidates, search, split_rows, train
+from golden.training.search import OPTIMISERS, Result, search, train
+from golden.training.task import Task, split_rows, task_for
 
 SHAPE = (3, 4, 2)
 
@@ -144,10 +146,8 @@ def test_the_split_is_50_25_25_and_covers_every_row() -> None:
 
 
 def test_a_candidate_depends_on_seed_and_numbers_alone(small_scene: Scene) -> None:
-    vectors = small_scene.vectors()
-
     def weights(scene: Scene, hidden: int, restart: int):
-        return pack(train(scene, vectors, hidden, restart))
+        return pack(train(task_for(scene, scene.vectors(), []), hidden, restart))
 
     first = weights(small_scene, 5, 1)
     assert np.array_equal(first, weights(small_scene, 5, 1))
@@ -157,18 +157,19 @@ def test_a_candidate_depends_on_seed_and_numbers_alone(small_scene: Scene) -> No
 
 
 def searched(scene: Scene, record: Path, workers: int = 1) -> list[Result]:
-    return list(search(scene, scene.vectors(), record, workers))
+    return list(search(task_for(scene, scene.vectors(), []), record, workers))
 
 
 def open_search(scene: Scene) -> Scene:
     """The scene without a fixed number of hidden nodes: 3 sizes, 2 restarts."""
-    return replace(scene, hidden=0, training=replace(scene.training, hidden=(2, 4)))
+    members = (replace(scene.members[0], hidden=0),)
+    return replace(scene, members=members, training=replace(scene.training, hidden=(2, 4)))
 
 
 def test_workers_do_not_change_the_outcome(small_scene: Scene, tmp_path: Path) -> None:
     scene = open_search(small_scene)
     one = searched(scene, tmp_path / "one.jsonl")
-    assert [(r.hidden, r.restart) for r in one] == candidates(scene)
+    assert [(r.hidden, r.restart) for r in one] == [(h, r) for h in (2, 3, 4) for r in (0, 1)]
     assert len(one) == 6
     assert searched(scene, tmp_path / "two.jsonl", workers=2) == one
     assert (tmp_path / "one.jsonl").read_bytes() == (tmp_path / "two.jsonl").read_bytes()
@@ -183,9 +184,9 @@ def test_an_interrupted_search_goes_on(small_scene: Scene, tmp_path: Path, monke
     from golden.training import search as module
 
     original = module.measure
-    monkeypatch.setattr(module, "measure", lambda *a: computed.append(a[2:]) or original(*a))
+    monkeypatch.setattr(module, "measure", lambda *a: computed.append(a[1:]) or original(*a))
     assert searched(scene, record) == whole
-    assert computed == candidates(scene)[3:]
+    assert computed == [(r.hidden, r.restart) for r in whole[3:]]
     assert record.read_text() == "".join(lines)
 
 
@@ -193,24 +194,71 @@ def test_the_network_file_decides_the_hidden_nodes(small_scene: Scene) -> None:
     text = small_scene.path.read_text()
     small_scene.path.write_text(text.replace("hidden = 5\n", ""))
     scene = load_scene(str(small_scene.path))
-    assert scene.hidden == 0
-    assert scene.shape == (3, 5, 2)
-    save_network(scene.weights_path, random_mlp((3, 7, 2), 1.0, 1), {})
-    assert scene.shape == (3, 7, 2)
-    save_network(scene.weights_path, random_mlp((4, 7, 2), 1.0, 1), {})
+    (member,) = scene.members
+    assert member.hidden == 0
+    assert member.load().shape == (3, 5, 2)
+    save_network(member.weights_path, random_mlp((3, 7, 2), 1.0, 1), {})
+    assert member.load().shape == (3, 7, 2)
+    save_network(member.weights_path, random_mlp((4, 7, 2), 1.0, 1), {})
     with pytest.raises(ValueError, match=r"w1: got shape \(7, 4\), expected \(7, 3\)"):
-        load_network(scene.weights_path, (3, 0, 2))
+        member.load()
 
 
 @pytest.mark.parametrize("name", scene_names())
 def test_shipped_networks_have_the_errors_of_their_provenance(name: str) -> None:
     scene = load_scene(name)
-    provenance = tomllib.loads(provenance_path(scene.weights_path).read_text())
     vectors = scene.vectors()
-    split = split_rows(len(vectors.inputs), provenance["seed"])
     results = SIGNAL.to_real(scene.design().process(vectors.codes))
     errors = percent_errors(results, vectors.targets, scene.outputs, scene.full_scale)
-    for part in ("validation", "test"):
-        rms = np.sqrt((errors[getattr(split, part)] ** 2).mean())
-        assert rms == pytest.approx(provenance[f"{part}_rms_percent"], abs=1e-3)
-    assert provenance["network"] == ":".join(str(n) for n in scene.shape)
+    split = split_rows(len(vectors.inputs), scene.training.seed)
+    for member in scene.members:
+        provenance = tomllib.loads(provenance_path(member.weights_path).read_text())
+        columns = [scene.outputs.index(name) for name in member.outputs]
+        for part in ("validation", "test"):
+            rms = np.sqrt((errors[getattr(split, part)][:, columns] ** 2).mean())
+            assert rms == pytest.approx(provenance[f"{part}_rms_percent"], abs=1e-3)
+        assert provenance["network"] == ":".join(str(n) for n in member.load().shape)
+
+
+def test_a_network_of_a_cascade_sees_what_the_scene_says(small_cascade: Scene) -> None:
+    vectors, mlps = small_cascade.vectors(), small_cascade.mlps()
+    results = small_cascade.design().process(vectors.codes)
+    real = small_cascade.process_real(SIGNAL.to_real(vectors.codes))
+    for loop, given in (("bit-true", SIGNAL.to_real(results)), ("float", real)):
+        training = replace(small_cascade.training, earlier_outputs=loop)
+        task = task_for(replace(small_cascade, training=training), vectors, mlps[:2])
+        assert np.array_equal(task.codes, np.hstack([vectors.codes, results[:, :2]]))
+        assert np.array_equal(task.inputs[:, :3], SIGNAL.to_real(vectors.codes))
+        assert np.allclose(task.inputs[:, 3:], given[:, :2], atol=1e-12)
+        assert np.array_equal(task.targets, vectors.targets[:, 2:])
+        assert np.array_equal(task.bit_true(mlps[2]), SIGNAL.to_real(results[:, 2:]))
+
+
+def test_a_cascade_is_written_whole_or_not_at_all(
+    small_cascade: Scene, tmp_path: Path, monkeypatch
+) -> None:
+    before = [path.read_bytes() for path in small_cascade.weights_paths]
+    original = command.choose
+
+    def fail_late(task: Task, record: Path, workers: int):
+        if task.number == 2:
+            raise ValueError("no candidate fits")
+        return original(task, record, workers)
+
+    monkeypatch.setattr(command, "choose", fail_late)
+    words = ["make train", str(small_cascade.path), "--build", str(tmp_path), "--workers", "1"]
+    monkeypatch.setattr("sys.argv", words)
+    with pytest.raises(ValueError, match="no candidate fits"):
+        command.main()
+    assert [path.read_bytes() for path in small_cascade.weights_paths] == before
+
+
+@pytest.mark.parametrize(("column", "key"), [(1, "sensors"), (4, "outputs")])
+def test_a_constant_column_is_refused(small_scene: Scene, column: int, key: str) -> None:
+    lines = [line.split(",") for line in small_scene.data_path.read_text().splitlines()]
+    for line in lines[1:]:
+        line[column] = "0.5"
+    small_scene.data_path.write_text("\n".join(",".join(line) for line in lines))
+    message = rf"'{lines[0][column]}': got 0.5 in every row, .* out of data.{key}"
+    with pytest.raises(ValueError, match=message):
+        task_for(small_scene, small_scene.vectors(), [])

@@ -13,7 +13,7 @@ from golden.networks.mlp import Mlp
 from golden.precision import SIGNAL, Precision, normalisation
 
 
-def build_hybrid(mlp: Mlp, precision: Precision, activation: str) -> Hybrid:
+def build_hybrid(mlp: Mlp, precision: Precision, activation: str, variant: str = "") -> Hybrid:
     """The bit-true folded network of ``mlp``.
 
     Parameters
@@ -22,6 +22,8 @@ def build_hybrid(mlp: Mlp, precision: Precision, activation: str) -> Hybrid:
     precision : Precision
     activation : str
         A name of ``SCHEMES``.
+    variant : str
+        Tells it from other networks of the same design.
 
     Raises
     ------
@@ -42,6 +44,7 @@ def build_hybrid(mlp: Mlp, precision: Precision, activation: str) -> Hybrid:
     w2, b2, fmt2 = precision.coefficients(
         mlp.w2 / y_factors[:, np.newaxis], mlp.b2 / y_factors, "layer 2 weights"
     )
+    prefix = f"{variant}_" if variant else ""
     nodes = tuple(
         InputNode(
             SIGNAL,
@@ -50,7 +53,7 @@ def build_hybrid(mlp: Mlp, precision: Precision, activation: str) -> Hybrid:
             precision.product_shift,
             tuple(int(w) for w in w1[j]),
             int(b1[j]),
-            variant=str(j),
+            variant=f"{prefix}{j}",
         )
         for j in range(hidden)
     )
@@ -62,6 +65,7 @@ def build_hybrid(mlp: Mlp, precision: Precision, activation: str) -> Hybrid:
         tuple(tuple(int(w) for w in row) for row in w2),
         tuple(int(b) for b in b2),
         tuple(int(y) for y in y_factors) if precision.normalise else None,
+        variant=variant,
     )
     if precision.normalise:
         for name, width in [(f"hidden node {j}", n.acc_width) for j, n in enumerate(nodes)] + [
@@ -77,4 +81,4 @@ def build_hybrid(mlp: Mlp, precision: Precision, activation: str) -> Hybrid:
         SCHEMES[activation].build(precision, int(q), node.reach)
         for q, node in zip(q_factors, nodes, strict=True)
     )
-    return Hybrid(InputIntegral(nodes), activations, output)
+    return Hybrid(InputIntegral(nodes, variant=variant), activations, output, variant=variant)

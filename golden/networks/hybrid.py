@@ -6,7 +6,6 @@ from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from golden.activation.activation_block import ActivationBlock
 from golden.block import Block
@@ -15,13 +14,11 @@ from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
 from golden.layers.output_controller import OutputController
 from golden.layers.output_integral import OutputIntegral
-
-# Frames computed at a time; 4096 x 16 nodes x 8 bytes fit a second-level cache.
-CHUNK = 4096
+from golden.networks.network import Network
 
 
 @dataclass(frozen=True)
-class Hybrid(Block):
+class Hybrid(Network):
     """y = f2(activation(f1(x))) with N + M + L folded work (thesis section 5.4, Figure 5.8).
 
     Layer 1 has one multiplier per hidden node, used once per sample; each hidden node has one
@@ -36,7 +33,6 @@ class Hybrid(Block):
     """
 
     block = "hybrid"
-    area = "networks"
     input_integral: InputIntegral
     activations: tuple[ActivationBlock, ...]
     output_integral: OutputIntegral
@@ -51,17 +47,14 @@ class Hybrid(Block):
 
     @property
     def inputs(self) -> int:
-        """Samples of one frame."""
         return self.input_integral.inputs
 
     @property
     def outputs(self) -> int:
-        """Results of one frame."""
         return self.output_integral.outputs
 
     @property
     def interval(self) -> int:
-        """Least clocks from one frame to the next."""
         return max(self.inputs, self.outputs)
 
     @property
@@ -83,7 +76,6 @@ class Hybrid(Block):
         )
 
     def left_out(self) -> list[str]:
-        """What this network does not need and therefore does not build."""
         counts: Counter[str] = sum((a.left_out() for a in self.activations), Counter())
         texts = [f"{count} {what}" for what, count in sorted(counts.items())]
         if self.output_integral.factors is None:
@@ -92,27 +84,7 @@ class Hybrid(Block):
             texts.append("the counter that keeps frames apart: a frame has samples enough")
         return texts
 
-    def process(self, frames: ArrayLike) -> Codes:
-        """Output codes, shape (..., outputs), of frames of sample codes, shape (..., inputs).
-
-        Computed in chunks that stay in the processor's cache, so that memory beyond the results
-        does not grow with the batch.
-
-        Raises
-        ------
-        ValueError
-            For a wrong last axis or a code outside the signal format.
-        """
-        samples = np.asarray(frames)
-        if samples.ndim == 0 or samples.shape[-1] != self.inputs:
-            raise ValueError(
-                f"{self.entity} frames: got shape {samples.shape}, expected (..., {self.inputs})"
-            )
-        flat = samples.reshape(-1, self.inputs)
-        results = np.empty((len(flat), self.outputs), dtype=np.int64)
-        for start in range(0, len(flat), CHUNK):
-            part = slice(start, start + CHUNK)
-            q = self.input_integral.process(flat[part])
-            columns = [a.process(q[:, j]) for j, a in enumerate(self.activations)]
-            results[part] = self.output_integral.process(np.stack(columns, axis=-1))
-        return results.reshape(*samples.shape[:-1], self.outputs)
+    def compute(self, frames: Codes) -> Codes:
+        q = self.input_integral.process(frames)
+        columns = [a.process(q[:, j]) for j, a in enumerate(self.activations)]
+        return self.output_integral.process(np.stack(columns, axis=-1))

@@ -1,4 +1,4 @@
-"""``python -m golden.training SCENE``: trains the network that a scene names."""
+"""``python -m golden.training SCENE``: trains the networks that a scene names."""
 
 from __future__ import annotations
 
@@ -14,8 +14,39 @@ import scipy
 from golden.cli import run
 from golden.fingerprint import fingerprint, sources
 from golden.network_file import provenance_path, save_network
+from golden.networks.mlp import Mlp
 from golden.scene import load_scene
 from golden.training.search import Result, candidates, search, train
+from golden.training.task import Task, task_for
+
+# Least seconds between two lines of progress.
+PAUSE = 5
+
+
+def choose(task: Task, record: Path, workers: int) -> tuple[Result, int]:
+    """The best candidate, and how many were refused; tells of its progress."""
+    best: Result | None = None
+    refused = 0
+    told = -np.inf
+    name = ", ".join(task.scene.members[task.number].outputs)
+    total = len(candidates(task))
+    for done, result in enumerate(search(task, record, workers), start=1):
+        refused += bool(result.refused)
+        if not result.refused and (best is None or result.rank < best.rank):
+            best = result
+        if done == total or time.monotonic() - told > PAUSE:
+            told = time.monotonic()
+            found = f"{best.validation:.2f} % with {best.hidden} hidden nodes" if best else "none"
+            print(
+                f"{name}: {done} of {total} candidates, best bit-true validation {found}",
+                flush=True,
+            )
+    if best is None:
+        raise ValueError(
+            f"{task.scene.path}: {name}: all {refused} candidates were refused; the last: "
+            f"{result.refused}"
+        )
+    return best, refused
 
 
 def main() -> None:
@@ -28,50 +59,45 @@ def main() -> None:
     vectors = scene.vectors()
     settings = scene.training
     versions = (np.__version__, scipy.__version__, platform.python_version())
-    inputs = [*sources("golden"), scene.path, scene.data_path]
-    state = fingerprint(inputs, *versions)
-    record = arguments.build / scene.name / "training" / f"{state[:16]}.jsonl"
-    total = len(candidates(scene))
-    best: Result | None = None
-    refused = 0
-    told = -np.inf
-    for done, result in enumerate(search(scene, vectors, record, arguments.workers), start=1):
-        refused += bool(result.refused)
-        better = not result.refused and (best is None or result.rank < best.rank)
-        best = result if better else best
-        if better or done == total or time.monotonic() - told > 5:
-            told = time.monotonic()
-            found = f"{best.validation:.2f} % with {best.hidden} hidden nodes" if best else "none"
-            print(f"{done} of {total} candidates: best bit-true validation {found}", flush=True)
-    if best is None:
-        raise ValueError(
-            f"{scene.path}: all {refused} candidates were refused; the last: {result.refused}"
+    state = fingerprint([*sources("golden"), scene.path, scene.data_path], *versions)
+    records = arguments.build / scene.name / "training" / state[:16]
+    mlps: list[Mlp] = []
+    stories: list[dict[str, str | int | float]] = []
+    for number, member in enumerate(scene.members):
+        task = task_for(scene, vectors, mlps)
+        best, refused = choose(task, records / f"{number}.jsonl", arguments.workers)
+        mlps.append(train(task, best.hidden, best.restart))
+        total = len(candidates(task))
+        stories.append(
+            {
+                "scene": scene.name,
+                "data": scene.data_path.name,
+                "arrangement": scene.arrangement,
+                "outputs": ", ".join(member.outputs),
+                "precision": scene.precision.name,
+                "activation": scene.activation,
+                "network": ":".join(str(n) for n in mlps[-1].shape),
+                "optimiser": settings.optimiser,
+                "earlier_outputs": settings.earlier_outputs if number else "none",
+                "seed": settings.seed,
+                "candidates": total,
+                "candidates_refused": refused,
+                "hidden": f"{candidates(task)[0][0]} to {candidates(task)[-1][0]}",
+                "restarts": settings.restarts,
+                "best_restart": best.restart,
+                "weight_decay": settings.weight_decay,
+                "steps": settings.steps,
+                "validation_rms_percent": round(best.validation, 4),
+                "test_rms_percent": round(best.test, 4),
+                "python": versions[2],
+                "numpy": versions[0],
+                "scipy": versions[1],
+            }
         )
-    save_network(
-        scene.weights_path,
-        train(scene, vectors, best.hidden, best.restart),
-        {
-            "scene": scene.name,
-            "data": scene.data_path.name,
-            "precision": scene.precision.name,
-            "activation": scene.activation,
-            "network": f"{len(scene.sensors)}:{best.hidden}:{len(scene.outputs)}",
-            "optimiser": settings.optimiser,
-            "seed": settings.seed,
-            "candidates": total,
-            "candidates_refused": refused,
-            "restarts": settings.restarts,
-            "best_restart": best.restart,
-            "weight_decay": settings.weight_decay,
-            "steps": settings.steps,
-            "validation_rms_percent": round(best.validation, 4),
-            "test_rms_percent": round(best.test, 4),
-            "python": versions[2],
-            "numpy": versions[0],
-            "scipy": versions[1],
-        },
-    )
-    print(f"wrote {scene.weights_path} and {provenance_path(scene.weights_path).name}")
+    # Written only now: the networks of a cascade belong together.
+    for member, mlp, story in zip(scene.members, mlps, stories, strict=True):
+        save_network(member.weights_path, mlp, story)
+        print(f"wrote {member.weights_path} and {provenance_path(member.weights_path).name}")
 
 
 if __name__ == "__main__":

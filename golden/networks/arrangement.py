@@ -1,0 +1,61 @@
+"""How the networks of a scene stand to each other: single, multiple or cascade."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from golden.networks.build import build_hybrid
+from golden.networks.cascade import Cascade
+from golden.networks.mlp import Activation, Mlp, Real
+from golden.networks.multiple import Multiple
+from golden.networks.network import Network
+from golden.precision import Precision
+
+ARRANGEMENTS = ("single", "multiple", "cascade")
+
+Number = TypeVar("Number", np.int64, np.float64)
+
+
+def seen(
+    arrangement: str, samples: NDArray[Number], earlier: Sequence[NDArray[Number]]
+) -> NDArray[Number]:
+    """What a network sees: the samples and, in a cascade, the outputs of the networks before it.
+
+    Parameters
+    ----------
+    arrangement : str
+    samples : array, shape (frames, sensors)
+    earlier : sequence of arrays, shape (frames, 1)
+        Outputs of the networks before it.
+    """
+    return np.concatenate([samples, *earlier], axis=-1) if arrangement == "cascade" else samples
+
+
+def process_real(
+    arrangement: str, mlps: Sequence[Mlp], samples: Real, activation: Activation
+) -> Real:
+    """Outputs of all networks in floating point, shape (frames, outputs)."""
+    results: list[Real] = []
+    for mlp in mlps:
+        results.append(mlp.process(seen(arrangement, samples, results), activation))
+    return np.concatenate(results, axis=-1)
+
+
+def build(arrangement: str, mlps: Sequence[Mlp], precision: Precision, activation: str) -> Network:
+    """The bit-true twin of all networks together.
+
+    Raises
+    ------
+    ValueError
+        See ``build_hybrid``.
+    """
+    if arrangement == "single":
+        return build_hybrid(mlps[0], precision, activation)
+    networks = tuple(
+        build_hybrid(mlp, precision, activation, variant=str(i)) for i, mlp in enumerate(mlps)
+    )
+    return Multiple(networks) if arrangement == "multiple" else Cascade(networks)

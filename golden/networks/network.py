@@ -1,0 +1,67 @@
+"""What every network has in common: frames in, frames out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.block import Block
+from golden.fixed import Codes
+
+# Frames computed at a time; 4096 x 16 nodes x 8 bytes fit a second-level cache.
+CHUNK = 4096
+
+
+@dataclass(frozen=True)
+class Network(Block):
+    """From frames of sample codes to frames of output codes, one frame at a time or millions."""
+
+    area = "networks"
+
+    @property
+    def inputs(self) -> int:
+        """Samples of one frame."""
+        raise NotImplementedError
+
+    @property
+    def outputs(self) -> int:
+        """Results of one frame."""
+        raise NotImplementedError
+
+    @property
+    def interval(self) -> int:
+        """Least clocks from one frame to the next."""
+        raise NotImplementedError
+
+    def compute(self, frames: Codes) -> Codes:
+        """Output codes, shape (frames, outputs), of a few frames, shape (frames, inputs)."""
+        raise NotImplementedError
+
+    def left_out(self) -> list[str]:
+        """What this network does not need and therefore does not build."""
+        raise NotImplementedError
+
+    def process(self, frames: ArrayLike) -> Codes:
+        """Output codes, shape (..., outputs), of frames of sample codes, shape (..., inputs).
+
+        Computed in chunks that stay in the processor's cache, so that memory beyond the results
+        does not grow with the batch.
+
+        Raises
+        ------
+        ValueError
+            For a wrong last axis or a code outside the signal format.
+        """
+        samples = np.asarray(frames)
+        if samples.ndim == 0 or samples.shape[-1] != self.inputs:
+            raise ValueError(
+                f"{self.entity} frames: got shape {samples.shape}, expected (..., {self.inputs})"
+            )
+        flat = samples.reshape(-1, self.inputs)
+        results = np.empty((len(flat), self.outputs), dtype=np.int64)
+        for start in range(0, len(flat), CHUNK):
+            part = slice(start, start + CHUNK)
+            results[part] = self.compute(flat[part])
+        return results.reshape(*samples.shape[:-1], self.outputs)
