@@ -5,15 +5,15 @@ from __future__ import annotations
 from myhdl import ResetSignal
 from myhdl._block import _Block
 
-from golden.networks.hybrid import Hybrid
+from golden.networks.network import Network
 from golden.precision import SIGNAL
+from hdl.common.lookup import hardware
 from hdl.common.signals import fixed, flag
-from hdl.networks.hybrid import hybrid
 
 
-def elaborate(spec: Hybrid) -> _Block:
+def elaborate(spec: Network) -> _Block:
     """The network of ``spec`` with fresh signals on its ports."""
-    return hybrid(
+    return hardware(spec)(
         flag(),
         ResetSignal(0, active=1, isasync=False),
         flag(),

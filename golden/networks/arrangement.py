@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
@@ -46,16 +47,19 @@ def process_real(
 
 
 def build(arrangement: str, mlps: Sequence[Mlp], precision: Precision, activation: str) -> Network:
-    """The bit-true twin of all networks together.
+    """The bit-true twin of all networks together; of one alone, that network's.
 
     Raises
     ------
     ValueError
         See ``build_hybrid``.
     """
-    if arrangement == "single":
+    if len(mlps) == 1:
         return build_hybrid(mlps[0], precision, activation)
     networks = tuple(
         build_hybrid(mlp, precision, activation, variant=str(i)) for i, mlp in enumerate(mlps)
     )
-    return Multiple(networks) if arrangement == "multiple" else Cascade(networks)
+    if arrangement == "cascade":
+        return Cascade(networks)
+    # One result a clock leaves; a cascade's frames are longer than that in any case.
+    return Multiple(tuple(replace(n, min_interval=len(networks)) for n in networks))

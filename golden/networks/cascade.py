@@ -8,12 +8,14 @@ import numpy as np
 
 from golden.block import Block
 from golden.fixed import Codes
-from golden.networks.hybrid import Hybrid
-from golden.networks.network import Network
+from golden.layers.input_controller import InputController
+from golden.networks.several import Several
+from golden.precision import SIGNAL
+from golden.sensing.stream_multiplexer import StreamMultiplexer
 
 
 @dataclass(frozen=True)
-class Cascade(Network):
+class Cascade(Several):
     """y_i = network_i(x, y_1 ... y_(i-1)) (thesis sections 3.12 and 5.5, Figures 3.22 and 5.12).
 
     Parameters
@@ -24,39 +26,54 @@ class Cascade(Network):
     Raises
     ------
     ValueError
-        When a network has more than one output, or inputs that do not follow on.
+        See ``Several``; also for a network that needs more clocks between frames than a frame has
+        elements.
+
+    Notes
+    -----
+    A frame of the hardware's stream has as many elements as the last network has inputs: the
+    samples, then slots into which the earlier outputs are put.
     """
 
     block = "cascade"
-    networks: tuple[Hybrid, ...]
 
     def __post_init__(self) -> None:
-        shapes = [(network.inputs, network.outputs) for network in self.networks]
-        expected = [(self.inputs + i, 1) for i in range(len(shapes))]
-        if shapes != expected:
-            raise ValueError(
-                f"{self.entity}: got networks of (inputs, outputs) {shapes}, expected {expected}"
-            )
+        super().__post_init__()
+        # Networks see parts of the same frame: were one to refuse a frame as too early, the
+        # others would not.
+        for network in self.networks:
+            if network.interval > self.interval:
+                raise ValueError(
+                    f"{network.entity}: needs {network.interval} clocks from frame to frame, "
+                    f"expected at most {self.interval}, the elements of a frame of the cascade"
+                )
+
+    def _inputs_of(self, number: int) -> int:
+        return self.inputs + number
 
     @property
-    def inputs(self) -> int:
-        return self.networks[0].inputs
-
-    @property
-    def outputs(self) -> int:
-        return len(self.networks)
-
-    @property
-    def elements(self) -> int:
-        """Elements of the stream that the last network sees: samples, then earlier outputs."""
-        return self.networks[-1].inputs
+    def input_controller(self) -> InputController:
+        return InputController(self.networks[-1].inputs, 0, variant="frame")
 
     @property
     def interval(self) -> int:
-        return self.elements
+        return self.input_controller.inputs
+
+    @property
+    def multiplexers(self) -> tuple[StreamMultiplexer, ...]:
+        """One between each network and the next."""
+        return tuple(
+            StreamMultiplexer(SIGNAL, slot, variant=str(slot))
+            for slot in range(self.inputs, self.networks[-1].inputs)
+        )
 
     def parts(self) -> tuple[Block, ...]:
-        return self.networks
+        return (
+            self.input_controller,
+            *self.networks,
+            *self.multiplexers,
+            self.output_collector,
+        )
 
     def compute(self, frames: Codes) -> Codes:
         seen = frames

@@ -30,12 +30,15 @@ class Hybrid(Network):
     activations : tuple of ActivationBlock
         One per hidden node.
     output_integral : OutputIntegral
+    min_interval : int
+        Clocks that whoever takes the outputs needs from one frame to the next.
     """
 
     block = "hybrid"
     input_integral: InputIntegral
     activations: tuple[ActivationBlock, ...]
     output_integral: OutputIntegral
+    min_interval: int = 1
 
     def __post_init__(self) -> None:
         hidden = len(self.input_integral.nodes)
@@ -55,11 +58,11 @@ class Hybrid(Network):
 
     @property
     def interval(self) -> int:
-        return max(self.inputs, self.outputs)
+        return max(self.inputs, self.outputs, self.min_interval)
 
     @property
     def input_controller(self) -> InputController:
-        spacing = self.outputs if self.outputs > self.inputs else 0
+        spacing = self.interval if self.interval > self.inputs else 0
         return InputController(self.inputs, spacing, variant=self.variant)
 
     @property

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.fixed import Codes
+from golden.layers.input_controller import InputController
 
 # Frames computed at a time; 4096 x 16 nodes x 8 bytes fit a second-level cache.
 CHUNK = 4096
@@ -33,6 +34,11 @@ class Network(Block):
     @property
     def interval(self) -> int:
         """Least clocks from one frame to the next."""
+        raise NotImplementedError
+
+    @property
+    def input_controller(self) -> InputController:
+        """The controller that judges frames; its ``inputs`` are the elements of the stream."""
         raise NotImplementedError
 
     def compute(self, frames: Codes) -> Codes:

@@ -1,0 +1,52 @@
+"""Output collector: results that come side by side leave one after the other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from numpy.typing import ArrayLike
+
+from golden.block import Block
+from golden.fixed import Codes, Fix
+
+
+@dataclass(frozen=True)
+class OutputCollector(Block):
+    """The outputs of several networks as one frame (thesis section 5.5).
+
+    Parameters
+    ----------
+    fmt : Fix
+        Format of the results.
+    outputs : int
+        Results of one frame, 1 or more.
+
+    Raises
+    ------
+    ValueError
+        When outputs is below 1.
+    """
+
+    block = "output_collector"
+    area = "layers"
+    fmt: Fix
+    outputs: int
+
+    def __post_init__(self) -> None:
+        if self.outputs < 1:
+            raise ValueError(f"{self.entity}: got outputs={self.outputs}, expected 1 or more")
+
+    @property
+    def count_width(self) -> int:
+        """Bits of the number of results still to leave."""
+        return self.outputs.bit_length()
+
+    def process(self, results: ArrayLike) -> Codes:
+        """The elements that leave, in order, for results of shape (frames, outputs).
+
+        Raises
+        ------
+        ValueError
+            For a wrong last axis or a code outside ``fmt``.
+        """
+        return self.fmt.check(results, f"{self.entity} results", self.outputs).ravel()

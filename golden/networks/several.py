@@ -1,0 +1,57 @@
+"""What arrangements of several networks have in common: one output of each, in their order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from golden.layers.output_collector import OutputCollector
+from golden.networks.hybrid import Hybrid
+from golden.networks.network import Network
+from golden.precision import SIGNAL
+
+
+@dataclass(frozen=True)
+class Several(Network):
+    """Networks of one output each; see the subclasses.
+
+    Parameters
+    ----------
+    networks : tuple of Hybrid
+        One per output, in the order of the outputs.
+
+    Raises
+    ------
+    ValueError
+        For fewer than two networks, or networks of other inputs and outputs than ``_inputs_of``
+        asks for.
+    """
+
+    networks: tuple[Hybrid, ...]
+
+    def _inputs_of(self, number: int) -> int:
+        """How many inputs network ``number`` must have."""
+        raise NotImplementedError
+
+    def __post_init__(self) -> None:
+        shapes = [(network.inputs, network.outputs) for network in self.networks]
+        expected = [(self._inputs_of(i), 1) for i in range(len(shapes))]
+        if len(shapes) < 2 or shapes != expected:
+            raise ValueError(
+                f"{self.entity}: got networks of (inputs, outputs) {shapes}, expected two or more: "
+                f"{expected}"
+            )
+
+    @property
+    def inputs(self) -> int:
+        return self.networks[0].inputs
+
+    @property
+    def outputs(self) -> int:
+        return len(self.networks)
+
+    @property
+    def output_collector(self) -> OutputCollector:
+        return OutputCollector(SIGNAL, self.outputs)
+
+    def left_out(self) -> list[str]:
+        return [f"{part.entity}: {text}" for part in self.networks for text in part.left_out()]

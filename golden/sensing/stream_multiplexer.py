@@ -1,0 +1,81 @@
+"""Stream multiplexer: a network's result in its place among the samples."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.block import Block
+from golden.fixed import Codes, Fix
+
+
+@dataclass(frozen=True)
+class StreamMultiplexer(Block):
+    """Element ``slot`` of every frame is replaced by the result held (thesis section 5.5).
+
+    Parameters
+    ----------
+    fmt : Fix
+        Format of elements and result.
+    slot : int
+        Position that is replaced, counted from 0 at the start of a frame.
+
+    Raises
+    ------
+    ValueError
+        When slot is negative.
+    """
+
+    block = "stream_multiplexer"
+    area = "sensing"
+    fmt: Fix
+    slot: int
+
+    def __post_init__(self) -> None:
+        if self.slot < 0:
+            raise ValueError(f"{self.entity}: got slot={self.slot}, expected 0 or more")
+
+    @property
+    def count_width(self) -> int:
+        """Bits of the position; it stops one past the slot."""
+        return (self.slot + 1).bit_length()
+
+    def process(
+        self,
+        data: ArrayLike,
+        last: ArrayLike,
+        clock: ArrayLike,
+        results: ArrayLike,
+        result_clock: ArrayLike,
+    ) -> Codes:
+        """The elements that leave, for elements that arrive after a reset.
+
+        Parameters
+        ----------
+        data : array_like of int
+            Codes of ``fmt``, one per element.
+        last : array_like of bool
+            The ``last`` flag of each element.
+        clock, result_clock : array_like of int
+            When each element and each result arrived; a result is held from the next clock on.
+        results : array_like of int
+            Codes of ``fmt``.
+
+        Raises
+        ------
+        ValueError
+            For codes outside ``fmt``, or a slot that comes before any result.
+        """
+        elements = self.fmt.check(data, f"{self.entity} data")
+        words = self.fmt.check(results, f"{self.entity} results")
+        ends = np.flatnonzero(last)
+        index = np.arange(len(elements))
+        frame = np.searchsorted(ends, index)
+        start = np.concatenate([[0], ends + 1])[frame]
+        held = np.searchsorted(np.asarray(result_clock), clock) - 1
+        replaced = index - start == self.slot
+        if (held[replaced] < 0).any():
+            raise ValueError(f"{self.entity}: element {self.slot} came before any result")
+        return np.where(replaced, words[held] if len(words) else 0, elements)

@@ -1,0 +1,97 @@
+"""Multiple: independent networks side by side, one for each output."""
+
+from myhdl import block
+
+from golden.networks.multiple import Multiple
+from golden.precision import SIGNAL
+from hdl.common.delay import delay
+from hdl.common.lookup import latency
+from hdl.common.signals import Words, fixed, flag
+from hdl.layers.output_collector import output_collector
+from hdl.networks.hybrid import hybrid
+
+
+@block
+def multiple(
+    clk,
+    rst,
+    in_valid,
+    in_data,
+    in_last,
+    out_valid,
+    out_data,
+    out_last,
+    frame_error,
+    *,
+    spec: Multiple,
+):
+    """A frame of samples in, a frame with one output of each network out (section 3.12).
+
+    Parameters
+    ----------
+    in_valid, in_data, in_last : bool, signed Fix(14,13), bool
+        One sample a clock at most; every network takes all of them.
+    out_valid, out_data, out_last : bool, signed Fix(14,13), bool
+        One output a clock, in the order of the networks.
+    frame_error : bool
+        One clock long for each frame of the wrong length, which yields no result.
+    spec : Multiple
+
+    Notes
+    -----
+    Latency from the last sample to the first output: that of the slowest network and 1 clock; the
+    results of the others wait for it. Reset clears every flag and counter.
+    """
+    outputs = spec.outputs
+    clocks = [latency(network) for network in spec.networks]
+    slowest = clocks.index(max(clocks))
+    result_valid = Words(outputs, flag)
+    result = Words(outputs, lambda: fixed(SIGNAL))
+    aligned = Words(outputs, lambda: fixed(SIGNAL))
+    result_last = Words(outputs, flag)
+    broken = Words(outputs, flag)
+
+    def destination(i):
+        """Where network i puts its result: the slowest ones need no delay."""
+        return result[i] if clocks[i] < clocks[slowest] else aligned[i]
+
+    networks = [
+        hybrid(
+            clk,
+            rst,
+            in_valid,
+            in_data,
+            in_last,
+            result_valid[i],
+            destination(i),
+            result_last[i],
+            # All controllers judge the same frames; one of them speaks.
+            frame_error if i == 0 else broken[i],
+            spec=network,
+        )
+        for i, network in enumerate(spec.networks)
+    ]
+    delays = [
+        delay(clk, None, result[i], aligned[i], clocks=clocks[slowest] - clocks[i])
+        for i in range(outputs)
+        if clocks[i] < clocks[slowest]
+    ]
+    return (
+        networks,
+        delays,
+        output_collector(
+            clk,
+            rst,
+            result_valid[slowest],
+            aligned,
+            out_valid,
+            out_data,
+            out_last,
+            spec=spec.output_collector,
+        ),
+    )
+
+
+multiple.latency = lambda spec: (
+    max(latency(network) for network in spec.networks) + latency(spec.output_collector)
+)

@@ -1,0 +1,65 @@
+"""Stream multiplexer: a network's result in its place among the samples."""
+
+from myhdl import always, block
+
+from golden.sensing.stream_multiplexer import StreamMultiplexer
+from hdl.common.delay import delay
+from hdl.common.signals import fixed, unsigned
+from hdl.common.stream import position
+
+
+@block
+def stream_multiplexer(
+    clk,
+    rst,
+    in_valid,
+    in_data,
+    in_last,
+    result_valid,
+    result,
+    out_valid,
+    out_data,
+    out_last,
+    *,
+    spec: StreamMultiplexer,
+):
+    """The stream one clock later, element ``spec.slot`` of each frame replaced (section 5.5).
+
+    Parameters
+    ----------
+    in_valid, in_data, in_last : bool, signed ``spec.fmt``, bool
+        The stream.
+    result_valid, result : bool, signed ``spec.fmt``
+        A result is held from the next clock on, until the next one comes.
+    out_valid, out_data, out_last : bool, signed ``spec.fmt``, bool
+        The stream with the result.
+    spec : StreamMultiplexer
+
+    Notes
+    -----
+    Latency 1 clock, one element a clock. Reset clears the position and the flags.
+    """
+    slot = spec.slot
+    held = fixed(spec.fmt)
+    count = unsigned(spec.count_width)
+
+    counter = position(clk, rst, in_valid, in_last, count, stop=slot + 1)
+
+    @always(clk.posedge)
+    def hold():
+        if result_valid:
+            held.next = result
+
+    @always(clk.posedge)
+    def splice():
+        if count == slot:
+            out_data.next = held
+        else:
+            out_data.next = in_data
+
+    mark = delay(clk, rst, in_valid, out_valid, clocks=1)
+    close = delay(clk, rst, in_last, out_last, clocks=1)
+    return counter, hold, splice, mark, close
+
+
+stream_multiplexer.latency = lambda spec: 1

@@ -1,0 +1,155 @@
+"""The tests that every network passes, whatever its arrangement; a bench imports them.
+
+A frame of the stream is as long as the twin's controller says: the samples and, in a cascade, slots
+whose contents do not matter, so they are driven at random.
+"""
+
+import cocotb
+import numpy as np
+
+from golden.block import walk
+from golden.precision import SIGNAL
+from tb.common.bench import Bench
+from tb.common.framing import random_lengths, scan
+from tb.common.stimulus import corner_frames, extreme_frames, random_resets, spread
+
+WATCH = ["out_valid", "out_data", "out_last", "frame_error"]
+
+
+async def check(bench, elements, last, gap, resets=None, pause=0):
+    """Play a stream; expect what the twin makes of the stream that was recorded.
+
+    ``resets`` gives the reset column for a number of clocks.
+    """
+    twin = bench.twin
+    outputs, latency = twin.outputs, bench.latency
+    length = twin.input_controller.inputs
+    items = {"in_data": elements, "in_last": last}
+    drive = spread(bench.rng, items, "in_valid", gap, tail=latency + outputs + 4, pause=pause)
+    if resets is not None:
+        drive["rst"] = resets(len(drive["in_valid"]))
+    recording = await bench.play(drive, WATCH)
+
+    rows, frames = scan(twin.input_controller, recording)
+    done = np.flatnonzero(frames.done)
+    data = recording.signed("in_data", rows)
+    seen = data[done[:, np.newaxis] + np.arange(1 - length, 1)]
+    results = twin.process(seen[:, : twin.inputs])
+    at = rows[done][:, np.newaxis] + latency + np.arange(outputs)
+    entered = np.repeat(rows[done - length + 1], outputs)
+    alive = recording.undisturbed(entered, (at - 1).ravel())
+    expected_rows = at.ravel()[alive]
+
+    left = recording.rows("out_valid")
+    bench.compare("clocks of out_valid", left, expected_rows)
+    frame = np.repeat(seen, outputs, axis=0)[alive]
+    got = recording.signed("out_data", left)
+    bench.compare("out_data", got, results.ravel()[alive], frame=frame)
+    last_rows = expected_rows[np.tile(np.arange(outputs) == outputs - 1, len(done))[alive]]
+    bench.compare("clocks of out_last", recording.rows("out_last"), last_rows)
+    bench.compare("clocks of frame_error", recording.rows("frame_error"), rows[frames.error] + 1)
+    return recording, rows, frames
+
+
+def whole_frames(bench, frames):
+    """The stream of good frames."""
+    slots = bench.twin.input_controller.inputs - frames.shape[1]
+    filling = bench.rng.integers(SIGNAL.low, SIGNAL.high + 1, (len(frames), slots))
+    elements = np.concatenate([frames, filling], axis=1)
+    last = np.zeros(elements.shape, dtype=np.int64)
+    last[:, -1] = 1
+    return elements.ravel(), last.ravel()
+
+
+def random_elements(bench, count):
+    return bench.rng.integers(SIGNAL.low, SIGNAL.high + 1, count)
+
+
+@cocotb.test()
+async def recorded(dut):
+    """All recorded frames as close as the design takes them, then with gaps; counts the clocks."""
+    bench = Bench(dut)
+    codes = bench.scene.vectors().codes
+    length = bench.twin.input_controller.inputs
+    pause = np.zeros((len(codes), length), dtype=np.int64)
+    pause[:, 0] = bench.twin.interval - length
+    stream = whole_frames(bench, codes)
+    recording, rows, frames = await check(bench, *stream, gap=0.0, pause=pause.ravel())
+    entered = rows[frames.done]
+    assert len(entered) == len(codes), "a recorded frame was refused"
+    first = entered[0] - length + 1
+    final = recording.rows("out_last")[0]
+    bench.facts = {
+        "frames": len(codes),
+        "seconds": recording.seconds,
+        "clocks_per_frame": int(final - first + 1),
+        "interval": int(np.diff(entered).min()),
+    }
+    await check(bench, *whole_frames(bench, codes), gap=0.3)
+    bench.finish(at_least=len(codes) * bench.twin.outputs)
+
+
+@cocotb.test()
+async def corners_and_random(dut):
+    """Corner frames, frames that drive hidden sums to their ends, and random ones."""
+    bench = Bench(dut)
+    inputs = bench.twin.inputs
+    random = random_elements(bench, 400 * inputs).reshape(400, inputs)
+    nodes = [part for part in walk(bench.twin) if part.block == "input_node"]
+    ends = extreme_frames(SIGNAL, [node.weights[:inputs] for node in nodes])
+    frames = np.concatenate([corner_frames(SIGNAL, inputs), ends, random])
+    for gap in (0.0, 0.4):
+        await check(bench, *whole_frames(bench, frames), gap=gap)
+    bench.finish(at_least=400)
+
+
+@cocotb.test()
+async def wrong_lengths(dut):
+    """Frames too short and too long among good ones."""
+    bench = Bench(dut)
+    for gap in (0.0, 0.4):
+        last = random_lengths(bench.rng, bench.twin.input_controller.inputs, 1500)
+        _, _, frames = await check(bench, random_elements(bench, len(last)), last, gap)
+        assert frames.error.any(), "no wrong frame was driven"
+    bench.finish(at_least=200)
+
+
+@cocotb.test()
+async def resets_in_mid_frame(dut):
+    """Resets at random clocks among frames of all lengths."""
+    bench = Bench(dut)
+    last = random_lengths(bench.rng, bench.twin.input_controller.inputs, 2500)
+    every = 2 * (bench.twin.input_controller.inputs + bench.latency)
+    await check(
+        bench,
+        random_elements(bench, len(last)),
+        last,
+        gap=0.2,
+        resets=lambda length: random_resets(bench.rng, length, every),
+    )
+    bench.finish(at_least=100)
+
+
+@cocotb.test()
+async def reset_at_every_clock(dut):
+    """One frame, a reset a given number of clocks after its first element, and a good frame."""
+    bench = Bench(dut)
+    twin = bench.twin
+    inputs, length = twin.inputs, twin.input_controller.inputs
+    span = length + bench.latency + twin.outputs + 2
+    frames = random_elements(bench, 2 * span * inputs).reshape(-1, inputs)
+    pause = np.zeros((2 * span, length), dtype=np.int64)
+    pause[:, 0] = span
+
+    def resets(clocks):
+        column = np.zeros(clocks, dtype=np.int64)
+        for t in range(span):
+            # Frame 2 t starts at this clock, frame 2 t + 1 a span and a frame later.
+            column[2 * t * (span + length) + span + t] = 1
+        return column
+
+    _, _, scanned = await check(
+        bench, *whole_frames(bench, frames), gap=0.0, resets=resets, pause=pause.ravel()
+    )
+    assert scanned.done.sum() >= span, "a frame after a reset was refused"
+    bench.finish(at_least=span * twin.outputs)

@@ -1,0 +1,70 @@
+"""stream_multiplexer against its twin.
+
+Sweeps: 3000 random elements in frames of random length, many shorter than the slot and many longer,
+with the rails among elements and results.
+Drives: results at random clocks, with random gaps between elements, and with resets.
+Checks: data, valid and last in every clock.
+Does not prove: a slot that comes before any result, which the cascade's delays rule out.
+"""
+
+import cocotb
+import numpy as np
+
+from tb.common.bench import Bench
+from tb.common.stimulus import random_resets, spread
+
+
+async def check(bench, gap, resets):
+    twin, rng = bench.twin, bench.rng
+    fmt = twin.fmt
+    count = 3000
+    last = (rng.random(count) < 1 / (twin.slot + 2)).astype(np.int64)
+    items = {"in_data": rng.integers(fmt.low, fmt.high + 1, count), "in_last": last}
+    items["in_data"][::97], items["in_data"][1::97] = fmt.low, fmt.high
+    drive = spread(rng, items, "in_valid", gap, tail=4)
+    length = len(drive["in_valid"])
+    drive["result_valid"] = (rng.random(length) < 0.2).astype(np.int64)
+    drive["result"] = rng.integers(fmt.low, fmt.high + 1, length)
+    drive["result"][rng.random(length) < 0.02] = fmt.low
+    # The first clock brings a result, and no element.
+    drive = {name: np.concatenate([[0], column]) for name, column in drive.items()}
+    drive["result_valid"][0] = 1
+    if resets:
+        drive["rst"] = random_resets(rng, length + 1, every=40)
+    recording = await bench.play(drive, ["out_valid", "out_data", "out_last"])
+
+    rows = np.setdiff1d(recording.rows("in_valid"), recording.resets())
+    data = recording.signed("in_data", rows)
+    ends = np.isin(rows, recording.rows("in_last"))
+    given = recording.rows("result_valid")
+    results = recording.signed("result", given)
+    since = np.searchsorted(recording.resets(), rows)
+    expected = np.concatenate(
+        [
+            twin.process(data[part], ends[part], rows[part], results, given)
+            for part in (since == epoch for epoch in np.unique(since))
+        ]
+    )
+    left = recording.rows("out_valid")
+    bench.compare("clocks of out_valid", left, rows + 1)
+    bench.compare("out_data", recording.signed("out_data", left), expected, in_data=data)
+    closed = np.intersect1d(left, recording.rows("out_last"))
+    bench.compare("clocks of out_last", closed, rows[ends] + 1)
+    replaced = int((expected != data).sum())
+    assert replaced > 100, f"{replaced} elements were replaced"
+    bench.finish(at_least=2000)
+
+
+@cocotb.test()
+async def back_to_back(dut):
+    await check(Bench(dut), gap=0.0, resets=False)
+
+
+@cocotb.test()
+async def gaps(dut):
+    await check(Bench(dut), gap=0.4, resets=False)
+
+
+@cocotb.test()
+async def resets(dut):
+    await check(Bench(dut), gap=0.2, resets=True)
