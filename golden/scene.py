@@ -42,7 +42,7 @@ _KEYS: dict[str, dict[str, tuple[type, Any]]] = {
     },
     "hardware": {
         "design": (str, None),
-        "activation": (str, None),
+        "activation": (str, ""),
         "precision": (str, None),
         "clock_mhz": (float, 64.0),
     },
@@ -254,7 +254,7 @@ def _checked(raw: dict[str, Any], path: Path) -> dict[str, dict[str, Any]]:
             if type(value) is not kind:
                 raise ValueError(f"{path}: {section}.{key}: got {value!r}, expected {_kind(kind)}")
             choices = _CHOICES.get((section, key))
-            if choices and value not in choices:
+            if choices and key in given and value not in choices:
                 raise ValueError(
                     f"{path}: {section}.{key}: got {value!r}, expected one of "
                     f"{', '.join(choices)}{suggest(str(value), choices)}"
@@ -312,6 +312,7 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
             raise ValueError(f"{path}: training.{key}: got {value!r}, expected 0 or more")
     if data["reference"]:
         thesis_figures(data["reference"], len(data["outputs"]), path)
+    precision = PRECISIONS[hardware["precision"]]
     return Scene(
         name=path.stem,
         path=path,
@@ -323,8 +324,8 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
         full_scale={name: float(s) for name, s in data["full_scale"].items()},
         reference=data["reference"],
         hidden=network["hidden"],
-        activation=hardware["activation"],
-        precision=PRECISIONS[hardware["precision"]],
+        activation=hardware["activation"] or precision.activation,
+        precision=precision,
         clock_mhz=hardware["clock_mhz"],
         training=Training(**(values["training"] | {"hidden": (span[0], span[1])})),
     )
