@@ -37,7 +37,9 @@ class Precision:
     gradient_frac_limit, intercept_frac : int
         Formats of the Gradient scheme's constants.
     rounding : Rounding
-        How the activation ends.
+        How the gradient activation ends.
+    activation : str
+        What a scene gets that names no activation.
     """
 
     name: str
@@ -49,6 +51,7 @@ class Precision:
     gradient_frac_limit: int
     intercept_frac: int
     rounding: Rounding
+    activation: str
 
     def coefficients(self, weights: Real, biases: Real, layer: str) -> tuple[Codes, Codes, Fix]:
         """Codes of a layer's weights and biases and the format they share.
@@ -88,6 +91,7 @@ THESIS = Precision(
     gradient_frac_limit=13,
     intercept_frac=13,
     rounding=Rounding.TRUNCATE,
+    activation="gradient",
 )
 PRECISE = Precision(
     name="precise",
@@ -99,5 +103,6 @@ PRECISE = Precision(
     gradient_frac_limit=17,
     intercept_frac=17,
     rounding=Rounding.ROUND,
+    activation="precise",
 )
 PRECISIONS = {p.name: p for p in (THESIS, PRECISE)}

@@ -43,7 +43,7 @@ _KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
     },
     "hardware": {
         "design": (str, None),
-        "activation": (str, None),
+        "activation": (str, ""),
         "precision": (str, None),
         "clock_mhz": (float, 64.0),
     },
@@ -296,7 +296,7 @@ def _checked(raw: dict[str, Any], path: Path) -> dict[str, dict[str, Any]]:
             if not _is(value, kind):
                 raise ValueError(f"{path}: {section}.{key}: got {value!r}, expected {_kind(kind)}")
             choices = _CHOICES.get((section, key))
-            if choices and value not in choices:
+            if choices and key in given and value not in choices:
                 raise ValueError(
                     f"{path}: {section}.{key}: got {value!r}, expected one of "
                     f"{', '.join(choices)}{suggest(str(value), choices)}"
@@ -362,6 +362,7 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
             raise ValueError(f"{path}: training.{key}: got {value!r}, expected 0 or more")
     if data["reference"]:
         thesis_figures(data["reference"], len(data["outputs"]), path)
+    precision = PRECISIONS[hardware["precision"]]
     return Scene(
         name=path.stem,
         path=path,
@@ -373,8 +374,8 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
         reference=data["reference"],
         arrangement=network["arrangement"],
         members=members,
-        activation=hardware["activation"],
-        precision=PRECISIONS[hardware["precision"]],
+        activation=hardware["activation"] or precision.activation,
+        precision=precision,
         clock_mhz=hardware["clock_mhz"],
         training=Training(**(values["training"] | {"hidden": (span[0], span[1])})),
     )

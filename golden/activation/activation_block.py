@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
+from functools import lru_cache
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.block import Block
@@ -26,9 +28,29 @@ class ActivationBlock(Block):
     out_fmt: Fix
 
     def process(self, data: ArrayLike) -> Codes:
-        """Activation codes in ``out_fmt``, the shape of ``data``."""
+        """Activation codes in ``out_fmt``, the shape of ``data``.
+
+        Looked up in the results of ``compute`` for every code of the input, which a neuron of a
+        network that runs for long meets many times over.
+
+        Raises
+        ------
+        ValueError
+            For a code outside ``in_fmt``.
+        """
+        codes = self.in_fmt.check(data, f"{self.block} data")
+        return np.take(_results(self), codes - self.in_fmt.low)
+
+    def compute(self, data: Codes) -> Codes:
+        """The same from part to part, as the hardware does it."""
         raise NotImplementedError
 
     def left_out(self) -> Counter[str]:
         """How many of what the neuron cannot need and the block therefore lacks."""
         return Counter()
+
+
+@lru_cache(maxsize=256)
+def _results(activation: ActivationBlock) -> Codes:
+    """The activation of every input code, from the lowest up."""
+    return activation.compute(np.arange(activation.in_fmt.low, activation.in_fmt.high + 1))

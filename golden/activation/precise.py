@@ -1,0 +1,103 @@
+"""precise: tanh within one unit of the last place."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+
+import numpy as np
+
+from golden.activation.abs_unit import AbsUnit
+from golden.activation.activation_block import ActivationBlock
+from golden.activation.precise_table import FORMATS, CurveFormat, CurveTable, curve_table
+from golden.activation.sign_retriever import SignRetriever
+from golden.block import Block
+from golden.fixed import Codes
+
+
+@dataclass(frozen=True)
+class Precise(ActivationBlock):
+    """r = tanh(q): a parabola by segment, on one multiplier.
+
+    With the magnitude m of q in segment s, x its distance from the middle of the segment and t the
+    top bits of its distance from the start:
+    r = floor(intercept + x (gradient - curve t)), with the sign of q.
+
+    Parameters
+    ----------
+    in_fmt, out_fmt : Fix
+        Formats of q and r: Fix(18,14) and Fix(14,13).
+    coefficients : str
+        Where they stand: "logic", 39 words in LUTs, or "block_ram", 299 words of 36 bits in one
+        block RAM, with narrower segments. ``precise_table.FORMATS`` holds the formats of both.
+    words : int
+        Words kept: those of the segments that the neuron can reach, at least 1.
+
+    Notes
+    -----
+    Sum and product are exact; half a unit is part of the intercept. Odd and monotone; every result
+    is within one unit of 2**-13 of tanh(q), over all 262144 codes (tests/test_precise.py). Of these
+    10940 are not the nearest code with "logic" and 452 with "block_ram". |-8| saturates.
+
+    A magnitude beyond the words kept takes the last of them, and the result may wrap; the neuron
+    cannot produce it.
+
+    Raises
+    ------
+    ValueError
+        When ``coefficients`` or ``words`` is not what there is.
+    """
+
+    block = "precise"
+    coefficients: str
+    words: int
+
+    def __post_init__(self) -> None:
+        if self.coefficients not in FORMATS:
+            raise ValueError(
+                f"{self.entity}: got coefficients={self.coefficients!r}, expected one of "
+                f"{', '.join(FORMATS)}"
+            )
+        most = len(self._whole.intercepts)
+        if not 1 <= self.words <= most:
+            raise ValueError(f"{self.entity}: got words={self.words}, expected 1 to {most}")
+
+    @property
+    def formats(self) -> CurveFormat:
+        """Formats of coefficients, slope and sum."""
+        return FORMATS[self.coefficients]
+
+    @property
+    def _whole(self) -> CurveTable:
+        return curve_table(self.formats)
+
+    @property
+    def table(self) -> CurveTable:
+        """The coefficients of the words kept."""
+        whole, kept = self._whole, slice(self.words)
+        return CurveTable(whole.intercepts[kept], whole.gradients[kept], whole.curves[kept])
+
+    @property
+    def abs_unit(self) -> AbsUnit:
+        return AbsUnit(self.in_fmt)
+
+    @property
+    def sign_retriever(self) -> SignRetriever:
+        return SignRetriever(self.out_fmt)
+
+    def parts(self) -> tuple[Block, ...]:
+        return self.abs_unit, self.sign_retriever
+
+    def left_out(self) -> Counter[str]:
+        missing = len(self._whole.intercepts) - self.words
+        return Counter({"ROM words of segments no neuron reaches": missing} if missing else {})
+
+    def compute(self, data: Codes) -> Codes:
+        mag, negative = self.abs_unit.process(data)
+        segment, x, top = self.formats.split(mag)
+        word = np.minimum(segment, self.words - 1)
+        table = self.table
+        slope = self.formats.slope(np.take(table.gradients, word), np.take(table.curves, word), top)
+        intercept = np.take(table.intercepts, word) << self.formats.intercept_shift
+        result = (intercept + x * slope) >> self.formats.out_shift
+        return self.sign_retriever.process(result & self.out_fmt.high, negative)

@@ -1,0 +1,207 @@
+"""The coefficients of ``precise``: a parabola for every segment of tanh, found over integers.
+
+A magnitude m, Fix(18,14), lies in segment s = m >> w, all of one width 2**w. With d the low w bits
+of m, x = d - 2**(w-1) its distance from the middle of the segment, and t the top bits of d,
+
+    slope = gradient - curve * t,    r = intercept + x * slope, floor
+
+is a parabola through the middle of the segment whose second multiplication has a few bits only.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from golden.fixed import Codes
+from golden.precision import PRECISE, SIGNAL
+
+# How far around the least-squares fit the search looks, in units of the last place.
+_NEAR_GRADIENT = 5
+_NEAR_CURVE = 2
+
+
+@dataclass(frozen=True)
+class CurveFormat:
+    """Segments and formats of one form of the table; every code is unsigned.
+
+    Parameters
+    ----------
+    segment_frac : int
+        A segment is 2**-segment_frac wide.
+    top_width : int
+        Bits of t, the part of the distance that the curve is multiplied by.
+    intercept_frac, gradient_frac, slope_frac : int
+        Fraction bits; those of the slope are at least those of the gradient.
+    curve_width : int
+        Bits of the curve, which counts in last places of the slope.
+    curved : int
+        Segments from q = 0 that are fitted; those above hold a constant until the result stays
+        8191.
+    """
+
+    segment_frac: int
+    top_width: int
+    intercept_frac: int
+    gradient_frac: int
+    slope_frac: int
+    curve_width: int
+    curved: int
+
+    @property
+    def distance_width(self) -> int:
+        """w, bits of the distance from the start of a segment."""
+        return PRECISE.hidden_fmt.frac - self.segment_frac
+
+    @property
+    def gradient_shift(self) -> int:
+        """Places by which the gradient moves left to meet the slope's binary point."""
+        return self.slope_frac - self.gradient_frac
+
+    @property
+    def product_frac(self) -> int:
+        """Fraction bits of x * slope and of the exact sum."""
+        return PRECISE.hidden_fmt.frac + self.slope_frac
+
+    @property
+    def intercept_shift(self) -> int:
+        """Places by which the intercept moves left to meet the product's binary point."""
+        return self.product_frac - self.intercept_frac
+
+    @property
+    def out_shift(self) -> int:
+        """Fraction bits dropped at the end."""
+        return self.product_frac - SIGNAL.frac
+
+    def split(self, mag: Codes) -> tuple[Codes, Codes, Codes]:
+        """Segment, distance x from its middle, and t of each magnitude."""
+        distance = mag & ((1 << self.distance_width) - 1)
+        top = distance >> (self.distance_width - self.top_width)
+        return (
+            mag >> self.distance_width,
+            distance - (1 << (self.distance_width - 1)),
+            top,
+        )
+
+    def slope(self, gradient: Codes, curve: Codes, top: Codes) -> Codes:
+        """gradient - curve * t with ``slope_frac`` fraction bits.
+
+        The places below the gradient's last are filled with ones, so that the subtraction borrows
+        nothing from them and is as wide as the gradient.
+        """
+        filled = (gradient << self.gradient_shift) + (1 << self.gradient_shift) - 1
+        return filled - curve * top
+
+
+# 32 curved segments of 1/8, and constants from 4 on.
+LOGIC = CurveFormat(3, 6, 16, 11, 14, 4, 32)
+# A word of 36 bits, 512 of them fill one block RAM: segments of 1/64.
+BLOCK_RAM = CurveFormat(6, 3, 18, 13, 15, 5, 320)
+FORMATS = {"logic": LOGIC, "block_ram": BLOCK_RAM}
+
+
+@dataclass(frozen=True)
+class CurveTable:
+    """Coefficients by segment; the last holds for every segment above as well."""
+
+    intercepts: tuple[int, ...]
+    gradients: tuple[int, ...]
+    curves: tuple[int, ...]
+
+
+@lru_cache
+def curve_table(fmt: CurveFormat) -> CurveTable:
+    """The coefficients with the fewest wrongly rounded results.
+
+    Each segment takes, out of a window around the least-squares parabola, the coefficients that
+    round the most codes correctly, among those for which every result is within one unit of
+    2**-13 of tanh and none is below the one before it. Deterministic; below a second.
+
+    Raises
+    ------
+    ValueError
+        When the formats are too coarse for a segment; the message names it.
+    """
+    words: list[tuple[int, int, int]] = []
+    last = 0
+    segments = 1 << (PRECISE.hidden_fmt.width - 1 - fmt.distance_width)
+    for segment in range(segments):
+        word, results = _fit(fmt, segment, last)
+        words.append(word)
+        last = int(results[-1])
+        if results[0] == SIGNAL.high:
+            break
+    intercepts, gradients, curves = zip(*words, strict=True)
+    return CurveTable(intercepts, gradients, curves)
+
+
+def _fit(fmt: CurveFormat, segment: int, last: int) -> tuple[tuple[int, int, int], Codes]:
+    """Coefficients of one segment, and its results; ``last`` is the result before it."""
+    width = fmt.distance_width
+    mag = (segment << width) + np.arange(1 << width)
+    _, x, top = fmt.split(mag)
+    exact = np.tanh(PRECISE.hidden_fmt.to_real(mag)) * 2**SIGNAL.frac
+    rounded = np.minimum(np.floor(exact + 0.5).astype(np.int64), SIGNAL.high)
+    # Zero has no sign, so its result must be zero for the function to be odd.
+    lowest = np.maximum(np.ceil(exact - 1).astype(np.int64), 0)
+    highest = np.where(mag == 0, 0, np.minimum(np.floor(exact + 1), SIGNAL.high).astype(np.int64))
+    gradient, curve = _candidates(fmt, segment, x, top, exact)
+    linear = x * fmt.slope(gradient[:, np.newaxis], curve[:, np.newaxis], top)
+
+    def least(result: Codes) -> Codes:
+        """Least intercept for which the sum reaches ``result``."""
+        return -((linear - (result << fmt.out_shift)) >> fmt.intercept_shift)
+
+    # Correct rounding bounds the intercept from both sides for every code; count, for each
+    # candidate, how many of these intervals hold an intercept.
+    first, behind = least(rounded), least(rounded + 1)
+    base = int(first.min())
+    span = int(behind.max()) - base + 1
+    rows = np.arange(len(gradient))[:, np.newaxis] * span
+    size = len(gradient) * span
+    opened = np.bincount((rows + first - base).ravel(), minlength=size)
+    closed = np.bincount((rows + behind - base).ravel(), minlength=size)
+    correct = np.cumsum((opened - closed).reshape(-1, span), axis=1)
+    intercept = base + np.arange(span)
+    allowed = (intercept >= least(lowest).max(axis=1)[:, np.newaxis]) & (
+        intercept < least(highest + 1).min(axis=1)[:, np.newaxis]
+    )
+    correct[~allowed] = -1
+    for place in np.argsort(-correct, axis=None, kind="stable"):
+        k, i = divmod(int(place), span)
+        if correct[k, i] < 0:
+            break
+        results = ((int(intercept[i]) << fmt.intercept_shift) + linear[k]) >> fmt.out_shift
+        if results[0] >= last and (np.diff(results) >= 0).all():
+            return (int(intercept[i]), int(gradient[k]), int(curve[k])), results
+    raise ValueError(f"segment {segment}: {fmt} is too coarse for one unit of 2**-13")
+
+
+def _candidates(
+    fmt: CurveFormat, segment: int, x: Codes, top: Codes, exact: NDArray[np.float64]
+) -> tuple[Codes, Codes]:
+    """Gradients and curves around the least-squares fit to ``exact``, in units of 2**-13."""
+    if segment >= fmt.curved:
+        # A slope of nothing but the filled places moves no result by as much as a unit.
+        return np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64)
+    unit = 2.0 ** (SIGNAL.frac - fmt.product_frac)
+    offset = (1 << fmt.gradient_shift) - 1
+    columns = np.stack([np.ones(len(x)), x * unit, -x * top * unit], axis=1)
+    _, _, steep = np.linalg.lstsq(columns, exact, rcond=None)[0]
+    near = np.rint(steep) + np.arange(-_NEAR_CURVE, _NEAR_CURVE + 1)
+    centred = x - x.mean()
+    gradients, curves = [], []
+    for curve in near[(near >= 0) & (near < 1 << fmt.curve_width)]:
+        straight = exact - (offset - curve * top) * x * unit
+        slope = (straight @ centred) / (centred @ centred * unit)
+        middle = np.rint(slope / (1 << fmt.gradient_shift))
+        gradients.append(middle + np.arange(-_NEAR_GRADIENT, _NEAR_GRADIENT + 1))
+        curves.append(np.full(2 * _NEAR_GRADIENT + 1, curve))
+    gradient = np.concatenate(gradients).astype(np.int64)
+    curve = np.concatenate(curves).astype(np.int64)
+    # The slope is least where t is largest, and unsigned.
+    positive = fmt.slope(gradient, curve, top.max(keepdims=True)) >= 0
+    return gradient[positive], curve[positive]
