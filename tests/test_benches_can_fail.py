@@ -39,16 +39,33 @@ FAULTS = [
     ("output_integral", r"out_last <= [a-z]\w+", "out_last <= 0"),
     ("hybrid", r"\.capture\(capture\)", ".capture(accumulate)"),
     ("hybrid", r"\.in_r_1\(r_1\)", ".in_r_1(r_0)"),
+    ("stream_multiplexer", r"out_data <= held", "out_data <= result"),
+    ("stream_multiplexer", r"\(count == (\d+)\)", r"(count == \1 + 1)"),
+    ("output_collector", r"remaining == 1", "remaining == 2"),
+    ("output_collector", r"<= in_data_1", "<= in_data_0"),
+    ("cascade", r"\.in_data\(data_0\)", ".in_data(in_data)"),
+    ("cascade", r"\.result\(stage1_result\)", ".result(stage0_result)"),
+    ("cascade", r"\.in_data_0\(gathered_0\)", ".in_data_0(gathered_1)"),
+    ("multiple", r"\.in_data_1\(aligned_1\)", ".in_data_1(aligned_0)"),
+    ("multiple", r"aligned_2 <= result_2", "aligned_2 <= aligned_0"),
 ]
 
 
 @pytest.fixture(scope="module")
 def jobs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Job]:
-    """One job per block under Icarus, of a network whose sums reach their rails."""
+    """One job per block under Icarus; the single network's sums reach their rails."""
     folder = tmp_path_factory.mktemp("faults")
-    shape = (3, 4, 3)
-    path = write_scene(folder, "faulty", "precise", [random_mlp(shape, 20.0, 2)])
-    return {job.block: job for job in plan(load_scene(str(path)), ["icarus"], build=folder)}
+    designs = {
+        "single": [random_mlp((3, 4, 3), 20.0, 2)],
+        "cascade": [random_mlp((2 + i, 3, 1), 1.0, i) for i in range(3)],
+        "multiple": [random_mlp((2, 4 - i, 1), 1.0, i) for i in range(3)],
+    }
+    found: dict[str, Job] = {}
+    for arrangement, mlps in designs.items():
+        path = write_scene(folder, f"faulty-{arrangement}", "precise", mlps, arrangement)
+        for job in plan(load_scene(str(path)), ["icarus"], build=folder):
+            found.setdefault(job.block, job)
+    return found
 
 
 def with_fault(job: Job, folder: Path, pattern: str, text: str) -> Job:

@@ -15,6 +15,81 @@ from hdl.sensing.stream_multiplexer import stream_multiplexer
 
 
 @block
+def stage(
+    clk,
+    rst,
+    valid,
+    data,
+    last,
+    next_valid,
+    next_data,
+    next_last,
+    *,
+    network,
+    multiplexer,
+):
+    """One network and the stream that the next one sees, with the result in its slot."""
+    clocks = latency(network)
+    seen_valid, seen_last = flag(), flag()
+    result_valid, result = flag(), fixed(SIGNAL)
+    late_valid, late_data, late_last = flag(), fixed(SIGNAL), flag()
+    # Left open: ends of frames of one output, and errors of parts of frames.
+    result_last, broken = flag(), flag()
+
+    return (
+        window(clk, rst, valid, last, seen_valid, seen_last, elements=network.inputs),
+        hybrid(
+            clk,
+            rst,
+            seen_valid,
+            data,
+            seen_last,
+            result_valid,
+            result,
+            result_last,
+            broken,
+            spec=network,
+        ),
+        delay(clk, rst, valid, late_valid, clocks=clocks),
+        delay(clk, None, data, late_data, clocks=clocks),
+        delay(clk, rst, last, late_last, clocks=clocks),
+        stream_multiplexer(
+            clk,
+            rst,
+            late_valid,
+            late_data,
+            late_last,
+            result_valid,
+            result,
+            next_valid,
+            next_data,
+            next_last,
+            spec=multiplexer,
+        ),
+    )
+
+
+@block
+def judge(clk, rst, valid, last, frame_error, *, controller):
+    """Frames of the right length and others; of the controller only its error is used."""
+    addr = unsigned(controller.addr_width)
+    preset, accumulate, capture, complete = flag(), flag(), flag(), flag()
+    return input_controller(
+        clk,
+        rst,
+        valid,
+        last,
+        addr,
+        preset,
+        accumulate,
+        capture,
+        complete,
+        frame_error,
+        spec=controller,
+    )
+
+
+@block
 def cascade(
     clk,
     rst,
@@ -49,110 +124,60 @@ def cascade(
     Latency from the last element to the first output: ``cascade.latency(spec)`` clocks; frames may
     follow without a gap. Reset clears every flag and counter.
     """
-    samples, outputs = spec.inputs, spec.outputs
-    final = outputs - 1
-    clocks = [latency(network) for network in spec.networks]
-    # Stream i + 1, which has the results up to that of network i.
+    final = spec.outputs - 1
+    # Stream i, counted from 0, has the results up to that of network i.
     valid, data, last = Words(final, flag), Words(final, lambda: fixed(SIGNAL)), Words(final, flag)
-    late_valid, late_last = Words(final, flag), Words(final, flag)
-    late_data = Words(final, lambda: fixed(SIGNAL))
-    seen_valid, seen_last = Words(final, flag), Words(final, flag)
-    result_valid, result = Words(final, flag), Words(final, lambda: fixed(SIGNAL))
-    # Left open: ends of frames of one output, errors of parts of frames, and all but the judgement
-    # of the controller that sees whole frames.
-    result_last, broken = Words(outputs, flag), Words(outputs, flag)
-    addr = unsigned(spec.input_controller.addr_width)
-    preset, accumulate, capture, complete = flag(), flag(), flag(), flag()
-    tail_valid, tail_last, tail_data = flag(), flag(), fixed(SIGNAL)
+    tail_valid, tail_data, tail_last = flag(), fixed(SIGNAL), flag()
     gathered_valid = flag()
-    gathered = Words(outputs, lambda: fixed(SIGNAL))
+    gathered = Words(spec.outputs, lambda: fixed(SIGNAL))
+    # Left open: the collector closes the frame, and the judge tells of errors.
+    final_last, broken = flag(), flag()
+    # The earlier outputs pass by in the last network's stream. One clock short of its latency,
+    # because a word caught is there a clock later.
+    wait = latency(spec.networks[final]) - 1
 
-    def stream(i):
-        """What network i sees, with the elements after its own."""
-        return (valid[i - 1], data[i - 1], last[i - 1]) if i else (in_valid, in_data, in_last)
-
-    stages = []
-    for i in range(final):
-        stream_valid, stream_data, stream_last = stream(i)
-        stages += [
-            window(
+    return (
+        judge(clk, rst, in_valid, in_last, frame_error, controller=spec.input_controller),
+        [
+            stage(
                 clk,
                 rst,
-                stream_valid,
-                stream_last,
-                seen_valid[i],
-                seen_last[i],
-                elements=samples + i,
-            ),
-            hybrid(
-                clk,
-                rst,
-                seen_valid[i],
-                stream_data,
-                seen_last[i],
-                result_valid[i],
-                result[i],
-                result_last[i],
-                broken[i],
-                spec=spec.networks[i],
-            ),
-            delay(clk, rst, stream_valid, late_valid[i], clocks=clocks[i]),
-            delay(clk, None, stream_data, late_data[i], clocks=clocks[i]),
-            delay(clk, rst, stream_last, late_last[i], clocks=clocks[i]),
-            stream_multiplexer(
-                clk,
-                rst,
-                late_valid[i],
-                late_data[i],
-                late_last[i],
-                result_valid[i],
-                result[i],
+                valid[i - 1] if i else in_valid,
+                data[i - 1] if i else in_data,
+                last[i - 1] if i else in_last,
                 valid[i],
                 data[i],
                 last[i],
-                spec=spec.multiplexers[i],
-            ),
-        ]
-    final_valid, final_data, final_last = stream(final)
-    ending = hybrid(
-        clk,
-        rst,
-        final_valid,
-        final_data,
-        final_last,
-        gathered_valid,
-        gathered[final],
-        result_last[final],
-        broken[final],
-        spec=spec.networks[final],
-    )
-    # The earlier outputs pass by in the last network's stream. One clock short of its latency,
-    # because a word caught is there a clock later.
-    wait = clocks[final] - 1
-    tail = [
-        delay(clk, rst, final_valid, tail_valid, clocks=wait),
-        delay(clk, None, final_data, tail_data, clocks=wait),
-        delay(clk, rst, final_last, tail_last, clocks=wait),
-        catch(clk, rst, tail_valid, tail_data, tail_last, gathered, first=samples, slots=final),
-    ]
-    judge = input_controller(
-        clk,
-        rst,
-        in_valid,
-        in_last,
-        addr,
-        preset,
-        accumulate,
-        capture,
-        complete,
-        frame_error,
-        spec=spec.input_controller,
-    )
-    return (
-        judge,
-        stages,
-        ending,
-        tail,
+                network=spec.networks[i],
+                multiplexer=spec.multiplexers[i],
+            )
+            for i in range(final)
+        ],
+        hybrid(
+            clk,
+            rst,
+            valid[final - 1],
+            data[final - 1],
+            last[final - 1],
+            gathered_valid,
+            gathered[final],
+            final_last,
+            broken,
+            spec=spec.networks[final],
+        ),
+        delay(clk, rst, valid[final - 1], tail_valid, clocks=wait),
+        delay(clk, None, data[final - 1], tail_data, clocks=wait),
+        delay(clk, rst, last[final - 1], tail_last, clocks=wait),
+        catch(
+            clk,
+            rst,
+            tail_valid,
+            tail_data,
+            tail_last,
+            gathered,
+            first=spec.inputs,
+            slots=final,
+        ),
         output_collector(
             clk,
             rst,
