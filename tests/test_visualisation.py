@@ -12,13 +12,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from golden.block import walk
+from golden.figures.visualisation import quotient_error
 from golden.fixed import Fix
 from golden.precision import SIGNAL
 from golden.scene import load_scene
 from golden.table import read_table
 from golden.units import POSITION_MM, WIDTH_MM
 from golden.visualisation.exp_memory import exp_memory
-from golden.visualisation.functions import power_load
 from golden.visualisation.load_profile import (
     RECTANGLE,
     TRIANGLE,
@@ -40,22 +40,10 @@ def recorded() -> np.ndarray:
     return SIGNAL.quantise(read_table(APPENDIX_2, ["load", "position", "width", "shape"]))[0]
 
 
-def real_profile(frames, profile: LoadProfile = PROFILE) -> np.ndarray:
-    """Equation 3.18 at the codes, C exact; a width of 0 or less is 1 LSB."""
-    codes = np.asarray(frames)
-    load, centre = SIGNAL.to_real(codes[..., 0:1]), SIGNAL.to_real(codes[..., 1:2])
-    width = SIGNAL.to_real(np.maximum(codes[..., 2:3], 1))
-    flat = codes[..., 3:4] <= profile.shape_threshold
-    gain = profile.divider.gain / 2**profile.divider.gain_frac
-    positions = SIGNAL.to_real(profile.ramp.process())
-    shapes = [power_load(positions, load, centre, gain / width, p) for p in (RECTANGLE, TRIANGLE)]
-    return np.where(flat, *shapes)
-
-
 def units(frames, profile: LoadProfile = PROFILE) -> float:
     """Largest error in units of 2**-13."""
     found = SIGNAL.to_real(profile.process(frames)[1])
-    return float(np.abs(found - real_profile(frames, profile)).max() / LSB)
+    return float(np.abs(found - profile.real(frames)).max() / LSB)
 
 
 def test_every_recorded_frame_along_the_whole_ramp() -> None:
@@ -72,17 +60,18 @@ def test_what_the_network_makes_of_every_recorded_frame() -> None:
     assert units(scene.design().process(scene.vectors().codes)) < 1.82
 
 
+def test_real_arithmetic_is_the_equation() -> None:
+    """Load H, the triangle, and load A beside it: C = 2 / (0.4 w)."""
+    frames = np.array([[5129, 4096, 3686, 7373], [7373, 2000, 7373, 3686]])
+    x = PROFILE.ramp.process() / 8192
+    for frame, power, found in zip(frames / 8192, (2, 6), PROFILE.real(frames), strict=True):
+        d, centre, width, _ = frame
+        assert np.allclose(found, d * np.exp(-((2 / (0.4 * width) * (x - centre)) ** power)))
+
+
 @pytest.mark.parametrize("power", [TRIANGLE, RECTANGLE])
 def test_the_bound_over_every_quotient(power: int) -> None:
-    """Every t, and all that the divider may have cut off: the profile falls with t, so the two
-    ends of each quotient's interval bound the error. The last quotient stands for all beyond."""
-    t = np.arange(1 << PROFILE.divider.out_width)
-    load = SIGNAL.high
-    found = SIGNAL.to_real(PROFILE.height(load, t, power))
-    ends = np.stack([t, t + 1]) / 2.0**PROFILE.divider.out_frac
-    exact = SIGNAL.to_real(load) * np.exp(-(ends**power))
-    exact[1, -1] = 0
-    assert np.abs(found - exact).max() / LSB < 1.81
+    assert 1 < quotient_error(PROFILE, power) < 1.81
 
 
 @given(st.tuples(CODES, CODES, CODES, CODES))

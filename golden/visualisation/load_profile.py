@@ -10,11 +10,13 @@ from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.fixed import Codes, Fix, Overflow, Rounding, requantise
+from golden.networks.mlp import Real
 from golden.precision import SIGNAL
 from golden.units import POSITION_MM, WIDTH_MM
 from golden.visualisation.divider import Divider
 from golden.visualisation.exp_interpolator import ExpInterpolator
 from golden.visualisation.exp_memory import ExpMemory, exp_memory
+from golden.visualisation.functions import power_load
 from golden.visualisation.power_fold import PowerFold
 from golden.visualisation.ramp import Ramp, ramp
 
@@ -105,6 +107,23 @@ class LoadProfile(Block):
         t = self.divider.process(distance, np.maximum(width, 0))
         power = np.where(shape > self.shape_threshold, TRIANGLE, RECTANGLE)
         return positions, self.height(load, t, power)
+
+    def real(self, frames: ArrayLike) -> Real:
+        """Equation 3.18 in real arithmetic at the same codes, shape (..., points).
+
+        Parameters
+        ----------
+        frames : array_like of int, shape (..., 4)
+        """
+        codes = np.asarray(frames, dtype=np.int64)[..., np.newaxis]
+        load, centre, width = (self.fmt.to_real(codes[..., n, :]) for n in range(3))
+        gain = self.divider.gain / 2**self.divider.gain_frac
+        steepness = gain / np.maximum(width, self.fmt.to_real(1))
+        positions = self.fmt.to_real(self.ramp.process())
+        triangle, rectangle = (
+            power_load(positions, load, centre, steepness, p) for p in (TRIANGLE, RECTANGLE)
+        )
+        return np.where(codes[..., 3, :] > self.shape_threshold, triangle, rectangle)
 
     def height(self, load: Codes, t: Codes, power: Codes) -> Codes:
         """d exp(-t**P) in ``fmt``; the arguments broadcast.
