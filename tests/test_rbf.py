@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.cluster.vq import kmeans2
 
 from golden.figures.rbf import printed_figures, recorded
 from golden.networks.mlp import Mlp
@@ -62,6 +63,17 @@ def test_centres_find_clusters_apart() -> None:
     found = mixture_centres(inputs, 3, np.random.default_rng(1))
     means = inputs.reshape(3, 40, 2).mean(axis=1)
     assert squared_distances(means, found).min(axis=1) == pytest.approx([0, 0, 0], abs=1e-6)
+
+
+def test_centres_are_those_of_the_mixture_not_of_k_means() -> None:
+    """A narrow cluster beside a wide one: k-means cuts halfway and draws both centres aside."""
+    rng = np.random.default_rng(2)
+    narrow, wide = rng.normal(0, 0.1, (400, 2)), rng.normal([2, 0], 1, (400, 2))
+    inputs = np.concatenate([narrow, wide])
+    cut, _ = kmeans2(inputs, 2, minit="++", seed=1)
+    found = mixture_centres(inputs, 2, np.random.default_rng(1))
+    assert np.abs(np.sort(cut[:, 0]) - [0, 2]).max() > 0.3
+    assert np.abs(np.sort(found[:, 0]) - [0, 2]).max() < 0.1
 
 
 def test_training_reaches_a_network_of_its_own_kind() -> None:
