@@ -6,7 +6,7 @@ PYTHON ?= python3
 VENV ?= .venv
 RUN = $(VENV)/bin/python
 
-.PHONY: help demo test sim vhdl verilog train network bench lint clean tools
+.PHONY: help demo test sim vhdl verilog train network bench figures lint clean tools
 
 help:
 	@echo "make demo    [SCENE=]                     a scene end to end: simulate, export, table of errors"
@@ -19,6 +19,7 @@ help:
 	@echo "make network TO=file.onnx [SCENE=] [OUTPUT=]"
 	@echo "                                          write a network of the scene as .npz, .mat or .onnx"
 	@echo "make bench   [SCENE=] [FRAMES=]           speed and memory of the bit-true twin"
+	@echo "make figures [TABLE=] [SEED=]             measured figures beside the thesis', in build/figures"
 	@echo "make lint                                 ruff and mypy"
 	@echo "make clean                                remove build and .venv"
 	@echo
@@ -46,6 +47,9 @@ network: $(VENV)/.ready
 
 bench: $(VENV)/.ready
 	@$(RUN) -m golden.benchmark "$(SCENE)" $(if $(FRAMES),--frames "$(FRAMES)")
+
+figures: $(VENV)/.ready
+	@$(RUN) -m golden.figures $(if $(TABLE),"$(TABLE)") --seed "$(SEED)"
 
 lint: $(VENV)/.ready
 	@$(RUN) -m ruff check . && $(RUN) -m ruff format --check . && $(RUN) -m mypy

@@ -1,7 +1,8 @@
-"""Errors in percent, as the thesis reports them."""
+"""Errors as the thesis reports them: in percent, in millimetres, of motions, of activations."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -75,3 +76,153 @@ def summarise(errors: NDArray[np.float64], groups: ArrayLike) -> list[OutputErro
         OutputError(float(errors[:, c].mean()), float(means[:, c].max()), float(errors[:, c].max()))
         for c in range(errors.shape[1])
     ]
+
+
+@dataclass(frozen=True)
+class LengthError:
+    """Error of one output over a set of frames, in millimetres; the fields are OutputError's."""
+
+    mean: float
+    largest_mean: float
+    worst: float
+
+
+def millimetres(error: OutputError, length: float) -> LengthError:
+    """An error in percent of a full scale as a length.
+
+    Equation: local error / full scale * length (thesis section 3.12.1: position and width count
+    against a constant). ``golden/data/appendix2.toml`` holds the lengths of the flexible digit and
+    how they were checked.
+
+    Parameters
+    ----------
+    error : OutputError
+        Of an output whose error counts against a full scale, not against the target.
+    length : float
+        What that full scale is in millimetres: 127 for position, 50.8 for width.
+
+    Raises
+    ------
+    ValueError
+        When the length is not a finite number above 0.
+    """
+    if not 0 < length < math.inf:
+        raise ValueError(f"length: got {length}, expected millimetres above 0")
+    part = length / 100
+    return LengthError(error.mean * part, error.largest_mean * part, error.worst * part)
+
+
+@dataclass(frozen=True)
+class DisplacementError:
+    """Error of one coordinate of a motion, as thesis Table 6.2 lists it.
+
+    Attributes
+    ----------
+    mean : float
+        Mean of the magnitude of the error, in the unit of the coordinate.
+    displacement : float
+        Mean of the magnitude of the actual displacement, in the same unit.
+    percent : float
+        The first in percent of the second.
+    """
+
+    mean: float
+    displacement: float
+    percent: float
+
+
+def displacement_errors(results: ArrayLike, actual: ArrayLike) -> list[DisplacementError]:
+    """Equation 6.6: mean error in percent of the mean total displacement, per coordinate.
+
+    The thesis names the divisor "actual total displacement" without an equation. It is read as
+    the distance from rest at each sample, |actual|; its Table 6.2 divides each coordinate by a
+    mean of its own, so it is not the length of the vector.
+
+    Parameters
+    ----------
+    results, actual : float arrays, shape (samples, coordinates)
+        In one unit, 0 at rest.
+
+    Raises
+    ------
+    ValueError
+        When the shapes differ, there is no sample, or a coordinate never moves: its percentage
+        is not defined.
+    """
+    found, moved = np.asarray(results, dtype=np.float64), np.asarray(actual, dtype=np.float64)
+    if found.shape != moved.shape or found.ndim != 2 or not found.size:
+        raise ValueError(
+            f"results: got shape {found.shape} for {moved.shape} of actual, expected the same "
+            "(samples, coordinates), at least one of each"
+        )
+    means = np.abs(moved).mean(axis=0)
+    if not means.all():
+        raise ValueError(
+            f"actual: coordinate {int(np.argmin(means))} never moves, expected a displacement"
+        )
+    errors = np.abs(found - moved).mean(axis=0)
+    return [
+        DisplacementError(float(e), float(d), float(100 * e / d))
+        for e, d in zip(errors, means, strict=True)
+    ]
+
+
+@dataclass(frozen=True)
+class ActivationError:
+    """Error of an approximation over [-3, 3], against the exact activation.
+
+    Attributes
+    ----------
+    mean_percent : float
+        Equation 4.32 as printed: 100 / 6 times the integral of the error's magnitude.
+    mean_percent_thesis : float
+        Twice that, (100 / 3) times the integral. The factor is a fit, not a derivation: with it the
+        schemes come near the figures that the thesis prints (Gradient 0.41, printed 0.40), as
+        printed they come to half of them.
+    largest : float
+        Largest magnitude of the error, in units of 2**-13.
+    """
+
+    mean_percent: float
+    mean_percent_thesis: float
+    largest: float
+
+
+ACTIVATION_RANGE = 3.0
+
+
+def activation_error(errors: ArrayLike, q: ArrayLike) -> ActivationError:
+    """Equation 4.32 for the errors of an approximation on a grid, by the trapezoidal rule.
+
+    Parameters
+    ----------
+    errors : float array, shape (points,)
+        Approximation less exact value, at each ``q``.
+    q : float array, shape (points,)
+        Rising; what lies outside [-3, 3] is left out. A grid of codes may end one step short of
+        3, so the integral is divided by the length that the grid covers, not by 6.
+
+    Raises
+    ------
+    ValueError
+        When the shapes differ, a number is not finite, ``q`` does not rise, or the grid leaves
+        more than one of its steps of [-3, 3] uncovered at either end.
+    """
+    miss, at = np.asarray(errors, dtype=np.float64), np.asarray(q, dtype=np.float64)
+    if miss.shape != at.shape or miss.ndim != 1:
+        raise ValueError(f"errors: got shape {miss.shape} for q of shape {at.shape}, expected one")
+    if not (np.isfinite(miss).all() and np.isfinite(at).all()):
+        raise ValueError("errors and q: got NaN or infinity, expected finite numbers")
+    inside = np.abs(at) <= ACTIVATION_RANGE
+    miss, at = np.abs(miss[inside]), at[inside]
+    steps = np.diff(at)
+    if not steps.size or steps.min() <= 0:
+        raise ValueError("q: expected at least two rising values inside [-3, 3]")
+    # One part in 10**9 of grace: a grid of decimal steps misses its end by rounding.
+    uncovered = max(at[0] + ACTIVATION_RANGE, ACTIVATION_RANGE - at[-1])
+    if uncovered > steps.max() * (1 + 1e-9):
+        raise ValueError(
+            f"q: got {at[0]:g} to {at[-1]:g}, expected to cover [-3, 3] to within one step"
+        )
+    mean = 100 * float(np.trapezoid(miss, at) / (at[-1] - at[0]))
+    return ActivationError(mean, 2 * mean, float(8192 * miss.max()))

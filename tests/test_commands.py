@@ -49,6 +49,7 @@ def test_make_alone_lists_the_targets() -> None:
         "train",
         "network",
         "bench",
+        "figures",
         "lint",
         "clean",
     ]

@@ -54,6 +54,24 @@ def test_a_network_from_scikit_learn(outputs: int) -> None:
         assert np.allclose(mlp.process(recorded["x"]), expected, atol=1e-6)
 
 
+@pytest.mark.parametrize("name", ["torch", "torch-legacy", "keras"])
+def test_a_network_from_pytorch_and_keras(name: str) -> None:
+    """Files that the frameworks wrote themselves, each with eight inputs and its own outputs.
+
+    torch 2.15, ``net = Sequential(Linear(4, 16), Tanh(), Linear(16, 4))``:
+    ``torch.onnx.export(net, (x,), "torch-4-16-4.onnx", dynamo=True)``, ``False`` for legacy;
+    stack traces, which name folders of the machine, are taken out of the nodes' metadata.
+    keras 3.15 with tensorflow 2.21 and tf2onnx 1.17,
+    ``net = Sequential([Input((4,)), Dense(16, activation="tanh"), Dense(4)])``, random biases:
+    ``net.export("keras-4-16-4.onnx", format="onnx")``.
+    """
+    mlp = load_network(DATA / f"{name}-4-16-4.onnx", (4, 16, 4))
+    with np.load(DATA / f"{name}-4-16-4.npz") as recorded:
+        assert np.abs(mlp.process(recorded["x"]) - recorded["y"]).max() < 1e-6
+    assert np.abs(mlp.b1).min() > 0
+    assert np.abs(mlp.b2).min() > 0
+
+
 def graph(tmp_path: Path, nodes, constants, outputs=("y",)) -> Path:
     made = helper.make_graph(
         nodes,

@@ -1,0 +1,1 @@
+"""Every measured figure of the project as tables: ``make figures``."""

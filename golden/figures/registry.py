@@ -1,0 +1,16 @@
+"""The tables of ``make figures``. To add one, write a function of the seed and name it here."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from golden.figures import rbf, visualisation
+from golden.figures.table import Table
+
+# By name, in the order printed; the name is that of the table.
+TABLES: dict[str, Callable[[int], Table]] = {
+    "classes": rbf.classes,
+    "operations": rbf.operations,
+    "series": visualisation.series,
+    "profile": visualisation.profile,
+}

@@ -1,0 +1,91 @@
+"""A table of figures: printed, as CSV, as JSON."""
+
+from __future__ import annotations
+
+import csv
+import math
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+Cell = str | int | float | None
+
+
+@dataclass(frozen=True)
+class Table:
+    """One table.
+
+    Parameters
+    ----------
+    name : str
+        Also the name of its CSV.
+    columns : sequence of str
+        Headings with units.
+    rows : sequence of sequences
+        Text, numbers, or None where there is nothing to say.
+    note : str
+        What was measured and how, and what differs from the reference and why.
+
+    Raises
+    ------
+    ValueError
+        When a row has another length than the columns, or holds NaN or infinity.
+    """
+
+    name: str
+    columns: Sequence[str]
+    rows: Sequence[Sequence[Cell]]
+    note: str
+
+    def __post_init__(self) -> None:
+        for n, row in enumerate(self.rows, start=1):
+            if len(row) != len(self.columns):
+                raise ValueError(
+                    f"table {self.name}: row {n} has {len(row)} cells, expected {len(self.columns)}"
+                )
+            for heading, cell in zip(self.columns, row, strict=True):
+                if isinstance(cell, float) and not math.isfinite(cell):
+                    raise ValueError(
+                        f"table {self.name}: row {n}, {heading}: got {cell}, expected a finite "
+                        "number, or None for no figure"
+                    )
+
+    def as_data(self) -> dict[str, Any]:
+        """The table as JSON can hold it, every digit kept."""
+        return {
+            "columns": list(self.columns),
+            "rows": [list(row) for row in self.rows],
+            "note": self.note,
+        }
+
+    def write_csv(self, path: Path) -> None:
+        """Write the columns and rows, every digit kept; None as an empty cell."""
+        with path.open("w", newline="", encoding="utf-8") as handle:
+            writer = csv.writer(handle, lineterminator="\n")
+            writer.writerow(self.columns)
+            writer.writerows(self.rows)
+
+    def lines(self) -> list[str]:
+        """The table as text: name, columns side by side, note."""
+        text = [list(self.columns), *([_shown(cell) for cell in row] for row in self.rows)]
+        widths = [max(len(row[c]) for row in text) for c in range(len(self.columns))]
+        numbers = [
+            all(not isinstance(row[c], str) for row in self.rows) for c in range(len(self.columns))
+        ]
+        body = [
+            "  ".join(
+                cell.rjust(width) if right else cell.ljust(width)
+                for cell, width, right in zip(row, widths, numbers, strict=True)
+            ).rstrip()
+            for row in text
+        ]
+        return [self.name, "", *body, "", *textwrap.wrap(self.note, 100)]
+
+
+def _shown(cell: Cell) -> str:
+    """Four significant digits of a float."""
+    if cell is None:
+        return "-"
+    return f"{cell:.4g}" if isinstance(cell, float) else str(cell)

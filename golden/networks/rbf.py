@@ -1,0 +1,68 @@
+"""The radial basis function network in floating point: what the thesis compares its MLP with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.networks.mlp import Real
+
+
+@dataclass(frozen=True)
+class Rbf:
+    """y = w phi(x) + b, phi_j = exp(-|x - c_j|^2 / (2 sigma_j^2)) (thesis equations 3.13, 3.14).
+
+    Parameters
+    ----------
+    centres : float array, shape (hidden, inputs)
+        c_j.
+    widths : float array, shape (hidden,)
+        sigma_j, above 0, in the unit of the inputs.
+    weights : float array, shape (outputs, hidden)
+    biases : float array, shape (outputs,)
+
+    Raises
+    ------
+    ValueError
+        When the shapes do not fit each other, a value is not finite or a width is not above 0.
+    """
+
+    centres: Real
+    widths: Real
+    weights: Real
+    biases: Real
+
+    def __post_init__(self) -> None:
+        names = ("centres", "widths", "weights", "biases")
+        shapes = [np.shape(getattr(self, name)) for name in names]
+        hidden, outputs = len(self.widths), len(self.biases)
+        inputs = shapes[0][-1] if len(shapes[0]) == 2 else 0
+        if shapes != [(hidden, inputs), (hidden,), (outputs, hidden), (outputs,)]:
+            raise ValueError(
+                f"{', '.join(names)}: got shapes {shapes}, expected (hidden, inputs), (hidden,), "
+                "(outputs, hidden), (outputs,)"
+            )
+        for name in names:
+            if not np.isfinite(getattr(self, name)).all():
+                raise ValueError(f"{name}: got NaN or infinity, expected finite numbers")
+        if not (self.widths > 0).all():
+            raise ValueError(f"widths: got {self.widths.min():g}, expected above 0")
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Inputs, hidden nodes and outputs."""
+        return self.centres.shape[1], self.centres.shape[0], self.weights.shape[0]
+
+    def hidden(self, frames: ArrayLike) -> Real:
+        """Basis functions, shape (..., hidden), of frames, shape (..., inputs)."""
+        x = np.asarray(frames, dtype=np.float64)[..., np.newaxis, :]
+        distance: Real = ((x - self.centres) ** 2).sum(axis=-1)
+        result: Real = np.exp(-distance / (2 * self.widths**2))
+        return result
+
+    def process(self, frames: ArrayLike) -> Real:
+        """Outputs, shape (..., outputs), of frames, shape (..., inputs)."""
+        result: Real = self.hidden(frames) @ self.weights.T + self.biases
+        return result

@@ -1,0 +1,97 @@
+"""Training of a radial basis function network in two stages, as Netlab's rbftrain does it.
+
+The thesis names that routine (section 3.11.2). First the centres: a mixture of round Gaussians is
+fitted to the inputs by expectation maximisation, from a few steps of k-means. Then the outputs:
+linear least squares. I. T. Nabney, "NETLAB: Algorithms for Pattern Recognition", Springer, 2002.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.cluster.vq import kmeans2
+from scipy.special import softmax
+
+from golden.networks.mlp import Real
+from golden.networks.rbf import Rbf
+
+KMEANS_STEPS = 5
+EM_STEPS = 100
+
+# A Gaussian that has shrunk to one sample keeps this variance instead of none.
+LEAST_VARIANCE = 1e-6
+
+
+def squared_distances(points: Real, centres: Real) -> Real:
+    """Shape (points, centres)."""
+    result: Real = ((points[:, np.newaxis] - centres) ** 2).sum(axis=-1)
+    return result
+
+
+def mixture_centres(inputs: Real, count: int, rng: np.random.Generator) -> Real:
+    """Centres of a mixture of ``count`` round Gaussians, shape (count, inputs).
+
+    Parameters
+    ----------
+    inputs : float array, shape (rows, inputs)
+    count : int
+    rng : Generator
+        Decides where k-means begins.
+
+    Raises
+    ------
+    ValueError
+        For fewer distinct rows than Gaussians.
+    """
+    distinct = len(np.unique(inputs, axis=0))
+    if not 1 <= count <= distinct:
+        raise ValueError(
+            f"got {distinct} distinct rows for {count} centres, expected at least as many rows"
+        )
+    centres: Real = kmeans2(inputs, count, iter=KMEANS_STEPS, minit="++", seed=rng)[0]
+    nearest = squared_distances(inputs, centres).min(axis=1)
+    variances = np.full(count, nearest.mean() / inputs.shape[1] + LEAST_VARIANCE)
+    shares = np.full(count, 1 / count)
+    for _ in range(EM_STEPS):
+        squares = squared_distances(inputs, centres) / variances
+        logarithms = np.log(shares) - (squares + inputs.shape[1] * np.log(variances)) / 2
+        belongs = softmax(logarithms, axis=1)
+        # A Gaussian that no row belongs to any more keeps its place.
+        weights = belongs.sum(axis=0) + np.finfo(np.float64).tiny
+        shares = weights / weights.sum()
+        alive = weights > LEAST_VARIANCE
+        means = belongs.T @ inputs / weights[:, np.newaxis]
+        centres = np.where(alive[:, np.newaxis], means, centres)
+        spread = (belongs * squared_distances(inputs, centres)).sum(axis=0) / weights
+        variances = np.maximum(spread / inputs.shape[1], LEAST_VARIANCE)
+    return centres
+
+
+def train_rbf(inputs: Real, targets: Real, hidden: int, rng: np.random.Generator) -> Rbf:
+    """The network of one start.
+
+    All widths are the largest distance between two centres, Netlab's default: wide functions that
+    overlap. (The mixture's own widths are what the inputs need, not the targets: on the recorded
+    vectors they give ten times the error.)
+
+    Parameters
+    ----------
+    inputs : float array, shape (rows, inputs)
+    targets : float array, shape (rows, outputs)
+    hidden : int
+        2 or more.
+    rng : Generator
+
+    Raises
+    ------
+    ValueError
+        For fewer than two nodes, whose distance gives the width, or fewer distinct rows than nodes.
+    """
+    if hidden < 2:
+        raise ValueError(f"hidden: got {hidden}, expected 2 or more")
+    centres = mixture_centres(inputs, hidden, rng)
+    width = np.sqrt(squared_distances(centres, centres).max())
+    outputs = targets.shape[1]
+    empty = Rbf(centres, np.full(hidden, width), np.zeros((outputs, hidden)), np.zeros(outputs))
+    design = np.concatenate([empty.hidden(inputs), np.ones((len(inputs), 1))], axis=1)
+    solved: Real = np.linalg.lstsq(design, targets, rcond=None)[0]
+    return Rbf(centres, empty.widths, solved[:-1].T, solved[-1])

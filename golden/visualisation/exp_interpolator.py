@@ -1,0 +1,59 @@
+"""exp_interpolator: exp(-x) between two words of the memory."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from numpy.typing import ArrayLike
+
+from golden.block import Block
+from golden.fixed import Codes, check_unsigned
+
+
+@dataclass(frozen=True)
+class ExpInterpolator(Block):
+    """exp(-x) = word (1 - delta): the memory's word carries its own slope.
+
+    The word is exp(-x0) in the middle x0 of an interval, and delta = x - x0. The derivative of
+    exp(-x) at x0 is -exp(-x0), the negative of the word, so no second table is needed.
+
+    Parameters
+    ----------
+    word_width : int
+        Bits of the word, all of them fraction bits, unsigned.
+    offset_width : int
+        Bits of x below the memory's address.
+    frac : int
+        Fraction bits of x.
+
+    Notes
+    -----
+    The factor 1 - delta is unsigned, ``factor_width`` bits, exact. The product is truncated to the
+    word's format. Error of the straight line: 0 to delta**2 / 2 below exp(-x), at most 2**-15 for
+    an interval of 2**-6; of the truncation, 1 LSB of the word. The result is below 1.
+    """
+
+    block = "exp_interpolator"
+    area = "visualisation"
+    word_width: int
+    offset_width: int
+    frac: int
+
+    @property
+    def factor_width(self) -> int:
+        """Bits of the unsigned 1 - delta, which lies just above 1 at the most."""
+        return self.frac + 1
+
+    def process(self, word: ArrayLike, offset: ArrayLike) -> Codes:
+        """exp(-x) in the word's format; the arguments broadcast.
+
+        Raises
+        ------
+        ValueError
+            For an argument outside its width.
+        """
+        w = check_unsigned(word, self.word_width, "exp_interpolator word")
+        low = check_unsigned(offset, self.offset_width, "exp_interpolator offset")
+        # 1 - delta, with delta = offset - half an interval.
+        factor = (1 << self.frac) + (1 << (self.offset_width - 1)) - low
+        return (w * factor) >> self.frac

@@ -1,0 +1,25 @@
+"""exp_memory: exp(-x) in the middle of every interval of x."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from golden.activation.rom import Rom
+
+
+class ExpMemory(Rom):
+    """ROM of exp(-x), addressed by the upper bits of x (thesis section 5.8, Figure 5.25)."""
+
+    block = "exp_memory"
+    area = "visualisation"
+
+
+def exp_memory(addr_width: int, interval_frac: int, width: int) -> ExpMemory:
+    """The memory of 2**addr_width words, each for an interval of 2**-interval_frac.
+
+    Word n is exp(-(n + 1/2) / 2**interval_frac), unsigned with ``width`` fraction bits, rounded to
+    nearest; it is below 1, so ``width`` bits hold it. 1024 words of 17 bits are one block RAM.
+    """
+    middle = (np.arange(1 << addr_width) + 0.5) / (1 << interval_frac)
+    words = np.floor(np.exp(-middle) * 2.0**width + 0.5).astype(np.int64)
+    return ExpMemory(tuple(int(word) for word in words), width)

@@ -1,0 +1,199 @@
+"""load_profile: equation 3.18 for one frame of network outputs, position by position."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.block import Block
+from golden.fixed import Codes, Fix, Overflow, Rounding, requantise
+from golden.networks.mlp import Real
+from golden.precision import SIGNAL
+from golden.units import POSITION_MM, WIDTH_MM
+from golden.visualisation.divider import Divider
+from golden.visualisation.exp_interpolator import ExpInterpolator
+from golden.visualisation.exp_memory import ExpMemory, exp_memory
+from golden.visualisation.functions import power_load
+from golden.visualisation.power_fold import PowerFold
+from golden.visualisation.ramp import Ramp, ramp
+
+RECTANGLE, TRIANGLE = 6, 2  # P of either shape, section 5.8
+
+# Rectangular loads are coded 0.45, triangular ones 0.9 (Table 3.1): halfway between.
+SHAPE_THRESHOLD = 0.675
+
+# 17 bits unsigned fill one signed input of a MULT18X18.
+WORD = 17
+# t below 4 and t**P below 16: exp(-16) is a thousandth of an LSB of Fix(14,13).
+T_FRAC, POWER_FRAC = 15, 13
+ADDR_WIDTH = 10
+
+
+@dataclass(frozen=True)
+class LoadProfile(Block):
+    """f(i_p) = d exp(-(C (i_p - i_m))**P) over a ramp (thesis equation 3.18, section 5.8).
+
+    A frame is load d, position i_m, width w and shape s, as the networks give them. P is 2 where
+    s > ``shape_threshold``, else 6. C is such that f falls to d / e at half a width from the
+    centre: C = gain / w.
+
+    Parameters
+    ----------
+    fmt : Fix
+        Format of the four inputs, of i_p and of f.
+    ramp : Ramp
+    divider : Divider
+        Gain: see ``width_gain``.
+    power_fold : PowerFold
+    exp_memory : ExpMemory
+    exp_interpolator : ExpInterpolator
+    shape_threshold : int
+        Code of ``fmt``.
+
+    Notes
+    -----
+    A width of 0 or less, which a network can give for a load it hardly sees, counts as the
+    narrowest there is, 1 LSB: f is d at i_p = i_m and 0 elsewhere. A load below 0 gives a profile
+    below 0. The product with d is exact and rounded half up; |f| <= |d|, so it cannot leave
+    ``fmt``.
+
+    Error against equation 3.18 in real arithmetic, at the codes of i_p, i_m, w and d, with
+    C = gain / w exact: at most 1.81 units of 2**-13 for d = 1, over every t that the divider can
+    give and every fraction that it cuts off (tests/test_visualisation.py, exhaustive).
+
+    Multipliers: one in power_fold, used P - 1 times, one in exp_interpolator, one for d. No result
+    waits for a multiplier that another position uses, so one can serve all three.
+    """
+
+    block = "load_profile"
+    area = "visualisation"
+    fmt: Fix
+    ramp: Ramp
+    divider: Divider
+    power_fold: PowerFold
+    exp_memory: ExpMemory
+    exp_interpolator: ExpInterpolator
+    shape_threshold: int
+
+    def parts(self) -> tuple[Block, ...]:
+        return (
+            self.ramp,
+            self.divider,
+            self.power_fold,
+            self.exp_memory,
+            self.exp_interpolator,
+        )
+
+    def process(self, frames: ArrayLike) -> tuple[Codes, Codes]:
+        """Positions, shape (points,), and profiles, shape (..., points), of frames.
+
+        Parameters
+        ----------
+        frames : array_like of int, shape (..., 4)
+            Codes of load, position, width and shape.
+
+        Raises
+        ------
+        ValueError
+            For a wrong last axis or a code outside ``fmt``.
+        """
+        codes = self.fmt.check(frames, "load_profile frames", 4)[..., np.newaxis]
+        load, centre, width, shape = (codes[..., n, :] for n in range(4))
+        positions = self.ramp.process()
+        distance = np.abs(positions - centre)
+        t = self.divider.process(distance, np.maximum(width, 0))
+        power = np.where(shape > self.shape_threshold, TRIANGLE, RECTANGLE)
+        return positions, self.height(load, t, power)
+
+    def real(self, frames: ArrayLike) -> Real:
+        """Equation 3.18 in real arithmetic at the same codes, shape (..., points).
+
+        Parameters
+        ----------
+        frames : array_like of int, shape (..., 4)
+        """
+        codes = np.asarray(frames, dtype=np.int64)[..., np.newaxis]
+        load, centre, width = (self.fmt.to_real(codes[..., n, :]) for n in range(3))
+        gain = self.divider.gain / 2**self.divider.gain_frac
+        steepness = gain / np.maximum(width, self.fmt.to_real(1))
+        positions = self.fmt.to_real(self.ramp.process())
+        triangle, rectangle = (
+            power_load(positions, load, centre, steepness, p) for p in (TRIANGLE, RECTANGLE)
+        )
+        return np.where(codes[..., 3, :] > self.shape_threshold, triangle, rectangle)
+
+    def height(self, load: Codes, t: Codes, power: Codes) -> Codes:
+        """d exp(-t**P) in ``fmt``; the arguments broadcast.
+
+        Parameters
+        ----------
+        load, t, power : int64 arrays
+            Codes of ``fmt``, codes that the divider gives, and P.
+        """
+        x = self.power_fold.process(t, power)
+        split = self.exp_interpolator.offset_width
+        word = self.exp_memory.process(x >> split)
+        value = self.exp_interpolator.process(word, x & ((1 << split) - 1))
+        exact = load * value
+        return requantise(
+            exact, self.exp_interpolator.word_width, self.fmt, Rounding.ROUND, Overflow.SATURATE
+        )
+
+
+def width_gain(position_unit: float, width_unit: float) -> Fraction:
+    """What C times the coded width is: 2 over the width in the unit of the coded position.
+
+    Parameters
+    ----------
+    position_unit, width_unit : float
+        What one coded full scale of either is in millimetres, or in any one unit. For the flexible
+        digit 127 and 50.8: a width code is worth 0.4 of a position code, and C = 5 / w.
+    """
+    return 2 * Fraction(str(position_unit)) / Fraction(str(width_unit))
+
+
+def load_profile(
+    step: float = 0.05,
+    stop: float = 0.8,
+    gain: Fraction | None = None,
+    variant: str = "",
+) -> LoadProfile:
+    """The profile over 0 to ``stop`` in steps of ``step``, as in thesis section 5.8.
+
+    Parameters
+    ----------
+    step, stop : float
+        Of the ramp.
+    gain : Fraction, optional
+        See ``width_gain``; by default that of the flexible digit.
+
+    Raises
+    ------
+    ValueError
+        See ``ramp`` and ``Divider``; also for a gain that 17 bits cannot hold.
+    """
+    gain = width_gain(POSITION_MM, WIDTH_MM) if gain is None else gain
+    if not 0 < gain < 1 << WORD:
+        raise ValueError(f"load_profile: gain={float(gain):g}, expected above 0, below {1 << WORD}")
+    # The fewest fraction bits that hold the gain exactly, or as many as 17 bits leave.
+    gain_frac = next(
+        (f for f in range(T_FRAC + 1) if (gain * 2**f).denominator == 1),
+        max(0, min(T_FRAC, WORD - int(gain).bit_length())),
+    )
+    offset_width = WORD - ADDR_WIDTH
+    return LoadProfile(
+        SIGNAL,
+        ramp(SIGNAL, step, stop),
+        # |i_p - i_m| reaches 2**14 - 1: from the most negative code to the largest.
+        Divider(
+            SIGNAL.width, SIGNAL.width - 1, round(gain * 2**gain_frac), gain_frac, WORD, T_FRAC
+        ),
+        PowerFold(WORD, T_FRAC, WORD, POWER_FRAC),
+        exp_memory(ADDR_WIDTH, POWER_FRAC - offset_width, WORD),
+        ExpInterpolator(WORD, offset_width, POWER_FRAC),
+        int(SIGNAL.quantise(SHAPE_THRESHOLD)[0]),
+        variant=variant,
+    )

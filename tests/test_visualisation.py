@@ -1,0 +1,269 @@
+"""The bit-true profile of equation 3.18 against real arithmetic, and its blocks at their ends."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from golden.block import walk
+from golden.figures.visualisation import quotient_error
+from golden.fixed import Fix
+from golden.precision import SIGNAL
+from golden.scene import load_scene
+from golden.table import read_table
+from golden.units import POSITION_MM, WIDTH_MM
+from golden.visualisation.exp_memory import exp_memory
+from golden.visualisation.load_profile import (
+    RECTANGLE,
+    TRIANGLE,
+    LoadProfile,
+    load_profile,
+    width_gain,
+)
+from golden.visualisation.power_fold import PowerFold
+from golden.visualisation.ramp import Ramp, ramp
+
+APPENDIX_2 = Path(__file__).parents[1] / "golden" / "data" / "appendix2.csv"
+PROFILE = load_profile()
+LSB = 2.0**-13
+CODES = st.integers(SIGNAL.low, SIGNAL.high)
+
+
+def recorded() -> np.ndarray:
+    """The recorded targets as codes: what ideal networks would give."""
+    return SIGNAL.quantise(read_table(APPENDIX_2, ["load", "position", "width", "shape"]))[0]
+
+
+def units(frames, profile: LoadProfile = PROFILE) -> float:
+    """Largest error in units of 2**-13."""
+    found = SIGNAL.to_real(profile.process(frames)[1])
+    return float(np.abs(found - profile.real(frames)).max() / LSB)
+
+
+def test_every_recorded_frame_along_the_whole_ramp() -> None:
+    frames = recorded()
+    positions, heights = PROFILE.process(frames)
+    assert heights.shape == (143, 17)
+    assert np.allclose(SIGNAL.to_real(positions), np.arange(17) * 0.05, atol=0.51 * LSB)
+    assert units(frames) < 1.2
+
+
+def test_what_the_network_makes_of_every_recorded_frame() -> None:
+    scene = load_scene("digit-single")
+    assert scene.outputs == ("load", "position", "width", "shape")
+    assert units(scene.design().process(scene.vectors().codes)) < 1.82
+
+
+def test_real_arithmetic_is_the_equation() -> None:
+    """Load H, the triangle, and load A beside it: C = 2 / (0.4 w)."""
+    frames = np.array([[5129, 4096, 3686, 7373], [7373, 2000, 7373, 3686]])
+    x = PROFILE.ramp.process() / 8192
+    for frame, power, found in zip(frames / 8192, (2, 6), PROFILE.real(frames), strict=True):
+        d, centre, width, _ = frame
+        assert np.allclose(found, d * np.exp(-((2 / (0.4 * width) * (x - centre)) ** power)))
+
+
+@pytest.mark.parametrize("power", [TRIANGLE, RECTANGLE])
+def test_the_bound_over_every_quotient(power: int) -> None:
+    assert 1 < quotient_error(PROFILE, power) < 1.81
+
+
+@given(st.tuples(CODES, CODES, CODES, CODES))
+def test_the_bound_over_any_frame(frame) -> None:
+    assert units(np.array(frame)) < 1.81
+
+
+EXTREME = [SIGNAL.low, SIGNAL.low + 1, -1, 0, 1, 2, 5529, 5530, SIGNAL.high - 1, SIGNAL.high]
+
+
+def test_the_bound_over_extremes_of_every_input() -> None:
+    frames = np.stack(np.meshgrid(*[EXTREME] * 4, indexing="ij"), axis=-1)
+    assert units(frames) < 1.81
+
+
+@pytest.mark.parametrize("width", [1, 0, -1, SIGNAL.low])
+@pytest.mark.parametrize("shape", [0, SIGNAL.high])
+def test_the_narrowest_load_is_one_point(width: int, shape: int) -> None:
+    positions, heights = PROFILE.process([6000, 4096, width, shape])
+    assert np.array_equal(heights, np.where(positions == 4096, 6000, 0))
+
+
+def test_a_width_of_nothing_is_the_narrowest() -> None:
+    frames = recorded()
+    narrowest = PROFILE.process(np.where([0, 0, 1, 0], 1, frames))[1]
+    for width in (0, -1, SIGNAL.low):
+        found = PROFILE.process(np.where([0, 0, 1, 0], width, frames))[1]
+        assert np.array_equal(found, narrowest)
+
+
+@pytest.mark.parametrize("centre", [SIGNAL.low, -3000, SIGNAL.high])
+def test_a_load_beside_the_ramp_shows_its_flank(centre: int) -> None:
+    heights = PROFILE.process([SIGNAL.high, centre, SIGNAL.high, SIGNAL.high])[1]
+    falling = heights if centre < 0 else heights[::-1]
+    assert (np.diff(falling) <= 0).all()
+    assert PROFILE.process([SIGNAL.high, centre, 400, 0])[1].max() == 0
+
+
+def test_the_profile_is_even_about_the_load_and_odd_in_it() -> None:
+    """The ramp's points on either side of 0.4 are mirror images to 1 LSB of position."""
+    for shape in (0, SIGNAL.high):
+        heights = PROFILE.process([8000, 3277, 4000, shape])[1]
+        assert np.abs(heights - heights[::-1]).max() < 12
+        negative = PROFILE.process([-8000, 3277, 4000, shape])[1]
+        assert np.abs(heights + negative).max() <= 1
+
+
+def test_the_shape_decides_the_power() -> None:
+    """0.45 is a rectangle, 0.9 a triangle, halfway is the border."""
+    for shape, power in ((0.45, 6), (0.674, 6), (0.676, 2), (0.9, 2)):
+        frame = SIGNAL.quantise([0.9, 0.5, 0.45, shape])[0]
+        middle = SIGNAL.to_real(PROFILE.process(frame)[1])[9]
+        t = abs(SIGNAL.to_real(PROFILE.ramp.process()[9]) - 0.5) * 5 / 0.45
+        assert middle == pytest.approx(0.9 * np.exp(-(t**power)), abs=4 * LSB)
+
+
+def test_half_a_width_from_the_centre_stands_one_e_th() -> None:
+    """Load A, 50.8 mm wide: 25.4 mm beside its centre, which is 0.18 of the coded position."""
+    frame = SIGNAL.quantise([0.9, 0.4, 0.9, 0.45])[0]
+    fine = replace(PROFILE, ramp=ramp(SIGNAL, 0.01, 0.8))
+    positions, heights = fine.process(frame)
+    at = int(np.argmin(np.abs(SIGNAL.to_real(positions) - (0.4 + 0.9 * 25.4 / POSITION_MM))))
+    assert SIGNAL.to_real(heights[at]) == pytest.approx(0.9 / np.e, abs=2e-3)
+
+
+def test_a_gain_of_other_units() -> None:
+    assert width_gain(POSITION_MM, WIDTH_MM) == 5
+    assert width_gain(100.0, 100.0) == 2
+    third = load_profile(gain=Fraction(1, 3))
+    assert units(recorded(), third) < 1.81
+    assert abs(third.divider.gain / 2**third.divider.gain_frac - 1 / 3) < 2**-15
+    for gain in (Fraction(0), Fraction(-1), Fraction(1 << 17)):
+        with pytest.raises(ValueError, match=r"load_profile: gain=.* expected above 0"):
+            load_profile(gain=gain)
+
+
+def test_the_blocks_of_the_profile() -> None:
+    names = [block.block for block in walk(PROFILE)]
+    assert names == [
+        "ramp",
+        "divider",
+        "power_fold",
+        "exp_memory",
+        "exp_interpolator",
+        "load_profile",
+    ]
+    assert {block.area for block in walk(PROFILE)} == {"visualisation"}
+
+
+def test_widths_hold_what_passes_through_them() -> None:
+    """What the hardware must be as wide as; multipliers within 18 bits signed."""
+    fold, between = PROFILE.power_fold, PROFILE.exp_interpolator
+    assert max(fold.in_width, fold.out_width, between.word_width, between.factor_width) <= 17
+    assert PROFILE.divider.numerator_width == (16383 * 5).bit_length()
+    assert PROFILE.ramp.acc_high + (1 << 10) < 1 << PROFILE.ramp.acc_width
+    assert PROFILE.exp_memory.addr_width + between.offset_width == fold.out_width
+    factor = (1 << between.frac) + (1 << (between.offset_width - 1))
+    assert factor < 1 << between.factor_width
+    assert between.process(PROFILE.exp_memory.words[0], 0) < 1 << between.word_width
+
+
+@pytest.mark.parametrize("power", [1, 2, 3, 6])
+def test_power_fold_is_the_power_saturated(power: int) -> None:
+    fold = PowerFold(12, 10, 12, 8)
+    t = np.arange(1 << 12)
+    found = fold.process(t, power)
+    exact = (t / 2**10) ** power * 2**8
+    assert (np.diff(found) >= 0).all()
+    # Each use of the multiplier rounds by half an LSB, which later uses multiply by t.
+    bound = 0.5 * power * np.maximum(1, t / 2**10) ** (power - 1) + 1e-9
+    below = exact + bound < 4095
+    assert (np.abs(found - exact) <= bound)[below].all()
+    assert (found[exact - bound > 4095] == 4095).all()
+    assert below[:1024].all()
+
+
+def test_power_fold_counts_the_uses_of_its_multiplier() -> None:
+    fold, steps = PROFILE.power_fold, []
+    t = 40_000
+    acc = (t + 2) >> 2
+    for _ in range(RECTANGLE - 1):
+        acc = min((acc * t + (1 << 14)) >> 15, (1 << 17) - 1)
+        steps.append(acc)
+    assert fold.process(t, RECTANGLE) == steps[-1]
+    assert fold.process(t, TRIANGLE) == steps[0]
+
+
+@given(st.integers(0, 2**14 - 1), st.integers(0, 2**13 - 1))
+def test_divider_is_shift_and_subtract(distance: int, width: int) -> None:
+    """As the hardware does it: one bit of the quotient a step, from a remainder below the width."""
+    divider = PROFILE.divider
+    divisor = max(width, 1)
+    numerator = distance * divider.gain
+    integer_bits = divider.out_width - divider.out_frac
+    if numerator >= divisor << integer_bits:
+        quotient = (1 << divider.out_width) - 1
+    else:
+        quotient, remainder = 0, numerator >> integer_bits
+        low = numerator & ((1 << integer_bits) - 1)
+        for step in range(divider.out_width):
+            bit = (low >> (integer_bits - 1 - step)) & 1 if step < integer_bits else 0
+            remainder = 2 * remainder + bit
+            fits = remainder >= divisor
+            remainder -= divisor * fits
+            quotient = 2 * quotient + fits
+            assert remainder < divisor
+    assert divider.process(distance, width) == quotient
+
+
+def test_ramp_positions_are_the_nearest_codes() -> None:
+    for step, stop in ((0.05, 0.8), (0.01, 0.99), (0.001, 0.999), (0.125, 0.875)):
+        part = ramp(SIGNAL, step, stop)
+        ideal = np.arange(round(stop / step) + 1) * step
+        assert part.points == len(ideal)
+        assert np.abs(SIGNAL.to_real(part.process()) - ideal).max() <= 0.51 * LSB
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: ramp(SIGNAL, 0.05, 1.0), "the last position is 8192, expected at most 8191"),
+        (lambda: ramp(SIGNAL, 0.05, 0.82), "expected a whole number of steps"),
+        (lambda: ramp(SIGNAL, 0.00005, 0.8), "more than half an LSB"),
+        (lambda: ramp(SIGNAL, 0.0, 0.8), "ramp: step=0.0, expected a number above 0"),
+        (lambda: ramp(SIGNAL, 0.05, float("nan")), "ramp: stop=nan"),
+        (lambda: Ramp(SIGNAL, 0, 1, 3), "ramp: got 3 points, step=0"),
+        (lambda: replace(PROFILE.divider, gain=0), "divider: gain=0"),
+        (lambda: replace(PROFILE.divider, gain_frac=16), "gain=5 with 16 fraction bits"),
+        (lambda: PowerFold(8, 4, 8, 5), "power_fold: out_frac=5, expected 0 to 4"),
+        (lambda: PowerFold(8, 8, 4, 4), "and below out_width=4"),
+        (lambda: PROFILE.power_fold.process(5, 0), "power: got 0, expected 1 or more"),
+        (lambda: PROFILE.power_fold.process(1 << 17, 2), "power_fold data: got 131072"),
+        (lambda: PROFILE.divider.process(-1, 5), "divider distance: got -1"),
+        (lambda: PROFILE.divider.process(1, 8192), "divider width: got 8192"),
+        (lambda: PROFILE.exp_interpolator.process(1, 128), "exp_interpolator offset: got 128"),
+        (lambda: PROFILE.process([0, 0, 0]), r"load_profile frames: got shape \(3,\)"),
+        (lambda: PROFILE.process([8192, 0, 0, 0]), "load_profile frames: got code 8192"),
+    ],
+)
+def test_what_does_not_fit_is_refused(call, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+def test_exp_memory_holds_the_middle_of_every_interval() -> None:
+    memory = exp_memory(10, 6, 17)
+    assert len(memory.words) == 1024
+    assert memory.addr_width == 10
+    middle = (np.arange(1024) + 0.5) / 64
+    assert np.abs(np.array(memory.words) - np.exp(-middle) * 2**17).max() <= 0.5
+
+
+def test_positions_come_in_the_format_of_the_signals() -> None:
+    assert PROFILE.fmt == Fix(14, 13)
+    assert PROFILE.process(np.zeros((2, 3, 4), dtype=np.int64))[1].shape == (2, 3, 17)
