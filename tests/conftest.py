@@ -7,9 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from golden.activation.schemes import SCHEMES
 from golden.network_file import save_network
+from golden.networks.hybrid import Hybrid
 from golden.networks.mlp import Mlp
-from golden.scene import Scene, load_scene
+from golden.scene import Scene, load_scene, scene_names
 
 TEMPLATE = """
 [data]
@@ -25,7 +27,7 @@ weights = "{name}.npz"
 
 [hardware]
 design = "hybrid"
-activation = "gradient"
+activation = "{activation}"
 precision = "{precision}"
 
 [training]
@@ -47,7 +49,13 @@ def random_mlp(shape: tuple[int, int, int], spread: float, seed: int) -> Mlp:
 
 
 def write_scene(
-    folder: Path, name: str, shape: tuple[int, int, int], precision: str, mlp: Mlp, rows: int = 12
+    folder: Path,
+    name: str,
+    shape: tuple[int, int, int],
+    precision: str,
+    mlp: Mlp,
+    rows: int = 12,
+    activation: str = "gradient",
 ) -> Path:
     """A scene with random vectors and the given network; returns its TOML file."""
     inputs, hidden, outputs = shape
@@ -60,12 +68,39 @@ def write_scene(
     lines = [",".join(sensors + targets)] + [",".join(f"{v:.4f}" for v in row) for row in table]
     (folder / f"{name}.csv").write_text("\n".join(lines) + "\n")
     text = TEMPLATE.format(
-        name=name, sensors=sensors, outputs=targets, hidden=hidden, precision=precision
+        name=name,
+        sensors=sensors,
+        outputs=targets,
+        hidden=hidden,
+        precision=precision,
+        activation=activation,
     )
     path = folder / f"{name}.toml"
     path.write_text(text.replace("'", '"'))
     save_network(folder / f"{name}.npz", mlp, {"scene": name})
     return path
+
+
+def every_design(folder: Path) -> list[Hybrid]:
+    """Designs that hold every block between them: the shipped scenes, and each activation."""
+    shape = (3, 5, 2)
+    scenes = [load_scene(name) for name in scene_names()]
+    scenes += [
+        load_scene(
+            str(
+                write_scene(
+                    folder,
+                    f"with-{name}",
+                    shape,
+                    "precise",
+                    random_mlp(shape, 1.0, 1),
+                    activation=name,
+                )
+            )
+        )
+        for name in SCHEMES
+    ]
+    return [scene.design() for scene in scenes]
 
 
 @pytest.fixture

@@ -9,25 +9,30 @@ from conftest import random_mlp, write_scene
 
 from golden.block import walk
 from golden.networks.mlp import Mlp
-from golden.scene import load_scene, scene_names
+from golden.scene import Scene, load_scene, scene_names
 from tb.common.runner import Outcome, plan, run_jobs
 from tb.common.tools import SIMULATORS
 
-# Shape, precision, spread of the weights of layer 1: least shapes, more outputs than inputs (the
-# spacing counter), one output, odd adder trees, and Q_j of several hundred.
+# Shape, precision, spread of the weights of layer 1, activation: least shapes, more outputs than
+# inputs (the spacing counter), one output, odd adder trees, Q_j of several hundred, and each
+# activation with few and with all of its segments.
 ODD = {
-    "least": ((1, 1, 1), "precise", 1.0),
-    "least-thesis": ((1, 2, 1), "thesis", 1.0),
-    "wide": ((2, 3, 5), "precise", 1.0),
-    "wide-thesis": ((3, 5, 4), "thesis", 1.0),
-    "huge": ((4, 3, 2), "thesis", 100.0),
-    "huge-precise": ((4, 3, 2), "precise", 100.0),
+    "least": ((1, 1, 1), "precise", 1.0, "gradient"),
+    "least-thesis": ((1, 2, 1), "thesis", 1.0, "gradient"),
+    "wide": ((2, 3, 5), "precise", 1.0, "gradient"),
+    "wide-thesis": ((3, 5, 4), "thesis", 1.0, "gradient"),
+    "huge": ((4, 3, 2), "thesis", 100.0, "gradient"),
+    "huge-precise": ((4, 3, 2), "precise", 100.0, "gradient"),
+    "logic": ((2, 3, 2), "precise", 0.5, "precise"),
+    "logic-huge": ((2, 2, 1), "precise", 100.0, "precise"),
+    "block-ram": ((2, 3, 2), "precise", 0.5, "precise_block_ram"),
+    "block-ram-huge": ((2, 2, 1), "precise", 100.0, "precise_block_ram"),
 }
 
 
 def odd_network(name: str) -> Mlp:
     """A random network; its last hidden node is without weights, where there is another."""
-    shape, _, spread = ODD[name]
+    shape, _, spread, _ = ODD[name]
     mlp = random_mlp(shape, spread, 7)
     if shape[1] > 1:
         mlp.w1[-1] = 0
@@ -35,7 +40,20 @@ def odd_network(name: str) -> Mlp:
     return mlp
 
 
-ODD_BLOCKS = ("gradient", "hybrid", "input_controller", "output_controller", "output_integral")
+def odd_scene(name: str, folder: Path) -> Scene:
+    shape, precision, _, activation = ODD[name]
+    mlp = odd_network(name)
+    return load_scene(str(write_scene(folder, name, shape, precision, mlp, activation=activation)))
+
+
+ODD_BLOCKS = (
+    "gradient",
+    "precise",
+    "hybrid",
+    "input_controller",
+    "output_controller",
+    "output_integral",
+)
 
 
 @pytest.fixture(scope="module")
@@ -45,10 +63,9 @@ def outcomes(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], 
     jobs = []
     for name in scene_names():
         jobs += plan(load_scene(name), SIMULATORS, build=folder)
-    for name, (shape, precision, _) in ODD.items():
-        mlp = odd_network(name)
-        scene = load_scene(str(write_scene(folder, name, shape, precision, mlp)))
-        jobs += [j for j in plan(scene, SIMULATORS, build=folder) if j.block in ODD_BLOCKS]
+    for name in ODD:
+        planned = plan(odd_scene(name, folder), SIMULATORS, build=folder)
+        jobs += [job for job in planned if job.block in ODD_BLOCKS]
     found: dict[tuple[str, str], list[Outcome]] = {}
     for outcome in run_jobs(jobs, lambda _: None):
         found.setdefault((outcome.job.scene.name, outcome.job.simulator), []).append(outcome)
@@ -87,10 +104,12 @@ def test_clocks_are_the_same_in_both_simulators(outcomes, scene: str) -> None:
 
 
 def test_the_shapes_differ_as_meant(tmp_path: Path) -> None:
-    designs = {}
-    for name, (shape, precision, _) in ODD.items():
-        mlp = odd_network(name)
-        designs[name] = load_scene(str(write_scene(tmp_path, name, shape, precision, mlp))).design()
+    designs = {name: odd_scene(name, tmp_path).design() for name in ODD}
     assert designs["wide"].input_controller.spacing == 5
     assert designs["least"].input_controller.spacing == 0
+    for form in ("logic", "block-ram"):
+        assert (
+            max(a.words for a in designs[form].activations)
+            < designs[f"{form}-huge"].activations[0].words
+        )
     assert max(int(a.variant[1:].split("c")[0]) for a in designs["huge"].activations) > 200
