@@ -97,7 +97,7 @@ class CurveFormat:
 
 
 # 32 curved segments of 1/8, and constants from 4 on.
-LOGIC = CurveFormat(3, 6, 16, 11, 14, 4, 32)
+LOGIC = CurveFormat(3, 6, 16, 12, 14, 4, 32)
 # A word of 36 bits, 512 of them fill one block RAM: segments of 1/64.
 BLOCK_RAM = CurveFormat(6, 3, 18, 13, 15, 5, 320)
 FORMATS = {"logic": LOGIC, "block_ram": BLOCK_RAM}
