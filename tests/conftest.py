@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,8 @@ import pytest
 
 from golden.network_file import save_network
 from golden.networks.mlp import Mlp
-from golden.scene import Scene, load_scene
+from golden.networks.network import Network
+from golden.scene import Scene, load_scene, scene_names
 
 TEMPLATE = """
 [data]
@@ -25,7 +27,7 @@ weights = {weights}
 
 [hardware]
 design = "hybrid"
-activation = "gradient"
+activation = "{activation}"
 precision = "{precision}"
 
 [training]
@@ -52,6 +54,7 @@ def write_scene(
     precision: str,
     mlps: list[Mlp],
     arrangement: str = "single",
+    activation: str = "gradient",
     rows: int = 12,
 ) -> Path:
     """A scene with random vectors and the given networks; returns its TOML file."""
@@ -75,12 +78,82 @@ def write_scene(
         hidden=hidden[0] if len(mlps) == 1 else hidden,
         weights=f'"{name}.npz"' if len(mlps) == 1 else weights,
         precision=precision,
+        activation=activation,
     )
     path = folder / f"{name}.toml"
     path.write_text(text.replace("'", '"'))
     for file, mlp in zip(weights, mlps, strict=True):
         save_network(folder / file, mlp, {"scene": name})
     return path
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene for the benches of some blocks: random networks of shapes that no shipped scene has.
+
+    ``spread`` is that of the weights of layer 1. The last hidden node of a single network is
+    without weights, where there is another.
+    """
+
+    blocks: tuple[str, ...]
+    shapes: list[tuple[int, int, int]]
+    precision: str
+    spread: float = 1.0
+    activation: str = "gradient"
+    arrangement: str = "single"
+
+    def networks(self) -> list[Mlp]:
+        mlps = [random_mlp(shape, self.spread, 7 + i) for i, shape in enumerate(self.shapes)]
+        if self.arrangement == "single" and self.shapes[0][1] > 1:
+            mlps[0].w1[-1] = 0
+            mlps[0].b1[-1] = 0
+        return mlps
+
+    def scene(self, folder: Path, name: str) -> Scene:
+        path = write_scene(
+            folder, name, self.precision, self.networks(), self.arrangement, self.activation
+        )
+        return load_scene(str(path))
+
+
+FOLDED = ("hybrid", "input_controller", "output_controller", "output_integral")
+CASCADE = ("cascade", "stream_multiplexer", "output_collector")
+MULTIPLE = ("multiple", "output_collector")
+GRADIENT = Case(("gradient", *FOLDED), [(1, 1, 1)], "precise")
+PRECISE = Case(("precise", "hybrid"), [(2, 3, 2)], "precise", activation="precise")
+
+# Least shapes, more outputs than inputs (the spacing counter), one output, odd adder trees, Q_j of
+# several hundred; each activation with few and with all of its segments; networks whose depth
+# differs, so that results wait for each other, and more of them than samples.
+CASES = {
+    "least": GRADIENT,
+    "least-thesis": replace(GRADIENT, shapes=[(1, 2, 1)], precision="thesis"),
+    "wide": replace(GRADIENT, shapes=[(2, 3, 5)]),
+    "wide-thesis": replace(GRADIENT, shapes=[(3, 5, 4)], precision="thesis"),
+    "huge": replace(GRADIENT, shapes=[(4, 3, 2)], precision="thesis", spread=100.0),
+    "huge-precise": replace(GRADIENT, shapes=[(4, 3, 2)], spread=100.0),
+    "logic": replace(PRECISE, spread=0.5),
+    "logic-huge": replace(PRECISE, shapes=[(2, 2, 1)], spread=100.0),
+    "block-ram": replace(PRECISE, activation="precise_block_ram", spread=0.5),
+    "block-ram-huge": replace(
+        PRECISE, activation="precise_block_ram", shapes=[(2, 2, 1)], spread=100.0
+    ),
+    "least-cascade": Case(CASCADE, [(1, 1, 1), (2, 2, 1)], "precise", arrangement="cascade"),
+    "deep-cascade": Case(
+        CASCADE, [(2, 1, 1), (3, 9, 1), (4, 2, 1), (5, 5, 1)], "thesis", arrangement="cascade"
+    ),
+    "least-multiple": Case(MULTIPLE, [(1, 2, 1), (1, 1, 1)], "thesis", arrangement="multiple"),
+    "wide-multiple": Case(
+        MULTIPLE, [(2, 9, 1), (2, 1, 1), (2, 4, 1)], "precise", arrangement="multiple"
+    ),
+}
+
+
+def every_design(folder: Path) -> list[Network]:
+    """Designs that hold every block between them: the shipped scenes and the cases."""
+    scenes = [load_scene(name) for name in scene_names()]
+    scenes += [case.scene(folder, name) for name, case in CASES.items()]
+    return [scene.design() for scene in scenes]
 
 
 @pytest.fixture

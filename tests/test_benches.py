@@ -5,64 +5,31 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from conftest import random_mlp, write_scene
+from conftest import CASES
 
 from golden.block import walk
-from golden.networks.mlp import Mlp
 from golden.scene import load_scene, scene_names
-from tb.common.runner import Outcome, plan, run_jobs
+from tb.common.runner import Job, Outcome, plan, run_jobs
 from tb.common.tools import SIMULATORS
 
-# Shape, precision, spread of the weights of layer 1: least shapes, more outputs than inputs (the
-# spacing counter), one output, odd adder trees, and Q_j of several hundred.
-ODD = {
-    "least": ((1, 1, 1), "precise", 1.0),
-    "least-thesis": ((1, 2, 1), "thesis", 1.0),
-    "wide": ((2, 3, 5), "precise", 1.0),
-    "wide-thesis": ((3, 5, 4), "thesis", 1.0),
-    "huge": ((4, 3, 2), "thesis", 100.0),
-    "huge-precise": ((4, 3, 2), "precise", 100.0),
-}
+# Every entity of these scenes is simulated; of the others the network as a whole.
+WHOLE = ("digit-single", "digit-single-thesis")
 
 
-def odd_network(name: str) -> Mlp:
-    """A random network; its last hidden node is without weights, where there is another."""
-    shape, _, spread = ODD[name]
-    mlp = random_mlp(shape, spread, 7)
-    if shape[1] > 1:
-        mlp.w1[-1] = 0
-        mlp.b1[-1] = 0
-    return mlp
-
-
-# Several networks: shapes, arrangement, precision. The least there is; hidden layers of different
-# depth, so that results wait for each other; more networks than samples.
-SEVERAL = {
-    "least-cascade": ([(1, 1, 1), (2, 2, 1)], "cascade", "precise"),
-    "deep-cascade": ([(2, 1, 1), (3, 9, 1), (4, 2, 1), (5, 5, 1)], "cascade", "thesis"),
-    "least-multiple": ([(1, 2, 1), (1, 1, 1)], "multiple", "thesis"),
-    "wide-multiple": ([(2, 9, 1), (2, 1, 1), (2, 4, 1)], "multiple", "precise"),
-}
-SEVERAL_BLOCKS = ("cascade", "multiple", "stream_multiplexer", "output_collector")
-
-ODD_BLOCKS = ("gradient", "hybrid", "input_controller", "output_controller", "output_integral")
+def wanted(job: Job) -> bool:
+    name = job.scene.name
+    if name in CASES:
+        return job.block in CASES[name].blocks
+    return name in WHOLE or job.entity == job.scene.design().entity
 
 
 @pytest.fixture(scope="module")
 def outcomes(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], list[Outcome]]:
     """All outcomes by scene and simulator; the jobs share the cores."""
     folder = tmp_path_factory.mktemp("benches")
-    jobs = []
-    for name in scene_names():
-        jobs += plan(load_scene(name), SIMULATORS, build=folder)
-    for name, (_, precision, _) in ODD.items():
-        mlp = odd_network(name)
-        scene = load_scene(str(write_scene(folder, name, precision, [mlp])))
-        jobs += [j for j in plan(scene, SIMULATORS, build=folder) if j.block in ODD_BLOCKS]
-    for name, (shapes, arrangement, precision) in SEVERAL.items():
-        mlps = [random_mlp(shape, 1.0, i) for i, shape in enumerate(shapes)]
-        scene = load_scene(str(write_scene(folder, name, precision, mlps, arrangement)))
-        jobs += [j for j in plan(scene, SIMULATORS, build=folder) if j.block in SEVERAL_BLOCKS]
+    scenes = [load_scene(name) for name in scene_names()]
+    scenes += [case.scene(folder, name) for name, case in CASES.items()]
+    jobs = [j for scene in scenes for j in plan(scene, SIMULATORS, build=folder) if wanted(j)]
     found: dict[tuple[str, str], list[Outcome]] = {}
     for outcome in run_jobs(jobs, lambda _: None):
         found.setdefault((outcome.job.scene.name, outcome.job.simulator), []).append(outcome)
@@ -70,15 +37,16 @@ def outcomes(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], 
 
 
 @pytest.mark.parametrize("simulator", SIMULATORS)
-@pytest.mark.parametrize("scene", [*scene_names(), *ODD, *SEVERAL])
+@pytest.mark.parametrize("scene", [*scene_names(), *CASES])
 def test_hardware_equals_twin(outcomes, scene: str, simulator: str) -> None:
     results = outcomes[scene, simulator]
     failed = [f"{o.job.entity}: {o.complaint()}" for o in results if not o.passed]
     assert not failed, "\n".join(failed)
-    present = {part.block for part in walk(results[0].job.scene.design())}
-    if scene not in scene_names():
-        present &= set(SEVERAL_BLOCKS if scene in SEVERAL else ODD_BLOCKS)
-    assert {o.job.block for o in results} == present
+    if scene in CASES:
+        assert {o.job.block for o in results} == set(CASES[scene].blocks)
+    elif scene in WHOLE:
+        parts = walk(results[0].job.scene.design())
+        assert {o.job.entity for o in results} == {part.entity for part in parts}
     assert all(o.compared > 0 for o in results)
 
 
@@ -90,7 +58,7 @@ def test_both_simulators_compared_the_same(outcomes, scene: str) -> None:
     assert counts[0] == counts[1]
 
 
-@pytest.mark.parametrize("scene", [*scene_names(), *ODD, *SEVERAL])
+@pytest.mark.parametrize("scene", [*scene_names(), *CASES])
 def test_clocks_are_the_same_in_both_simulators(outcomes, scene: str) -> None:
     timing = []
     for simulator in SIMULATORS:
@@ -102,11 +70,12 @@ def test_clocks_are_the_same_in_both_simulators(outcomes, scene: str) -> None:
     assert timing[0] == timing[1]
 
 
-def test_the_shapes_differ_as_meant(tmp_path: Path) -> None:
-    designs = {}
-    for name, (_, precision, _) in ODD.items():
-        mlp = odd_network(name)
-        designs[name] = load_scene(str(write_scene(tmp_path, name, precision, [mlp]))).design()
+def test_the_cases_differ_as_meant(tmp_path: Path) -> None:
+    designs = {name: case.scene(tmp_path, name).design() for name, case in CASES.items()}
     assert designs["wide"].input_controller.spacing == 5
     assert designs["least"].input_controller.spacing == 0
+    assert designs["wide-multiple"].input_controller.spacing == 3
+    for form in ("logic", "block-ram"):
+        few = max(a.words for a in designs[form].activations)
+        assert few < designs[f"{form}-huge"].activations[0].words
     assert max(int(a.variant[1:].split("c")[0]) for a in designs["huge"].activations) > 200

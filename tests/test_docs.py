@@ -10,9 +10,10 @@ from dataclasses import fields
 from pathlib import Path
 
 import pytest
+from conftest import every_design
 
 from golden.block import walk
-from golden.scene import load_scene, scene_names
+from golden.scene import load_scene
 from hdl.elaborate import elaborate
 from hdl.hierarchy import convert_hierarchy, port_directions
 from tb.demo import error_table
@@ -62,10 +63,9 @@ def test_a_datasheet_has_its_headings_in_order(sheet: Path) -> None:
 
 @pytest.fixture(scope="module")
 def ports(tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, str]]:
-    """Ports and directions by block, from the VHDL of the shipped scenes."""
+    """Ports and directions by block."""
     found: dict[str, dict[str, str]] = {}
-    for name in scene_names():
-        design = load_scene(name).design()
+    for design in every_design(tmp_path_factory.mktemp("scenes")):
         if all(block.block in found for block in walk(design)):
             continue
         folder = tmp_path_factory.mktemp("vhdl")
@@ -144,11 +144,11 @@ def test_the_worked_example_works(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("sheet", SHEETS, ids=lambda p: p.stem)
-def test_the_parameter_table_is_the_twin(sheet: Path) -> None:
+def test_the_parameter_table_is_the_twin(sheet: Path, tmp_path: Path) -> None:
     twins = {
         block.block: {field.name for field in fields(block)}
-        for name in scene_names()
-        for block in walk(load_scene(name).design())
+        for design in every_design(tmp_path)
+        for block in walk(design)
     }
     section = re.search(r"^## Parameters\n(.*?)^## ", sheet.read_text(), re.M | re.S)
     assert section

@@ -28,7 +28,7 @@ class Precise(ActivationBlock):
     in_fmt, out_fmt : Fix
         Formats of q and r: Fix(18,14) and Fix(14,13).
     coefficients : str
-        Where they stand: "logic", 39 words in LUTs, or "block_ram", 299 words of 36 bits in one
+        Where they stand: "logic", 38 words in LUTs, or "block_ram", 299 words of 36 bits in one
         block RAM, with narrower segments. ``precise_table.FORMATS`` holds the formats of both.
     words : int
         Words kept: those of the segments that the neuron can reach, at least 1.
@@ -37,7 +37,7 @@ class Precise(ActivationBlock):
     -----
     Sum and product are exact; half a unit is part of the intercept. Odd and monotone; every result
     is within one unit of 2**-13 of tanh(q), over all 262144 codes (tests/test_precise.py). Of these
-    10940 are not the nearest code with "logic" and 452 with "block_ram". |-8| saturates.
+    12770 are not the nearest code with "logic" and 452 with "block_ram". |-8| saturates.
 
     A magnitude beyond the words kept takes the last of them, and the result may wrap; the neuron
     cannot produce it.

@@ -97,7 +97,7 @@ class CurveFormat:
 
 
 # 32 curved segments of 1/8, and constants from 4 on.
-LOGIC = CurveFormat(3, 6, 16, 11, 14, 4, 32)
+LOGIC = CurveFormat(3, 6, 16, 12, 14, 4, 32)
 # A word of 36 bits, 512 of them fill one block RAM: segments of 1/64.
 BLOCK_RAM = CurveFormat(6, 3, 18, 13, 15, 5, 320)
 FORMATS = {"logic": LOGIC, "block_ram": BLOCK_RAM}
@@ -169,10 +169,14 @@ def _fit(fmt: CurveFormat, segment: int, last: int) -> tuple[tuple[int, int, int
     allowed = (intercept >= least(lowest).max(axis=1)[:, np.newaxis]) & (
         intercept < least(highest + 1).min(axis=1)[:, np.newaxis]
     )
-    correct[~allowed] = -1
-    for place in np.argsort(-correct, axis=None, kind="stable"):
+    if segment >= fmt.curved:
+        guard = 1 << (fmt.intercept_frac - SIGNAL.frac)
+        allowed &= intercept % guard == guard // 2
+    # Between equals, the intercept with the most zeros at its end: it takes less logic.
+    merit = np.where(allowed, correct + np.log2(intercept & -intercept) / 64, -1)
+    for place in np.argsort(-merit, axis=None, kind="stable"):
         k, i = divmod(int(place), span)
-        if correct[k, i] < 0:
+        if merit[k, i] < 0:
             break
         results = ((int(intercept[i]) << fmt.intercept_shift) + linear[k]) >> fmt.out_shift
         if results[0] >= last and (np.diff(results) >= 0).all():
@@ -202,6 +206,7 @@ def _candidates(
         curves.append(np.full(2 * _NEAR_GRADIENT + 1, curve))
     gradient = np.concatenate(gradients).astype(np.int64)
     curve = np.concatenate(curves).astype(np.int64)
-    # The slope is least where t is largest, and unsigned.
-    positive = fmt.slope(gradient, curve, top.max(keepdims=True)) >= 0
-    return gradient[positive], curve[positive]
+    # The slope is least where t is largest, and unsigned; so is the gradient, below 1.
+    steepest = (1 << fmt.gradient_frac) - 1
+    fitting = (fmt.slope(gradient, curve, top.max(keepdims=True)) >= 0) & (gradient <= steepest)
+    return gradient[fitting], curve[fitting]

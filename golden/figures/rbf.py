@@ -17,7 +17,8 @@ from golden.table import read_table
 from golden.training import levenberg_marquardt
 from golden.training.objective import Objective, Rows, pack, unpack
 from golden.training.rbf import train_rbf
-from golden.training.search import Split, split_rows, starting_weights
+from golden.training.search import starting_weights
+from golden.training.task import Split, split_rows
 from golden.units import FULL_SCALE, LOAD_G, POSITION_MM
 
 DATA = Path(__file__).parents[1] / "data"

@@ -1,6 +1,6 @@
 """Shift registers."""
 
-from myhdl import Signal, always, always_seq, block
+from myhdl import Signal, always, always_comb, always_seq, block
 
 
 @block
@@ -40,3 +40,14 @@ def delay(clk, rst, data, data_late, *, clocks: int):
     if rst is None:
         return [register(clk, taps[i], taps[i + 1]) for i in range(clocks)]
     return [reset_register(clk, rst, taps[i], taps[i + 1]) for i in range(clocks)]
+
+
+@block
+def connect(data, data_same):
+    """``data_same`` is ``data``, in the same clock."""
+
+    @always_comb
+    def copy():
+        data_same.next = data
+
+    return copy

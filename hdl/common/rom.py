@@ -1,8 +1,16 @@
-"""Read-only memory, read without a clock."""
+"""Read-only memories."""
 
-from myhdl import always_comb, block
+from myhdl import always, always_comb, block
 
 from golden.fixed import Codes
+
+
+def padded(words: Codes, size: int) -> tuple[int, ...]:
+    """``words`` as plain numbers, the last one repeated up to ``size`` of them.
+
+    Padded, because a short table raises IndexError in MyHDL where VHDL reads the last word.
+    """
+    return tuple(int(w) for w in words) + (int(words[-1]),) * (size - len(words))
 
 
 @block
@@ -12,10 +20,21 @@ def rom(addr, word, *, words: Codes):
     A tuple read as an entire right-hand side is the one form of a small table that MyHDL converts
     rightly; it becomes a case statement, which synthesis turns into LUTs.
     """
-    # Padded, because a short table raises IndexError in MyHDL where VHDL reads the last word.
-    contents = tuple(int(w) for w in words) + (int(words[-1]),) * (addr.max - len(words))
+    contents = padded(words, addr.max)
 
     @always_comb
+    def read():
+        word.next = contents[addr]
+
+    return read
+
+
+@block
+def registered_rom(clk, addr, word, *, words: Codes):
+    """``rom``, one clock later: the form that synthesis turns into a block RAM."""
+    contents = padded(words, addr.max)
+
+    @always(clk.posedge)
     def read():
         word.next = contents[addr]
 

@@ -1,0 +1,227 @@
+"""precise: tanh within one unit of the last place."""
+
+from myhdl import always, always_comb, block, concat
+
+from golden.activation.precise import Precise
+from hdl.activation.abs_unit import abs_unit
+from hdl.activation.sign_retriever import sign_retriever
+from hdl.common.delay import connect, delay
+from hdl.common.rom import registered_rom, rom
+from hdl.common.signals import flag, signed, unsigned
+
+# Register behind the coefficients, behind the multiplier and behind the sum.
+_STAGES = 3
+
+
+@block
+def gated_row(clk, word, top, row, *, bit: int):
+    """``top``, or 0 where the word has ``bit`` set: a register with a synchronous reset, no LUT."""
+
+    @always(clk.posedge)
+    def keep():
+        if word[bit]:
+            row.next = 0
+        else:
+            row.next = top
+
+    return keep
+
+
+@block
+def row_adder(total, row, low, result):
+    """One step of a multiplication: ``low`` leaves to the right, ``row`` is added to the rest.
+
+    Adders of the whole product would be merged into carry-save adders of twice the LUTs.
+    """
+    rest = unsigned(len(total))
+
+    @always_comb
+    def shift():
+        low.next = total[0]
+        rest.next = total >> 1
+
+    @always_comb
+    def add():
+        result.next = rest + row
+
+    return shift, add
+
+
+@block
+def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
+    """tanh of ``in_data``, 5 clocks later with "logic" and 6 with "block_ram".
+
+    Parameters
+    ----------
+    in_valid, in_data : bool, signed ``spec.in_fmt``
+    out_valid, out_data : bool, signed ``spec.out_fmt``
+    spec : Precise
+        Where the coefficients stand, and how many; the twin states rounding and error.
+
+    Notes
+    -----
+    One multiplier. Latency: ABS 1, block RAM 1 or logic 0, coefficients 1, product 1, sum 1, sign
+    retriever 1. One result a clock. Reset clears the valid flags.
+    """
+    fmt, table = spec.formats, spec.table
+    mag_width = spec.abs_unit.mag_width
+    distance_width, top_width = fmt.distance_width, fmt.top_width
+    # Below 1 and unsigned: as wide as their fractions.
+    intercept_width, gradient_width = fmt.intercept_frac, fmt.gradient_frac
+    curve_width, slope_width = fmt.curve_width, fmt.slope_frac
+    # The curve stands inverted in the word: a set bit clears a row.
+    inverted = (1 << curve_width) - 1
+    words = [
+        (intercept << gradient_width | gradient) << curve_width | (curve ^ inverted)
+        for intercept, gradient, curve in zip(
+            table.intercepts, table.gradients, table.curves, strict=True
+        )
+    ]
+    intercept_bit = gradient_width + curve_width
+    word_width = intercept_bit + intercept_width
+    half = 1 << (distance_width - 1)
+    gradient_shift = fmt.gradient_shift
+    ones = (1 << gradient_shift) - 1
+    align, out_shift = fmt.intercept_shift, fmt.out_shift
+    # |x| <= 2**(distance_width - 1) and slope < 2**slope_width.
+    product_width = distance_width + slope_width
+    aligned_width = intercept_width + align + 1
+    out_width = spec.out_fmt.width - 1
+
+    mag_valid, sum_valid = flag(), flag()
+    mag = unsigned(mag_width)
+    negative, negative_late = flag(), flag()
+    addr = unsigned(mag_width - distance_width)
+    word = unsigned(word_width)
+    distance, word_distance, distance_late = (unsigned(distance_width) for _ in range(3))
+    top = unsigned(top_width)
+    intercept, intercept_late = unsigned(intercept_width), unsigned(intercept_width)
+    gradient = unsigned(gradient_width)
+    rows = [unsigned(top_width) for _ in range(curve_width)]
+    totals = [rows[0], *(unsigned(top_width + 1) for _ in rows[1:])]
+    lows = [flag() for _ in rows[1:]]
+    curved = unsigned(top_width + curve_width)
+    high = unsigned(top_width + curve_width - gradient_shift)
+    low, flipped = unsigned(gradient_shift), unsigned(gradient_shift)
+    steep = unsigned(gradient_width)
+    slope = unsigned(slope_width)
+    wide_distance = signed(distance_width + 1)
+    x = signed(distance_width)
+    product = signed(product_width)
+    wide_intercept, aligned = signed(aligned_width), signed(aligned_width)
+    total = signed(max(product_width, aligned_width) + 1)
+    kept = signed(max(product_width, aligned_width) + 1 - out_shift)
+    result = unsigned(out_width)
+
+    @always_comb
+    def split():
+        addr.next = mag[:distance_width]
+        distance.next = mag[distance_width:]
+
+    if spec.coefficients == "block_ram":
+        memory_clocks = 1
+        memory = [
+            registered_rom(clk, addr, word, words=words),
+            delay(clk, None, distance, word_distance, clocks=memory_clocks),
+        ]
+    else:
+        memory_clocks = 0
+        memory = [rom(addr, word, words=words), connect(distance, word_distance)]
+
+    @always_comb
+    def cut_top():
+        top.next = word_distance[: distance_width - top_width]
+
+    @always(clk.posedge)
+    def read():
+        intercept.next = word[:intercept_bit]
+        gradient.next = word[intercept_bit:curve_width]
+        distance_late.next = word_distance
+
+    gates = [gated_row(clk, word, top, rows[i], bit=i) for i in range(curve_width)]
+    adders = [
+        row_adder(totals[i - 1], rows[i], lows[i - 1], totals[i]) for i in range(1, curve_width)
+    ]
+    last = totals[-1]
+    count = curve_width - 1
+
+    @always_comb
+    def assemble():
+        for i in range(count):
+            curved.next[i] = lows[i]
+        curved.next[:count] = last
+
+    @always_comb
+    def divide():
+        high.next = curved[:gradient_shift]
+        low.next = curved[gradient_shift:]
+
+    @always_comb
+    def subtract():
+        steep.next = gradient - high
+
+    @always_comb
+    def flip():
+        flipped.next = low ^ ones
+
+    @always_comb
+    def fill():
+        slope.next = concat(steep, flipped)
+
+    @always_comb
+    def widen():
+        wide_distance.next = distance_late
+        wide_intercept.next = intercept_late
+
+    @always_comb
+    def centre():
+        x.next = wide_distance - half
+
+    @always(clk.posedge)
+    def multiply():
+        product.next = x * slope
+        intercept_late.next = intercept
+
+    @always_comb
+    def move():
+        aligned.next = wide_intercept << align
+
+    @always_comb
+    def add():
+        total.next = product + aligned
+
+    @always_comb
+    def cut():
+        kept.next = total >> out_shift
+
+    @always(clk.posedge)
+    def keep():
+        # The search for the coefficients keeps every result a neuron reaches within 0 to high.
+        result.next = kept[out_width:]
+
+    clocks = memory_clocks + _STAGES
+    return (
+        abs_unit(clk, rst, in_valid, in_data, mag_valid, mag, negative, spec=spec.abs_unit),
+        *(split, memory, cut_top, read, gates, adders, assemble, divide, subtract, flip, fill),
+        *(widen, centre, multiply, move, add, cut, keep),
+        delay(clk, rst, mag_valid, sum_valid, clocks=clocks),
+        delay(clk, None, negative, negative_late, clocks=clocks),
+        sign_retriever(
+            clk,
+            rst,
+            sum_valid,
+            result,
+            negative_late,
+            out_valid,
+            out_data,
+            spec=spec.sign_retriever,
+        ),
+    )
+
+
+precise.latency = lambda spec: (
+    abs_unit.latency(spec.abs_unit)
+    + (1 if spec.coefficients == "block_ram" else 0)
+    + _STAGES
+    + sign_retriever.latency(spec.sign_retriever)
+)

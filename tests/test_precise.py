@@ -1,0 +1,158 @@
+"""The activation precise over every one of its 262144 codes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from golden.activation.precise import Precise
+from golden.activation.precise_table import BLOCK_RAM, LOGIC, curve_table
+from golden.activation.schemes import SCHEMES
+from golden.precision import PRECISE, SIGNAL, THESIS
+
+FMT = PRECISE.hidden_fmt
+CODES = np.arange(FMT.low, FMT.high + 1)
+# Where the coefficients stand, words of the whole table, codes that are not the correctly rounded
+# tanh, and the largest error in units of 2**-13 where the result is below the largest code.
+FORMS = {
+    "precise": ("logic", 38, 12770, 0.957),
+    "precise_block_ram": ("block_ram", 299, 452, 0.519),
+}
+
+
+def build(name: str, reach: int = FMT.high) -> Precise:
+    block = SCHEMES[name].build(PRECISE, 1, reach)
+    assert isinstance(block, Precise)
+    return block
+
+
+def tanh_units() -> np.ndarray:
+    """tanh of every code in units of 2**-13; off by less than 2**-38 of a unit."""
+    return np.tanh(FMT.to_real(CODES)) * 8192
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_every_code_is_within_one_unit_of_tanh(name: str) -> None:
+    results = build(name).process(CODES)
+    error = np.abs(results - tanh_units())
+    assert error.max() < 1
+    # Beyond, tanh lies between the largest code and 1, and a unit is what the format leaves.
+    free = np.abs(results) < SIGNAL.high
+    assert error[free].max() == pytest.approx(
+        {"precise": 0.957, "precise_block_ram": 0.519}[name], abs=5e-4
+    )
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_how_many_codes_are_not_rounded_correctly(name: str) -> None:
+    """The count that docstring and datasheet state."""
+    exact = tanh_units()
+    nearest = np.minimum(np.floor(np.abs(exact) + 0.5), SIGNAL.high) * np.sign(exact)
+    wrong = int((build(name).process(CODES) != nearest).sum())
+    assert wrong == FORMS[name][2]
+    assert f"{wrong}" in str(Precise.__doc__)
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_odd_monotone_and_saturated(name: str) -> None:
+    results = build(name).process(CODES)
+    assert (np.diff(results) >= 0).all()
+    assert np.array_equal(results[1:], -results[:0:-1])
+    assert results[0] == -SIGNAL.high
+    assert results[-1] == SIGNAL.high
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_looked_up_results_are_those_of_the_parts(name: str) -> None:
+    block = build(name, FMT.high // 3)
+    codes = CODES.reshape(2, -1)
+    assert np.array_equal(block.process(codes), block.compute(codes))
+
+
+@pytest.mark.parametrize("name", FORMS)
+@pytest.mark.parametrize("reach", [0, 1, 2047, 2048, 30000, 65536, 80000])
+def test_words_out_of_reach_are_left_out_and_change_nothing(name: str, reach: int) -> None:
+    whole, lean = build(name), build(name, reach)
+    form, words, *_ = FORMS[name]
+    assert (whole.coefficients, whole.words, whole.left_out()) == (form, words, {})
+    width = whole.formats.distance_width
+    assert lean.words == min(words, (reach >> width) + 1)
+    assert sum(lean.left_out().values()) == words - lean.words
+    assert (lean.entity != whole.entity) == (lean.words < words)
+    codes = np.arange(-reach, reach + 1)
+    assert np.array_equal(lean.process(codes), whole.process(codes))
+
+
+@pytest.mark.parametrize("fmt", [LOGIC, BLOCK_RAM], ids=["logic", "block_ram"])
+def test_coefficients_fit_their_words(fmt) -> None:
+    table = curve_table(fmt)
+    assert 0 <= min(table.intercepts) <= max(table.intercepts) < 1 << fmt.intercept_frac
+    assert 0 <= min(table.gradients) <= max(table.gradients) < 1 << fmt.gradient_frac
+    assert 0 <= min(table.curves) <= max(table.curves) < 1 << fmt.curve_width
+    assert fmt.intercept_frac + fmt.gradient_frac + fmt.curve_width <= 36
+    # One signed input of a MULT18X18 holds the slope.
+    assert fmt.slope_frac <= 17
+    mag = np.arange(FMT.high + 1)
+    segment, _, top = fmt.split(mag)
+    word = np.minimum(segment, len(table.gradients) - 1)
+    slope = fmt.slope(np.take(table.gradients, word), np.take(table.curves, word), top)
+    assert 0 <= slope.min() <= slope.max() < 1 << fmt.slope_frac
+
+
+def test_coefficients_are_the_best_of_their_neighbours() -> None:
+    """One step away from any coefficient the results are no better, or break a promise."""
+    fmt, table = LOGIC, curve_table(LOGIC)
+    exact = tanh_units()[-FMT.low :]
+    nearest = np.minimum(np.floor(exact + 0.5), SIGNAL.high)
+    before = 0
+    for segment in range(fmt.curved):
+        codes = np.arange(segment << fmt.distance_width, (segment + 1) << fmt.distance_width)
+        _, x, top = fmt.split(codes)
+
+        def results(intercept: int, gradient: int, curve: int, x=x, top=top) -> np.ndarray:
+            slope = fmt.slope(np.int64(gradient), np.int64(curve), top)
+            return ((intercept << fmt.intercept_shift) + x * slope) >> fmt.out_shift
+
+        own = [c[segment] for c in (table.intercepts, table.gradients, table.curves)]
+        wrong = (results(*own) != nearest[codes]).sum()
+        for place in range(3):
+            for step in (-1, 1):
+                near = list(own)
+                near[place] += step
+                if near[2] < 0:
+                    continue
+                moved = results(*near)
+                worse = (moved != nearest[codes]).sum() >= wrong
+                far = np.abs(moved - exact[codes]).max() >= 1 or moved[0] < 0
+                falls = (np.diff(moved) < 0).any() or moved[0] < before
+                assert worse or far or falls, (segment, near)
+        before = results(*own)[-1]
+
+
+def test_other_formats_are_refused() -> None:
+    with pytest.raises(ValueError, match=r"got q in Fix\(14,13\), normalised by 3, of .*'thesis'"):
+        SCHEMES["precise"].build(THESIS, 3, 8191)
+    with pytest.raises(ValueError, match=r"normalised by 2"):
+        SCHEMES["precise"].build(PRECISE, 2, 8191)
+
+
+def test_formats_too_coarse_name_the_segment() -> None:
+    with pytest.raises(ValueError, match=r"segment \d+: .* too coarse"):
+        curve_table(replace(LOGIC, gradient_frac=8))
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"coefficients": "rom"}, "got coefficients='rom', expected one of logic, block_ram"),
+        ({"words": 0}, "got words=0, expected 1 to"),
+        ({"words": 300}, "got words=300, expected 1 to"),
+    ],
+)
+def test_parameters_are_checked(changes: dict, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        replace(build("precise"), **changes)
+    with pytest.raises(ValueError, match="precise data: got code 131072"):
+        build("precise").process(131072)
