@@ -27,6 +27,14 @@ FAULTS = [
     ("sign_retriever", r"if \(in_negative\)", "if (!in_negative)"),
     ("sign_retriever", r"out_valid <= in_valid", "out_valid <= 1"),
     ("gradient", r"negative_late <= \w+", "negative_late <= negative"),
+    ("precise", r"(0): word = (\S+);", r"\1: word = \2 ^ 1;"),
+    ("precise", r"default: word = (\S+);", r"default: word = \1 ^ 4096;"),
+    ("precise", r"gated_row0_row <= 0", "gated_row0_row <= top"),
+    ("precise", r"row_adder1_rest \+ gated_row2_row", "row_adder1_rest"),
+    ("precise", r"low \^ (\d+)", "low"),
+    ("precise", r"gradient - high", "gradient"),
+    ("precise", r"wide_distance - (\d+)", "wide_distance"),
+    ("precise", r"negative_late <= \w+", "negative_late <= negative"),
     ("input_controller", r"frame_error <= broken", "frame_error <= 0"),
     ("input_controller", r"dropping <= \(!in_last\)", "dropping <= 0"),
     ("input_controller", r"if \(rst == 1\) begin", "if (0) begin"),
@@ -44,11 +52,22 @@ FAULTS = [
 
 @pytest.fixture(scope="module")
 def jobs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Job]:
-    """One job per block under Icarus, of a network whose sums reach their rails."""
+    """One job per block under Icarus, of networks whose sums reach their rails."""
     folder = tmp_path_factory.mktemp("faults")
     shape = (3, 4, 3)
-    path = write_scene(folder, "faulty", shape, "precise", random_mlp(shape, 20.0, 2))
-    return {job.block: job for job in plan(load_scene(str(path)), ["icarus"], build=folder)}
+    found: dict[str, Job] = {}
+    for activation in ("precise", "gradient"):
+        path = write_scene(
+            folder,
+            f"faulty-{activation}",
+            shape,
+            "precise",
+            random_mlp(shape, 20.0, 2),
+            activation=activation,
+        )
+        planned = plan(load_scene(str(path)), ["icarus"], build=folder)
+        found |= {job.block: job for job in planned}
+    return found
 
 
 def with_fault(job: Job, folder: Path, pattern: str, text: str) -> Job:
