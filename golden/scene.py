@@ -54,6 +54,7 @@ _KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
         "restarts": (int, 8),
         "weight_decay": (float, 1e-4),
         "steps": (int, 200),
+        "patience": (int, 40),
         "earlier_outputs": (str, "bit-true"),
     },
 }
@@ -81,6 +82,7 @@ class Training:
     restarts: int
     weight_decay: float
     steps: int
+    patience: int
     earlier_outputs: str
 
 
@@ -352,7 +354,9 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
             "hidden nodes, such as [4, 25]"
         )
     positive = [("hardware.clock_mhz", hardware["clock_mhz"])]
-    positive += [(f"training.{k}", values["training"][k]) for k in ("restarts", "steps")]
+    positive += [
+        (f"training.{k}", values["training"][k]) for k in ("restarts", "steps", "patience")
+    ]
     for key, value in positive:
         if not 0 < value < math.inf:
             raise ValueError(f"{path}: {key}: got {value!r}, expected above 0")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from myhdl import ResetSignal
 from myhdl._block import _Block
 
+from golden.activation.activation_block import ActivationBlock
 from golden.networks.network import Network
 from golden.precision import SIGNAL
 from hdl.common.lookup import hardware
@@ -23,5 +24,18 @@ def elaborate(spec: Network) -> _Block:
         fixed(SIGNAL),
         flag(),
         flag(),
+        spec=spec,
+    )
+
+
+def elaborate_activation(spec: ActivationBlock) -> _Block:
+    """The activation of ``spec`` by itself with fresh signals on its ports."""
+    return hardware(spec)(
+        flag(),
+        ResetSignal(0, active=1, isasync=False),
+        flag(),
+        fixed(spec.in_fmt),
+        flag(),
+        fixed(spec.out_fmt),
         spec=spec,
     )

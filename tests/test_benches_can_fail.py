@@ -27,6 +27,14 @@ FAULTS = [
     ("sign_retriever", r"if \(in_negative\)", "if (!in_negative)"),
     ("sign_retriever", r"out_valid <= in_valid", "out_valid <= 1"),
     ("gradient", r"negative_late <= \w+", "negative_late <= negative"),
+    ("precise", r"(0): word = (\S+);", r"\1: word = \2 ^ 1;"),
+    ("precise", r"default: word = (\S+);", r"default: word = \1 ^ 4096;"),
+    ("precise", r"gated_row0_row <= 0", "gated_row0_row <= top"),
+    ("precise", r"row_adder1_rest \+ gated_row2_row", "row_adder1_rest"),
+    ("precise", r"low \^ (\d+)", "low"),
+    ("precise", r"gradient - high", "gradient"),
+    ("precise", r"wide_distance - (\d+)", "wide_distance"),
+    ("precise", r"negative_late <= \w+", "negative_late <= negative"),
     ("input_controller", r"frame_error <= broken", "frame_error <= 0"),
     ("input_controller", r"dropping <= \(!in_last\)", "dropping <= 0"),
     ("input_controller", r"if \(rst == 1\) begin", "if (0) begin"),
@@ -53,16 +61,17 @@ FAULTS = [
 
 @pytest.fixture(scope="module")
 def jobs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Job]:
-    """One job per block under Icarus; the single network's sums reach their rails."""
+    """One job per block under Icarus; the single networks' sums reach their rails."""
     folder = tmp_path_factory.mktemp("faults")
-    designs = {
-        "single": [random_mlp((3, 4, 3), 20.0, 2)],
-        "cascade": [random_mlp((2 + i, 3, 1), 1.0, i) for i in range(3)],
-        "multiple": [random_mlp((2, 4 - i, 1), 1.0, i) for i in range(3)],
-    }
+    single = [random_mlp((3, 4, 3), 20.0, 2)]
+    designs = [("single", activation, single) for activation in ("precise", "gradient")]
+    cascade = [random_mlp((2 + i, 3, 1), 1.0, i) for i in range(3)]
+    multiple = [random_mlp((2, 4 - i, 1), 1.0, i) for i in range(3)]
+    designs += [("cascade", "gradient", cascade), ("multiple", "gradient", multiple)]
     found: dict[str, Job] = {}
-    for arrangement, mlps in designs.items():
-        path = write_scene(folder, f"faulty-{arrangement}", "precise", mlps, arrangement)
+    for arrangement, activation, mlps in designs:
+        name = f"faulty-{arrangement}-{activation}"
+        path = write_scene(folder, name, "precise", mlps, arrangement, activation)
         for job in plan(load_scene(str(path)), ["icarus"], build=folder):
             found.setdefault(job.block, job)
     return found

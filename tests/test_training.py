@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -31,8 +31,8 @@ def rows(count: int, seed: int = 2) -> Rows:
     return Rows(inputs, targets, np.abs(targets))
 
 
-def objective(activation=tanh, decay: float = 1e-3) -> Objective:
-    return Objective(SHAPE, activation, rows(9), rows(5, 3), decay)
+def objective(activation=tanh, decay: float = 1e-3, patience: int = 10_000) -> Objective:
+    return Objective(SHAPE, activation, rows(9), rows(5, 3), decay, patience)
 
 
 def test_pack_and_unpack_are_inverse() -> None:
@@ -64,7 +64,7 @@ def test_an_optimiser_reaches_a_network_it_can_reach(optimiser: str) -> None:
     targets = random_mlp((3, 2, 1), 1.0, 9).process(inputs)
     data = Rows(inputs, targets, np.ones((60, 1)))
     # More nodes than the network has that made the data: no local minimum in the way.
-    goal = Objective((3, 6, 1), tanh, data, data, 0.0)
+    goal = Objective((3, 6, 1), tanh, data, data, 0.0, 10_000)
     OPTIMISERS[optimiser](goal, pack(random_mlp((3, 6, 1), 1.0, 1)), 5000)
     assert goal.best is not None
     found = unpack(goal.best, (3, 6, 1)).process(inputs)
@@ -133,6 +133,34 @@ def test_early_stopping_keeps_the_point_of_least_validation_error() -> None:
             errors.append((float((goal.validation.residuals(mlp, tanh) ** 2).sum()), vector))
     assert np.array_equal(goal.best, min(errors, key=lambda pair: pair[0])[1])
     assert not np.array_equal(goal.best, errors[-1][1]), "the data do not overfit: no proof"
+
+
+@dataclass(frozen=True)
+class WatchedRows(Rows):
+    """Keeps every error that was measured on it."""
+
+    seen: list[float] = field(default_factory=list)
+
+    def residuals(self, mlp, activation):
+        result = super().residuals(mlp, activation)
+        self.seen.append(float(result @ result))
+        return result
+
+
+@pytest.mark.parametrize("optimiser", OPTIMISERS)
+def test_patience_ends_a_descent(optimiser: str) -> None:
+    start, found = pack(random_mlp(SHAPE, 1.0, 1)), {}
+    for patience in (3, 10_000):
+        held = rows(5, 3)
+        watched = WatchedRows(held.inputs, held.targets, held.scale)
+        goal = Objective(SHAPE, tanh, rows(9), watched, 0.0, patience)
+        best = unpack(goal.search(OPTIMISERS[optimiser], start, 300), SHAPE)
+        assert float((held.residuals(best, tanh) ** 2).sum()) == pytest.approx(min(watched.seen))
+        found[patience] = watched.seen
+    few, whole = found.values()
+    assert len(few) < len(whole), "the data do not overfit: no proof"
+    assert few == whole[: len(few)]
+    assert len(few) - 1 - int(np.argmin(few)) == 3
 
 
 def test_the_split_is_50_25_25_and_covers_every_row() -> None:

@@ -67,10 +67,10 @@ def train_mlp(inputs: Real, targets: Real, split: Split, rng: np.random.Generato
         Rows(inputs[rows], targets[rows], np.ones_like(targets[rows]))
         for rows in (split.training, split.validation)
     )
-    objective = Objective(shape, tanh, training, validation, WEIGHT_DECAY)
+    # As patient as the steps are many: small networks that hardly overfit.
+    objective = Objective(shape, tanh, training, validation, WEIGHT_DECAY, patience=STEPS)
     start = pack(starting_weights(shape, rng))
-    levenberg_marquardt.descend(objective, start, STEPS)
-    return unpack(start if objective.best is None else objective.best, shape)
+    return unpack(objective.search(levenberg_marquardt.descend, start, STEPS), shape)
 
 
 def ranked(

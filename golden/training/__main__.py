@@ -87,6 +87,7 @@ def main() -> None:
                 "best_restart": best.restart,
                 "weight_decay": settings.weight_decay,
                 "steps": settings.steps,
+                "patience": settings.patience,
                 "validation_rms_percent": round(best.validation, 4),
                 "test_rms_percent": round(best.test, 4),
                 "python": versions[2],

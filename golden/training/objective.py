@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -42,13 +44,20 @@ def unpack(vector: Real, shape: tuple[int, int, int]) -> Mlp:
     return Mlp(w1.reshape(hidden, inputs), b1, w2.reshape(outputs, hidden), b2)
 
 
+class EarlyStop(Exception):  # noqa: N818, a signal, not an error
+    """Ends a descent: its last points no longer lower the validation error."""
+
+
+Descend = Callable[["Objective", Real, int], Real]
+
+
 @dataclass
 class Objective:
     """sum((y - t) / scale)**2 + weight_decay * sum(w**2) over the training rows.
 
     Each point with less of it than any before is also measured on the validation rows; ``best``
-    is the one with the least error there. To train to the end and take ``best`` is early stopping
-    without a choice of when to stop.
+    is the one with the least error there. After ``patience`` such points without a better one the
+    descent is ended by ``EarlyStop``.
 
     Parameters
     ----------
@@ -59,6 +68,7 @@ class Objective:
     training, validation : Rows
     weight_decay : float
         Keeps weights, and with them Q_j and Y_i, small.
+    patience : int
     """
 
     shape: tuple[int, int, int]
@@ -66,12 +76,26 @@ class Objective:
     training: Rows
     validation: Rows
     weight_decay: float
+    patience: int
     best: Real | None = None
     _lowest: float = field(default=np.inf, init=False)
     _least_validation: float = field(default=np.inf, init=False)
+    _in_vain: int = field(default=0, init=False)
+
+    def search(self, descend: Descend, start: Real, steps: int) -> Real:
+        """The best point of a descent from ``start`` with at most ``steps`` evaluations."""
+        with suppress(EarlyStop):
+            descend(self, start, steps)
+        return start if self.best is None else self.best
 
     def residuals(self, vector: Real) -> Real:
-        """Scaled errors, then the weights times the root of the decay."""
+        """Scaled errors, then the weights times the root of the decay.
+
+        Raises
+        ------
+        EarlyStop
+            See above.
+        """
         mlp = unpack(vector, self.shape)
         errors = self.training.residuals(mlp, self.activation)
         result = np.concatenate([errors, np.sqrt(self.weight_decay) * vector])
@@ -82,7 +106,12 @@ class Objective:
             validation = float(held_back @ held_back)
             if validation < self._least_validation:
                 self._least_validation = validation
+                self._in_vain = 0
                 self.best = vector.copy()
+            else:
+                self._in_vain += 1
+                if self._in_vain == self.patience:
+                    raise EarlyStop
         return result
 
     def jacobian(self, vector: Real) -> Real:

@@ -93,10 +93,10 @@ def train(task: Task, hidden: int, restart: int) -> Mlp:
     point = pack(starting_weights(shape, rng))
     descend = OPTIMISERS[settings.optimiser]
     for activation in dict.fromkeys((tanh, SCHEMES[task.scene.activation].real)):
-        objective = Objective(shape, activation, training, validation, settings.weight_decay)
-        descend(objective, point, settings.steps)
-        if objective.best is not None:
-            point = objective.best
+        objective = Objective(
+            shape, activation, training, validation, settings.weight_decay, settings.patience
+        )
+        point = objective.search(descend, point, settings.steps)
     return shift_biases(task, unpack(point, shape), task.split.training)
 
 
