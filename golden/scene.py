@@ -34,6 +34,7 @@ _KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
         "outputs": (list, None),
         "group_by": (str, None),
         "full_scale": (dict, {}),
+        "length_mm": (dict, {}),
         "reference": (str, ""),
     },
     "network": {
@@ -132,6 +133,8 @@ class Scene:
         Column of the positions over which equation 3.15 averages.
     full_scale : dict
         Outputs whose error is divided by this constant instead of by the target.
+    length_mm : dict
+        What the full scale of an output is in millimetres.
     reference : str
         Table of golden/data/thesis_numbers.toml to compare with, or nothing.
     arrangement : str
@@ -150,6 +153,7 @@ class Scene:
     outputs: tuple[str, ...]
     group_by: str
     full_scale: dict[str, float]
+    length_mm: dict[str, float]
     reference: str
     arrangement: str
     members: tuple[Member, ...]
@@ -336,16 +340,18 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
         names = data[key]
         if not names or any(type(n) is not str for n in names) or len(set(names)) < len(names):
             raise ValueError(f"{path}: data.{key}: got {names!r}, expected column names, each once")
-    for name, scale in data["full_scale"].items():
-        if name not in data["outputs"]:
-            raise ValueError(
-                f"{path}: data.full_scale: {name!r} is no output, expected one of "
-                f"{', '.join(data['outputs'])}{suggest(name, data['outputs'])}"
-            )
-        if type(scale) not in (int, float) or not 0 < scale < math.inf:
-            raise ValueError(
-                f"{path}: data.full_scale.{name}: got {scale!r}, expected a number above 0"
-            )
+    for key, known in (("full_scale", data["outputs"]), ("length_mm", list(data["full_scale"]))):
+        for name, scale in data[key].items():
+            if name not in known:
+                what = "output" if key == "full_scale" else "output with a full_scale"
+                raise ValueError(
+                    f"{path}: data.{key}: {name!r} is no {what}, expected one of "
+                    f"{', '.join(known)}{suggest(name, known)}"
+                )
+            if type(scale) not in (int, float) or not 0 < scale < math.inf:
+                raise ValueError(
+                    f"{path}: data.{key}.{name}: got {scale!r}, expected a number above 0"
+                )
     members = _members(data, network, path)
     span = values["training"]["hidden"]
     if [type(n) for n in span] != [int, int] or not 1 <= span[0] <= span[1]:
@@ -375,6 +381,7 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
         outputs=tuple(data["outputs"]),
         group_by=data["group_by"],
         full_scale={name: float(s) for name, s in data["full_scale"].items()},
+        length_mm={name: float(s) for name, s in data["length_mm"].items()},
         reference=data["reference"],
         arrangement=network["arrangement"],
         members=members,

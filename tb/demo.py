@@ -16,12 +16,11 @@ from collections import defaultdict
 import numpy as np
 
 from golden.cli import run
+from golden.errors import scene_errors
 from golden.files import replace_file
 from golden.fingerprint import fingerprint, sources
-from golden.metrics import OutputError, percent_errors, summarise
-from golden.precision import SIGNAL
+from golden.metrics import millimetres
 from golden.scene import Scene, load_scene, thesis_figures
-from golden.training.task import split_rows
 from tb.common.runner import BUILD, Outcome, plan, run_jobs
 from tb.common.tools import SIMULATORS, check_simulator, language, version
 from tb.sim import tell
@@ -30,6 +29,7 @@ from tb.sim import tell
 def simulate(scene: Scene) -> dict:
     """Run all benches of the scene, or take over the results of unchanged ones."""
     jobs = plan(scene, SIMULATORS)
+    top = scene.design().entity
     store = BUILD / scene.name / "sim" / "results.json"
     inputs = [*sources("golden", "hdl", "tb"), scene.path, *scene.weights_paths, scene.data_path]
     inputs += [BUILD / scene.name / language(s) for s in SIMULATORS]
@@ -45,7 +45,7 @@ def simulate(scene: Scene) -> dict:
         "failed": sum(not o.passed for o in outcomes),
         "compared": sum(o.compared for o in outcomes),
         "blocks": _by_block(outcomes),
-        "facts": {o.job.simulator: o.facts for o in outcomes if o.facts},
+        "facts": {o.job.simulator: o.facts for o in outcomes if o.job.entity == top},
     }
     if not results["failed"]:
         with replace_file(store) as temporary:
@@ -80,27 +80,6 @@ def _by_block(outcomes: list[Outcome]) -> dict:
     return dict(sorted(table.items()))
 
 
-def errors(scene: Scene) -> dict[str, list[OutputError]]:
-    """Errors on the recorded vectors: in real arithmetic, bit-true, and bit-true on rows that
-    neither trained nor chose the network."""
-    vectors = scene.vectors()
-    real = scene.process_real(vectors.inputs)
-    bit_true = SIGNAL.to_real(scene.design().process(vectors.codes))
-    everything = np.arange(len(vectors.codes))
-    held_out = split_rows(len(vectors.codes), scene.training.seed).test
-    return {
-        name: summarise(
-            percent_errors(results[rows], vectors.targets[rows], scene.outputs, scene.full_scale),
-            vectors.groups[rows],
-        )
-        for name, results, rows in (
-            ("float", real, everything),
-            ("bit-true", bit_true, everything),
-            ("bit-true, held out", bit_true, held_out),
-        )
-    }
-
-
 def twin_speed(scene: Scene) -> float:
     """Frames a second of the bit-true numpy twin on one core."""
     design = scene.design()
@@ -112,7 +91,7 @@ def twin_speed(scene: Scene) -> float:
 
 def error_table(scene: Scene) -> list[str]:
     """Per output and kind: mean, largest mean over positions, and worst frame."""
-    found = errors(scene)
+    found = scene_errors(scene)
     thesis = None
     if scene.reference:
         thesis = thesis_figures(scene.reference, len(scene.outputs), scene.path)
@@ -130,6 +109,20 @@ def error_table(scene: Scene) -> list[str]:
     return [line.rstrip() for line in lines]
 
 
+def length_lines(scene: Scene) -> list[str]:
+    """The bit-true errors of lengths, in millimetres."""
+    found = scene_errors(scene)["bit-true"]
+    lines = []
+    for name, error in zip(scene.outputs, found, strict=True):
+        if name in scene.length_mm:
+            mm = millimetres(error, scene.length_mm[name])
+            lines.append(
+                f"{name + ' in mm':26}mean {mm.mean:.2f}, largest {mm.largest_mean:.2f}, "
+                f"worst {mm.worst:.2f}"
+            )
+    return lines
+
+
 def report(scene: Scene, results: dict) -> str:
     """Errors, clocks, what was left out, and speed."""
     vectors = scene.vectors()
@@ -138,7 +131,7 @@ def report(scene: Scene, results: dict) -> str:
     clocks, interval = first["clocks_per_frame"], first["interval"]
     lines = [
         "",
-        f"scene {scene.name}: {scene.describe()}, hybrid, {scene.activation}, "
+        f"scene {scene.name}: {scene.arrangement} {scene.describe()}, {scene.activation}, "
         f"{scene.precision.name} precision",
         f"errors in % on {len(vectors.codes)} recorded frames; 'largest' is the largest mean over "
         "the positions;",
@@ -146,6 +139,7 @@ def report(scene: Scene, results: dict) -> str:
         "",
         *error_table(scene),
         "",
+        *length_lines(scene),
         f"clocks a frame            {clocks}, first sample in to last output out "
         f"({clocks / scene.clock_mhz:.3f} us at {scene.clock_mhz:g} MHz)",
         f"clocks between frames     {interval} "

@@ -12,9 +12,10 @@ from pathlib import Path
 import pytest
 from conftest import random_mlp, write_scene
 
+from golden.figures.networks import scenes
 from golden.fingerprint import fingerprint
 from golden.network_file import provenance_path
-from golden.scene import FOLDER, Scene, load_scene, scene_names
+from golden.scene import FOLDER, Scene
 
 ROOT = Path(__file__).parents[1]
 
@@ -195,8 +196,8 @@ def test_train_refuses_too_few_rows(tmp_path: Path) -> None:
 
 def test_no_stray_files_beside_the_scenes() -> None:
     expected = set()
-    for name in scene_names():
-        expected.add(f"{name}.toml")
-        for path in load_scene(name).weights_paths:
-            expected |= {path.name, provenance_path(path).name}
-    assert {p.name for p in FOLDER.iterdir()} == expected
+    for scene in scenes():
+        expected.add(scene.path)
+        for path in scene.weights_paths:
+            expected |= {path, provenance_path(path)}
+    assert {p for p in FOLDER.rglob("*") if p.is_file()} == expected

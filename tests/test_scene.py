@@ -54,6 +54,7 @@ def edited(scene: Scene, old: str, new: str) -> str:
         ("[network]", "[network", "not TOML"),
         ("[network]", "full_scale = { y9 = 1 }\n[network]", "data.full_scale: 'y9' is no output"),
         ("[network]", "full_scale = { y1 = 0 }\n[network]", "data.full_scale.y1: got 0"),
+        ("[network]", "length_mm = { y1 = 9 }\n[network]", "length_mm: 'y1' is no output with a"),
         ("steps = 20", "steps = 0", "training.steps: got 0, expected above 0"),
         ("steps = 20", "weight_decay = -1", "training.weight_decay: got -1.0"),
         ("steps = 20", "weight_decay = nan", "training.weight_decay: got nan"),
