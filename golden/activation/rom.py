@@ -1,4 +1,4 @@
-"""The read-only memory that g_memory and i_memory share."""
+"""The read-only memory that g_memory, i_memory and exp_memory share."""
 
 from __future__ import annotations
 

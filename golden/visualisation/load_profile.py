@@ -64,8 +64,8 @@ class LoadProfile(Block):
     C = gain / w exact: at most 1.81 units of 2**-13 for d = 1, over every t that the divider can
     give and every fraction that it cuts off (tests/test_visualisation.py, exhaustive).
 
-    Multipliers: one in power_fold, used P - 1 times, one in exp_interpolator, one for d. No result
-    waits for a multiplier that another position uses, so one can serve all three.
+    Multipliers: one in power_fold, used P - 1 times, one in exp_interpolator, one for d. They
+    are used one after the other within a position, so one multiplier can serve all three.
     """
 
     block = "load_profile"
