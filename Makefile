@@ -15,7 +15,7 @@ help:
 	@echo "                                          one bench, or every bench of the scene"
 	@echo "make vhdl    [SCENE=]                     export to build/<scene>/vhdl"
 	@echo "make verilog [SCENE=]                     export to build/<scene>/verilog"
-	@echo "make train   [SCENE=]                     train the scene's network, write it beside the scene"
+	@echo "make train   [SCENE=] [CLUSTER=]          train the scene's networks, write them beside it"
 	@echo "make network TO=file.onnx [SCENE=] [OUTPUT=]"
 	@echo "                                          write a network of the scene as .npz, .mat or .onnx"
 	@echo "make bench   [SCENE=] [FRAMES=]           speed and memory of the bit-true twin"
@@ -40,7 +40,7 @@ vhdl verilog: $(VENV)/.ready
 	@$(RUN) -m hdl.export "$(SCENE)" $@
 
 train: $(VENV)/.ready
-	@$(RUN) -m golden.training "$(SCENE)"
+	@$(RUN) -m golden.training "$(SCENE)" $(if $(CLUSTER),--cluster "$(CLUSTER)")
 
 network: $(VENV)/.ready
 	@$(RUN) -m golden.convert "$(SCENE)" "$(TO)" $(if $(OUTPUT),--output "$(OUTPUT)")

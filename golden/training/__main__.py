@@ -6,16 +6,19 @@ import argparse
 import platform
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import scipy
+from joblib import parallel_config
 
 from golden.cli import run
 from golden.fingerprint import fingerprint, sources
 from golden.network_file import provenance_path, save_network
 from golden.networks.mlp import Mlp
-from golden.scene import load_scene
+from golden.scene import Scene, load_scene
 from golden.training.search import Result, candidates, search, train
 from golden.training.task import Task, task_for
 
@@ -53,19 +56,42 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="make train", description=__doc__)
     parser.add_argument("scene")
     parser.add_argument("--workers", type=int, default=-1, help="processes; -1: one a core")
+    parser.add_argument("--cluster", help="address of a Dask scheduler to compute on instead")
     parser.add_argument("--build", type=Path, default=Path("build"))
     arguments = parser.parse_args()
-    scene = load_scene(arguments.scene)
+    with computed_on(arguments.cluster):
+        train_scene(load_scene(arguments.scene), arguments.build, arguments.workers)
+
+
+@contextmanager
+def computed_on(cluster: str | None) -> Iterator[None]:
+    """Candidates are computed on the Dask scheduler at this address; None: on this machine."""
+    if cluster is None:
+        yield
+        return
+    # Imported only where it is asked for: it takes a second.
+    from distributed import Client
+
+    try:
+        client = Client(cluster, timeout="10s")
+    except (OSError, ValueError) as error:
+        raise ValueError(f"CLUSTER={cluster}: no scheduler answers: {error}") from None
+    with client, parallel_config("dask"):
+        yield
+
+
+def train_scene(scene: Scene, build: Path, workers: int) -> None:
+    """Train all networks of the scene, then write them."""
     vectors = scene.vectors()
     settings = scene.training
     versions = (np.__version__, scipy.__version__, platform.python_version())
     state = fingerprint([*sources("golden"), scene.path, scene.data_path], *versions)
-    records = arguments.build / scene.name / "training" / state[:16]
+    records = build / scene.name / "training" / state[:16]
     mlps: list[Mlp] = []
     stories: list[dict[str, str | int | float]] = []
     for number, member in enumerate(scene.members):
         task = task_for(scene, vectors, mlps)
-        best, refused = choose(task, records / f"{number}.jsonl", arguments.workers)
+        best, refused = choose(task, records / f"{number}.jsonl", workers)
         mlps.append(train(task, best.hidden, best.restart))
         total = len(candidates(task))
         stories.append(
