@@ -94,15 +94,15 @@ class Fix:
             raise ValueError(f"{name}: got dtype {array.dtype}, expected integer codes of {self}")
         if columns is not None and (array.ndim == 0 or array.shape[-1] != columns):
             raise ValueError(f"{name}: got shape {array.shape}, expected (..., {columns})")
-        outside = (array < self.low) | (array > self.high)
-        if outside.any():
+        if array.size and (array.min() < self.low or array.max() > self.high):
+            outside = (array < self.low) | (array > self.high)
             at = np.unravel_index(int(np.argmax(outside)), array.shape)
             where = f" at index {tuple(int(i) for i in at)}" if array.ndim else ""
             raise ValueError(
                 f"{name}: got code {int(array[at])}{where}, "
                 f"expected {self.low} to {self.high} of {self}"
             )
-        return array.astype(np.int64)
+        return array.astype(np.int64, copy=False)
 
     def quantise(self, values: ArrayLike, name: str = "values") -> tuple[Codes, int]:
         """Codes nearest to real ``values`` (halves up), saturated to the format.

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.block import Block
-from golden.fixed import Codes
+from golden.fixed import Codes, Overflow, Rounding, requantise
 from golden.layers.input_node import InputNode
 
 
@@ -27,7 +27,9 @@ class InputIntegral(Block):
     nodes: tuple[InputNode, ...]
 
     def __post_init__(self) -> None:
-        shapes = {(len(n.weights), n.in_fmt, n.out_fmt) for n in self.nodes}
+        shapes = {
+            (len(n.weights), n.in_fmt, n.coeff_fmt, n.out_fmt, n.product_shift) for n in self.nodes
+        }
         if len(shapes) != 1:
             raise ValueError(f"{self.entity}: got nodes of shapes {shapes}, expected one shape")
 
@@ -40,5 +42,15 @@ class InputIntegral(Block):
         return self.nodes
 
     def process(self, frames: ArrayLike) -> Codes:
-        """Results, shape (..., hidden), of frames of samples, shape (..., inputs)."""
-        return np.stack([node.process(frames) for node in self.nodes], axis=-1)
+        """Results, shape (..., hidden), of frames of samples, shape (..., inputs).
+
+        Raises
+        ------
+        ValueError
+            For a wrong last axis or a code outside the nodes' ``in_fmt``.
+        """
+        node = self.nodes[0]
+        x = node.in_fmt.check(frames, f"{self.entity} frames", self.inputs)
+        weights = np.array([n.weights for n in self.nodes])
+        acc = node.sums(x, weights, np.array([n.bias for n in self.nodes]))
+        return requantise(acc, node.out_shift, node.out_fmt, Rounding.ROUND, Overflow.SATURATE)

@@ -75,6 +75,5 @@ class InputNode(WeightedSum):
             For a wrong last axis or a code outside ``in_fmt``.
         """
         x = self.in_fmt.check(frames, "input_node frames", len(self.weights))
-        terms = (x * np.asarray(self.weights, dtype=np.int64)) >> self.product_shift
-        acc = terms.sum(axis=-1) + (self.bias << self.bias_shift)
+        acc = self.sums(x, np.array([self.weights]), np.array([self.bias]))[..., 0]
         return requantise(acc, self.out_shift, self.out_fmt, Rounding.ROUND, Overflow.SATURATE)

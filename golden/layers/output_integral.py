@@ -88,9 +88,7 @@ class OutputIntegral(WeightedSum):
             For a wrong last axis or a code outside ``in_fmt``.
         """
         r = self.in_fmt.check(activations, "output_integral activations", self.hidden)
-        weights = np.asarray(self.weights, dtype=np.int64)
-        terms = (r[..., np.newaxis, :] * weights) >> self.product_shift
-        acc = terms.sum(axis=-1) + (np.asarray(self.biases, dtype=np.int64) << self.bias_shift)
+        acc = self.sums(r, np.array(self.weights), np.array(self.biases))
         if self.factors is not None:
             acc = acc * np.asarray(self.factors, dtype=np.int64)
         return requantise(acc, self.out_shift, self.out_fmt, Rounding.ROUND, Overflow.SATURATE)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from golden.block import Block
-from golden.fixed import Fix
+from golden.fixed import Codes, Fix
 
 
 @dataclass(frozen=True)
@@ -53,3 +55,20 @@ class WeightedSum(Block):
     def out_shift(self) -> int:
         """Fraction bits dropped at the end."""
         return self.acc_frac - self.out_fmt.frac
+
+    def sums(self, samples: Codes, weights: Codes, biases: Codes) -> Codes:
+        """Exact sums, shape (..., rows), of checked samples, shape (..., inputs).
+
+        Parameters
+        ----------
+        samples : int64 array, shape (..., inputs)
+        weights : int64 array, shape (rows, inputs)
+        biases : int64 array, shape (rows,)
+        """
+        shape = (*samples.shape[:-1], len(biases))
+        acc = np.broadcast_to(biases << self.bias_shift, shape).copy()
+        # Input by input: a sum over a short last axis is what numpy does slowest.
+        for k in range(weights.shape[1]):
+            products = samples[..., k, np.newaxis] * weights[:, k]
+            acc += products >> self.product_shift if self.product_shift else products
+        return acc
