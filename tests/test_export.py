@@ -21,18 +21,28 @@ from tb.common.runner import export
 ROOT = Path(__file__).parents[1]
 
 
+# More outputs than inputs, and the activations that no shipped scene has.
+OTHERS = {
+    "wide": ((2, 3, 5), "thesis", "gradient"),
+    "logic": ((2, 2, 1), "precise", "precise"),
+    "block-ram": ((2, 2, 1), "precise", "precise_block_ram"),
+}
+
+
 @pytest.fixture(scope="module")
 def build(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Both languages of every shipped scene, and of a scene with more outputs than inputs."""
+    """Both languages of every shipped scene, and of those that no shipped one stands for."""
     folder = tmp_path_factory.mktemp("build")
-    wide = write_scene(folder, "wide", (2, 3, 5), "thesis", random_mlp((2, 3, 5), 1.5, 1))
-    for name in [*scene_names(), str(wide)]:
+    for name, (shape, precision, activation) in OTHERS.items():
+        mlp = random_mlp(shape, 1.5, 1)
+        write_scene(folder, name, shape, precision, mlp, activation=activation)
+    for name in [*scene_names(), *(str(folder / f"{name}.toml") for name in OTHERS)]:
         for language in ("vhdl", "verilog"):
             export(load_scene(name), language, folder)
     return folder
 
 
-SCENES = [*scene_names(), "wide"]
+SCENES = [*scene_names(), *OTHERS]
 
 
 def files(folder: Path) -> list[Path]:
@@ -149,7 +159,7 @@ def test_verilog_synthesises_without_a_latch(build: Path, scene: str) -> None:
 @pytest.mark.parametrize("scene", SCENES)
 def test_a_reader_finds_every_block_by_name(build: Path, scene: str) -> None:
     """One entity per block of the design, instantiated by the parent that the twin names."""
-    path = build / "wide.toml" if scene == "wide" else scene
+    path = build / f"{scene}.toml" if scene in OTHERS else scene
     design = load_scene(str(path)).design()
     folder = build / scene / "vhdl"
     entities = {entry["entity"] for entry in json.loads((folder / MANIFEST).read_text())}
