@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from conftest import random_mlp, write_scene
+from conftest import CASES, random_mlp, write_scene
 
 from golden.block import walk
 from golden.fingerprint import fingerprint
@@ -21,18 +21,23 @@ from tb.common.runner import export
 ROOT = Path(__file__).parents[1]
 
 
+# Shapes, arrangements and activations that no shipped scene has.
+OTHERS = ("wide-thesis", "logic", "block-ram", "deep-cascade", "wide-multiple")
+
+
 @pytest.fixture(scope="module")
 def build(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Both languages of every shipped scene, and of a scene with more outputs than inputs."""
+    """Both languages of every shipped scene, and of those that no shipped one stands for."""
     folder = tmp_path_factory.mktemp("build")
-    wide = write_scene(folder, "wide", "thesis", [random_mlp((2, 3, 5), 1.5, 1)])
-    for name in [*scene_names(), str(wide)]:
+    scenes = [load_scene(name) for name in scene_names()]
+    scenes += [CASES[name].scene(folder, name) for name in OTHERS]
+    for scene in scenes:
         for language in ("vhdl", "verilog"):
-            export(load_scene(name), language, folder)
+            export(scene, language, folder)
     return folder
 
 
-SCENES = [*scene_names(), "wide"]
+SCENES = [*scene_names(), *OTHERS]
 
 
 def files(folder: Path) -> list[Path]:
@@ -149,7 +154,7 @@ def test_verilog_synthesises_without_a_latch(build: Path, scene: str) -> None:
 @pytest.mark.parametrize("scene", SCENES)
 def test_a_reader_finds_every_block_by_name(build: Path, scene: str) -> None:
     """One entity per block of the design, instantiated by the parent that the twin names."""
-    path = build / "wide.toml" if scene == "wide" else scene
+    path = build / f"{scene}.toml" if scene in OTHERS else scene
     design = load_scene(str(path)).design()
     folder = build / scene / "vhdl"
     entities = {entry["entity"] for entry in json.loads((folder / MANIFEST).read_text())}

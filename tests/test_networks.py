@@ -14,12 +14,14 @@ from hypothesis import strategies as st
 
 from golden.activation.segments import gradient_real
 from golden.block import walk
+from golden.errors import scene_errors
+from golden.figures.networks import scenes
 from golden.metrics import percent_errors, summarise
 from golden.networks.arrangement import build
 from golden.networks.build import build_hybrid
 from golden.networks.mlp import Mlp
 from golden.precision import PRECISE, PRECISIONS, SIGNAL, THESIS, normalisation
-from golden.scene import FOLDER, load_scene, scene_names
+from golden.scene import FOLDER, Scene, load_scene, scene_names, thesis_figures
 
 SCENES = scene_names()
 
@@ -34,16 +36,31 @@ def bit_true(scene):
     return SIGNAL.to_real(scene.design().process(scene.vectors().codes))
 
 
-@pytest.mark.parametrize("name", SCENES)
-def test_no_worse_than_the_simulated_hybrid_of_the_thesis(name: str) -> None:
-    numbers = tomllib.loads((FOLDER.parent / "data" / "thesis_numbers.toml").read_text())
+@pytest.mark.parametrize("scene", scenes(), ids=lambda s: s.name)
+def test_no_worse_than_the_simulated_networks_of_the_thesis(scene: Scene) -> None:
+    figures = scene.reference or "digit.hybrid"
+    known = thesis_figures(figures, 4, scene.path)[: len(scene.outputs)]
+    assert (largest_means(scene, bit_true(scene)) <= known).all()
+
+
+@pytest.mark.parametrize(
+    ("name", "known"),
+    [("digit", [0.5, 0.6, 0.6, 0.5]), ("digit-single", [0.8, 0.6, 2.0, 1.5])],
+)
+def test_precise_networks_stay_as_good_as_they_are_published(name: str, known: list) -> None:
     scene = load_scene(name)
-    assert (largest_means(scene, bit_true(scene)) <= numbers["digit"]["hybrid"]["simulation"]).all()
+    assert (largest_means(scene, bit_true(scene)) <= known).all()
 
 
-def test_precise_costs_next_to_nothing() -> None:
-    """Against the same network with the same activation in real arithmetic."""
-    scene = load_scene("digit-single")
+def test_the_cascade_holds_on_rows_that_it_never_saw() -> None:
+    held_out = scene_errors(load_scene("digit"))["bit-true, held out"]
+    assert max(error.mean for error in held_out) <= 1.0
+
+
+@pytest.mark.parametrize("name", [s.name for s in scenes() if s.precision is PRECISE])
+def test_precise_costs_next_to_nothing(name: str) -> None:
+    """Against the same networks with the same activation in real arithmetic."""
+    scene = next(scene for scene in scenes() if scene.name == name)
     real = scene.process_real(scene.vectors().inputs)
     assert (largest_means(scene, bit_true(scene)) <= 1.05 * largest_means(scene, real)).all()
 

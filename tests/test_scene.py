@@ -49,6 +49,8 @@ def edited(scene: Scene, old: str, new: str) -> str:
         ("hidden = 5", "hiden = 5", "network: key 'hiden' is not known, .*did you mean 'hidden'"),
         ("[hardware]", "[hardwear]", "section 'hardwear' is not known, .*did you mean 'hardware'"),
         ('"precise"', '"preciss"', "hardware.precision: got 'preciss', .*did you mean 'precise'"),
+        ('"gradient"', '"precis"', "hardware.activation: got 'precis', .*did you mean 'precise'"),
+        ('"gradient"', '""', "hardware.activation: got '', expected one of gradient, precise"),
         ('["x0", "x1", "x2"]', '["x0", "x0", "x2"]', "data.sensors: got .* each once"),
         ('["x0", "x1", "x2"]', "[]", "data.sensors: got .* expected column names"),
         ("[network]", "[network", "not TOML"),
@@ -172,5 +174,25 @@ def test_every_shipped_scene_builds() -> None:
         assert scene.design().outputs == len(scene.outputs)
         for path in scene.weights_paths:
             provenance = tomllib.loads(provenance_path(path).read_text())
-            for key in ("optimiser", "seed", "restarts", "weight_decay", "steps"):
+            for key in ("optimiser", "seed", "restarts", "weight_decay", "steps", "patience"):
                 assert provenance[key] == getattr(scene.training, key), key
+
+
+@pytest.mark.parametrize(
+    ("precision", "activation"), [("precise", "precise"), ("thesis", "gradient")]
+)
+def test_a_scene_that_names_no_activation_gets_that_of_its_precision(
+    small_scene: Scene, precision: str, activation: str
+) -> None:
+    assert small_scene.activation == "gradient"
+    edited(small_scene, 'activation = "gradient"\n', "")
+    scene = load_scene(edited(small_scene, '"precise"', f'"{precision}"'))
+    assert scene.activation == activation
+    assert {a.block for a in scene.design().activations} == {activation}
+
+
+def test_the_activation_precise_refuses_the_thesis_precision(small_scene: Scene) -> None:
+    edited(small_scene, '"precise"', '"thesis"')
+    scene = load_scene(edited(small_scene, '"gradient"', '"precise"'))
+    with pytest.raises(ValueError, match=r"activation precise: .*'thesis', expected Fix\(18,14\)"):
+        scene.design()
