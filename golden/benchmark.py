@@ -13,7 +13,6 @@ import time
 
 import numpy as np
 
-from golden.activation.schemes import SCHEMES
 from golden.cli import run
 from golden.precision import SIGNAL
 from golden.scene import load_scene
@@ -40,7 +39,7 @@ def main() -> None:
     bit_true = len(frames) / (time.perf_counter() - started)
     grown = _peak_megabytes() - before - results.nbytes / 2**20
 
-    activation = SCHEMES[scene.activation].real
+    activation = scene.scheme.real
     started = time.perf_counter()
     for start in range(0, len(frames), FLOAT_CHUNK):
         mlp.process(SIGNAL.to_real(frames[start : start + FLOAT_CHUNK]), activation)

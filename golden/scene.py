@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.activation.schemes import SCHEMES
+from golden.activation.schemes import SCHEMES, Scheme
 from golden.fixed import Codes
 from golden.network_file import load_network
 from golden.networks.build import build_hybrid
@@ -43,6 +43,7 @@ _KEYS: dict[str, dict[str, tuple[type, Any]]] = {
     "hardware": {
         "design": (str, None),
         "activation": (str, None),
+        "activation_options": (dict, {}),
         "precision": (str, None),
         "clock_mhz": (float, 64.0),
     },
@@ -97,6 +98,8 @@ class Scene:
     hidden : int
         0 takes as many as the network file has; training then searches ``training.hidden``.
     activation : str
+    activation_options : dict
+        What the scene chooses of the activation's options.
     precision : Precision
     clock_mhz : float
     training : Training
@@ -113,6 +116,7 @@ class Scene:
     reference: str
     hidden: int
     activation: str
+    activation_options: dict[str, Any]
     precision: Precision
     clock_mhz: float
     training: Training
@@ -121,6 +125,11 @@ class Scene:
     def shape(self) -> tuple[int, int, int]:
         """Inputs, hidden nodes and outputs."""
         return self.mlp().shape
+
+    @property
+    def scheme(self) -> Scheme:
+        """The activation with the scene's options."""
+        return SCHEMES[self.activation].configured(self.activation_options)
 
     def vectors(self) -> Vectors:
         """The recorded vectors of this scene.
@@ -164,7 +173,7 @@ class Scene:
 
     def build(self, mlp: Mlp) -> Hybrid:
         """The bit-true network of ``mlp`` in this scene's hardware."""
-        return build_hybrid(mlp, self.precision, self.activation)
+        return build_hybrid(mlp, self.precision, self.activation, self.activation_options)
 
     def design(self) -> Hybrid:
         """The bit-true network of this scene."""
@@ -310,6 +319,8 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
         value = values["training"][key]
         if not 0 <= value < math.inf:
             raise ValueError(f"{path}: training.{key}: got {value!r}, expected 0 or more")
+    place = f"{path}: hardware.activation_options"
+    SCHEMES[hardware["activation"]].configured(hardware["activation_options"], place)
     if data["reference"]:
         thesis_figures(data["reference"], len(data["outputs"]), path)
     return Scene(
@@ -324,6 +335,7 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
         reference=data["reference"],
         hidden=network["hidden"],
         activation=hardware["activation"],
+        activation_options=hardware["activation_options"],
         precision=PRECISIONS[hardware["precision"]],
         clock_mhz=hardware["clock_mhz"],
         training=Training(**(values["training"] | {"hidden": (span[0], span[1])})),

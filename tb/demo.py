@@ -15,7 +15,6 @@ from collections import defaultdict
 
 import numpy as np
 
-from golden.activation.schemes import SCHEMES
 from golden.cli import run
 from golden.files import replace_file
 from golden.fingerprint import fingerprint, sources
@@ -85,7 +84,7 @@ def errors(scene: Scene) -> dict[str, list[OutputError]]:
     """Errors on the recorded vectors: in real arithmetic, bit-true, and bit-true on rows that
     neither trained nor chose the network."""
     vectors = scene.vectors()
-    real = scene.mlp().process(vectors.inputs, SCHEMES[scene.activation].real)
+    real = scene.mlp().process(vectors.inputs, scene.scheme.real)
     bit_true = SIGNAL.to_real(scene.design().process(vectors.codes))
     everything = np.arange(len(vectors.codes))
     held_out = split_rows(len(vectors.codes), scene.training.seed).test

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from golden.activation.schemes import SCHEMES
 from golden.network_file import save_network
+from golden.networks.hybrid import Hybrid
 from golden.networks.mlp import Mlp
-from golden.scene import Scene, load_scene
+from golden.scene import Scene, load_scene, scene_names
 
 TEMPLATE = """
 [data]
@@ -25,7 +28,8 @@ weights = "{name}.npz"
 
 [hardware]
 design = "hybrid"
-activation = "gradient"
+activation = "{activation}"
+activation_options = {options}
 precision = "{precision}"
 
 [training]
@@ -47,7 +51,14 @@ def random_mlp(shape: tuple[int, int, int], spread: float, seed: int) -> Mlp:
 
 
 def write_scene(
-    folder: Path, name: str, shape: tuple[int, int, int], precision: str, mlp: Mlp, rows: int = 12
+    folder: Path,
+    name: str,
+    shape: tuple[int, int, int],
+    precision: str,
+    mlp: Mlp,
+    rows: int = 12,
+    activation: str = "gradient",
+    options: str = "{}",
 ) -> Path:
     """A scene with random vectors and the given network; returns its TOML file."""
     inputs, hidden, outputs = shape
@@ -60,12 +71,30 @@ def write_scene(
     lines = [",".join(sensors + targets)] + [",".join(f"{v:.4f}" for v in row) for row in table]
     (folder / f"{name}.csv").write_text("\n".join(lines) + "\n")
     text = TEMPLATE.format(
-        name=name, sensors=sensors, outputs=targets, hidden=hidden, precision=precision
+        name=name,
+        sensors=sensors,
+        outputs=targets,
+        hidden=hidden,
+        precision=precision,
+        activation=activation,
+        options=options,
     )
     path = folder / f"{name}.toml"
     path.write_text(text.replace("'", '"'))
     save_network(folder / f"{name}.npz", mlp, {"scene": name})
     return path
+
+
+def designs(folder: Path) -> Iterator[Hybrid]:
+    """Networks that contain every block: the shipped ones, and one for each activation."""
+    for name in scene_names():
+        yield load_scene(name).design()
+    shape = (2, 2, 1)
+    for name in SCHEMES:
+        mlp = random_mlp(shape, 1.0, 1)
+        yield load_scene(
+            str(write_scene(folder, name, shape, "thesis", mlp, activation=name))
+        ).design()
 
 
 @pytest.fixture

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from conftest import random_mlp, write_scene
 
+from golden.activation.schemes import SCHEMES
 from golden.scene import load_scene
 from tb.common import runner
 from tb.common.runner import Job, plan, run_job
@@ -27,6 +28,9 @@ FAULTS = [
     ("sign_retriever", r"if \(in_negative\)", "if (!in_negative)"),
     ("sign_retriever", r"out_valid <= in_valid", "out_valid <= 1"),
     ("gradient", r"negative_late <= \w+", "negative_late <= negative"),
+    ("lut", r"word = (\d+)", r"word = \1 ^ 1"),
+    ("lut", r"beyond == 1", "beyond == 2"),
+    ("lut", r"negative_late <= \w+", "negative_late <= negative"),
     ("input_controller", r"frame_error <= broken", "frame_error <= 0"),
     ("input_controller", r"dropping <= \(!in_last\)", "dropping <= 0"),
     ("input_controller", r"if \(rst == 1\) begin", "if (0) begin"),
@@ -47,8 +51,13 @@ def jobs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Job]:
     """One job per block under Icarus, of a network whose sums reach their rails."""
     folder = tmp_path_factory.mktemp("faults")
     shape = (3, 4, 3)
-    path = write_scene(folder, "faulty", shape, "precise", random_mlp(shape, 20.0, 2))
-    return {job.block: job for job in plan(load_scene(str(path)), ["icarus"], build=folder)}
+    jobs = {}
+    for name in SCHEMES:
+        mlp = random_mlp(shape, 20.0, 2)
+        path = write_scene(folder, name, shape, "precise", mlp, activation=name)
+        for job in plan(load_scene(str(path)), ["icarus"], build=folder):
+            jobs.setdefault(job.block, job)
+    return jobs
 
 
 def with_fault(job: Job, folder: Path, pattern: str, text: str) -> Job:

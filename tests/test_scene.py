@@ -47,6 +47,17 @@ def edited(scene: Scene, old: str, new: str) -> str:
         ("steps = 20", "seed = -1", "training.seed: got -1, expected 0 or more"),
         ("[network]", 'reference = "digit"\n[network]', "data.reference: got 'digit', expected"),
         ("[network]", 'reference = "digit.hybrid"\n[network]', "with 2 simulation figures"),
+        (
+            '"gradient"',
+            '"gradiant"',
+            "hardware.activation: got 'gradiant'.*did you mean 'gradient'",
+        ),
+        (
+            "_options = {}",
+            "_options = { a = 1 }",
+            "activation_options: option 'a' is not known, exp",
+        ),
+        ("_options = {}", "_options = 4", "hardware.activation_options: got 4, expected a table"),
         ("[training]", "clock_mhz = inf\n[training]", "hardware.clock_mhz: got inf"),
     ],
 )

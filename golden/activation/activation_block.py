@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
+from functools import lru_cache
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.block import Block
@@ -13,7 +15,10 @@ from golden.fixed import Codes, Fix
 
 @dataclass(frozen=True)
 class ActivationBlock(Block):
-    """One result a clock: from q, or q divided by Q, to r.
+    """From q, or q divided by Q, to r: one result every ``interval`` clocks.
+
+    A subclass computes in ``compute``. Its hardware keeps a result on ``out_data`` at least until
+    the input changes, because a folded network reads it more than once.
 
     Parameters
     ----------
@@ -25,10 +30,35 @@ class ActivationBlock(Block):
     in_fmt: Fix
     out_fmt: Fix
 
+    @property
+    def interval(self) -> int:
+        """Least clocks from one code to the next."""
+        return 1
+
     def process(self, data: ArrayLike) -> Codes:
-        """Activation codes in ``out_fmt``, the shape of ``data``."""
+        """Activation codes in ``out_fmt``, the shape of ``data``.
+
+        Looked up in the results of ``compute`` for every code of the input, which a neuron of a
+        network that runs for long meets many times over.
+
+        Raises
+        ------
+        ValueError
+            For a code outside ``in_fmt``.
+        """
+        codes = self.in_fmt.check(data, f"{self.block} data")
+        return np.take(_results(self), codes - self.in_fmt.low)
+
+    def compute(self, data: Codes) -> Codes:
+        """The same from part to part, as the hardware does it."""
         raise NotImplementedError
 
     def left_out(self) -> Counter[str]:
         """How many of what the neuron cannot need and the block therefore lacks."""
         return Counter()
+
+
+@lru_cache(maxsize=256)
+def _results(activation: ActivationBlock) -> Codes:
+    """The activation of every input code, from the lowest up."""
+    return activation.compute(np.arange(activation.in_fmt.low, activation.in_fmt.high + 1))

@@ -4,10 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
-from functools import lru_cache
-
-import numpy as np
-from numpy.typing import ArrayLike
 
 from golden.activation.abs_unit import AbsUnit
 from golden.activation.activation_block import ActivationBlock
@@ -105,31 +101,10 @@ class Gradient(ActivationBlock):
             }
         )
 
-    def process(self, data: ArrayLike) -> Codes:
-        """Activation codes in ``out_fmt``, the shape of ``data``.
-
-        Looked up in the results of ``compute`` for every code of the input, which a neuron of a
-        network that runs for long meets many times over.
-
-        Raises
-        ------
-        ValueError
-            For a code outside ``in_fmt``.
-        """
-        codes = self.in_fmt.check(data, "gradient data")
-        return np.take(_results(self), codes - self.in_fmt.low)
-
-    def compute(self, data: ArrayLike) -> Codes:
-        """The same from part to part, as the hardware does it."""
+    def compute(self, data: Codes) -> Codes:
         mag, negative = self.abs_unit.process(data)
         addr = self.comparator_bank.process(mag)
         result = self.grad_eqn.process(
             mag, self.g_memory.process(addr), self.i_memory.process(addr)
         )
         return self.sign_retriever.process(result, negative)
-
-
-@lru_cache(maxsize=256)
-def _results(gradient: Gradient) -> Codes:
-    """The activation of every input code, from the lowest up."""
-    return gradient.compute(np.arange(gradient.in_fmt.low, gradient.in_fmt.high + 1))

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any
 
 from golden.activation.activation_block import ActivationBlock
 from golden.activation.gradient import Gradient
+from golden.activation.lut import lut_for, lut_real
 from golden.activation.segments import gradient_real, segment_table
 from golden.networks.mlp import Activation
 from golden.precision import SIGNAL, Precision
+from golden.table import suggest
 
 
 def gradient_for(precision: Precision, factor: int, reach: int) -> Gradient:
@@ -42,6 +47,44 @@ def gradient_for(precision: Precision, factor: int, reach: int) -> Gradient:
 
 
 @dataclass(frozen=True)
+class Option:
+    """One thing that a scene may choose about an activation.
+
+    Attributes
+    ----------
+    default : int, float or str
+        Its type is the type that is expected.
+    choices : tuple of str
+        For a text: what it may be.
+    """
+
+    default: Any
+    choices: tuple[str, ...] = ()
+
+    def check(self, value: object, place: str) -> Any:
+        """The value to use.
+
+        Raises
+        ------
+        ValueError
+            For another type, a number that is not above 0, or a text that is no choice; the
+            message begins with ``place``.
+        """
+        kind = type(self.default)
+        if kind is float and type(value) is int:
+            value = float(value)
+        if self.choices:
+            if value not in self.choices:
+                known = ", ".join(self.choices)
+                hint = suggest(str(value), self.choices)
+                raise ValueError(f"{place}: got {value!r}, expected one of {known}{hint}")
+        elif type(value) is not kind or not 0 < value < math.inf:  # type: ignore[operator]
+            expected = {int: "a whole number above 0", float: "a number above 0"}[kind]
+            raise ValueError(f"{place}: got {value!r}, expected {expected}")
+        return value
+
+
+@dataclass(frozen=True)
 class Scheme:
     """One activation by name.
 
@@ -52,10 +95,41 @@ class Scheme:
     build : callable
         The bit-true block for a precision, a neuron's Q, and the largest magnitude code that the
         neuron can produce.
+    options : mapping
+        What a scene may choose, by name. ``real`` and ``build`` take every option as a keyword
+        and have the same defaults.
     """
 
     real: Activation
     build: Callable[[Precision, int, int], ActivationBlock]
+    options: Mapping[str, Option] = field(default_factory=dict)
+
+    def configured(self, given: Mapping[str, object], place: str = "activation_options") -> Scheme:
+        """This scheme with some of its options chosen; the others keep their defaults.
+
+        Raises
+        ------
+        ValueError
+            For an option that the scheme does not have, or a value that it cannot take; the
+            message begins with ``place``.
+        """
+        for name in given:
+            if name not in self.options:
+                known = ", ".join(self.options) or "none"
+                raise ValueError(
+                    f"{place}: option {name!r} is not known, expected {known}"
+                    f"{suggest(name, list(self.options))}"
+                )
+        chosen = {
+            name: self.options[name].check(value, f"{place}.{name}")
+            for name, value in given.items()
+        }
+        if not chosen:
+            return self
+        return replace(self, real=partial(self.real, **chosen), build=partial(self.build, **chosen))
 
 
-SCHEMES = {"gradient": Scheme(gradient_real, gradient_for)}
+SCHEMES = {
+    "gradient": Scheme(gradient_real, gradient_for),
+    "lut": Scheme(lut_real, lut_for),
+}

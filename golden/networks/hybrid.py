@@ -62,11 +62,11 @@ class Hybrid(Block):
     @property
     def interval(self) -> int:
         """Least clocks from one frame to the next."""
-        return max(self.inputs, self.outputs)
+        return max(self.inputs, self.outputs, *(a.interval for a in self.activations))
 
     @property
     def input_controller(self) -> InputController:
-        spacing = self.outputs if self.outputs > self.inputs else 0
+        spacing = self.interval if self.interval > self.inputs else 0
         return InputController(self.inputs, spacing, variant=self.variant)
 
     @property

@@ -18,7 +18,6 @@ import numpy as np
 from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
-from golden.activation.schemes import SCHEMES
 from golden.metrics import error_scale, percent_errors
 from golden.networks.mlp import Mlp, tanh
 from golden.precision import SIGNAL
@@ -121,7 +120,7 @@ def train(scene: Scene, vectors: Vectors, hidden: int, restart: int) -> Mlp:
     rng = np.random.default_rng([settings.seed, hidden, restart])
     point = pack(starting_weights(shape, rng))
     descend = OPTIMISERS[settings.optimiser]
-    for activation in (tanh, SCHEMES[scene.activation].real):
+    for activation in (tanh, scene.scheme.real):
         objective = Objective(shape, activation, training, validation, settings.weight_decay)
         descend(objective, point, settings.steps)
         if objective.best is not None:

@@ -3,7 +3,8 @@
 Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one
 sensor alone); frames that drive each hidden sum to its ends; 400 random frames; frames too short
 and too long among good ones.
-Drives: back to back, with random gaps, and with resets in mid-frame.
+Drives: as close as the design takes frames, with random gaps, closer than it takes them, and with
+resets in mid-frame.
 Checks: every output, ``out_last`` and ``frame_error`` bit for bit in its clock, and that nothing
 comes out in any other clock. Measures the clocks of a frame.
 Does not prove: anything about the accuracy of the network (the report of `make demo` does).
@@ -57,6 +58,16 @@ def whole_frames(frames):
     return frames.ravel(), last.ravel()
 
 
+def pauses(bench, last, closest=False):
+    """Idle clocks before each sample, so that frames are as close as the design takes them, or
+    at random as close or closer.
+    """
+    twin = bench.twin
+    most = twin.interval - twin.inputs
+    first = np.roll(last, 1)
+    return first * (most if closest else bench.rng.integers(0, most + 1, len(last)))
+
+
 def random_samples(bench, count):
     fmt: Fix = bench.twin.input_integral.nodes[0].in_fmt
     return bench.rng.integers(fmt.low, fmt.high + 1, count)
@@ -67,10 +78,9 @@ async def recorded(dut):
     bench = Bench(dut)
     codes = bench.scene.vectors().codes
     outputs = bench.twin.outputs
-    # As close as the design takes frames.
-    pause = np.zeros(codes.shape, dtype=np.int64)
-    pause[:, 0] = bench.twin.interval - bench.twin.inputs
-    recording, rows, frames = await check(bench, *whole_frames(codes), gap=0.0, pause=pause.ravel())
+    samples, last = whole_frames(codes)
+    pause = pauses(bench, last, closest=True)
+    recording, rows, frames = await check(bench, samples, last, gap=0.0, pause=pause)
     entered = rows[frames.done]
     assert len(entered) == len(codes), "a recorded frame was refused"
     first = entered[0] - bench.twin.inputs + 1
@@ -81,7 +91,7 @@ async def recorded(dut):
         "clocks_per_frame": int(final - first + 1),
         "interval": int(np.diff(entered).min()),
     }
-    await check(bench, *whole_frames(codes), gap=0.3)
+    await check(bench, samples, last, gap=0.3, pause=pause)
     bench.finish(at_least=len(codes) * outputs)
 
 
@@ -92,8 +102,10 @@ async def corners_and_random(dut):
     random = random_samples(bench, 400 * bench.twin.inputs).reshape(400, -1)
     ends = extreme_frames(fmt, [node.weights for node in bench.twin.input_integral.nodes])
     frames = np.concatenate([corner_frames(fmt, bench.twin.inputs), ends, random])
+    samples, last = whole_frames(frames)
     for gap in (0.0, 0.4):
-        await check(bench, *whole_frames(frames), gap=gap)
+        pause = pauses(bench, last, closest=True)
+        await check(bench, samples, last, gap=gap, pause=pause)
     bench.finish(at_least=400)
 
 
@@ -102,7 +114,8 @@ async def wrong_lengths(dut):
     bench = Bench(dut)
     for gap in (0.0, 0.4):
         last = random_lengths(bench.rng, bench.twin.inputs, 1500)
-        _, _, frames = await check(bench, random_samples(bench, len(last)), last, gap)
+        samples, pause = random_samples(bench, len(last)), pauses(bench, last)
+        _, _, frames = await check(bench, samples, last, gap, pause=pause)
         assert frames.error.any(), "no wrong frame was driven"
     bench.finish(at_least=200)
 
@@ -111,5 +124,6 @@ async def wrong_lengths(dut):
 async def resets_in_mid_frame(dut):
     bench = Bench(dut)
     last = random_lengths(bench.rng, bench.twin.inputs, 2500)
-    await check(bench, random_samples(bench, len(last)), last, gap=0.2, resets=True)
+    samples, pause = random_samples(bench, len(last)), pauses(bench, last)
+    await check(bench, samples, last, gap=0.2, resets=True, pause=pause)
     bench.finish(at_least=200)
