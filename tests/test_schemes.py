@@ -12,6 +12,7 @@ from golden.precision import PRECISE, SIGNAL, THESIS
 BOUNDS = {
     "gradient": (134, 2.5),
     "lut": (224, 1.5),
+    "polynomial": (156, 24),
 }
 CASES = [
     (name, precision, factor)

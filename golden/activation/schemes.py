@@ -11,6 +11,7 @@ from typing import Any
 from golden.activation.activation_block import ActivationBlock
 from golden.activation.gradient import Gradient
 from golden.activation.lut import lut_for, lut_real
+from golden.activation.polynomial import polynomial_for, polynomial_real
 from golden.activation.segments import gradient_real, segment_table
 from golden.networks.mlp import Activation
 from golden.precision import SIGNAL, Precision
@@ -132,4 +133,5 @@ class Scheme:
 SCHEMES = {
     "gradient": Scheme(gradient_real, gradient_for),
     "lut": Scheme(lut_real, lut_for),
+    "polynomial": Scheme(polynomial_real, polynomial_for),
 }

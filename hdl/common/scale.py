@@ -2,17 +2,17 @@
 
 from myhdl import always_comb, block
 
-from hdl.common.signals import unsigned
+from hdl.common.signals import signed, unsigned
 
 
 @block
 def scale(data, product, *, factor: int):
-    """``product`` is the unsigned ``data`` times ``factor``, without a clock.
-
-    ``product`` must have room for it; only its low bits are kept otherwise.
-    """
+    """``product``, wide enough for it, is ``data`` times the positive ``factor``."""
     # VHDL converts a number to the width of the signal that it multiplies.
-    wide = unsigned(max(len(data), factor.bit_length()))
+    if data.min < 0:
+        wide = signed(max(len(data), factor.bit_length() + 1))
+    else:
+        wide = unsigned(max(len(data), factor.bit_length()))
 
     @always_comb
     def widen():
