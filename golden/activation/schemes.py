@@ -10,6 +10,7 @@ from typing import Any
 
 from golden.activation.activation_block import ActivationBlock
 from golden.activation.gradient import Gradient
+from golden.activation.gradient_parallel import GradientParallel
 from golden.activation.lut import lut_for, lut_real
 from golden.activation.polynomial import polynomial_for, polynomial_real
 from golden.activation.segments import gradient_real, segment_table
@@ -18,8 +19,12 @@ from golden.precision import SIGNAL, Precision
 from golden.table import suggest
 
 
-def gradient_for(precision: Precision, factor: int, reach: int) -> Gradient:
+def gradient_for(
+    precision: Precision, factor: int, reach: int, kind: type[Gradient] = Gradient
+) -> Gradient:
     """The Gradient activation for a neuron normalised by ``factor`` with magnitudes to ``reach``.
+
+    ``kind`` is the block: one multiplier, or ``GradientParallel``.
 
     Raises
     ------
@@ -36,7 +41,7 @@ def gradient_for(precision: Precision, factor: int, reach: int) -> Gradient:
         precision.intercept_frac,
         precision.rounding,
     )
-    return Gradient(
+    return kind(
         precision.hidden_fmt,
         SIGNAL,
         table,
@@ -132,6 +137,7 @@ class Scheme:
 
 SCHEMES = {
     "gradient": Scheme(gradient_real, gradient_for),
+    "gradient_parallel": Scheme(gradient_real, partial(gradient_for, kind=GradientParallel)),
     "lut": Scheme(lut_real, lut_for),
     "polynomial": Scheme(polynomial_real, polynomial_for),
 }
