@@ -6,7 +6,7 @@ PYTHON ?= python3
 VENV ?= .venv
 RUN = $(VENV)/bin/python
 
-.PHONY: help demo test sim vhdl verilog train network bench lint clean tools
+.PHONY: help demo test sim vhdl verilog train network bench activations lint clean tools
 
 help:
 	@echo "make demo    [SCENE=]                     a scene end to end: simulate, export, table of errors"
@@ -18,6 +18,7 @@ help:
 	@echo "make train   [SCENE=]                     train the scene's network, write it beside the scene"
 	@echo "make network TO=file.onnx [SCENE=]        write the scene's network as .npz, .mat or .onnx"
 	@echo "make bench   [SCENE=] [FRAMES=]           speed and memory of the bit-true twin"
+	@echo "make activations                          errors of every activation against tanh, and their plots"
 	@echo "make lint                                 ruff and mypy"
 	@echo "make clean                                remove build and .venv"
 	@echo
@@ -45,6 +46,9 @@ network: $(VENV)/.ready
 
 bench: $(VENV)/.ready
 	@$(RUN) -m golden.benchmark "$(SCENE)" $(if $(FRAMES),--frames "$(FRAMES)")
+
+activations: $(VENV)/.ready
+	@$(RUN) -m golden.activation.errors
 
 lint: $(VENV)/.ready
 	@$(RUN) -m ruff check . && $(RUN) -m ruff format --check . && $(RUN) -m mypy

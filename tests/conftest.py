@@ -38,6 +38,10 @@ steps = 20
 """
 
 
+# For benches: a few steps that diverge near the gate, so that the regression saturates.
+OPTIONS = {"pade": "{ rho = 1.5, iterations = 3 }"}
+
+
 def random_mlp(shape: tuple[int, int, int], spread: float, seed: int) -> Mlp:
     """Normal weights: ``spread`` in layer 1, 0.3 in layer 2."""
     inputs, hidden, outputs = shape
@@ -58,7 +62,7 @@ def write_scene(
     mlp: Mlp,
     rows: int = 12,
     activation: str = "gradient",
-    options: str = "{}",
+    options: str | None = None,
 ) -> Path:
     """A scene with random vectors and the given network; returns its TOML file."""
     inputs, hidden, outputs = shape
@@ -77,7 +81,7 @@ def write_scene(
         hidden=hidden,
         precision=precision,
         activation=activation,
-        options=options,
+        options=OPTIONS.get(activation, "{}") if options is None else options,
     )
     path = folder / f"{name}.toml"
     path.write_text(text.replace("'", '"'))

@@ -18,6 +18,8 @@ from hdl.elaborate import elaborate
 from hdl.hierarchy import convert_hierarchy, port_directions
 from tb.demo import error_table
 
+pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+
 ROOT = Path(__file__).parents[1]
 PAGES = sorted([ROOT / "README.md", ROOT / "CHANGELOG.md", *(ROOT / "docs").rglob("*.md")])
 SHEETS = sorted((ROOT / "docs" / "blocks").glob("*.md"))

@@ -13,6 +13,7 @@ BOUNDS = {
     "gradient": (134, 2.5),
     "gradient_parallel": (134, 2.5),
     "lut": (224, 1.5),
+    "pade": (21.5, 13),
     "polynomial": (156, 24),
 }
 CASES = [

@@ -12,6 +12,7 @@ from golden.activation.activation_block import ActivationBlock
 from golden.activation.gradient import Gradient
 from golden.activation.gradient_parallel import GradientParallel
 from golden.activation.lut import lut_for, lut_real
+from golden.activation.pade import ITERATIONS, RHO, pade_for, pade_real
 from golden.activation.polynomial import polynomial_for, polynomial_real
 from golden.activation.segments import gradient_real, segment_table
 from golden.networks.mlp import Activation
@@ -139,5 +140,10 @@ SCHEMES = {
     "gradient": Scheme(gradient_real, gradient_for),
     "gradient_parallel": Scheme(gradient_real, partial(gradient_for, kind=GradientParallel)),
     "lut": Scheme(lut_real, lut_for),
+    "pade": Scheme(
+        pade_real,
+        pade_for,
+        {"rho": Option(RHO), "iterations": Option(ITERATIONS)},
+    ),
     "polynomial": Scheme(polynomial_real, polynomial_for),
 }

@@ -20,7 +20,7 @@ def square_of(clk, mag, square, *, shift: int, rounding):
     width = len(square)
     x = signed(len(mag) + 1)
     exact = signed(2 * len(x))
-    kept = signed(2 * len(x) + 1)
+    kept = signed(2 * len(x) + 1 - shift)
     x_copy = widen(mag, x)
 
     @always(clk.posedge)
@@ -108,7 +108,7 @@ def polynomial(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Polyno
     # The half LSB of rounding may be wider than the sum.
     scaled_width = spec.sum_width + (0 if spec.factor is None else spec.factor.bit_length() + 1)
     scaled = signed(scaled_width)
-    kept = signed(max(scaled_width, spec.out_shift) + 1)
+    kept = signed(max(2, max(scaled_width, spec.out_shift) + 1 - spec.out_shift))
     result = unsigned(spec.out_fmt.width - 1)
     a2, a1, a0 = zip(*spec.coeffs, strict=True)
 
