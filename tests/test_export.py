@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from conftest import random_mlp, write_scene
 
+from golden.activation.schemes import SCHEMES
 from golden.block import walk
 from golden.fingerprint import fingerprint
 from golden.scene import load_scene, scene_names
@@ -23,16 +24,28 @@ ROOT = Path(__file__).parents[1]
 
 @pytest.fixture(scope="module")
 def build(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Both languages of every shipped scene, and of a scene with more outputs than inputs."""
+    """Both languages of every shipped scene, and of small ones: with more outputs than inputs, and
+    with every activation.
+    """
     folder = tmp_path_factory.mktemp("build")
-    wide = write_scene(folder, "wide", (2, 3, 5), "thesis", random_mlp((2, 3, 5), 1.5, 1))
-    for name in [*scene_names(), str(wide)]:
+    for name, (shape, activation) in SMALL.items():
+        mlp = random_mlp(shape, 1.5, 1)
+        write_scene(folder, name, shape, "thesis", mlp, activation=activation)
+    for name in SCENES:
         for language in ("vhdl", "verilog"):
-            export(load_scene(name), language, folder)
+            export(load_scene(argument(folder, name)), language, folder)
     return folder
 
 
-SCENES = [*scene_names(), "wide"]
+SMALL = {"wide": ((2, 3, 5), "gradient")} | {
+    name: ((2, 2, 1), name) for name in SCHEMES if name != "gradient"
+}
+SCENES = [*scene_names(), *SMALL]
+
+
+def argument(folder: Path, scene: str) -> str:
+    """Its name or its path."""
+    return str(folder / f"{scene}.toml") if scene in SMALL else scene
 
 
 def files(folder: Path) -> list[Path]:
@@ -149,8 +162,7 @@ def test_verilog_synthesises_without_a_latch(build: Path, scene: str) -> None:
 @pytest.mark.parametrize("scene", SCENES)
 def test_a_reader_finds_every_block_by_name(build: Path, scene: str) -> None:
     """One entity per block of the design, instantiated by the parent that the twin names."""
-    path = build / "wide.toml" if scene == "wide" else scene
-    design = load_scene(str(path)).design()
+    design = load_scene(argument(build, scene)).design()
     folder = build / scene / "vhdl"
     entities = {entry["entity"] for entry in json.loads((folder / MANIFEST).read_text())}
     assert entities == {block.entity for block in walk(design)}
