@@ -6,7 +6,7 @@ PYTHON ?= python3
 VENV ?= .venv
 RUN = $(VENV)/bin/python
 
-.PHONY: help demo test sim vhdl verilog train network bench figures lint clean tools
+.PHONY: help demo test sim vhdl verilog train network bench activations figures lint clean tools
 
 help:
 	@echo "make demo    [SCENE=]                     a scene end to end: simulate, export, table of errors"
@@ -19,6 +19,7 @@ help:
 	@echo "make network TO=file.onnx [SCENE=] [OUTPUT=]"
 	@echo "                                          write a network of the scene as .npz, .mat or .onnx"
 	@echo "make bench   [SCENE=] [FRAMES=]           speed and memory of the bit-true twin"
+	@echo "make activations                          errors of every activation against tanh, and their plots"
 	@echo "make figures [TABLE=] [SEED=]             measured figures beside the thesis', in build/figures"
 	@echo "make lint                                 ruff and mypy"
 	@echo "make clean                                remove build and .venv"
@@ -47,6 +48,9 @@ network: $(VENV)/.ready
 
 bench: $(VENV)/.ready
 	@$(RUN) -m golden.benchmark "$(SCENE)" $(if $(FRAMES),--frames "$(FRAMES)")
+
+activations: $(VENV)/.ready
+	@$(RUN) -m golden.activation.errors
 
 figures: $(VENV)/.ready
 	@$(RUN) -m golden.figures $(if $(TABLE),"$(TABLE)") --seed "$(SEED)"

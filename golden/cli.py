@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import warnings
 from collections.abc import Callable
 
 
@@ -11,7 +12,11 @@ class CommandError(Exception):
 
 
 def run(main: Callable[[], int | None]) -> int:
-    """The exit code of ``main``; its complaints about input go to stderr as one message."""
+    """The exit code of ``main``; its complaints about input go to stderr as one message.
+
+    Warnings go there too, each as a line of its own.
+    """
+    warnings.formatwarning = lambda message, *_, **__: f"warning: {message}\n"
     try:
         return main() or 0
     except (CommandError, ValueError, FileNotFoundError) as error:

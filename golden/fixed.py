@@ -169,6 +169,22 @@ def check_unsigned(codes: ArrayLike, width: int, name: str) -> Codes:
     return array.astype(np.int64)
 
 
+def cut(codes: ArrayLike, shift: int, rounding: Rounding) -> Codes:
+    """Drop ``shift`` fraction bits of exact codes; the result has any width it needs.
+
+    Raises
+    ------
+    ValueError
+        When ``shift`` is below 0.
+    """
+    if shift < 0:
+        raise ValueError(f"cut: shift={shift}, expected 0 or more")
+    exact = np.asarray(codes, dtype=np.int64)
+    if rounding is Rounding.ROUND and shift:
+        exact = exact + (1 << (shift - 1))
+    return np.asarray(exact >> shift, dtype=np.int64)
+
+
 def requantise(
     codes: ArrayLike, shift: int, target: Fix, rounding: Rounding, overflow: Overflow
 ) -> Codes:
@@ -185,12 +201,7 @@ def requantise(
     rounding, overflow : Rounding, Overflow
         The two policies, always explicit.
     """
-    if shift < 0:
-        raise ValueError(f"requantise: shift={shift}, expected 0 or more")
-    exact = np.asarray(codes, dtype=np.int64)
-    if rounding is Rounding.ROUND and shift:
-        exact = exact + (1 << (shift - 1))
-    kept = exact >> shift
+    kept = cut(codes, shift, rounding)
     if overflow is Overflow.SATURATE:
         return np.asarray(np.clip(kept, target.low, target.high), dtype=np.int64)
     span = 1 << target.width

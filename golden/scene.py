@@ -14,10 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.activation.schemes import SCHEMES
+from golden.activation.schemes import SCHEMES, Scheme
 from golden.fixed import Codes
 from golden.network_file import load_network
-from golden.networks.arrangement import ARRANGEMENTS, build, process_real
+from golden.networks.arrangement import ARRANGEMENTS, arrange, process_real
+from golden.networks.build import build_hybrid
+from golden.networks.hybrid import Hybrid
 from golden.networks.mlp import Mlp, Real
 from golden.networks.network import Network
 from golden.precision import PRECISIONS, SIGNAL, Precision
@@ -45,6 +47,7 @@ _KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
     "hardware": {
         "design": (str, None),
         "activation": (str, ""),
+        "activation_options": (dict, {}),
         "precision": (str, None),
         "clock_mhz": (float, 64.0),
     },
@@ -141,6 +144,8 @@ class Scene:
     members : tuple of Member
         The networks, in the order of the outputs.
     activation : str
+    activation_options : dict
+        What the scene chooses of the activation's options.
     precision : Precision
     clock_mhz : float
     training : Training
@@ -158,6 +163,7 @@ class Scene:
     arrangement: str
     members: tuple[Member, ...]
     activation: str
+    activation_options: dict[str, Any]
     precision: Precision
     clock_mhz: float
     training: Training
@@ -166,6 +172,11 @@ class Scene:
     def weights_paths(self) -> list[Path]:
         """The network files."""
         return [member.weights_path for member in self.members]
+
+    @property
+    def scheme(self) -> Scheme:
+        """The activation with the scene's options."""
+        return SCHEMES[self.activation].configured(self.activation_options)
 
     def vectors(self) -> Vectors:
         """The recorded vectors of this scene.
@@ -208,11 +219,16 @@ class Scene:
 
     def process_real(self, samples: Real) -> Real:
         """Outputs of the trained networks with this scene's activation in floating point."""
-        return process_real(self.arrangement, self.mlps(), samples, SCHEMES[self.activation].real)
+        return process_real(self.arrangement, self.mlps(), samples, self.scheme.real)
+
+    def build(self, mlp: Mlp, variant: str = "") -> Hybrid:
+        """The bit-true network of ``mlp`` in this scene's hardware; see ``build_hybrid``."""
+        options = self.activation_options
+        return build_hybrid(mlp, self.precision, self.activation, options, variant)
 
     def design(self) -> Network:
         """The bit-true twin of this scene's hardware."""
-        return build(self.arrangement, self.mlps(), self.precision, self.activation)
+        return arrange(self.arrangement, self.mlps(), self.build)
 
     def describe(self) -> str:
         """Inputs, hidden nodes and outputs of each network."""
@@ -370,9 +386,12 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
         value = values["training"][key]
         if not 0 <= value < math.inf:
             raise ValueError(f"{path}: training.{key}: got {value!r}, expected 0 or more")
+    precision = PRECISIONS[hardware["precision"]]
+    activation = hardware["activation"] or precision.activation
+    place = f"{path}: hardware.activation_options"
+    SCHEMES[activation].configured(hardware["activation_options"], place)
     if data["reference"]:
         thesis_figures(data["reference"], len(data["outputs"]), path)
-    precision = PRECISIONS[hardware["precision"]]
     return Scene(
         name=path.stem,
         path=path,
@@ -385,7 +404,8 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
         reference=data["reference"],
         arrangement=network["arrangement"],
         members=members,
-        activation=hardware["activation"] or precision.activation,
+        activation=activation,
+        activation_options=hardware["activation_options"],
         precision=precision,
         clock_mhz=hardware["clock_mhz"],
         training=Training(**(values["training"] | {"hidden": (span[0], span[1])})),

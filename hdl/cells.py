@@ -11,7 +11,7 @@ from collections import Counter
 from pathlib import Path
 
 from golden.activation.activation_block import ActivationBlock
-from golden.activation.schemes import SCHEMES
+from golden.activation.schemes import forms
 from golden.cli import CommandError, run
 from golden.precision import PRECISE
 from hdl.elaborate import elaborate_activation
@@ -65,7 +65,7 @@ def main() -> None:
     for family, meaning in FAMILIES.items():
         print(f"\n{meaning} (synth_xilinx -family {family})")
         print(f"{'':18}" + "".join(f"{kind:>12}" for kind in KINDS))
-        for name, scheme in SCHEMES.items():
+        for name, scheme in forms().items():
             spec = scheme.build(PRECISE, 1, PRECISE.hidden_fmt.high)
             found = cells(spec, family)
             print(f"{name:18}" + "".join(f"{found[kind]:12}" for kind in KINDS), flush=True)

@@ -11,6 +11,7 @@ import pytest
 from golden.network_file import save_network
 from golden.networks.mlp import Mlp
 from golden.networks.network import Network
+from golden.precision import PRECISIONS
 from golden.scene import Scene, load_scene, scene_names
 
 TEMPLATE = """
@@ -28,12 +29,17 @@ weights = {weights}
 [hardware]
 design = "hybrid"
 activation = "{activation}"
+activation_options = {options}
 precision = "{precision}"
 
 [training]
 restarts = 2
 steps = 20
 """
+
+
+# For benches: a few steps that diverge near the gate, so that the regression saturates.
+OPTIONS = {"pade": "{ rho = 1.5, iterations = 3 }"}
 
 
 def random_mlp(shape: tuple[int, int, int], spread: float, seed: int) -> Mlp:
@@ -55,6 +61,7 @@ def write_scene(
     mlps: list[Mlp],
     arrangement: str = "single",
     activation: str = "gradient",
+    options: str | None = None,
     rows: int = 12,
 ) -> Path:
     """A scene with random vectors and the given networks; returns its TOML file."""
@@ -79,6 +86,7 @@ def write_scene(
         weights=f'"{name}.npz"' if len(mlps) == 1 else weights,
         precision=precision,
         activation=activation,
+        options=OPTIONS.get(activation, "{}") if options is None else options,
     )
     path = folder / f"{name}.toml"
     path.write_text(text.replace("'", '"'))
@@ -100,10 +108,14 @@ class Case:
     precision: str
     spread: float = 1.0
     activation: str = "gradient"
+    options: str | None = None
     arrangement: str = "single"
+    seed: int = 7
 
     def networks(self) -> list[Mlp]:
-        mlps = [random_mlp(shape, self.spread, 7 + i) for i, shape in enumerate(self.shapes)]
+        mlps = [
+            random_mlp(shape, self.spread, self.seed + i) for i, shape in enumerate(self.shapes)
+        ]
         if self.arrangement == "single" and self.shapes[0][1] > 1:
             mlps[0].w1[-1] = 0
             mlps[0].b1[-1] = 0
@@ -111,7 +123,13 @@ class Case:
 
     def scene(self, folder: Path, name: str) -> Scene:
         path = write_scene(
-            folder, name, self.precision, self.networks(), self.arrangement, self.activation
+            folder,
+            name,
+            self.precision,
+            self.networks(),
+            self.arrangement,
+            self.activation,
+            self.options,
         )
         return load_scene(str(path))
 
@@ -121,11 +139,34 @@ CASCADE = ("cascade", "stream_multiplexer", "output_collector")
 MULTIPLE = ("multiple", "output_collector")
 GRADIENT = Case(("gradient", *FOLDED), [(1, 1, 1)], "precise")
 PRECISE = Case(("precise", "hybrid"), [(2, 3, 2)], "precise", activation="precise")
+BLOCK_RAM = '{ coefficients = "block_ram" }'
+
+
+def scheme_cases() -> dict[str, Case]:
+    """The other activations in both precisions, with a neuron that reaches all segments."""
+    blocks = {
+        "gradient_parallel": ("gradient_parallel", "comparator_bank", "hybrid"),
+        "lut": ("lut", "hybrid"),
+        "pade": ("pade", "hybrid", "input_controller"),
+        "polynomial": ("polynomial", "hybrid"),
+    }
+    return {
+        f"{name}-{precision}": Case(
+            parts, [(2, 1, 2)], precision, spread=2.0, activation=name, seed=8
+        )
+        for name, parts in blocks.items()
+        for precision in PRECISIONS
+    }
+
 
 # Least shapes, more outputs than inputs (the spacing counter), one output, odd adder trees, Q_j of
 # several hundred; each activation with few and with all of its segments; networks whose depth
 # differs, so that results wait for each other, and more of them than samples.
-CASES = {
+CASES = scheme_cases() | {
+    "lut-short": Case(("lut",), [(2, 1, 2)], "thesis", spread=2.0, activation="lut"),
+    "polynomial-short": Case(
+        ("polynomial",), [(2, 1, 2)], "precise", spread=2.0, activation="polynomial"
+    ),
     "least": GRADIENT,
     "least-thesis": replace(GRADIENT, shapes=[(1, 2, 1)], precision="thesis"),
     "wide": replace(GRADIENT, shapes=[(2, 3, 5)]),
@@ -134,10 +175,8 @@ CASES = {
     "huge-precise": replace(GRADIENT, shapes=[(4, 3, 2)], spread=100.0),
     "logic": replace(PRECISE, spread=0.5),
     "logic-huge": replace(PRECISE, shapes=[(2, 2, 1)], spread=100.0),
-    "block-ram": replace(PRECISE, activation="precise_block_ram", spread=0.5),
-    "block-ram-huge": replace(
-        PRECISE, activation="precise_block_ram", shapes=[(2, 2, 1)], spread=100.0
-    ),
+    "block-ram": replace(PRECISE, options=BLOCK_RAM, spread=0.5),
+    "block-ram-huge": replace(PRECISE, options=BLOCK_RAM, shapes=[(2, 2, 1)], spread=100.0),
     "least-cascade": Case(CASCADE, [(1, 1, 1), (2, 2, 1)], "precise", arrangement="cascade"),
     "deep-cascade": Case(
         CASCADE, [(2, 1, 1), (3, 9, 1), (4, 2, 1), (5, 5, 1)], "thesis", arrangement="cascade"

@@ -12,6 +12,8 @@ from golden.scene import load_scene, scene_names
 from tb.common.runner import Job, Outcome, plan, run_jobs
 from tb.common.tools import SIMULATORS
 
+pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+
 # Every entity of these scenes is simulated; of the others the network as a whole.
 WHOLE = ("digit-single", "digit-single-thesis")
 
@@ -79,3 +81,8 @@ def test_the_cases_differ_as_meant(tmp_path: Path) -> None:
         few = max(a.words for a in designs[form].activations)
         assert few < designs[f"{form}-huge"].activations[0].words
     assert max(int(a.variant[1:].split("c")[0]) for a in designs["huge"].activations) > 200
+    for name in CASES:
+        if CASES[name].shapes == [(2, 1, 2)]:
+            (activation,) = designs[name].activations
+            assert bool(activation.left_out()) == name.endswith("short"), name
+    assert designs["pade-precise"].input_controller.spacing == 3

@@ -10,9 +10,12 @@ from pathlib import Path
 import pytest
 from conftest import random_mlp, write_scene
 
+from golden.activation.schemes import SCHEMES
 from golden.scene import load_scene
 from tb.common import runner
 from tb.common.runner import Job, plan, run_job
+
+pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
 # Block, what to look for in its Verilog, what to put there.
 FAULTS = [
@@ -35,6 +38,20 @@ FAULTS = [
     ("precise", r"gradient - high", "gradient"),
     ("precise", r"wide_distance - (\d+)", "wide_distance"),
     ("precise", r"negative_late <= \w+", "negative_late <= negative"),
+    ("gradient_parallel", r"addr == 0", "addr <= 1"),
+    ("gradient_parallel", r"(coeff\S*) = (\d{2,})", r"\1 = \2 ^ 1"),
+    ("gradient_parallel", r"negative_late <= \w+", "negative_late <= negative"),
+    ("pade", r"remaining <= \(3 - 1\)", "remaining <= 1"),
+    ("pade", r"regression0_following > \d+", "regression0_following > 900000"),
+    ("pade", r"beyond_late == 1", "beyond_late == 2"),
+    ("pade", r"(if \(start\) begin\s+negative_held <= )negative_start", r"\1negative"),
+    ("polynomial", r"products \+ aligned", "products - aligned"),
+    ("polynomial", r"kept < 0", "kept < -9000"),
+    ("polynomial", r"segment_late == (\d+)", r"segment_late == \1 + 1"),
+    ("polynomial", r"negative_late <= \w+", "negative_late <= negative"),
+    ("lut", r"word = (\d+)", r"word = \1 ^ 1"),
+    ("lut", r"beyond == 1", "beyond == 2"),
+    ("lut", r"negative_late <= \w+", "negative_late <= negative"),
     ("input_controller", r"frame_error <= broken", "frame_error <= 0"),
     ("input_controller", r"dropping <= \(!in_last\)", "dropping <= 0"),
     ("input_controller", r"if \(rst == 1\) begin", "if (0) begin"),
@@ -64,7 +81,7 @@ def jobs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Job]:
     """One job per block under Icarus; the single networks' sums reach their rails."""
     folder = tmp_path_factory.mktemp("faults")
     single = [random_mlp((3, 4, 3), 20.0, 2)]
-    designs = [("single", activation, single) for activation in ("precise", "gradient")]
+    designs = [("single", activation, single) for activation in SCHEMES]
     cascade = [random_mlp((2 + i, 3, 1), 1.0, i) for i in range(3)]
     multiple = [random_mlp((2, 4 - i, 1), 1.0, i) for i in range(3)]
     designs += [("cascade", "gradient", cascade), ("multiple", "gradient", multiple)]

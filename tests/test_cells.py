@@ -6,21 +6,21 @@ import shutil
 
 import pytest
 
-from golden.activation.schemes import SCHEMES
+from golden.activation.schemes import forms
 from golden.cli import CommandError
 from golden.precision import PRECISE
 from hdl.cells import FAMILIES, cells
 
 
 def count(name: str, family: str) -> dict[str, int]:
-    return cells(SCHEMES[name].build(PRECISE, 1, PRECISE.hidden_fmt.high), family)
+    return cells(forms()[name].build(PRECISE, 1, PRECISE.hidden_fmt.high), family)
 
 
 @pytest.mark.skipif(not shutil.which("yosys"), reason="yosys is not installed")
 @pytest.mark.parametrize("family", FAMILIES)
 def test_precise_takes_fewer_luts_than_gradient(family: str) -> None:
     gradient, logic = count("gradient", family), count("precise", family)
-    block_ram = count("precise_block_ram", family)
+    block_ram = count("precise block_ram", family)
     assert block_ram["LUT"] < logic["LUT"] < gradient["LUT"]
     assert [c["multiplier"] for c in (gradient, logic, block_ram)] == [1, 1, 1]
     assert [c["block RAM"] for c in (gradient, logic, block_ram)] == [0, 0, 1]

@@ -18,11 +18,23 @@ from golden.scene import load_scene, scene_names
 from hdl.export import MANIFEST, ORDER
 from tb.common.runner import export
 
+pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+
 ROOT = Path(__file__).parents[1]
 
 
 # Shapes, arrangements and activations that no shipped scene has.
-OTHERS = ("wide-thesis", "logic", "block-ram", "deep-cascade", "wide-multiple")
+OTHERS = (
+    "wide-thesis",
+    "logic",
+    "block-ram",
+    "gradient_parallel-thesis",
+    "lut-thesis",
+    "pade-thesis",
+    "polynomial-thesis",
+    "deep-cascade",
+    "wide-multiple",
+)
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from golden.activation.schemes import gradient_for
+from golden.activation.schemes import SCHEMES, gradient_for
 from golden.activation.segments import gradient_real
 from golden.precision import PRECISE, SIGNAL, THESIS
 
@@ -44,6 +44,17 @@ def test_looked_up_results_are_those_of_the_parts(precision, factor: int) -> Non
     gradient = gradient_for(precision, factor, precision.hidden_fmt.high // 3)
     codes = every_code(precision).reshape(2, -1)
     assert np.array_equal(gradient.process(codes), gradient.compute(codes))
+
+
+@pytest.mark.parametrize(("precision", "factor"), CASES, ids=IDS)
+def test_the_parallel_form_gives_the_same_results(precision, factor: int) -> None:
+    for reach in (precision.hidden_fmt.high, precision.hidden_fmt.high // (2 * factor)):
+        one, nine = (
+            SCHEMES[name].build(precision, factor, reach)
+            for name in ("gradient", "gradient_parallel")
+        )
+        codes = np.arange(-reach, reach + 1)
+        assert np.array_equal(one.process(codes), nine.process(codes))
 
 
 def test_thesis_reading_of_the_mean_error() -> None:

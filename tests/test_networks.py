@@ -17,7 +17,7 @@ from golden.block import walk
 from golden.errors import scene_errors
 from golden.figures.networks import scenes
 from golden.metrics import percent_errors, summarise
-from golden.networks.arrangement import build
+from golden.networks.arrangement import arrange
 from golden.networks.build import build_hybrid
 from golden.networks.mlp import Mlp
 from golden.precision import PRECISE, PRECISIONS, SIGNAL, THESIS, normalisation
@@ -105,7 +105,9 @@ def test_rails_on_all_sensors(precision) -> None:
 def test_networks_together_do_what_each_does_alone(arrangement: str) -> None:
     mlps = [random_mlp((3 + i * (arrangement == "cascade"), 4, 1), 1.0, i) for i in range(3)]
     frames = np.random.default_rng(1).integers(SIGNAL.low, SIGNAL.high + 1, (5000, 3))
-    design = build(arrangement, mlps, PRECISE, "gradient")
+    design = arrange(
+        arrangement, mlps, lambda m, v: build_hybrid(m, PRECISE, "gradient", variant=v)
+    )
     seen, results = frames, []
     for mlp in mlps:
         results.append(build_hybrid(mlp, PRECISE, "gradient").process(seen))

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+from conftest import random_mlp, write_scene
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from myhdl import ResetSignal, Simulation, StopSimulation, delay, instance
 
+from golden.activation.schemes import SCHEMES
 from golden.fixed import Fix, Overflow, Rounding, requantise
+from golden.precision import PRECISIONS
 from golden.scene import load_scene
 from hdl.common.delay import delay as delay_line
 from hdl.common.lookup import latency
@@ -16,6 +21,7 @@ from hdl.common.requantise import requantise as requantise_part
 from hdl.common.rom import rom
 from hdl.common.signals import Words, fixed, flag, signed, unsigned
 from hdl.networks.hybrid import hybrid
+from tb.common.stimulus import corner_frames
 
 
 def settle(stimulus, *blocks) -> None:
@@ -81,11 +87,19 @@ def test_words_are_numbered_ports() -> None:
         group[3]
 
 
-def test_the_network_simulated_in_myhdl_equals_its_twin() -> None:
-    """The third engine: what MyHDL itself computes, before any conversion."""
-    scene = load_scene("digit-single-thesis")
+@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+@pytest.mark.parametrize("precision", PRECISIONS)
+@pytest.mark.parametrize("activation", SCHEMES)
+def test_the_network_simulated_in_myhdl_equals_its_twin(
+    tmp_path: Path, activation: str, precision: str
+) -> None:
+    """The third engine: what MyHDL itself computes, before any conversion, with every bound."""
+    shape = (4, 2, 4)
+    mlp = random_mlp(shape, 3.0, 7)
+    path = write_scene(tmp_path, "small", precision, [mlp], activation=activation)
+    scene = load_scene(str(path))
     design = scene.design()
-    codes = scene.vectors().codes[::24]
+    codes = np.concatenate([scene.vectors().codes, corner_frames(Fix(14, 13), 4)])
     clk, rst = flag(), ResetSignal(0, active=1, isasync=False)
     valid, data, last = flag(), fixed(Fix(14, 13)), flag()
     out_valid, out_data, out_last, error = flag(), fixed(Fix(14, 13)), flag(), flag()

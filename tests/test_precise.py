@@ -9,7 +9,7 @@ import pytest
 
 from golden.activation.precise import Precise
 from golden.activation.precise_table import BLOCK_RAM, LOGIC, curve_table
-from golden.activation.schemes import SCHEMES
+from golden.activation.schemes import SCHEMES, forms
 from golden.precision import PRECISE, SIGNAL, THESIS
 
 FMT = PRECISE.hidden_fmt
@@ -18,12 +18,12 @@ CODES = np.arange(FMT.low, FMT.high + 1)
 # tanh, and the largest error in units of 2**-13 where the result is below the largest code.
 FORMS = {
     "precise": ("logic", 38, 12770, 0.957),
-    "precise_block_ram": ("block_ram", 299, 452, 0.519),
+    "precise block_ram": ("block_ram", 299, 452, 0.519),
 }
 
 
 def build(name: str, reach: int = FMT.high) -> Precise:
-    block = SCHEMES[name].build(PRECISE, 1, reach)
+    block = forms()[name].build(PRECISE, 1, reach)
     assert isinstance(block, Precise)
     return block
 
@@ -41,7 +41,7 @@ def test_every_code_is_within_one_unit_of_tanh(name: str) -> None:
     # Beyond, tanh lies between the largest code and 1, and a unit is what the format leaves.
     free = np.abs(results) < SIGNAL.high
     assert error[free].max() == pytest.approx(
-        {"precise": 0.957, "precise_block_ram": 0.519}[name], abs=5e-4
+        {"precise": 0.957, "precise block_ram": 0.519}[name], abs=5e-4
     )
 
 

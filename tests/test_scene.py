@@ -63,6 +63,32 @@ def edited(scene: Scene, old: str, new: str) -> str:
         ("steps = 20", "seed = -1", "training.seed: got -1, expected 0 or more"),
         ("[network]", 'reference = "digit"\n[network]', "data.reference: got 'digit', expected"),
         ("[network]", 'reference = "digit.hybrid"\n[network]', "with 2 simulation figures"),
+        (
+            '"gradient"',
+            '"gradiant"',
+            "hardware.activation: got 'gradiant'.*did you mean 'gradient'",
+        ),
+        (
+            "_options = {}",
+            "_options = { a = 1 }",
+            "activation_options: option 'a' is not known, exp",
+        ),
+        (
+            '"gradient"\nactivation_options = {}',
+            '"pade"\nactivation_options = { rho = -1 }',
+            "hardware.activation_options.rho: got -1.0, expected a number above 0",
+        ),
+        (
+            '"gradient"\nactivation_options = {}',
+            '"pade"\nactivation_options = { iterations = 2.5 }',
+            "options.iterations: got 2.5, expected a whole number above 0",
+        ),
+        (
+            '"gradient"\nactivation_options = {}',
+            '"pade"\nactivation_options = { roh = 1 }',
+            "option 'roh' is not known, expected rho, iterations; did you mean 'rho'",
+        ),
+        ("_options = {}", "_options = 4", "hardware.activation_options: got 4, expected a table"),
         ("[training]", "clock_mhz = inf\n[training]", "hardware.clock_mhz: got inf"),
     ],
 )

@@ -15,7 +15,10 @@ from golden.fixed import Codes, Fix
 
 @dataclass(frozen=True)
 class ActivationBlock(Block):
-    """One result a clock: from q, or q divided by Q, to r.
+    """From q, or q divided by Q, to r: one result every ``interval`` clocks.
+
+    A subclass computes in ``compute``. Its hardware keeps a result on ``out_data`` at least until
+    the input changes, because a folded network reads it more than once.
 
     Parameters
     ----------
@@ -26,6 +29,11 @@ class ActivationBlock(Block):
     area = "activation"
     in_fmt: Fix
     out_fmt: Fix
+
+    @property
+    def interval(self) -> int:
+        """Least clocks from one code to the next."""
+        return 1
 
     def process(self, data: ArrayLike) -> Codes:
         """Activation codes in ``out_fmt``, the shape of ``data``.

@@ -21,13 +21,14 @@ class ComparatorBank(Block):
         Bits of the unsigned magnitude.
     thresholds : tuple of int
         Upper codes of the segments, strictly rising. A magnitude equal to a threshold still
-        belongs to the segment below it; the first segment includes 0.
+        belongs to the segment below it; the first segment includes 0. Without a threshold there
+        is one segment, and the address is always 0.
 
     Raises
     ------
     ValueError
-        When there is no threshold, they do not rise, or one is never exceeded by a magnitude:
-        its comparator could not fire.
+        When they do not rise, or one is never exceeded by a magnitude: its comparator could not
+        fire.
     """
 
     block = "comparator_bank"
@@ -38,12 +39,11 @@ class ComparatorBank(Block):
     def __post_init__(self) -> None:
         top = (1 << self.mag_width) - 1
         rising = list(self.thresholds) == sorted(set(self.thresholds))
-        if not self.thresholds or not rising:
+        if not rising:
             raise ValueError(
-                f"comparator_bank: got thresholds {self.thresholds}, "
-                "expected at least one, strictly rising"
+                f"comparator_bank: got thresholds {self.thresholds}, expected them strictly rising"
             )
-        if self.thresholds[0] < 0 or self.thresholds[-1] >= top:
+        if self.thresholds and (self.thresholds[0] < 0 or self.thresholds[-1] >= top):
             raise ValueError(
                 f"comparator_bank: got thresholds {self.thresholds}, expected 0 to {top - 1} "
                 f"for a magnitude of {self.mag_width} bits"
@@ -52,7 +52,7 @@ class ComparatorBank(Block):
     @property
     def addr_width(self) -> int:
         """Bits of the address: it counts from 0 to the number of thresholds."""
-        return len(self.thresholds).bit_length()
+        return max(1, len(self.thresholds).bit_length())
 
     def process(self, mag: ArrayLike) -> Codes:
         """Number of thresholds each magnitude exceeds, which is the segment's address.

@@ -2,21 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import partial
+from typing import Any
 
 from golden.activation.activation_block import ActivationBlock
 from golden.activation.gradient import Gradient
+from golden.activation.gradient_parallel import GradientParallel
+from golden.activation.lut import lut_for, lut_real
+from golden.activation.pade import ITERATIONS, RHO, pade_for, pade_real
+from golden.activation.polynomial import polynomial_for, polynomial_real
 from golden.activation.precise import Precise
 from golden.activation.precise_table import FORMATS, curve_table
 from golden.activation.segments import gradient_real, segment_table
 from golden.networks.mlp import Activation, tanh
 from golden.precision import PRECISE, SIGNAL, Precision
+from golden.table import suggest
+
+# Where the coefficients of ``precise`` stand by default.
+COEFFICIENTS = "logic"
 
 
-def gradient_for(precision: Precision, factor: int, reach: int) -> Gradient:
+def gradient_for(
+    precision: Precision, factor: int, reach: int, kind: type[Gradient] = Gradient
+) -> Gradient:
     """The Gradient activation for a neuron normalised by ``factor`` with magnitudes to ``reach``.
+
+    ``kind`` is the block: one multiplier, or ``GradientParallel``.
 
     Raises
     ------
@@ -33,7 +47,7 @@ def gradient_for(precision: Precision, factor: int, reach: int) -> Gradient:
         precision.intercept_frac,
         precision.rounding,
     )
-    return Gradient(
+    return kind(
         precision.hidden_fmt,
         SIGNAL,
         table,
@@ -44,7 +58,9 @@ def gradient_for(precision: Precision, factor: int, reach: int) -> Gradient:
     )
 
 
-def precise_for(precision: Precision, factor: int, reach: int, *, coefficients: str) -> Precise:
+def precise_for(
+    precision: Precision, factor: int, reach: int, coefficients: str = COEFFICIENTS
+) -> Precise:
     """tanh within one unit of 2**-13 for a neuron with magnitudes to ``reach``.
 
     Raises
@@ -68,6 +84,47 @@ def precise_for(precision: Precision, factor: int, reach: int, *, coefficients: 
 
 
 @dataclass(frozen=True)
+class Option:
+    """One thing that a scene may choose about an activation.
+
+    Attributes
+    ----------
+    default : int, float or str
+        Its type is the type that is expected.
+    choices : tuple of str
+        For a text: what it may be.
+    real : bool
+        Whether the activation in floating point depends on it too.
+    """
+
+    default: Any
+    choices: tuple[str, ...] = ()
+    real: bool = False
+
+    def check(self, value: object, place: str) -> Any:
+        """The value to use.
+
+        Raises
+        ------
+        ValueError
+            For another type, a number that is not above 0, or a text that is no choice; the
+            message begins with ``place``.
+        """
+        kind = type(self.default)
+        if kind is float and type(value) is int:
+            value = float(value)
+        if self.choices:
+            if value not in self.choices:
+                known = ", ".join(self.choices)
+                hint = suggest(str(value), self.choices)
+                raise ValueError(f"{place}: got {value!r}, expected one of {known}{hint}")
+        elif type(value) is not kind or not 0 < value < math.inf:  # type: ignore[operator]
+            expected = {int: "a whole number above 0", float: "a number above 0"}[kind]
+            raise ValueError(f"{place}: got {value!r}, expected {expected}")
+        return value
+
+
+@dataclass(frozen=True)
 class Scheme:
     """One activation by name.
 
@@ -78,14 +135,62 @@ class Scheme:
     build : callable
         The bit-true block for a precision, a neuron's Q, and the largest magnitude code that the
         neuron can produce.
+    options : mapping
+        What a scene may choose, by name. ``build`` takes every option as a keyword and has the
+        same default, ``real`` those that concern it.
     """
 
     real: Activation
     build: Callable[[Precision, int, int], ActivationBlock]
+    options: Mapping[str, Option] = field(default_factory=dict)
+
+    def configured(self, given: Mapping[str, object], place: str = "activation_options") -> Scheme:
+        """This scheme with some of its options chosen; the others keep their defaults.
+
+        Raises
+        ------
+        ValueError
+            For an option that the scheme does not have, or a value that it cannot take; the
+            message begins with ``place``.
+        """
+        for name in given:
+            if name not in self.options:
+                known = ", ".join(self.options) or "none"
+                raise ValueError(
+                    f"{place}: option {name!r} is not known, expected {known}"
+                    f"{suggest(name, list(self.options))}"
+                )
+        chosen = {
+            name: self.options[name].check(value, f"{place}.{name}")
+            for name, value in given.items()
+        }
+        if not chosen:
+            return self
+        concerned = {name: value for name, value in chosen.items() if self.options[name].real}
+        real = partial(self.real, **concerned) if concerned else self.real
+        return replace(self, real=real, build=partial(self.build, **chosen))
 
 
 SCHEMES = {
     "gradient": Scheme(gradient_real, gradient_for),
-    "precise": Scheme(tanh, partial(precise_for, coefficients="logic")),
-    "precise_block_ram": Scheme(tanh, partial(precise_for, coefficients="block_ram")),
+    "gradient_parallel": Scheme(gradient_real, partial(gradient_for, kind=GradientParallel)),
+    "lut": Scheme(lut_real, lut_for),
+    "pade": Scheme(
+        pade_real,
+        pade_for,
+        {"rho": Option(RHO, real=True), "iterations": Option(ITERATIONS, real=True)},
+    ),
+    "polynomial": Scheme(polynomial_real, polynomial_for),
+    "precise": Scheme(tanh, precise_for, {"coefficients": Option(COEFFICIENTS, tuple(FORMATS))}),
 }
+
+
+def forms() -> dict[str, Scheme]:
+    """Every scheme, and besides each with every other choice of an option that is a text."""
+    found = dict(SCHEMES)
+    for name, scheme in SCHEMES.items():
+        for option, about in scheme.options.items():
+            for choice in about.choices:
+                if choice != about.default:
+                    found[f"{name} {choice}"] = scheme.configured({option: choice})
+    return found

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from math import floor
+from math import ceil, floor
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,6 +27,11 @@ COEFF_WIDTH_LIMIT = 17
 def nearest(value: float) -> int:
     """The integer nearest to a value that is not negative, halves up."""
     return int(value + 0.5)
+
+
+def last_below(upper: str, factor: float, frac: int) -> int:
+    """The largest magnitude code m with m factor / 2**frac below a decimal number."""
+    return ceil(Fraction(upper) / Fraction(factor) * (1 << frac)) - 1
 
 
 def gradient_real(q: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -43,8 +43,8 @@ class InputController(Block):
         Samples of one frame, 1 or more.
     spacing : int
         Least clocks from the last sample of one frame to the last sample of the next. A design
-        that needs more clocks for its outputs than a frame has samples sets it to the number of
-        outputs; otherwise it is 0 and its counter is left out.
+        that needs more clocks for its outputs or for its activations than a frame has samples sets
+        it to their number; otherwise it is 0 and its counter is left out.
 
     Notes
     -----

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.networks.build import build_hybrid
 from golden.networks.cascade import Cascade
+from golden.networks.hybrid import Hybrid
 from golden.networks.mlp import Activation, Mlp, Real
 from golden.networks.multiple import Multiple
 from golden.networks.network import Network
-from golden.precision import Precision
 
 ARRANGEMENTS = ("single", "multiple", "cascade")
 
@@ -46,19 +45,19 @@ def process_real(
     return np.concatenate(results, axis=-1)
 
 
-def build(arrangement: str, mlps: Sequence[Mlp], precision: Precision, activation: str) -> Network:
+def arrange(arrangement: str, mlps: Sequence[Mlp], build: Callable[[Mlp, str], Hybrid]) -> Network:
     """The bit-true twin of all networks together; of one alone, that network's.
 
-    Raises
-    ------
-    ValueError
-        See ``build_hybrid``.
+    Parameters
+    ----------
+    arrangement : str
+    mlps : sequence of Mlp
+    build : callable
+        The bit-true network of one, from its weights and the variant that tells it from others.
     """
     if len(mlps) == 1:
-        return build_hybrid(mlps[0], precision, activation)
-    networks = tuple(
-        build_hybrid(mlp, precision, activation, variant=str(i)) for i, mlp in enumerate(mlps)
-    )
+        return build(mlps[0], "")
+    networks = tuple(build(mlp, str(i)) for i, mlp in enumerate(mlps))
     if arrangement == "cascade":
         return Cascade(networks)
     # One result a clock leaves; a cascade's frames are longer than that in any case.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from golden.activation.schemes import SCHEMES
@@ -13,7 +15,13 @@ from golden.networks.mlp import Mlp
 from golden.precision import SIGNAL, Precision, normalisation
 
 
-def build_hybrid(mlp: Mlp, precision: Precision, activation: str, variant: str = "") -> Hybrid:
+def build_hybrid(
+    mlp: Mlp,
+    precision: Precision,
+    activation: str,
+    options: Mapping[str, object] | None = None,
+    variant: str = "",
+) -> Hybrid:
     """The bit-true folded network of ``mlp``.
 
     Parameters
@@ -22,6 +30,8 @@ def build_hybrid(mlp: Mlp, precision: Precision, activation: str, variant: str =
     precision : Precision
     activation : str
         A name of ``SCHEMES``.
+    options : mapping, optional
+        What is chosen of the activation's options.
     variant : str
         Tells it from other networks of the same design.
 
@@ -77,8 +87,9 @@ def build_hybrid(mlp: Mlp, precision: Precision, activation: str, variant: str =
                     f"{SIGNAL.width}; weights that are nearly whole numbers do this, retrain or "
                     "use the precise precision"
                 )
+    scheme = SCHEMES[activation].configured(options or {})
     activations = tuple(
-        SCHEMES[activation].build(precision, int(q), node.reach)
+        scheme.build(precision, int(q), node.reach)
         for q, node in zip(q_factors, nodes, strict=True)
     )
     return Hybrid(InputIntegral(nodes, variant=variant), activations, output, variant=variant)

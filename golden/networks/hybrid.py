@@ -58,7 +58,8 @@ class Hybrid(Network):
 
     @property
     def interval(self) -> int:
-        return max(self.inputs, self.outputs, self.min_interval)
+        rest = (a.interval for a in self.activations)
+        return max(self.inputs, self.outputs, self.min_interval, *rest)
 
     @property
     def input_controller(self) -> InputController:

@@ -19,7 +19,6 @@ import numpy as np
 from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
-from golden.activation.schemes import SCHEMES
 from golden.networks.mlp import Mlp, tanh
 from golden.training import levenberg_marquardt, scg
 from golden.training.objective import Objective, Rows, pack, unpack
@@ -92,7 +91,7 @@ def train(task: Task, hidden: int, restart: int) -> Mlp:
     rng = np.random.default_rng([settings.seed, task.number, hidden, restart])
     point = pack(starting_weights(shape, rng))
     descend = OPTIMISERS[settings.optimiser]
-    for activation in dict.fromkeys((tanh, SCHEMES[task.scene.activation].real)):
+    for activation in dict.fromkeys((tanh, task.scene.scheme.real)):
         objective = Objective(
             shape, activation, training, validation, settings.weight_decay, settings.patience
         )

@@ -8,11 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.activation.schemes import SCHEMES
 from golden.fixed import Codes
 from golden.metrics import error_scale
 from golden.networks.arrangement import seen
-from golden.networks.build import build_hybrid
 from golden.networks.mlp import Mlp, Real
 from golden.precision import SIGNAL
 from golden.scene import Scene, Vectors
@@ -77,8 +75,7 @@ class Task:
         ValueError
             When the hardware's formats cannot hold its weights.
         """
-        network = build_hybrid(mlp, self.scene.precision, self.scene.activation)
-        return SIGNAL.to_real(network.process(self.codes[rows]))
+        return SIGNAL.to_real(self.scene.build(mlp).process(self.codes[rows]))
 
 
 def task_for(scene: Scene, vectors: Vectors, earlier: Sequence[Mlp]) -> Task:
@@ -95,11 +92,10 @@ def task_for(scene: Scene, vectors: Vectors, earlier: Sequence[Mlp]) -> Task:
     bit_true: list[Codes] = []
     given: list[Real] = []
     for mlp in earlier:
-        network = build_hybrid(mlp, scene.precision, scene.activation)
-        bit_true.append(network.process(seen(scene.arrangement, codes, bit_true)))
+        bit_true.append(scene.build(mlp).process(seen(scene.arrangement, codes, bit_true)))
         if scene.training.earlier_outputs == "float":
             real = seen(scene.arrangement, inputs, given)
-            given.append(mlp.process(real, SCHEMES[scene.activation].real))
+            given.append(mlp.process(real, scene.scheme.real))
         else:
             given.append(SIGNAL.to_real(bit_true[-1]))
     number = len(earlier)

@@ -31,7 +31,7 @@ def comparator_bank(
     in_valid, in_mag : bool, unsigned ``spec.mag_width`` bits
     out_valid, out_addr, out_mag : bool, unsigned ``spec.addr_width`` bits, as ``in_mag``
     spec : ComparatorBank
-        The thresholds; one comparator is built for each.
+        The thresholds; one comparator is built for each. Without any the address is 0.
 
     Notes
     -----
@@ -41,6 +41,22 @@ def comparator_bank(
     over = [flag() for _ in range(count)]
     bank = [comparator(in_mag, over[n], threshold=t) for n, t in enumerate(spec.thresholds)]
     addr = unsigned(spec.addr_width)
+
+    @always(clk.posedge)
+    def keep():
+        out_mag.next = in_mag
+
+    @always_seq(clk.posedge, reset=rst)
+    def mark():
+        out_valid.next = in_valid
+
+    if count == 0:
+
+        @always(clk.posedge)
+        def stay():
+            out_addr.next = 0
+
+        return keep, mark, stay
 
     @always_comb
     def locate():
@@ -53,15 +69,10 @@ def comparator_bank(
         addr.next = found
 
     @always(clk.posedge)
-    def keep():
+    def keep_addr():
         out_addr.next = addr
-        out_mag.next = in_mag
 
-    @always_seq(clk.posedge, reset=rst)
-    def mark():
-        out_valid.next = in_valid
-
-    return bank, locate, keep, mark
+    return bank, locate, keep, keep_addr, mark
 
 
 comparator_bank.latency = lambda spec: 1

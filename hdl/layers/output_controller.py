@@ -22,8 +22,9 @@ def output_controller(clk, rst, in_valid, addr, out_valid, out_last, *, spec: Ou
 
     Notes
     -----
-    Latency 0 clocks. CONTROLLER 1 keeps frames ``spec.outputs`` clocks apart, so ``in_valid`` never
-    comes while rows are still being stepped through. Reset clears the row counter.
+    Latency 0 clocks. CONTROLLER 1 keeps frames ``spec.outputs`` clocks apart or more, so
+    ``in_valid`` never comes while rows are still being stepped through. Reset clears the row
+    counter.
     """
     outputs = spec.outputs
     count = unsigned(spec.addr_width)

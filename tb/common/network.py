@@ -61,6 +61,15 @@ def whole_frames(bench, frames):
     return elements.ravel(), last.ravel()
 
 
+def pauses(bench, last, closest=False):
+    """Idle clocks before each element, so that frames are as close as the design takes them, or
+    at random as close or closer.
+    """
+    most = bench.twin.interval - bench.twin.input_controller.inputs
+    first = np.roll(last, 1)
+    return first * (most if closest else bench.rng.integers(0, most + 1, len(last)))
+
+
 def random_elements(bench, count):
     return bench.rng.integers(SIGNAL.low, SIGNAL.high + 1, count)
 
@@ -70,14 +79,12 @@ async def recorded(dut):
     """All recorded frames as close as the design takes them, then with gaps; counts the clocks."""
     bench = Bench(dut)
     codes = bench.scene.vectors().codes
-    length = bench.twin.input_controller.inputs
-    pause = np.zeros((len(codes), length), dtype=np.int64)
-    pause[:, 0] = bench.twin.interval - length
-    stream = whole_frames(bench, codes)
-    recording, rows, frames = await check(bench, *stream, gap=0.0, pause=pause.ravel())
+    elements, last = whole_frames(bench, codes)
+    pause = pauses(bench, last, closest=True)
+    recording, rows, frames = await check(bench, elements, last, gap=0.0, pause=pause)
     entered = rows[frames.done]
     assert len(entered) == len(codes), "a recorded frame was refused"
-    first = entered[0] - length + 1
+    first = entered[0] - bench.twin.input_controller.inputs + 1
     final = recording.rows("out_last")[0]
     bench.facts = {
         "frames": len(codes),
@@ -85,7 +92,7 @@ async def recorded(dut):
         "clocks_per_frame": int(final - first + 1),
         "interval": int(np.diff(entered).min()),
     }
-    await check(bench, *whole_frames(bench, codes), gap=0.3)
+    await check(bench, elements, last, gap=0.3, pause=pause)
     bench.finish(at_least=len(codes) * bench.twin.outputs)
 
 
@@ -98,8 +105,9 @@ async def corners_and_random(dut):
     nodes = [part for part in walk(bench.twin) if part.block == "input_node"]
     ends = extreme_frames(SIGNAL, [node.weights[:inputs] for node in nodes])
     frames = np.concatenate([corner_frames(SIGNAL, inputs), ends, random])
+    elements, last = whole_frames(bench, frames)
     for gap in (0.0, 0.4):
-        await check(bench, *whole_frames(bench, frames), gap=gap)
+        await check(bench, elements, last, gap, pause=pauses(bench, last, closest=True))
     bench.finish(at_least=400)
 
 
@@ -109,7 +117,8 @@ async def wrong_lengths(dut):
     bench = Bench(dut)
     for gap in (0.0, 0.4):
         last = random_lengths(bench.rng, bench.twin.input_controller.inputs, 1500)
-        _, _, frames = await check(bench, random_elements(bench, len(last)), last, gap)
+        elements = random_elements(bench, len(last))
+        _, _, frames = await check(bench, elements, last, gap, pause=pauses(bench, last))
         assert frames.error.any(), "no wrong frame was driven"
     bench.finish(at_least=200)
 
@@ -126,6 +135,7 @@ async def resets_in_mid_frame(dut):
         last,
         gap=0.2,
         resets=lambda length: random_resets(bench.rng, length, every),
+        pause=pauses(bench, last),
     )
     bench.finish(at_least=100)
 
@@ -139,13 +149,13 @@ async def reset_at_every_clock(dut):
     span = length + bench.latency + twin.outputs + 2
     frames = random_elements(bench, 2 * span * inputs).reshape(-1, inputs)
     pause = np.zeros((2 * span, length), dtype=np.int64)
-    pause[:, 0] = span
+    pause[:, 0] = max(span, twin.interval)
 
     def resets(clocks):
         column = np.zeros(clocks, dtype=np.int64)
         for t in range(span):
             # Frame 2 t starts at this clock, frame 2 t + 1 a span and a frame later.
-            column[2 * t * (span + length) + span + t] = 1
+            column[2 * t * (pause[0, 0] + length) + pause[0, 0] + t] = 1
         return column
 
     _, _, scanned = await check(

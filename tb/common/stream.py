@@ -20,6 +20,7 @@ async def check_stream(
     twin: Callable,
     gap: float = 0.0,
     resets: bool = False,
+    interval: int = 1,
 ):
     """Play ``items``, feed what stood on the input ports to ``twin``, compare all outputs.
 
@@ -36,10 +37,14 @@ async def check_stream(
         Probability of an idle clock before each item.
     resets : bool
         Reset now and then: an item whose way through the block meets a reset must vanish.
+    interval : int
+        Least clocks from one item to the next.
     """
-    drive = spread(bench.rng, items, "in_valid", gap, tail=bench.latency + 4)
+    tail = bench.latency + 4
+    drive = spread(bench.rng, items, "in_valid", gap, tail, pause=interval - 1)
     if resets:
-        drive["rst"] = random_resets(bench.rng, len(drive["in_valid"]), every=40)
+        every = 40 * interval
+        drive["rst"] = random_resets(bench.rng, len(drive["in_valid"]), every)
     recording = await bench.play(drive, ["out_valid", *outputs])
     entered = recording.rows("in_valid")
     kept = entered[recording.undisturbed(entered, entered + bench.latency - 1)]
@@ -59,9 +64,12 @@ async def check_gaps_and_resets(
     inputs: dict[str, Callable],
     outputs: dict[str, Callable],
     twin: Callable,
+    interval: int = 1,
 ):
     """2000 of the items in random order, with idle clocks and resets between them."""
     order = bench.rng.integers(0, len(next(iter(items.values()))), 2000)
     chosen = {name: values[order] for name, values in items.items()}
-    await check_stream(bench, chosen, inputs, outputs, twin, gap=0.3, resets=True)
+    await check_stream(
+        bench, chosen, inputs, outputs, twin, gap=0.3, resets=True, interval=interval
+    )
     bench.finish(at_least=1000)

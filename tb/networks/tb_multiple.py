@@ -3,8 +3,8 @@
 Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one
 sensor alone); frames that drive each hidden sum to its ends; 400 random frames; frames too short
 and too long among good ones.
-Drives: back to back, with random gaps, with resets in mid-frame, and with one reset at each clock
-of a frame.
+Drives: as close as the design takes frames, with random gaps, closer than it takes them, with
+resets in mid-frame, and with one reset at each clock of a frame.
 Checks: every output, ``out_last`` and ``frame_error`` bit for bit in its clock, and that nothing
 comes out in any other clock. Measures the clocks of a frame.
 Does not prove: anything about the accuracy of the network (the report of `make demo` does).

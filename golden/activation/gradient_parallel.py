@@ -1,0 +1,56 @@
+"""The Gradient activation as first drawn: a multiplier for every segment."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+
+import numpy as np
+
+from golden.activation.gradient import Gradient
+from golden.activation.segments import UPPER
+from golden.block import Block
+from golden.fixed import Codes
+
+
+@dataclass(frozen=True)
+class GradientParallel(Gradient):
+    """r = tanh(Q qbar) by segments that compute side by side (thesis 4.5.2.3.1, Figure 4.16).
+
+    Each segment has a gradient operation sub-unit of its own, which gives 0 outside its range; what
+    all give is added. Parameters, error and results are those of ``Gradient``.
+    """
+
+    block = "gradient_parallel"
+
+    def parts(self) -> tuple[Block, ...]:
+        return self.abs_unit, self.comparator_bank, self.grad_eqn, self.sign_retriever
+
+    @property
+    def saturates(self) -> bool:
+        """Whether the neuron exceeds the last segment, where no gradient is left to multiply by."""
+        return len(self.table.thresholds) == len(UPPER)
+
+    @property
+    def segments(self) -> tuple[tuple[int, int], ...]:
+        """Gradient and intercept of every segment that has a sub-unit."""
+        rows = zip(self.table.coeffs, self.table.intercepts, strict=True)
+        return tuple(rows)[: -1 if self.saturates else None]
+
+    def left_out(self) -> Counter[str]:
+        return +Counter(
+            {
+                "comparators of segments no neuron reaches": len(UPPER)
+                - len(self.table.thresholds),
+                "multipliers of segments no neuron reaches": len(UPPER) - len(self.segments),
+            }
+        )
+
+    def compute(self, data: Codes) -> Codes:
+        mag, negative = self.abs_unit.process(data)
+        addr = self.comparator_bank.process(mag)
+        total = np.where(addr == len(self.segments), self.out_fmt.high, 0)
+        for n, (coeff, intercept) in enumerate(self.segments):
+            inside = addr == n
+            total += self.grad_eqn.process(mag, inside * coeff, inside * intercept)
+        return self.sign_retriever.process(total, negative)

@@ -1,0 +1,151 @@
+"""The look-up table activation: 128 values of tanh."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from golden.activation.abs_unit import AbsUnit
+from golden.activation.activation_block import ActivationBlock
+from golden.activation.comparator_bank import ComparatorBank
+from golden.activation.segments import last_below
+from golden.activation.sign_retriever import SignRetriever
+from golden.block import Block
+from golden.fixed import Codes
+from golden.precision import SIGNAL, Precision
+
+DEPTH = 128
+UPPER = 3.5
+
+
+def lut_real(q: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The look-up table in floating point, and a slope to descend on.
+
+    Parameters
+    ----------
+    q : array_like of float
+
+    Returns
+    -------
+    value, slope : float arrays, the shape of ``q``
+        A staircase has no slope; what is returned is the rise from one step to the next.
+    """
+    real = np.asarray(q, dtype=np.float64)
+    step = UPPER / DEPTH
+    entry = np.floor(np.abs(real) / step)
+    beyond = entry >= DEPTH
+    value = np.where(beyond, 1.0, np.tanh(entry * step))
+    slope = np.where(beyond, 0.0, (np.tanh((entry + 1) * step) - np.tanh(entry * step)) / step)
+    return np.where(real < 0, -value, value), slope
+
+
+@dataclass(frozen=True)
+class Lut(ActivationBlock):
+    """r = tanh(Q qbar), read from a table (thesis section 4.5.2.3.4).
+
+    Word n holds tanh(3.5 n / 128) and stands for 3.5 n / 128 <= q < 3.5 (n + 1) / 128; from 3.5 on
+    the result is 1 - 2**-frac.
+
+    Parameters
+    ----------
+    in_fmt, out_fmt : Fix
+        Formats of qbar and r.
+    words : tuple of int
+        Codes of ``out_fmt``, as many as the neuron can reach.
+    scale, scale_shift : int
+        The address of magnitude code m is m * scale / 2**scale_shift, floor.
+    thresholds : tuple of int
+        The last magnitude code below 3.5, where the neuron can exceed it; otherwise empty.
+
+    Notes
+    -----
+    Addresses are exact, words rounded to nearest. A magnitude beyond the neuron's reach reads some
+    word of the table. Worst error against tanh: 224 units of 2**-13, the width of a step near 0,
+    over all codes (tests/test_schemes.py).
+    """
+
+    block = "lut"
+    words: tuple[int, ...]
+    scale: int
+    scale_shift: int
+    thresholds: tuple[int, ...]
+
+    @property
+    def abs_unit(self) -> AbsUnit:
+        return AbsUnit(self.in_fmt)
+
+    @property
+    def comparator_bank(self) -> ComparatorBank:
+        return ComparatorBank(self.abs_unit.mag_width, self.thresholds, variant=self.variant)
+
+    @property
+    def sign_retriever(self) -> SignRetriever:
+        return SignRetriever(self.out_fmt)
+
+    @property
+    def addr_width(self) -> int:
+        """Bits of the table's address."""
+        return max(1, (len(self.words) - 1).bit_length())
+
+    def parts(self) -> tuple[Block, ...]:
+        return self.abs_unit, self.comparator_bank, self.sign_retriever
+
+    def left_out(self) -> Counter[str]:
+        return +Counter(
+            {
+                "table words that no neuron reaches": DEPTH - len(self.words),
+                "comparators of segments no neuron reaches": 1 - len(self.thresholds),
+            }
+        )
+
+    def compute(self, data: Codes) -> Codes:
+        mag, negative = self.abs_unit.process(data)
+        beyond = self.comparator_bank.process(mag)
+        addr = (mag * self.scale >> self.scale_shift) & ((1 << self.addr_width) - 1)
+        word = np.take(self.words, np.minimum(addr, len(self.words) - 1))
+        return self.sign_retriever.process(np.where(beyond, self.out_fmt.high, word), negative)
+
+
+def lut_for(precision: Precision, factor: int, reach: int) -> Lut:
+    """The look-up table for a neuron normalised by ``factor`` with magnitudes to ``reach``.
+
+    Raises
+    ------
+    ValueError
+        When the table ends before code 1: Q too large for the format.
+    """
+    fmt = precision.hidden_fmt
+    end = last_below(str(UPPER), factor, fmt.frac)
+    top = min(reach, fmt.high)
+    if end < 1:
+        raise ValueError(f"Q = {factor}: {UPPER} / Q is not above one code of {fmt}")
+    # Entries per code, exactly; below the end of the table an address is below DEPTH.
+    entries = Fraction(factor * DEPTH, 1 << fmt.frac) / Fraction(UPPER)
+    count = min(DEPTH, int(top * entries) + 1)
+    last = min(end, -(-count // entries) - 1)
+    # The reciprocal is rounded up by e = scale denominator - numerator 2**shift; the floor is exact
+    # for every m up to last when m e stays below 2**shift. That needs 17 bits at most, because
+    # 2**shift <= 2 last denominator, hence scale <= 2 last numerator, for last below 3.5 / Q.
+    shift = 0
+    while True:
+        scale = -(-(entries.numerator << shift) // entries.denominator)
+        excess = scale * entries.denominator - (entries.numerator << shift)
+        if last * excess < 1 << shift:
+            break
+        shift += 1
+    step = UPPER / DEPTH
+    words, _ = SIGNAL.quantise(np.tanh(np.arange(count) * step), "lut words")
+    beyond = (end,) if end < top else ()
+    return Lut(
+        fmt,
+        SIGNAL,
+        tuple(int(w) for w in words),
+        scale,
+        shift,
+        beyond,
+        variant=f"q{factor}w{count + len(beyond)}",
+    )

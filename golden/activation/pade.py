@@ -1,0 +1,369 @@
+"""The Pade activation: tanh as a fraction whose denominator is inverted by iteration."""
+
+from __future__ import annotations
+
+import warnings
+from collections import Counter
+from dataclasses import dataclass
+from math import floor
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from golden.activation.abs_unit import AbsUnit
+from golden.activation.activation_block import ActivationBlock
+from golden.activation.comparator_bank import ComparatorBank
+from golden.activation.sign_retriever import SignRetriever
+from golden.block import Block
+from golden.fixed import Codes, Fix, Overflow, Rounding, cut, requantise, signed_width
+from golden.precision import SIGNAL, Precision
+
+# Equation 4.6: coefficients of q**2 and q**4.
+NUMERATOR = (1 / 9, 1 / 945)
+DENOMINATOR = (4 / 9, 1 / 63)
+GATE = 3.3
+RHO = 4.5
+ITERATIONS = 32
+
+# A regression that stops further than this from its limit is worth a warning, in 2**-13.
+SETTLED = 2.0
+
+
+class UnsettledWarning(UserWarning):
+    """The regression stops before it is near its limit, or has none."""
+
+
+def fraction(q: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """A(q) and B(q) of equation 4.10."""
+    s = q * q
+    a = 1 + s * (NUMERATOR[0] + s * NUMERATOR[1])
+    b = 1 + s * (DENOMINATOR[0] + s * DENOMINATOR[1])
+    return a, b
+
+
+def pade_real(
+    q: ArrayLike, rho: float = RHO, iterations: int = ITERATIONS
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The Pade scheme in floating point and its slope (equations 4.10 and 4.12).
+
+    After m steps from 0 the regression is at (1 - (1 - B / rho)**m) / B.
+
+    Parameters
+    ----------
+    q : array_like of float
+    rho : float
+        Convergence rate.
+    iterations : int
+
+    Returns
+    -------
+    value, slope : float arrays, the shape of ``q``
+        Beyond |q| = 3.3 the value is 1; inside, it saturates to 0 and 1.
+    """
+    real = np.asarray(q, dtype=np.float64)
+    mag = np.abs(real)
+    inner = np.minimum(mag, GATE)
+    a, b = fraction(inner)
+    a_slope = inner * (2 * NUMERATOR[0] + 4 * NUMERATOR[1] * inner**2)
+    b_slope = inner * (2 * DENOMINATOR[0] + 4 * DENOMINATOR[1] * inner**2)
+    ratio = 1 - b / rho
+    with np.errstate(over="ignore", invalid="ignore"):
+        settled = 1 - ratio**iterations
+        value = np.nan_to_num(inner * a / b * settled)
+        slope = (a + inner * a_slope - inner * a * b_slope / b) / b * settled
+        slope += inner * a / b * iterations * ratio ** (iterations - 1) * b_slope / rho
+    beyond = mag > GATE
+    clipped = np.where(beyond, 1.0, np.clip(value, 0, 1))
+    slope = np.where(beyond | (value != np.clip(value, 0, 1)), 0.0, slope)
+    return np.where(real < 0, -clipped, clipped), slope
+
+
+def distance(rho: float, iterations: int, top: float) -> tuple[float, float]:
+    """How far the regression can stop from its limit, and the |q| up to ``top`` where it does.
+
+    Returns
+    -------
+    units : float
+        In 2**-13; infinite where the regression diverges.
+    q : float
+    """
+    q = np.linspace(0, min(top, GATE), 3301)
+    a, b = fraction(q)
+    ratio = np.abs(1 - b / rho)
+    with np.errstate(over="ignore"):
+        units = 8192 * q * a / b * ratio**iterations
+    units[ratio >= 1] = np.inf
+    worst = int(np.argmax(units))
+    return float(units[worst]), float(q[worst])
+
+
+@dataclass(frozen=True)
+class Horner:
+    """k0 + s (k1 + s k2), cut after each product.
+
+    Attributes
+    ----------
+    k0, k1, k2 : int
+        Codes.
+    out_frac, inner_frac, k2_frac : int
+        Their fraction bits; the result has those of k0, the bracket those of k1.
+    """
+
+    k0: int
+    k1: int
+    k2: int
+    out_frac: int
+    inner_frac: int
+    k2_frac: int
+
+    def shifts(self, square_frac: int) -> tuple[int, int]:
+        """Fraction bits dropped after the first and after the second product."""
+        return (
+            square_frac + self.k2_frac - self.inner_frac,
+            square_frac + self.inner_frac - self.out_frac,
+        )
+
+    def process(self, square: Codes, square_frac: int, rounding: Rounding) -> tuple[Codes, Codes]:
+        """The bracket and the result."""
+        first, second = self.shifts(square_frac)
+        bracket = self.k1 + cut(self.k2 * square, first, rounding)
+        return bracket, self.k0 + cut(bracket * square, second, rounding)
+
+
+@dataclass(frozen=True)
+class PadeFormats:
+    """Where the binary points are, beside those of the two polynomials.
+
+    Attributes
+    ----------
+    square_frac : int
+        Fraction bits kept of q**2.
+    dividend_frac : int
+        Fraction bits kept of q A(q).
+    reciprocal : Fix
+        Format of the regression's value d.
+    """
+
+    square_frac: int
+    dividend_frac: int
+    reciprocal: Fix
+
+
+@dataclass(frozen=True)
+class Pade(ActivationBlock):
+    """r = tanh(Q qbar) = q A(q) d, with d near 1 / B(q) (thesis 4.5.2.3.3, Figure 4.20).
+
+    d comes from the regression of equation 4.12, d <- 1 / rho - d (B - rho) / rho, one step a
+    clock, on one multiplier. Beyond |q| = 3.3 the result is 1 - 2**-frac.
+
+    Parameters
+    ----------
+    in_fmt, out_fmt : Fix
+        Formats of qbar and r.
+    factor : int
+        Q; the magnitude is multiplied by it first, so that nothing later depends on Q.
+    thresholds : tuple of int
+        The last magnitude code up to 3.3, where the neuron can exceed it; otherwise empty.
+    iterations : int
+        Steps of the regression, from d = 0.
+    numerator : Horner
+        A(q).
+    ratio : Horner
+        (B(q) - rho) / rho; the distance to the limit shrinks by this factor each step.
+    start : int
+        1 / rho in the format of d: the first step's result.
+    formats : PadeFormats
+    rounding : Rounding
+        How bits are dropped, everywhere.
+
+    Notes
+    -----
+    d saturates in its format, and the result to 0 and to 1 - 2**-frac, so that a regression that
+    diverges gives a wrong magnitude but neither a wrong sign nor an overflow. Worst error against
+    tanh: see docs/blocks/pade.md; over all codes (tests/test_schemes.py).
+    """
+
+    block = "pade"
+    factor: int
+    thresholds: tuple[int, ...]
+    iterations: int
+    numerator: Horner
+    ratio: Horner
+    start: int
+    formats: PadeFormats
+    rounding: Rounding
+
+    @property
+    def interval(self) -> int:
+        return self.iterations
+
+    @property
+    def abs_unit(self) -> AbsUnit:
+        return AbsUnit(self.in_fmt)
+
+    @property
+    def comparator_bank(self) -> ComparatorBank:
+        return ComparatorBank(self.abs_unit.mag_width, self.thresholds, variant=self.variant)
+
+    @property
+    def sign_retriever(self) -> SignRetriever:
+        return SignRetriever(self.out_fmt)
+
+    @property
+    def q_width(self) -> int:
+        """Bits of the largest q up to the gate, unsigned."""
+        return self.last.bit_length()
+
+    @property
+    def ratio_width(self) -> int:
+        """Bits of (B - rho) / rho up to the gate."""
+        return self.widths(self.last)["ratio"]
+
+    @property
+    def dividend_width(self) -> int:
+        """Bits of q A(q) up to the gate, unsigned."""
+        return self.widths(self.last)["dividend"] - 1
+
+    @property
+    def square_shift(self) -> int:
+        """Fraction bits dropped from the square."""
+        return 2 * self.in_fmt.frac - self.formats.square_frac
+
+    @property
+    def dividend_shift(self) -> int:
+        """Fraction bits dropped from q A(q)."""
+        return self.in_fmt.frac + self.numerator.out_frac - self.formats.dividend_frac
+
+    @property
+    def out_shift(self) -> int:
+        """Fraction bits dropped from q A(q) d."""
+        return self.formats.dividend_frac + self.formats.reciprocal.frac - self.out_fmt.frac
+
+    @property
+    def last(self) -> int:
+        """The largest q up to the gate, as a code."""
+        return self.factor * (self.thresholds[0] if self.thresholds else self.abs_unit.fmt.high)
+
+    def polynomials(self, q: Codes) -> dict[str, Codes]:
+        """What is computed of q before the regression, with all its bits; all rise with q.
+
+        Returns
+        -------
+        dict
+            ``square``; ``ratio_bracket`` and ``ratio``, (B(q) - rho) / rho;
+            ``numerator_bracket`` and ``numerator``, A(q); ``dividend``, q A(q).
+        """
+        square = cut(q * q, self.square_shift, self.rounding)
+        fracs = self.formats.square_frac, self.rounding
+        ratio_bracket, ratio = self.ratio.process(square, *fracs)
+        numerator_bracket, numerator = self.numerator.process(square, *fracs)
+        return {
+            "square": square,
+            "ratio_bracket": ratio_bracket,
+            "ratio": ratio,
+            "numerator_bracket": numerator_bracket,
+            "numerator": numerator,
+            "dividend": cut(q * numerator, self.dividend_shift, self.rounding),
+        }
+
+    def widths(self, last: int) -> dict[str, int]:
+        """Signed bits of each of ``polynomials`` for q from 0 to ``last``."""
+        ends = self.polynomials(np.array([0, last]))
+        return {name: signed_width(int(e) for e in pair) for name, pair in ends.items()}
+
+    def parts(self) -> tuple[Block, ...]:
+        return self.abs_unit, self.comparator_bank, self.sign_retriever
+
+    def left_out(self) -> Counter[str]:
+        missing = 1 - len(self.thresholds)
+        return +Counter({"comparators of segments no neuron reaches": missing})
+
+    def compute(self, data: Codes) -> Codes:
+        mag, negative = self.abs_unit.process(data)
+        beyond = self.comparator_bank.process(mag)
+        # Beyond the gate the upper bits are dropped: the result is not used there.
+        q = (mag * self.factor) & ((1 << self.q_width) - 1)
+        found = self.polynomials(q)
+        kept = Fix(self.ratio_width, 0)
+        ratio = requantise(found["ratio"], 0, kept, self.rounding, Overflow.WRAP)
+        dividend = found["dividend"] & ((1 << self.dividend_width) - 1)
+        d = np.full_like(mag, self.start)
+        limits = self.formats.reciprocal
+        for _ in range(self.iterations - 1):
+            step = cut(d * ratio, self.ratio.out_frac, self.rounding)
+            d = np.clip(self.start - step, limits.low, limits.high)
+        quotient = cut(dividend * d, self.out_shift, self.rounding)
+        result = np.clip(quotient, 0, self.out_fmt.high)
+        return self.sign_retriever.process(np.where(beyond, self.out_fmt.high, result), negative)
+
+
+def _horner(values: tuple[float, float, float], out: int, inner: int, width: int) -> Horner:
+    """The constants of k0 + s (k1 + s k2); k2 as fine as it fits ``width`` bits."""
+    k2_frac = max(p for p in range(3 * width) if abs(values[2]) * 2**p < 2 ** (width - 1) - 0.5)
+    k0, k1, k2 = (floor(v * 2**p + 0.5) for v, p in zip(values, (out, inner, k2_frac), strict=True))
+    return Horner(k0, k1, k2, out, inner, k2_frac)
+
+
+def pade_for(
+    precision: Precision,
+    factor: int,
+    reach: int,
+    rho: float = RHO,
+    iterations: int = ITERATIONS,
+) -> Pade:
+    """The Pade activation for a neuron normalised by ``factor`` with magnitudes to ``reach``.
+
+    Warns
+    -----
+    UnsettledWarning
+        When for some q that the neuron can reach the regression stops more than two units of
+        2**-13 from its limit, or diverges.
+
+    Raises
+    ------
+    ValueError
+        When the gate lies below the first code (Q too large for the format), or 1 / rho does not
+        fit the format of the regression.
+    """
+    fmt = precision.hidden_fmt
+    top = min(reach, fmt.high)
+    end = floor(GATE * 10) * (1 << fmt.frac) // (10 * factor)
+    if end < 1:
+        raise ValueError(f"Q = {factor}: {GATE} / Q is below one code of {fmt}")
+    units, where = distance(rho, iterations, top * factor / 2**fmt.frac)
+    if units > SETTLED:
+        found = f"{units:.3g} units of 2**-13 short" if np.isfinite(units) else "divergent"
+        warnings.warn(
+            f"pade: rho = {rho:g} with {iterations} iterations is {found} at |q| = {where:.3g}, "
+            f"expected at most {SETTLED:g}; rho = {RHO:g} with {ITERATIONS} iterations settles",
+            UnsettledWarning,
+            stacklevel=2,
+        )
+    width = precision.coeff_width
+    if precision.coeff_frac is None:
+        # 18 bits for whatever enters a multiplier: q**2 below 16, the brackets and, from rho = 3.87
+        # on, (B - rho) / rho below 1, A below 4, q A below 8, d below 2.
+        formats = PadeFormats(width - 5, width - 4, Fix(width, width - 2))
+        inner, ratio, a = width - 1, width - 1, width - 3
+    else:
+        # The fraction bits of the signals everywhere, in words as wide as their values need.
+        frac = precision.coeff_frac
+        formats = PadeFormats(frac, frac, Fix(width + 1, frac))
+        inner, ratio, a = frac, frac, frac
+    start = floor(2**formats.reciprocal.frac / rho + 0.5)
+    if start > formats.reciprocal.high or start < 1:
+        raise ValueError(f"pade: rho = {rho:g}: 1 / rho does not fit {formats.reciprocal}")
+    beyond = (end,) if end < top else ()
+    return Pade(
+        fmt,
+        SIGNAL,
+        factor,
+        beyond,
+        iterations,
+        _horner((1.0, *NUMERATOR), a, inner, width),
+        _horner((1 / rho - 1, DENOMINATOR[0] / rho, DENOMINATOR[1] / rho), ratio, inner, width),
+        start,
+        formats,
+        precision.rounding,
+        variant=f"q{factor}c{len(beyond)}",
+    )

@@ -1,0 +1,272 @@
+"""The Polynomial activation: tanh by two quadratics."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from math import ceil, log2
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from golden.activation.abs_unit import AbsUnit
+from golden.activation.activation_block import ActivationBlock
+from golden.activation.comparator_bank import ComparatorBank
+from golden.activation.segments import last_below, nearest
+from golden.activation.sign_retriever import SignRetriever
+from golden.block import Block
+from golden.fixed import Codes, Fix, Rounding, cut, signed_width
+from golden.precision import SIGNAL, Precision
+
+# Thesis Table 4.2: upper bound of each quadratic, and a_n2, a_n1, a_n0.
+UPPER = (1.75, 3.5)
+COEFFICIENTS = ((-0.31247, 1.07571, -0.00139), (-0.02557, 0.16192, 0.74118))
+
+
+def polynomial_real(q: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The Polynomial scheme in floating point and its slope (equation 4.24).
+
+    Parameters
+    ----------
+    q : array_like of float
+
+    Returns
+    -------
+    value, slope : float arrays, the shape of ``q``
+        Below |q| = 0.0013, where the first quadratic is negative, the value is 0.
+    """
+    real = np.asarray(q, dtype=np.float64)
+    mag = np.abs(real)
+    segment = np.searchsorted(UPPER, mag, side="right")
+    a2, a1, a0 = np.array([*COEFFICIENTS, (0.0, 0.0, 1.0)])[segment].T
+    value = np.maximum((a2 * mag + a1) * mag + a0, 0)
+    return np.where(real < 0, -value, value), 2 * a2 * mag + a1
+
+
+@dataclass(frozen=True)
+class PolynomialFormats:
+    """Where the binary points are.
+
+    Attributes
+    ----------
+    quadratic, linear, constant : Fix
+        Formats of A_n2, A_n1 and A_n0.
+    square_frac : int
+        Fraction bits that are kept of the squared magnitude.
+    sum_frac : int
+        Fraction bits of the two products as they are added, and of the sum.
+    factor_frac : int
+        Binary point of the de-normalisation factor; below 0 for a factor with more bits than fit.
+    """
+
+    quadratic: Fix
+    linear: Fix
+    constant: Fix
+    square_frac: int
+    sum_frac: int
+    factor_frac: int
+
+
+@dataclass(frozen=True)
+class Polynomial(ActivationBlock):
+    """r = tanh(Q qbar), approximated by two quadratics (thesis section 4.5.2.3.2, Figure 4.19).
+
+    (A_n2 qbar**2 + A_n1 qbar + A_n0) Qhat with the constants of equation 4.28; from 3.5 on the
+    result is 1 - 2**-frac.
+
+    Parameters
+    ----------
+    in_fmt, out_fmt : Fix
+        Formats of qbar and r.
+    thresholds : tuple of int
+        Last magnitude codes of the quadratics; one that the neuron cannot exceed is left out.
+    coeffs : tuple of (int, int, int)
+        A_n2, A_n1 and A_n0 of every quadratic that the neuron can reach.
+    factor : int, or None
+        Code of the de-normalisation factor a_11 Q**2, unsigned; None where nothing is normalised.
+    formats : PolynomialFormats
+    rounding : Rounding
+        How bits are dropped: after the square, after each product, and at the end.
+
+    Notes
+    -----
+    The result saturates to 0 and to 1 - 2**-frac, so that it has no sign of its own: the first
+    quadratic is negative below |q| = 0.0013. A magnitude beyond the neuron's reach may have a wrong
+    result. Worst error against tanh: see docs/blocks/polynomial.md; over all codes
+    (tests/test_schemes.py).
+    """
+
+    block = "polynomial"
+    thresholds: tuple[int, ...]
+    coeffs: tuple[tuple[int, int, int], ...]
+    factor: int | None
+    formats: PolynomialFormats
+    rounding: Rounding
+
+    @property
+    def abs_unit(self) -> AbsUnit:
+        return AbsUnit(self.in_fmt)
+
+    @property
+    def comparator_bank(self) -> ComparatorBank:
+        return ComparatorBank(self.abs_unit.mag_width, self.thresholds, variant=self.variant)
+
+    @property
+    def sign_retriever(self) -> SignRetriever:
+        return SignRetriever(self.out_fmt)
+
+    @property
+    def square_shift(self) -> int:
+        """Fraction bits dropped from the square."""
+        return 2 * self.in_fmt.frac - self.formats.square_frac
+
+    @property
+    def square_width(self) -> int:
+        """Bits of the square of the largest magnitude that a quadratic serves, unsigned."""
+        last = self.thresholds[-1] if self.saturates else self.abs_unit.fmt.high
+        return int(cut(last * last, self.square_shift, self.rounding)).bit_length()
+
+    @property
+    def quadratic_shift(self) -> int:
+        """Fraction bits dropped from A_n2 times the square."""
+        return self.formats.quadratic.frac + self.formats.square_frac - self.formats.sum_frac
+
+    @property
+    def linear_shift(self) -> int:
+        """Fraction bits dropped from A_n1 times the magnitude."""
+        return self.formats.linear.frac + self.in_fmt.frac - self.formats.sum_frac
+
+    @property
+    def constant_shift(self) -> int:
+        """Places by which A_n0 moves left to meet the sum's binary point."""
+        return self.formats.sum_frac - self.formats.constant.frac
+
+    @property
+    def out_shift(self) -> int:
+        """Fraction bits dropped at the end."""
+        shift = self.formats.sum_frac - self.out_fmt.frac
+        return shift if self.factor is None else shift + self.formats.factor_frac
+
+    @property
+    def saturates(self) -> bool:
+        """Whether the neuron exceeds the last quadratic."""
+        return len(self.thresholds) == len(self.coeffs)
+
+    @property
+    def sum_width(self) -> int:
+        """Bits of the sum for every square and magnitude that the operands can hold.
+
+        Each term rises or falls with its operand, so its ends are at the operand's ends.
+        """
+        largest = (1 << self.square_width) - 1, (1 << self.abs_unit.mag_width) - 1
+        bounds = []
+        for a2, a1, a0 in self.coeffs:
+            terms = (
+                int(cut(a2 * largest[0], self.quadratic_shift, self.rounding)),
+                int(cut(a1 * largest[1], self.linear_shift, self.rounding)),
+            )
+            offset = a0 << self.constant_shift
+            bounds += [offset + sum(min(0, t) for t in terms)]
+            bounds += [offset + sum(max(0, t) for t in terms)]
+        return signed_width(bounds)
+
+    def parts(self) -> tuple[Block, ...]:
+        return self.abs_unit, self.comparator_bank, self.sign_retriever
+
+    def left_out(self) -> Counter[str]:
+        return +Counter(
+            {
+                "comparators of segments no neuron reaches": len(UPPER) - len(self.thresholds),
+                "ROM words of segments no neuron reaches": 3 * (len(UPPER) - len(self.coeffs)),
+            }
+        )
+
+    def compute(self, data: Codes) -> Codes:
+        mag, negative = self.abs_unit.process(data)
+        segment = self.comparator_bank.process(mag)
+        beyond = segment == len(self.coeffs)
+        row = np.minimum(segment, len(self.coeffs) - 1)
+        a2, a1, a0 = np.array(self.coeffs, dtype=np.int64)[row].T
+        kept = cut(mag * mag, self.square_shift, self.rounding)
+        square = kept & ((1 << self.square_width) - 1)
+        total = (
+            cut(a2 * square, self.quadratic_shift, self.rounding)
+            + cut(a1 * mag, self.linear_shift, self.rounding)
+            + (a0 << self.constant_shift)
+        )
+        scaled = total if self.factor is None else total * self.factor
+        result = np.clip(cut(scaled, self.out_shift, self.rounding), 0, self.out_fmt.high)
+        return self.sign_retriever.process(np.where(beyond, self.out_fmt.high, result), negative)
+
+
+def normalised(factor: int) -> tuple[NDArray[np.float64], float]:
+    """A_n2, A_n1, A_n0 of both quadratics for Q = ``factor``, and Qhat (equation 4.28)."""
+    a11 = COEFFICIENTS[0][1]
+    return np.array(COEFFICIENTS) / a11 / np.array([1, factor, factor**2]), a11 * factor**2
+
+
+def polynomial_for(precision: Precision, factor: int, reach: int) -> Polynomial:
+    """The Polynomial activation for a neuron normalised by ``factor`` with magnitudes to ``reach``.
+
+    In ``thesis`` precision the formats are those of Table 4.4 for Q up to 3. For a larger Q the
+    constants get smaller with Q and with Q**2, and Qhat magnifies every error by Q**2; so A_n1 has
+    one more fraction bit and A_n0, products and sum two more for each doubling of Q, which keeps
+    the error of the result what it is at Q = 3.
+
+    Raises
+    ------
+    ValueError
+        When the quadratics end on one code (Q too large for the format).
+    """
+    fmt = precision.hidden_fmt
+    ends = [last_below(str(u), factor, fmt.frac) for u in UPPER]
+    if not 0 < ends[0] < ends[1]:
+        raise ValueError(
+            f"Q = {factor}: thresholds {ends} coincide in {fmt}, expected distinct codes above 0"
+        )
+    thresholds = tuple(end for end in ends if end < min(reach, fmt.high))
+    width = precision.coeff_width
+    if precision.normalise:
+        values, denormalise = normalised(factor)
+        extra = max(0, ceil(log2(factor / 3)))
+        frac = precision.gradient_frac_limit
+        sum_frac = frac + 2 * extra
+        # Unsigned, so that 9.681 has the binary point 10 of Table 4.4.
+        factor_frac = max(
+            p for p in range(-width, width) if nearest(denormalise * 2**p) < 1 << width
+        )
+        scale = nearest(denormalise * 2**factor_frac)
+        formats = PolynomialFormats(
+            Fix(width, frac),
+            Fix(width, frac + extra),
+            Fix(width, sum_frac),
+            # The square of a magnitude has no more fraction bits than this.
+            min(sum_frac, 2 * fmt.frac),
+            sum_frac,
+            factor_frac,
+        )
+    else:
+        values, scale = np.array(COEFFICIENTS), None
+        quadratic, linear, constant = (Fix.largest_frac(width, column) for column in values.T)
+        # 17 bits hold the square of 3.5, as one input of a MULT18X18; nothing else is cut.
+        square_frac = width - 1 - 4
+        sum_frac = max(quadratic.frac + square_frac, linear.frac + fmt.frac)
+        formats = PolynomialFormats(quadratic, linear, constant, square_frac, sum_frac, 0)
+    rows = min(len(thresholds) + 1, len(UPPER))
+    # A_11 is 1 at Q = 1, which Fix(14,13) does not hold: it saturates, an error of one LSB.
+    columns = [
+        f.quantise(column)[0][:rows]
+        for f, column in zip(
+            (formats.quadratic, formats.linear, formats.constant), values.T, strict=True
+        )
+    ]
+    return Polynomial(
+        fmt,
+        SIGNAL,
+        thresholds,
+        tuple((int(a2), int(a1), int(a0)) for a2, a1, a0 in zip(*columns, strict=True)),
+        scale,
+        formats,
+        precision.rounding,
+        variant=f"q{factor}c{len(thresholds)}",
+    )

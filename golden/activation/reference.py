@@ -1,0 +1,107 @@
+"""Approximations of tanh that the thesis weighs against each other, in floating point (4.3.2).
+
+The schemes that were built have their own: ``gradient_real`` (equation 4.3), ``polynomial_real``
+(4.4), ``pade_real`` (4.10 to 4.12) and ``lut_real``. Here are the others, and the regressions step
+by step. q is an array of any shape; results have its shape.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from golden.activation.pade import DENOMINATOR, fraction
+
+Real = NDArray[np.float64]
+
+
+def tanh_exponential(q: ArrayLike) -> Real:
+    """(exp(2 q) - 1) / (exp(2 q) + 1), equation 4.2.
+
+    Computed from exp(-2 |q|), which does not overflow.
+    """
+    real = np.asarray(q, dtype=np.float64)
+    small = np.exp(-2 * np.abs(real))
+    return np.asarray(np.sign(real) * (1 - small) / (1 + small))
+
+
+def taylor(q: ArrayLike) -> Real:
+    """Equation 4.2 with exp(2 q) cut after the fourth power, equation 4.5."""
+    x = 2 * np.asarray(q, dtype=np.float64)
+    power = 1 + x * (1 + x / 2 * (1 + x / 3 * (1 + x / 4)))
+    return np.asarray((power - 1) / (power + 1))
+
+
+def pade_fraction(q: ArrayLike) -> Real:
+    """q A(q) / B(q), equation 4.6."""
+    real = np.asarray(q, dtype=np.float64)
+    a, b = fraction(real)
+    return real * a / b
+
+
+def plain_regression(q: ArrayLike, iterations: int) -> Real:
+    """The fraction by equation 4.7, t <- A - t (B - 1) from 0, times q.
+
+    Settles where B(q) < 2: |q| below 1.447.
+    """
+    real = np.asarray(q, dtype=np.float64)
+    a, b = fraction(real)
+    t = np.zeros_like(real)
+    for _ in range(iterations):
+        t = a - t * (b - 1)
+    return real * t
+
+
+def inverse_fraction(q: ArrayLike, iterations: int) -> Real:
+    """B / A by equation 4.8, h <- B - h (A - 1) from 0.
+
+    Settles where A(q) < 2: |q| below 2.888.
+    """
+    real = np.asarray(q, dtype=np.float64)
+    a, b = fraction(real)
+    h = np.zeros_like(real)
+    for _ in range(iterations):
+        h = b - h * (a - 1)
+    return h
+
+
+def inverse(z: ArrayLike, iterations: int) -> Real:
+    """1 / z by equation 4.9, v <- 1 - v (z - 1) from 0.
+
+    Settles where 0 < z < 2. What ``inverse_fraction`` gives is q / tanh(q), so the two together
+    settle for |q| below 1.915 only.
+    """
+    real = np.asarray(z, dtype=np.float64)
+    v = np.zeros_like(real)
+    for _ in range(iterations):
+        v = 1 - v * (real - 1)
+    return v
+
+
+def rho_regression(q: ArrayLike, rho: float, iterations: int) -> Real:
+    """The fraction by equations 4.10 to 4.12, d <- 1 / rho - d (B - rho) / rho from 0, times q A.
+
+    Settles where B(q) < 2 rho; see ``stable_below``.
+    """
+    real = np.asarray(q, dtype=np.float64)
+    a, b = fraction(real)
+    d = np.zeros_like(real)
+    for _ in range(iterations):
+        d = 1 / rho - d * (b - rho) / rho
+    return real * a * d
+
+
+def stable_below(rho: float) -> float:
+    """The |q| at which B(q) = 2 rho, from which on ``rho_regression`` diverges.
+
+    Raises
+    ------
+    ValueError
+        For rho of 0.5 or less, with which it diverges everywhere.
+    """
+    if rho <= 0.5:
+        raise ValueError(f"rho: got {rho}, expected above 0.5")
+    c, d = DENOMINATOR
+    return sqrt((sqrt(c * c + 4 * d * (2 * rho - 1)) - c) / (2 * d))

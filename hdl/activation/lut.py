@@ -1,0 +1,90 @@
+"""The look-up table activation: 128 values of tanh."""
+
+from myhdl import always, always_comb, block
+
+from golden.activation.lut import Lut
+from hdl.activation.abs_unit import abs_unit
+from hdl.activation.comparator_bank import comparator_bank
+from hdl.activation.sign_retriever import sign_retriever
+from hdl.common.delay import delay
+from hdl.common.rom import rom
+from hdl.common.scale import scale
+from hdl.common.signals import flag, unsigned
+
+
+@block
+def lut(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Lut):
+    """Activation of ``in_data`` four clocks later (thesis section 4.5.2.3.4).
+
+    Parameters
+    ----------
+    in_valid, in_data : bool, signed ``spec.in_fmt``
+    out_valid, out_data : bool, signed ``spec.out_fmt``
+    spec : Lut
+        The neuron's table; the twin states rounding and error.
+
+    Notes
+    -----
+    One multiplication by a constant. Latency 4 clocks: ABS 1, address and comparator 1, table 1,
+    sign retriever 1. One result a clock. Reset clears the valid flags.
+    """
+    mag_width = spec.abs_unit.mag_width
+    shift = spec.scale_shift
+    high = spec.out_fmt.high
+    addr_width = spec.addr_width
+    product_width = max(mag_width + spec.scale.bit_length(), shift + addr_width)
+    mag_valid, segment_valid, word_valid = flag(), flag(), flag()
+    mag, late_mag = unsigned(mag_width), unsigned(mag_width)
+    negative, negative_late = flag(), flag()
+    beyond = unsigned(1)
+    product, product_late = unsigned(product_width), unsigned(product_width)
+    addr = unsigned(addr_width)
+    word, result = unsigned(spec.out_fmt.width - 1), unsigned(spec.out_fmt.width - 1)
+    top = shift + addr_width
+
+    @always(clk.posedge)
+    def keep_product():
+        product_late.next = product
+
+    @always_comb
+    def address():
+        addr.next = product_late[top:shift]
+
+    @always(clk.posedge)
+    def choose():
+        if beyond == 1:
+            result.next = high
+        else:
+            result.next = word
+
+    return (
+        abs_unit(clk, rst, in_valid, in_data, mag_valid, mag, negative, spec=spec.abs_unit),
+        comparator_bank(
+            clk, rst, mag_valid, mag, segment_valid, beyond, late_mag, spec=spec.comparator_bank
+        ),
+        scale(mag, product, factor=spec.scale),
+        keep_product,
+        address,
+        rom(addr, word, words=spec.words),
+        choose,
+        delay(clk, rst, segment_valid, word_valid, clocks=1),
+        delay(clk, None, negative, negative_late, clocks=2),
+        sign_retriever(
+            clk,
+            rst,
+            word_valid,
+            result,
+            negative_late,
+            out_valid,
+            out_data,
+            spec=spec.sign_retriever,
+        ),
+    )
+
+
+lut.latency = lambda spec: (
+    abs_unit.latency(spec.abs_unit)
+    + comparator_bank.latency(spec.comparator_bank)
+    + 1
+    + sign_retriever.latency(spec.sign_retriever)
+)

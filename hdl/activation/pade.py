@@ -1,0 +1,320 @@
+"""The Pade activation: tanh as a fraction whose denominator is inverted by iteration."""
+
+from myhdl import always, always_comb, always_seq, block
+
+from golden.activation.pade import Horner, Pade
+from hdl.activation.abs_unit import abs_unit
+from hdl.activation.comparator_bank import comparator_bank
+from hdl.activation.sign_retriever import sign_retriever
+from hdl.common.delay import delay
+from hdl.common.requantise import requantise
+from hdl.common.scale import scale
+from hdl.common.signals import flag, signed, unsigned
+
+
+@block
+def multiply(clk, left, right, kept, *, shift: int, rounding):
+    """``left`` times ``right``, cut, one clock later; ``kept`` is wide enough for what comes."""
+    exact = signed(len(left) + len(right))
+    rounded = signed(len(exact) + 1 - shift)
+
+    @always(clk.posedge)
+    def product():
+        exact.next = left * right
+
+    @always_comb
+    def narrow():
+        kept.next = rounded
+
+    return product, requantise(exact, rounded, shift=shift, rounding=rounding), narrow
+
+
+@block
+def offset(data, total, *, constant: int):
+    """``data`` plus a constant; ``total`` is wide enough for what comes."""
+    magnitude = abs(constant)
+
+    if constant < 0:
+
+        @always_comb
+        def move():
+            total.next = data - magnitude
+
+    else:
+
+        @always_comb
+        def move():
+            total.next = data + magnitude
+
+    return move
+
+
+@block
+def horner(clk, square, total, *, constants: Horner, bracket_width, square_frac, rounding):
+    """k0 + s (k1 + s k2), two clocks after ``square``."""
+    first, second = constants.shifts(square_frac)
+    product = signed(len(square) + constants.k2.bit_length())
+    exact = signed(len(product))
+    inner = signed(max(2, len(product) + 1 - first))
+    bracket = signed(bracket_width)
+    late_square = signed(len(square))
+    outer = signed(len(total) + 1)
+    return (
+        scale(square, product, factor=constants.k2),
+        delay(clk, None, product, exact, clocks=1),
+        requantise(exact, inner, shift=first, rounding=rounding),
+        offset(inner, bracket, constant=constants.k1),
+        delay(clk, None, square, late_square, clocks=1),
+        multiply(clk, late_square, bracket, outer, shift=second, rounding=rounding),
+        offset(outer, total, constant=constants.k0),
+    )
+
+
+@block
+def low_signed(data, low):
+    """The low bits of ``data`` as a signed number."""
+    width = len(low)
+
+    @always_comb
+    def keep():
+        low.next = data[width:].signed()
+
+    return keep
+
+
+@block
+def low_unsigned(data, low):
+    """The low bits of ``data`` as a number that is not negative; ``low`` has a sign beside them."""
+    width = len(low) - 1
+
+    @always_comb
+    def keep():
+        low.next = data[width:]
+
+    return keep
+
+
+@block
+def hold(clk, enable, data, data_late):
+    """``data`` of the last clock in which ``enable`` was high."""
+
+    @always(clk.posedge)
+    def keep():
+        if enable:
+            data_late.next = data
+
+    return keep
+
+
+@block
+def regression(clk, enable, busy, ratio, value, *, start: int, ratio_frac: int, rounding):
+    """``value`` is ``start`` after ``enable``, then start - value ratio as long as ``busy``."""
+    high = int(value.max) - 1
+    low = int(value.min)
+    exact = signed(len(value) + len(ratio))
+    step = signed(len(exact) + 1 - ratio_frac)
+    wide = signed(len(step) + 1)
+    opposite = signed(len(wide))
+    following = signed(len(wide) + 1)
+    current = signed(len(value))
+    cut = requantise(exact, step, shift=ratio_frac, rounding=rounding)
+
+    @always_comb
+    def product():
+        exact.next = current * ratio
+
+    @always_comb
+    def copy():
+        wide.next = step
+
+    @always_comb
+    def negate():
+        opposite.next = -wide
+
+    @always_comb
+    def add():
+        following.next = opposite + start
+
+    @always(clk.posedge)
+    def iterate():
+        if enable:
+            current.next = start
+        elif busy:
+            if following > high:
+                current.next = high
+            elif following < low:
+                current.next = low
+            else:
+                current.next = following
+
+    @always_comb
+    def show():
+        value.next = current
+
+    return cut, product, copy, negate, add, iterate, show
+
+
+@block
+def pade(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Pade):
+    """Activation of ``in_data``, the iterations and seven clocks later (4.5.2.3.3, Figure 4.20).
+
+    Parameters
+    ----------
+    in_valid, in_data : bool, signed ``spec.in_fmt``
+        One code every ``spec.interval`` clocks at most; one that comes early takes the place of the
+        one before, which then has no result.
+    out_valid, out_data : bool, signed ``spec.out_fmt``
+        A result stays until the next.
+    spec : Pade
+        Constants and formats; the twin states rounding and error.
+
+    Notes
+    -----
+    Six multipliers and three multiplications by a constant. Latency ``spec.iterations`` + 7 clocks:
+    ABS 1, de-normalisation 1, square 1, the two polynomials 2, q A and first step 1, the other
+    steps, quotient 1, sign retriever 1. Reset clears the valid flags and the count of the steps.
+    """
+    formats, rounding = spec.formats, spec.rounding
+    iterations = spec.iterations
+    mag_width, q_width = spec.abs_unit.mag_width, spec.q_width
+    high = spec.out_fmt.high
+    # Whatever q the bits hold, nothing wraps before q A and the ratio are cut to what the gate lets
+    # through.
+    widths = spec.widths((1 << q_width) - 1)
+    mag_valid, q_valid, start, ready, result_valid = flag(), flag(), flag(), flag(), flag()
+    mag, late_mag = unsigned(mag_width), unsigned(mag_width)
+    negative, negative_start, negative_held, negative_late = flag(), flag(), flag(), flag()
+    beyond, beyond_start = unsigned(1), unsigned(1)
+    beyond_held, beyond_late = unsigned(1), unsigned(1)
+    product = unsigned(max(mag_width + spec.factor.bit_length(), q_width))
+    q_next, q, late_q = signed(q_width + 1), signed(q_width + 1), signed(q_width + 1)
+    square = signed(widths["square"])
+    all_ratio, ratio_start = signed(widths["ratio"]), signed(spec.ratio_width)
+    ratio = signed(spec.ratio_width)
+    numerator = signed(widths["numerator"])
+    exact_dividend = signed(len(late_q) + len(numerator))
+    exact_held = signed(len(exact_dividend))
+    all_dividend = signed(len(exact_dividend) + 1 - spec.dividend_shift)
+    dividend = signed(spec.dividend_width + 1)
+    reciprocal = signed(formats.reciprocal.width)
+    quotient = signed(len(dividend) + len(reciprocal))
+    quotient_held = signed(len(quotient))
+    kept = signed(len(quotient) + 1 - spec.out_shift)
+    result = unsigned(spec.out_fmt.width - 1)
+    remaining = unsigned(max(1, (iterations - 1).bit_length()))
+    active, busy = flag(), flag()
+
+    @always_comb
+    def weigh():
+        exact_dividend.next = late_q * numerator
+
+    @always_seq(clk.posedge, reset=rst)
+    def count():
+        if start:
+            remaining.next = iterations - 1
+            active.next = True
+        elif remaining != 0:
+            remaining.next = remaining - 1
+        else:
+            active.next = False
+
+    @always_comb
+    def watch():
+        busy.next = remaining != 0
+        ready.next = active and remaining == 0
+
+    @always_comb
+    def divide():
+        quotient.next = dividend * reciprocal
+
+    @always_comb
+    def choose():
+        if beyond_late == 1:
+            result.next = high
+        elif kept < 0:
+            result.next = 0
+        elif kept > high:
+            result.next = high
+        else:
+            result.next = kept
+
+    return (
+        abs_unit(clk, rst, in_valid, in_data, mag_valid, mag, negative, spec=spec.abs_unit),
+        comparator_bank(
+            clk, rst, mag_valid, mag, q_valid, beyond, late_mag, spec=spec.comparator_bank
+        ),
+        scale(mag, product, factor=spec.factor),
+        low_unsigned(product, q_next),
+        delay(clk, None, q_next, q, clocks=1),
+        multiply(clk, q, q, square, shift=spec.square_shift, rounding=rounding),
+        horner(
+            clk,
+            square,
+            all_ratio,
+            constants=spec.ratio,
+            bracket_width=widths["ratio_bracket"],
+            square_frac=formats.square_frac,
+            rounding=rounding,
+        ),
+        low_signed(all_ratio, ratio_start),
+        horner(
+            clk,
+            square,
+            numerator,
+            constants=spec.numerator,
+            bracket_width=widths["numerator_bracket"],
+            square_frac=formats.square_frac,
+            rounding=rounding,
+        ),
+        delay(clk, None, q, late_q, clocks=3),
+        weigh,
+        # What belongs to the code in the regression is held until the next one starts, and what
+        # belongs to the result until the next one is ready.
+        delay(clk, rst, q_valid, start, clocks=3),
+        delay(clk, None, negative, negative_start, clocks=4),
+        delay(clk, None, beyond, beyond_start, clocks=3),
+        hold(clk, start, negative_start, negative_held),
+        hold(clk, start, beyond_start, beyond_held),
+        hold(clk, start, ratio_start, ratio),
+        hold(clk, start, exact_dividend, exact_held),
+        requantise(exact_held, all_dividend, shift=spec.dividend_shift, rounding=rounding),
+        low_unsigned(all_dividend, dividend),
+        count,
+        watch,
+        regression(
+            clk,
+            start,
+            busy,
+            ratio,
+            reciprocal,
+            start=spec.start,
+            ratio_frac=spec.ratio.out_frac,
+            rounding=rounding,
+        ),
+        divide,
+        hold(clk, ready, quotient, quotient_held),
+        hold(clk, ready, negative_held, negative_late),
+        hold(clk, ready, beyond_held, beyond_late),
+        delay(clk, rst, ready, result_valid, clocks=1),
+        requantise(quotient_held, kept, shift=spec.out_shift, rounding=rounding),
+        choose,
+        sign_retriever(
+            clk,
+            rst,
+            result_valid,
+            result,
+            negative_late,
+            out_valid,
+            out_data,
+            spec=spec.sign_retriever,
+        ),
+    )
+
+
+pade.latency = lambda spec: (
+    abs_unit.latency(spec.abs_unit)
+    + comparator_bank.latency(spec.comparator_bank)
+    + 4
+    + spec.iterations
+    + sign_retriever.latency(spec.sign_retriever)
+)

@@ -1,0 +1,38 @@
+"""lut against its twin.
+
+Sweeps: every code of a 14-bit input; of a wider one a random code of each of 16384 strata; two
+codes on either side of every step of the table, of its end, of zero and of both ends, with either
+sign.
+Drives: back to back, then in random order with gaps and resets.
+Checks: the activation bit for bit, and its clock.
+Does not prove: how close the scheme is to tanh (tests/test_schemes.py measures that).
+"""
+
+import cocotb
+import numpy as np
+
+from tb.common.bench import Bench
+from tb.common.stimulus import all_codes
+from tb.common.stream import SIGNED, check_gaps_and_resets, check_stream
+
+INPUTS, OUTPUTS = {"in_data": SIGNED}, {"out_data": SIGNED}
+
+
+def codes(bench):
+    twin = bench.twin
+    steps = (np.arange(len(twin.words)) << twin.scale_shift) // twin.scale
+    return all_codes(twin.in_fmt, np.concatenate([steps, twin.thresholds]), bench.rng)
+
+
+@cocotb.test()
+async def sweep(dut):
+    bench = Bench(dut)
+    await check_stream(bench, {"in_data": codes(bench)}, INPUTS, OUTPUTS, bench.twin.process)
+    bench.finish(at_least=16384)
+
+
+@cocotb.test()
+async def gaps_and_resets(dut):
+    bench = Bench(dut)
+    items = {"in_data": codes(bench)}
+    await check_gaps_and_resets(bench, items, INPUTS, OUTPUTS, bench.twin.process)

@@ -1,0 +1,62 @@
+"""pade against its twin.
+
+Sweeps: every code of a 14-bit input; of a wider one a random code of each of 16384 strata; two
+codes on either side of the gate, of zero and of both ends, with either sign.
+Drives: as close as the block takes codes, then in random order with gaps and resets.
+Checks: the activation bit for bit, and its clock; that a result stays until the next.
+Does not prove: what becomes of codes that come closer; how close the scheme is to tanh
+(tests/test_schemes.py measures that).
+"""
+
+import cocotb
+import numpy as np
+
+from tb.common.bench import Bench
+from tb.common.stimulus import all_codes
+from tb.common.stream import SIGNED, check_gaps_and_resets, check_stream
+
+INPUTS, OUTPUTS = {"in_data": SIGNED}, {"out_data": SIGNED}
+# Codes played at a time, so that the recording stays small.
+CHUNK = 2048
+
+
+def codes(bench):
+    twin = bench.twin
+    return all_codes(twin.in_fmt, np.array(twin.thresholds, dtype=np.int64), bench.rng)
+
+
+@cocotb.test()
+async def sweep(dut):
+    bench = Bench(dut)
+    twin = bench.twin
+    every = codes(bench)
+    for start in range(0, len(every), CHUNK):
+        items = {"in_data": every[start : start + CHUNK]}
+        await check_stream(bench, items, INPUTS, OUTPUTS, twin.process, interval=twin.interval)
+    bench.finish(at_least=16384)
+
+
+@cocotb.test()
+async def gaps_and_resets(dut):
+    bench = Bench(dut)
+    items = {"in_data": codes(bench)}
+    twin = bench.twin
+    await check_gaps_and_resets(bench, items, INPUTS, OUTPUTS, twin.process, interval=twin.interval)
+
+
+@cocotb.test()
+async def results_stay(dut):
+    bench = Bench(dut)
+    twin = bench.twin
+    chosen = bench.rng.choice(codes(bench), 50)
+    length = 50 * twin.interval + bench.latency
+    drive = {name: np.zeros(length, dtype=np.int64) for name in ("in_valid", "in_data")}
+    drive["in_valid"][: 50 * twin.interval : twin.interval] = 1
+    drive["in_data"][: 50 * twin.interval : twin.interval] = chosen
+    recording = await bench.play(drive, ["out_valid", "out_data"])
+    left = recording.rows("out_valid")
+    rows = left[0] + np.arange(50 * twin.interval)
+    rows = rows[rows < recording.clocks]
+    expected = np.repeat(twin.process(chosen), twin.interval)[: len(rows)]
+    bench.compare("out_data in every clock", recording.signed("out_data", rows), expected)
+    bench.finish(at_least=49 * twin.interval)

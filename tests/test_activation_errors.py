@@ -1,0 +1,94 @@
+"""make activations: its figures, its files, and that the documentation shows them."""
+
+from __future__ import annotations
+
+import csv
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from golden.activation import errors
+from golden.activation.errors import FACTORS, PLOTS, Row, measure, plot, table
+from golden.activation.schemes import SCHEMES
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="module")
+def rows() -> list[Row]:
+    return measure()
+
+
+def at_three(rows: list[Row], scheme: str, arithmetic: str, options: str = "") -> Row:
+    return next(
+        row
+        for row in rows
+        if (row.scheme, row.arithmetic, row.options, row.factor) == (scheme, arithmetic, options, 3)
+    )
+
+
+def test_every_scheme_is_measured(rows: list[Row]) -> None:
+    for name in SCHEMES:
+        for arithmetic in ("float", "thesis"):
+            found = {r.factor for r in rows if (r.scheme, r.arithmetic) == (name, arithmetic)}
+            assert found == set(FACTORS)
+        assert sum((r.scheme, r.options, r.arithmetic) == (name, "", "precise") for r in rows) == 1
+
+
+def test_which_reading_of_equation_4_32_is_the_thesis(rows: list[Row]) -> None:
+    """Twice what equation 4.32 says comes nearer for every scheme of piecewise curves."""
+    for name in ("gradient", "gradient_parallel", "polynomial", "lut"):
+        row = at_three(rows, name, "float")
+        assert abs(row.mean_doubled - row.thesis) < 0.2 * row.thesis
+        assert abs(row.mean_printed - row.thesis) > 0.45 * row.thesis
+    row = at_three(rows, "pade", "thesis", "rho = 4, iterations = 24")
+    assert row.mean_printed < row.mean_doubled < row.thesis == 0.09
+
+
+def test_the_command_writes_what_it_measures(rows: list[Row], tmp_path: Path) -> None:
+    result = subprocess.run(
+        [
+            *(sys.executable, "-m", "golden.activation.errors"),
+            *("--build", str(tmp_path / "build"), "--plots", str(tmp_path / "plots")),
+        ],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert not result.stderr
+    assert result.stdout.startswith("\n".join(table(rows)))
+    written = json.loads((tmp_path / "build" / "activations" / "errors.json").read_text())
+    assert set(written["versions"]) == {"python", "numpy", "matplotlib"}
+    assert [Row(**record) for record in written["rows"]] == rows
+    with (tmp_path / "build" / "activations" / "errors.csv").open() as handle:
+        assert [r["scheme"] for r in csv.DictReader(handle)] == [r.scheme for r in rows]
+    assert {p.stem for p in (tmp_path / "plots").iterdir()} == set(SCHEMES)
+
+
+def test_a_plot_is_the_same_on_every_run(tmp_path: Path) -> None:
+    for name in ("first", "second"):
+        plot("lut", SCHEMES["lut"], tmp_path / f"{name}.svg")
+    first = (tmp_path / "first.svg").read_bytes()
+    assert first == (tmp_path / "second.svg").read_bytes()
+    assert b"<dc:date>" not in first
+
+
+def test_every_datasheet_shows_its_plot() -> None:
+    for name in SCHEMES:
+        assert (PLOTS / f"{name}.svg").is_file()
+        assert f"](../activations/{name}.svg)" in (ROOT / f"docs/blocks/{name}.md").read_text()
+
+
+def test_the_page_shows_what_the_command_prints(rows: list[Row]) -> None:
+    page = (ROOT / "docs" / "activations.md").read_text()
+    for line in table(rows):
+        assert f"    {line}".rstrip() + "\n" in page
+
+
+def test_a_scheme_of_our_own_has_no_figure_of_the_thesis() -> None:
+    assert errors.thesis_figure("gradient_parallel") == 0.40
+    assert errors.thesis_figure("relu") is None

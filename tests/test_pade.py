@@ -1,0 +1,151 @@
+"""The Pade scheme: constants, widths, gate, and when its regression settles."""
+
+from __future__ import annotations
+
+import tomllib
+import warnings
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from golden.activation import pade
+from golden.activation.pade import UnsettledWarning, distance, pade_for, pade_real
+from golden.precision import PRECISE, SIGNAL, THESIS
+
+DATA = Path(pade.__file__).parents[1] / "data" / "thesis_numbers.toml"
+THESIS_TABLE = tomllib.loads(DATA.read_text())["activation"]["pade"]
+
+
+def test_the_coefficients_are_those_of_equation_4_6() -> None:
+    for ours, key in ((pade.NUMERATOR, "numerator"), (pade.DENOMINATOR, "denominator")):
+        assert [1.0, *ours] == [float(Fraction(str(c))) for c in THESIS_TABLE[key]]
+    assert THESIS_TABLE["stable_below"] == pade.GATE
+
+
+def test_normalised_constants_of_4_5_2_3_3_with_the_misprint_mended() -> None:
+    """Q = 3: [0.012 0.012 0.0011] and [10.012 0.049 0.0159] are printed; 1 / Q^4 is 0.0123."""
+    powers = 1 / np.array([3.0**4, 3.0**2, 1])
+    for coefficients, right in (
+        (pade.NUMERATOR, [0.0123, 0.0123, 0.0011]),
+        (pade.DENOMINATOR, [0.0123, 0.0494, 0.0159]),
+    ):
+        assert np.array([1, *coefficients]) * powers == pytest.approx(right, abs=6e-5)
+
+
+@pytest.mark.parametrize("precision", [THESIS, PRECISE], ids=lambda p: p.name)
+@pytest.mark.parametrize("factor", [1, 3, 5, 33, 330, 4000])
+def test_the_gate_is_at_3_3(precision, factor: int) -> None:
+    fmt = precision.hidden_fmt
+    block = pade_for(precision, factor, fmt.high)
+    inside = [m for m in range(fmt.high + 1) if 10 * m * factor <= 33 << fmt.frac][-1]
+    assert block.thresholds == ((inside,) if inside < fmt.high else ())
+    if block.thresholds:
+        assert block.process(inside + 1) == SIGNAL.high
+        assert block.process(-inside - 1) == -SIGNAL.high
+
+
+@pytest.mark.parametrize("factor", [1, 2, 3, 4, 5, 8, 33, 128, 512, 4000])
+@pytest.mark.parametrize("rho", [1.0, 2.5, 4.0, 4.5, 8.0])
+@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+def test_nothing_wraps_up_to_the_gate(factor: int, rho: float) -> None:
+    for precision in (THESIS, PRECISE) if factor == 1 else (THESIS,):
+        block = pade_for(precision, factor, precision.hidden_fmt.high, rho=rho, iterations=3)
+        mags = np.arange(block.last // factor + 1)
+        found = block.polynomials(mags * factor)
+        assert (mags * factor).max() < 1 << block.q_width
+        half = 1 << (block.ratio_width - 1)
+        assert (np.abs(found["ratio"]) <= half).all()
+        assert found["ratio"].max() < half
+        assert found["dividend"].min() >= 0
+        assert found["dividend"].max() < 1 << block.dividend_width
+        every = block.polynomials(np.arange(1 << block.q_width))
+        for name, width in block.widths((1 << block.q_width) - 1).items():
+            assert -(1 << (width - 1)) <= every[name].min()
+            assert every[name].max() < 1 << (width - 1)
+
+
+@pytest.mark.parametrize("rho", [3.87, 4.0, 4.5, 6.0])
+def test_precise_multiplies_18_bits_at_most(rho: float) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UnsettledWarning)
+        block = pade_for(PRECISE, 1, PRECISE.hidden_fmt.high, rho=rho)
+    widths = block.widths(block.last)
+    assert max(widths.values()) <= 18
+    assert block.formats.reciprocal.width == 18
+    assert block.ratio_width <= 18
+
+
+def test_mean_error_of_equation_4_32() -> None:
+    """With rho = 4 the thesis prints 0.09 % at Q = 3, its number of iterations it does not."""
+    codes = np.arange(SIGNAL.low, SIGNAL.high + 1)
+    block = pade_for(THESIS, 3, SIGNAL.high, rho=4.0, iterations=24)
+    error = SIGNAL.to_real(block.process(codes)) - np.tanh(3 * SIGNAL.to_real(codes))
+    assert 0.05 < 200 * np.abs(error).mean() < 0.09
+
+
+def test_the_closed_form_is_the_regression() -> None:
+    q = np.linspace(-3.29, 3.29, 401)
+    a, b = pade.fraction(q)
+    for rho, iterations in ((4.0, 1), (4.0, 7), (4.5, 32), (5.0, 60)):
+        d = np.zeros_like(q)
+        for _ in range(iterations):
+            d = 1 / rho - d * (b - rho) / rho
+        expected = np.sign(q) * np.clip(np.abs(q * a * d), 0, 1)
+        assert pade_real(q, rho, iterations)[0] == pytest.approx(expected)
+
+
+def test_the_slope_is_the_derivative() -> None:
+    q = np.linspace(-3.2, 3.2, 400)
+    for options in ((4.5, 32), (4.0, 5)):
+        value, slope = pade_real(q, *options)
+        rise = pade_real(q + 1e-6, *options)[0] - pade_real(q - 1e-6, *options)[0]
+        inside = np.abs(value) < 1
+        assert slope[inside] == pytest.approx(rise[inside] / 2e-6, abs=1e-6)
+
+
+def test_an_unsettled_regression_warns_with_its_distance() -> None:
+    missing = r"rho = 4 with 24 iterations is 1\.46e\+03 units .* 3\.3"
+    with pytest.warns(UnsettledWarning, match=missing):
+        pade_for(THESIS, 5, SIGNAL.high, rho=4.0, iterations=24)
+    with pytest.warns(UnsettledWarning, match="rho = 2 with 99 iterations is divergent at .* 2.37"):
+        pade_for(PRECISE, 1, PRECISE.hidden_fmt.high, rho=2.0, iterations=99)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        pade_for(THESIS, 3, SIGNAL.high, rho=4.0, iterations=24)
+        pade_for(PRECISE, 1, PRECISE.hidden_fmt.high)
+        # What the neuron cannot reach does not matter.
+        pade_for(PRECISE, 1, 2 << 14, rho=2.0, iterations=60)
+
+
+def test_the_distance_is_what_is_missing() -> None:
+    q = np.linspace(0, 3.3, 3301)
+    a, b = pade.fraction(q)
+    missing = 8192 * np.abs(pade_real(q, 4.5, 20)[0] - q * a / b)
+    units, where = distance(4.5, 20, 8.0)
+    assert units == pytest.approx(missing.max(), rel=1e-3)
+    assert where == pytest.approx(q[missing.argmax()])
+
+
+@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+@pytest.mark.parametrize("iterations", [1, 2, 3, 10, 41])
+def test_beyond_its_stable_range_it_stays_inside_the_format(iterations: int) -> None:
+    """It diverges there; the gate holds, and so does the sign."""
+    for precision, factor in ((THESIS, 5), (PRECISE, 1)):
+        fmt = precision.hidden_fmt
+        block = pade_for(precision, factor, fmt.high, rho=1.0, iterations=iterations)
+        codes = np.arange(fmt.low, fmt.high + 1)
+        results = block.process(codes)
+        assert (results * np.sign(codes) >= 0).all()
+        assert np.abs(results).max() <= SIGNAL.high
+        beyond = np.abs(codes) > block.thresholds[0]
+        assert (np.abs(results[beyond]) == SIGNAL.high).all()
+
+
+@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+def test_faults_name_what_came() -> None:
+    with pytest.raises(ValueError, match=r"Q = 30000: 3.3 / Q is below one code of Fix\(14,13\)"):
+        pade_for(THESIS, 30000, SIGNAL.high)
+    with pytest.raises(ValueError, match=r"pade: rho = 0.1: 1 / rho does not fit Fix\(15,13\)"):
+        pade_for(THESIS, 1, 10, rho=0.1)
