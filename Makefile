@@ -1,6 +1,6 @@
 # The front door: every job is a target. `make` alone lists them.
 
-SCENE ?= digit-single
+SCENE ?= digit
 SEED ?= 1
 PYTHON ?= python3
 VENV ?= .venv

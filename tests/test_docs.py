@@ -93,7 +93,7 @@ def test_the_port_table_is_the_entity(blocks, sheet: Path) -> None:
 
 def test_the_readme_shows_what_the_demo_prints() -> None:
     readme = (ROOT / "README.md").read_text()
-    for line in error_table(load_scene("digit-single")):
+    for line in error_table(load_scene("digit")):
         assert f"    {line.rstrip()}\n" in readme
 
 

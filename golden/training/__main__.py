@@ -82,6 +82,7 @@ def computed_on(cluster: str | None) -> Iterator[None]:
 
 def train_scene(scene: Scene, build: Path, workers: int) -> None:
     """Train all networks of the scene, then write them."""
+    started = time.monotonic()
     vectors = scene.vectors()
     settings = scene.training
     versions = (np.__version__, scipy.__version__, platform.python_version())
@@ -125,6 +126,7 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
     for member, mlp, story in zip(scene.members, mlps, stories, strict=True):
         save_network(member.weights_path, mlp, story)
         print(f"wrote {member.weights_path} and {provenance_path(member.weights_path).name}")
+    print(f"{time.monotonic() - started:.0f} s")
 
 
 if __name__ == "__main__":
