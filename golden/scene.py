@@ -389,7 +389,13 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
     precision = PRECISIONS[hardware["precision"]]
     activation = hardware["activation"] or precision.activation
     place = f"{path}: hardware.activation_options"
-    SCHEMES[activation].configured(hardware["activation_options"], place)
+    scheme = SCHEMES[activation].configured(hardware["activation_options"], place)
+    if precision not in scheme.precisions:
+        fitting = ", ".join(name for name, s in SCHEMES.items() if precision in s.precisions)
+        raise ValueError(
+            f"{path}: hardware.activation: got {activation!r} with precision {precision.name!r}, "
+            f"expected one of {fitting}"
+        )
     if data["reference"]:
         thesis_figures(data["reference"], len(data["outputs"]), path)
     return Scene(

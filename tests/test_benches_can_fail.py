@@ -35,7 +35,7 @@ FAULTS = [
     ("precise", r"gated_row0_row <= 0", "gated_row0_row <= top"),
     ("precise", r"row_adder1_rest \+ gated_row2_row", "row_adder1_rest"),
     ("precise", r"low \^ (\d+)", "low"),
-    ("precise", r"gradient - high", "gradient"),
+    ("precise", r"wide_gradient - wide_high", "wide_gradient"),
     ("precise", r"wide_distance - (\d+)", "wide_distance"),
     ("precise", r"negative_late <= \w+", "negative_late <= negative"),
     ("gradient_parallel", r"addr == 0", "addr <= 1"),
