@@ -16,8 +16,8 @@ BOUNDS = {
     "lut": (224, 1.5),
     "pade": (21.5, 13),
     "polynomial": (156, 24),
-    "precise": (0.9999, 0.96),
-    "precise block_ram": (0.9999, 0.52),
+    "precise": (0.999, 0.999),
+    "precise block_ram": (0.999, 0.999),
 }
 BUILDS = [(name, precision) for name in FORMS for precision in FORMS[name].precisions]
 BUILD_IDS = [f"{name}-{precision.name}" for name, precision in BUILDS]

@@ -210,21 +210,8 @@ def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
     clocks = memory_clocks + _STAGES
     return (
         abs_unit(clk, rst, in_valid, in_data, mag_valid, mag, negative, spec=spec.abs_unit),
-        *(
-            split,
-            memory,
-            cut_top,
-            read,
-            gates,
-            adders,
-            assemble,
-            divide,
-            subtract,
-            crop,
-            flip,
-            fill,
-        ),
-        *(widen, centre, multiply, move, add, cut, keep),
+        *(split, memory, cut_top, read, gates, adders, assemble, divide, subtract, crop, flip),
+        *(fill, widen, centre, multiply, move, add, cut, keep),
         delay(clk, rst, mag_valid, sum_valid, clocks=clocks),
         delay(clk, None, negative, negative_late, clocks=clocks),
         sign_retriever(
