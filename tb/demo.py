@@ -139,7 +139,7 @@ def report(scene: Scene, results: dict) -> str:
     clocks, interval = first["clocks_per_frame"], first["interval"]
     lines = [
         "",
-        f"scene {scene.name}: {shape}, hybrid, {scene.activation}, "
+        f"scene {scene.name}: {shape}, hybrid, {scene.activation_text}, "
         f"{scene.precision.name} precision",
         f"errors in % on {len(vectors.codes)} recorded frames; 'largest' is the largest mean over "
         "the positions;",

@@ -11,7 +11,6 @@ from conftest import random_mlp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from golden.activation.schemes import SCHEMES
 from golden.activation.segments import gradient_real
 from golden.block import walk
 from golden.metrics import percent_errors, summarise
@@ -43,7 +42,7 @@ def test_no_worse_than_the_simulated_hybrid_of_the_thesis(name: str) -> None:
 def test_precise_costs_next_to_nothing() -> None:
     """Against the same network with the same activation in real arithmetic."""
     scene = load_scene("digit-single")
-    real = scene.mlp().process(scene.vectors().inputs, SCHEMES[scene.activation].real)
+    real = scene.mlp().process(scene.vectors().inputs, scene.scheme.real)
     assert (largest_means(scene, bit_true(scene)) <= 1.05 * largest_means(scene, real)).all()
 
 

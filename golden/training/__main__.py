@@ -54,7 +54,7 @@ def main() -> None:
             "scene": scene.name,
             "data": scene.data_path.name,
             "precision": scene.precision.name,
-            "activation": scene.activation,
+            "activation": scene.activation_text,
             "network": f"{len(scene.sensors)}:{best.hidden}:{len(scene.outputs)}",
             "optimiser": settings.optimiser,
             "seed": settings.seed,
