@@ -174,6 +174,12 @@ class Scene:
         return [member.weights_path for member in self.members]
 
     @property
+    def activation_text(self) -> str:
+        """The activation as a reader names it, with the options that the scene chooses."""
+        options = ", ".join(f"{name} = {value}" for name, value in self.activation_options.items())
+        return f"{self.activation} ({options})" if options else self.activation
+
+    @property
     def scheme(self) -> Scheme:
         """The activation with the scene's options."""
         return SCHEMES[self.activation].configured(self.activation_options)
