@@ -27,7 +27,7 @@ hidden = {hidden}
 weights = {weights}
 
 [hardware]
-design = "hybrid"
+design = "{design}"
 activation = "{activation}"
 activation_options = {options}
 precision = "{precision}"
@@ -63,6 +63,7 @@ def write_scene(
     activation: str = "gradient",
     options: str | None = None,
     rows: int = 12,
+    design: str = "hybrid",
 ) -> Path:
     """A scene with random vectors and the given networks; returns its TOML file."""
     inputs = mlps[0].shape[0]
@@ -85,6 +86,7 @@ def write_scene(
         hidden=hidden[0] if len(mlps) == 1 else hidden,
         weights=f'"{name}.npz"' if len(mlps) == 1 else weights,
         precision=precision,
+        design=design,
         activation=activation,
         options=OPTIONS.get(activation, "{}") if options is None else options,
     )
@@ -111,6 +113,7 @@ class Case:
     options: str | None = None
     arrangement: str = "single"
     seed: int = 7
+    design: str = "hybrid"
 
     def networks(self) -> list[Mlp]:
         mlps = [
@@ -130,6 +133,7 @@ class Case:
             self.arrangement,
             self.activation,
             self.options,
+            design=self.design,
         )
         return load_scene(str(path))
 
@@ -138,6 +142,7 @@ FOLDED = ("hybrid", "input_controller", "output_controller", "output_integral")
 CASCADE = ("cascade", "stream_multiplexer", "output_collector")
 MULTIPLE = ("multiple", "output_collector")
 GRADIENT = Case(("gradient", *FOLDED), [(1, 1, 1)], "precise")
+PARALLEL = Case(("parallel", "neuron"), [(2, 3, 2)], "thesis", design="parallel")
 PRECISE = Case(("precise", "hybrid"), [(2, 3, 2)], "precise", activation="precise")
 BLOCK_RAM = '{ coefficients = "block_ram" }'
 
@@ -177,6 +182,12 @@ CASES = scheme_cases() | {
     "logic-huge": replace(PRECISE, shapes=[(2, 2, 1)], spread=100.0),
     "block-ram": replace(PRECISE, options=BLOCK_RAM, spread=0.5),
     "block-ram-huge": replace(PRECISE, options=BLOCK_RAM, shapes=[(2, 2, 1)], spread=100.0),
+    "parallel": PARALLEL,
+    "least-parallel": replace(PARALLEL, shapes=[(1, 1, 1)], precision="precise"),
+    "wide-parallel": replace(PARALLEL, shapes=[(5, 4, 3)], precision="precise"),
+    "huge-parallel": replace(PARALLEL, shapes=[(4, 3, 2)], spread=100.0),
+    "pade-parallel": replace(PARALLEL, activation="pade"),
+    "precise-parallel": replace(PARALLEL, precision="precise", activation="precise"),
     "least-cascade": Case(CASCADE, [(1, 1, 1), (2, 2, 1)], "precise", arrangement="cascade"),
     "deep-cascade": Case(
         CASCADE, [(2, 1, 1), (3, 9, 1), (4, 2, 1), (5, 5, 1)], "thesis", arrangement="cascade"
