@@ -70,7 +70,7 @@ FAULTS = [
     ("neuron", r"scale0_product <= \S+ \* (\d+)", r"scale0_product <= \1"),
     ("parallel", r"\.in_data_1\(in_data_1\)", ".in_data_1(in_data_0)"),
     ("parallel", r"\.in_data_1\(r_1\)", ".in_data_1(r_0)"),
-    ("parallel", r"out_valid <= \w+", "out_valid <= q_valid"),
+    ("parallel", r"out_valid <= delay\w+", "out_valid <= q_valid"),
     ("parallel", r"\.in_last\(in_valid\)", ".in_last(q_valid)"),
     ("stream_multiplexer", r"out_data <= held", "out_data <= result"),
     ("stream_multiplexer", r"\(count == (\d+)\)", r"(count == \1 + 1)"),
@@ -89,16 +89,16 @@ def jobs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Job]:
     """One job per block under Icarus; the single networks' sums reach their rails."""
     folder = tmp_path_factory.mktemp("faults")
     single = [random_mlp((3, 4, 3), 20.0, 2)]
-    designs = [("single", activation, single, "hybrid") for activation in SCHEMES]
-    designs.append(("single", "gradient", single, "parallel"))
+    designs = [("single", activation, single, "hybrid", "precise") for activation in SCHEMES]
+    designs.append(("single", "gradient", single, "parallel", "thesis"))
     cascade = [random_mlp((2 + i, 3, 1), 1.0, i) for i in range(3)]
     multiple = [random_mlp((2, 4 - i, 1), 1.0, i) for i in range(3)]
-    designs += [("cascade", "gradient", cascade, "hybrid")]
-    designs += [("multiple", "gradient", multiple, "hybrid")]
+    designs += [("cascade", "gradient", cascade, "hybrid", "precise")]
+    designs += [("multiple", "gradient", multiple, "hybrid", "precise")]
     found: dict[str, Job] = {}
-    for arrangement, activation, mlps, design in designs:
+    for arrangement, activation, mlps, design, precision in designs:
         name = f"faulty-{arrangement}-{design}-{activation}"
-        path = write_scene(folder, name, "precise", mlps, arrangement, activation, design=design)
+        path = write_scene(folder, name, precision, mlps, arrangement, activation, design=design)
         for job in plan(load_scene(str(path)), ["icarus"], build=folder):
             found.setdefault(job.block, job)
     return found
