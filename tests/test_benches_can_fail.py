@@ -67,7 +67,7 @@ FAULTS = [
     ("neuron", r"(\w+_term) \+ (\w+_term)", r"\1 - \2"),
     ("neuron", r"word <= (\S+);", "word <= 0;"),
     ("neuron", r"wide \* (\d+)", r"wide * (\1 + 64)"),
-    ("neuron", r"scale0_product <= \S+ \* (\d+)", r"scale0_product <= \1"),
+    ("neuron", r"scale0_wide \* (\d+)", r"scale0_wide * (\1 + 1)"),
     ("parallel", r"\.in_data_1\(in_data_1\)", ".in_data_1(in_data_0)"),
     ("parallel", r"\.in_data_1\(r_1\)", ".in_data_1(r_0)"),
     ("parallel", r"out_valid <= delay\w+", "out_valid <= q_valid"),
