@@ -71,7 +71,7 @@ FAULTS = [
     ("parallel", r"\.in_data_1\(in_data_1\)", ".in_data_1(in_data_0)"),
     ("parallel", r"\.in_data_1\(r_1\)", ".in_data_1(r_0)"),
     ("parallel", r"out_valid <= delay\w+", "out_valid <= q_valid"),
-    ("parallel", r"\.in_last\(in_valid\)", ".in_last(q_valid)"),
+    ("parallel", r"\.in_last\(last\)", ".in_last(q_valid)"),
     ("stream_multiplexer", r"out_data <= held", "out_data <= result"),
     ("stream_multiplexer", r"\(count == (\d+)\)", r"(count == \1 + 1)"),
     ("output_collector", r"remaining == 1", "remaining == 2"),
