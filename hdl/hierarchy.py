@@ -135,6 +135,8 @@ def _replaced(instance: _Block, children: list[_Block], language: str, done: dic
         spec = child.kwargs["spec"]
         child._inferInterface()
         ports = {name: child.argdict[name] for name in child.argnames}
+        if len({id(signal) for signal in ports.values()}) < len(ports):
+            raise ValueError(f"{spec.entity}: two ports share a signal; its file would read one")
         label = f"u_{spec.block}_{count[spec.block]}"
         count[spec.block] += 1
         setattr(child, attribute, _INSTANCE[language](label, spec.entity, ports))

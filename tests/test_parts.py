@@ -13,7 +13,6 @@ from myhdl import ResetSignal, Simulation, StopSimulation, delay, instance
 
 from golden.activation.schemes import SCHEMES
 from golden.fixed import Fix, Overflow, Rounding, requantise
-from golden.precision import PRECISIONS
 from golden.scene import load_scene
 from hdl.common.delay import delay as delay_line
 from hdl.common.lookup import latency
@@ -88,11 +87,14 @@ def test_words_are_numbered_ports() -> None:
         group[3]
 
 
-@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
-@pytest.mark.parametrize(
+EVERY_ACTIVATION = pytest.mark.parametrize(
     ("activation", "precision"),
     [(name, p.name) for name, scheme in SCHEMES.items() for p in scheme.precisions],
 )
+
+
+@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+@EVERY_ACTIVATION
 def test_the_network_simulated_in_myhdl_equals_its_twin(
     tmp_path: Path, activation: str, precision: str
 ) -> None:
@@ -131,12 +133,15 @@ def test_the_network_simulated_in_myhdl_equals_its_twin(
     assert seen == [(r, i % 4 == 3) for i, r in enumerate(results)]
 
 
-@pytest.mark.parametrize("precision", PRECISIONS)
+@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+@EVERY_ACTIVATION
 def test_the_parallel_network_simulated_in_myhdl_equals_its_twin(
-    tmp_path: Path, precision: str
+    tmp_path: Path, activation: str, precision: str
 ) -> None:
     mlp = random_mlp((3, 2, 2), 3.0, 7)
-    path = write_scene(tmp_path, "small", precision, [mlp], design="parallel")
+    path = write_scene(
+        tmp_path, "small", precision, [mlp], activation=activation, design="parallel"
+    )
     scene = load_scene(str(path))
     design = scene.design()
     codes = np.concatenate([scene.vectors().codes, corner_frames(Fix(14, 13), 3)])
@@ -144,7 +149,9 @@ def test_the_parallel_network_simulated_in_myhdl_equals_its_twin(
     seen = []
 
     def stimulus():
-        for t, frame in enumerate([None, *codes, *[None] * (latency(design) + 1)]):
+        apart = [None] * (design.interval - 1)
+        driven = [item for frame in codes for item in (frame, *apart)]
+        for t, frame in enumerate([None, *driven, *[None] * (latency(design) + 1)]):
             rst.next = t == 0
             valid.next = frame is not None
             for k, code in enumerate([] if frame is None else frame):

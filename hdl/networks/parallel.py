@@ -43,7 +43,7 @@ def parallel(clk, rst, in_valid, in_data, out_valid, out_data, frame_error, *, s
     in_fmt = spec.activations[0].in_fmt
     controller = spec.input_controller
     addr = unsigned(controller.addr_width)
-    preset, accumulate, capture, accepted, q_valid = (flag() for _ in range(5))
+    last, preset, accumulate, capture, accepted, q_valid = (flag() for _ in range(6))
     q = Words(hidden, lambda: fixed(in_fmt))
     r = Words(hidden, lambda: fixed(SIGNAL))
     r_valid = Words(hidden, flag)
@@ -53,12 +53,14 @@ def parallel(clk, rst, in_valid, in_data, out_valid, out_data, frame_error, *, s
         raise ValueError(f"{spec.entity}: activations of different latency, expected one latency")
 
     return (
-        # A frame is one element, which is the last of its frame.
+        # A frame is one element, which is the last of its frame. Two ports of one entity take two
+        # signals: of one signal, the exported entity would read a single port.
+        connect(in_valid, last),
         input_controller(
             clk,
             rst,
             in_valid,
-            in_valid,
+            last,
             addr,
             preset,
             accumulate,
