@@ -101,14 +101,14 @@ async def corners_and_random(dut):
     """Corner frames, frames that drive hidden sums to their ends, and random ones."""
     bench = Bench(dut)
     inputs = bench.twin.inputs
-    random = random_elements(bench, 400 * inputs).reshape(400, inputs)
+    random = random_elements(bench, 100 * inputs).reshape(100, inputs)
     nodes = [part for part in walk(bench.twin) if part.block == "input_node"]
     ends = extreme_frames(SIGNAL, [node.weights[:inputs] for node in nodes])
     frames = np.concatenate([corner_frames(SIGNAL, inputs), ends, random])
     elements, last = whole_frames(bench, frames)
     for gap in (0.0, 0.4):
         await check(bench, elements, last, gap, pause=pauses(bench, last, closest=True))
-    bench.finish(at_least=400)
+    bench.finish(at_least=100)
 
 
 @cocotb.test()
@@ -116,18 +116,18 @@ async def wrong_lengths(dut):
     """Frames too short and too long among good ones."""
     bench = Bench(dut)
     for gap in (0.0, 0.4):
-        last = random_lengths(bench.rng, bench.twin.input_controller.inputs, 1500)
+        last = random_lengths(bench.rng, bench.twin.input_controller.inputs, 500)
         elements = random_elements(bench, len(last))
         _, _, frames = await check(bench, elements, last, gap, pause=pauses(bench, last))
         assert frames.error.any(), "no wrong frame was driven"
-    bench.finish(at_least=200)
+    bench.finish(at_least=20)
 
 
 @cocotb.test()
 async def resets_in_mid_frame(dut):
     """Resets at random clocks among frames of all lengths."""
     bench = Bench(dut)
-    last = random_lengths(bench.rng, bench.twin.input_controller.inputs, 2500)
+    last = random_lengths(bench.rng, bench.twin.input_controller.inputs, 800)
     every = 2 * (bench.twin.input_controller.inputs + bench.latency)
     await check(
         bench,
@@ -137,7 +137,7 @@ async def resets_in_mid_frame(dut):
         resets=lambda length: random_resets(bench.rng, length, every),
         pause=pauses(bench, last),
     )
-    bench.finish(at_least=100)
+    bench.finish(at_least=10)
 
 
 @cocotb.test()

@@ -1,7 +1,7 @@
 """multiple, networks side by side, against its twin.
 
 Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one
-sensor alone); frames that drive each hidden sum to its ends; 400 random frames; frames too short
+sensor alone); frames that drive each hidden sum to its ends; 100 random frames; frames too short
 and too long among good ones.
 Drives: as close as the design takes frames, with random gaps, closer than it takes them, with
 resets in mid-frame, and with one reset at each clock of a frame.
