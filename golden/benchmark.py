@@ -14,6 +14,7 @@ import time
 import numpy as np
 
 from golden.cli import run
+from golden.networks.arrangement import process_real
 from golden.precision import SIGNAL
 from golden.scene import load_scene
 
@@ -39,9 +40,11 @@ def main() -> None:
     bit_true = len(frames) / (time.perf_counter() - started)
     grown = _peak_megabytes() - before - results.nbytes / 2**20
 
+    mlps, activation = scene.mlps(), scene.scheme.real
     started = time.perf_counter()
     for start in range(0, len(frames), FLOAT_CHUNK):
-        scene.process_real(SIGNAL.to_real(frames[start : start + FLOAT_CHUNK]))
+        samples = SIGNAL.to_real(frames[start : start + FLOAT_CHUNK])
+        process_real(scene.arrangement, mlps, samples, activation)
     real = len(frames) / (time.perf_counter() - started)
 
     print(
