@@ -65,7 +65,7 @@ clean:
 # installed; elsewhere the command to run is printed.
 tools:
 	@missing=; \
-	command -v ghdl >/dev/null || missing="$$missing ghdl"; \
+	command -v ghdl >/dev/null || missing="$$missing ghdl-llvm"; \
 	command -v iverilog >/dev/null || missing="$$missing iverilog"; \
 	$(call install,$$missing)
 

@@ -8,6 +8,9 @@ from golden.activation.activation_block import ActivationBlock
 from golden.networks.network import Network
 from hdl.common.lookup import hardware
 from hdl.common.signals import fixed, flag, reset
+from hdl.quick_inspect import install
+
+install()
 
 
 def elaborate(spec: Network) -> _Block:

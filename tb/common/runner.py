@@ -17,7 +17,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from golden.block import walk
+from golden.block import Block, walk
 from golden.cli import CommandError
 from golden.scene import FOLDER, Scene, load_scene, scene_names
 from golden.table import suggest
@@ -39,6 +39,7 @@ class Job:
     block: str
     area: str
     latency: int
+    files: tuple[str, ...]
     simulator: str
     seed: int = SEED
     waves: bool = False
@@ -112,10 +113,14 @@ def plan(
     if block is not None:
         _check_block(scene, block)
     jobs = []
+    parts = {part.entity: part for part in walk(scene.design())}
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        list(pool.map(lambda name: export(scene, language(name), build), simulators))
     for simulator in simulators:
         tongue = language(simulator)
-        export(scene, tongue, build)
-        manifest = json.loads((build / scene.name / tongue / MANIFEST).read_text())
+        folder = build / scene.name / tongue
+        manifest = json.loads((folder / MANIFEST).read_text())
+        order = (folder / ORDER).read_text().split()
         jobs += [
             Job(
                 scene,
@@ -123,6 +128,7 @@ def plan(
                 entry["block"],
                 entry["area"],
                 entry["latency"],
+                _needed(order, manifest, parts[entry["entity"]]),
                 simulator,
                 seed,
                 waves,
@@ -133,6 +139,13 @@ def plan(
         ]
     # The largest first, so that the last one to finish is a small one.
     return jobs[::-1]
+
+
+def _needed(order: list[str], manifest: list[dict], part: Block) -> tuple[str, ...]:
+    """The files of ``part`` and of what it contains, in compile order, with the package."""
+    entities = {block.entity for block in walk(part)}
+    others = {entry["file"] for entry in manifest if entry["entity"] not in entities}
+    return tuple(name for name in order if name not in others)
 
 
 def _check_block(scene: Scene, block: str) -> None:
@@ -156,7 +169,7 @@ def run_job(job: Job) -> Outcome:
     shutil.rmtree(job.folder, ignore_errors=True)
     job.folder.mkdir(parents=True)
     result = job.folder / "compared.jsonl"
-    sources = [str(job.hdl_folder / name) for name in (job.hdl_folder / ORDER).read_text().split()]
+    sources = [str(job.hdl_folder / name) for name in job.files]
     rerun = f"make sim BLOCK={job.block} SIM={job.simulator} SCENE={_scene_argument(job.scene)}"
     configuration = {
         "scene": str(job.scene.path.resolve()),
@@ -184,6 +197,8 @@ def run_job(job: Job) -> Outcome:
         # One thread: two simulations share two cores.
         "OPENBLAS_NUM_THREADS": "1",
     }
+    # Twice as fast as GHDL's default; where it is not installed, Debian's ghdl takes what is.
+    environment.setdefault("GHDL_BACKEND", "llvm")
     started = time.perf_counter()
     with (job.folder / "log.txt").open("w") as log:
         code = subprocess.run(

@@ -9,7 +9,7 @@ from golden.cli import CommandError
 from golden.table import suggest
 
 # Simulator name to (program, Debian package, language).
-SIMULATORS = {"ghdl": ("ghdl", "ghdl", "vhdl"), "icarus": ("iverilog", "iverilog", "verilog")}
+SIMULATORS = {"ghdl": ("ghdl", "ghdl-llvm", "vhdl"), "icarus": ("iverilog", "iverilog", "verilog")}
 
 
 def check_simulator(name: str) -> None:

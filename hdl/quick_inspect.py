@@ -1,0 +1,49 @@
+"""MyHDL's look at its callers and their source, without reading the same files again and again.
+
+MyHDL 0.11 asks for the call stack with its source lines at every instance, and for the source of a
+generator as often as it is instantiated: most of the time of an export.
+"""
+
+from __future__ import annotations
+
+import inspect
+import sys
+from functools import cache
+from types import SimpleNamespace
+
+from myhdl import _block, _instance, _util
+
+
+def _once(function):
+    """``function`` of a Python function, worked out once for all closures of its code."""
+    answers = {}
+
+    def remembered(subject):
+        code = inspect.unwrap(subject).__code__
+        if code not in answers:
+            answers[code] = function(subject)
+        return answers[code]
+
+    return remembered
+
+
+def _stack():
+    """The frames of the callers and the names of their functions, where ``inspect.stack`` has them."""
+    records = []
+    frame = sys._getframe(1)
+    while frame is not None:
+        code = frame.f_code
+        records.append((frame, code.co_filename, frame.f_lineno, code.co_name))
+        frame = frame.f_back
+    return records
+
+
+def install() -> None:
+    """Replace the module ``inspect`` in those parts of MyHDL that ask too much of it."""
+    quick = SimpleNamespace(**vars(inspect))
+    quick.stack = _stack
+    for name in ("getsource", "getsourcefile", "getsourcelines"):
+        setattr(quick, name, _once(getattr(inspect, name)))
+    for module in (_block, _instance, _util):
+        module.inspect = quick
+    _util._dedent = cache(_util._dedent)
