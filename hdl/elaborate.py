@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from inspect import Parameter, signature
+
 from myhdl import ResetSignal
 from myhdl._block import _Block
 
@@ -13,19 +15,17 @@ from hdl.common.signals import fixed, flag
 
 
 def elaborate(spec: Network) -> _Block:
-    """The network of ``spec`` with fresh signals on its ports."""
-    return hardware(spec)(
-        flag(),
-        ResetSignal(0, active=1, isasync=False),
-        flag(),
-        fixed(SIGNAL),
-        flag(),
-        flag(),
-        fixed(SIGNAL),
-        flag(),
-        flag(),
-        spec=spec,
-    )
+    """The network of ``spec`` with fresh signals on the ports that its block has."""
+    ports = signature(hardware(spec)).parameters.values()
+    names = [port.name for port in ports if port.kind is Parameter.POSITIONAL_OR_KEYWORD]
+    return hardware(spec)(*(_port(name) for name in names), spec=spec)
+
+
+def _port(name: str):
+    """A port of a network by its name: clock and flags are bits, data are signals."""
+    if name == "rst":
+        return ResetSignal(0, active=1, isasync=False)
+    return fixed(SIGNAL) if name.endswith(("_data", "_x", "_y")) else flag()
 
 
 def elaborate_activation(spec: ActivationBlock) -> _Block:

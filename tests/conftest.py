@@ -20,7 +20,7 @@ file = "{name}.csv"
 sensors = {sensors}
 outputs = {outputs}
 group_by = "y0"
-
+{lengths}
 [network]
 arrangement = "{arrangement}"
 hidden = {hidden}
@@ -31,7 +31,7 @@ design = "hybrid"
 activation = "{activation}"
 activation_options = {options}
 precision = "{precision}"
-
+{visualisation}
 [training]
 restarts = 2
 steps = 20
@@ -40,6 +40,16 @@ steps = 20
 
 # For benches: a few steps that diverge near the gate, so that the regression saturates.
 OPTIONS = {"pade": "{ rho = 1.5, iterations = 3 }"}
+LENGTHS = """full_scale = { y1 = 0.9, y2 = 0.9 }
+length_mm = { y1 = 127.0, y2 = 50.8 }
+"""
+VISUALISATION = """
+[visualisation]
+load = "y0"
+position = "y1"
+width = "y2"
+shape = "y3"
+"""
 
 
 def random_mlp(shape: tuple[int, int, int], spread: float, seed: int) -> Mlp:
@@ -63,8 +73,12 @@ def write_scene(
     activation: str = "gradient",
     options: str | None = None,
     rows: int = 12,
+    visualisation: str = "",
 ) -> Path:
-    """A scene with random vectors and the given networks; returns its TOML file."""
+    """A scene with random vectors and the given networks; returns its TOML file.
+
+    ``visualisation`` is that section; its position is y1 and its width is y2.
+    """
     inputs = mlps[0].shape[0]
     outputs = sum(mlp.shape[2] for mlp in mlps)
     sensors = [f"x{k}" for k in range(inputs)]
@@ -87,6 +101,8 @@ def write_scene(
         precision=precision,
         activation=activation,
         options=OPTIONS.get(activation, "{}") if options is None else options,
+        lengths=LENGTHS if visualisation else "",
+        visualisation=visualisation,
     )
     path = folder / f"{name}.toml"
     path.write_text(text.replace("'", '"'))
@@ -111,6 +127,7 @@ class Case:
     options: str | None = None
     arrangement: str = "single"
     seed: int = 7
+    visualisation: str = ""
 
     def networks(self) -> list[Mlp]:
         mlps = [
@@ -130,6 +147,7 @@ class Case:
             self.arrangement,
             self.activation,
             self.options,
+            visualisation=self.visualisation,
         )
         return load_scene(str(path))
 
@@ -137,6 +155,15 @@ class Case:
 FOLDED = ("hybrid", "input_controller", "output_controller", "output_integral")
 CASCADE = ("cascade", "stream_multiplexer", "output_collector")
 MULTIPLE = ("multiple", "output_collector")
+PROFILE = (
+    "instrument",
+    "load_profile",
+    "ramp",
+    "divider",
+    "power_fold",
+    "exp_memory",
+    "exp_interpolator",
+)
 GRADIENT = Case(("gradient", *FOLDED), [(1, 1, 1)], "precise")
 PRECISE = Case(("precise", "hybrid"), [(2, 3, 2)], "precise", activation="precise")
 BLOCK_RAM = '{ coefficients = "block_ram" }'
@@ -158,6 +185,20 @@ def scheme_cases() -> dict[str, Case]:
         for precision in PRECISIONS
     }
 
+
+# Outputs in another order, one of which is not drawn; a ramp that starts below 0; a gain that is no
+# whole number and takes every bit of the divider.
+OTHER_PROFILE = """
+[visualisation]
+load = "y4"
+position = "y2"
+width = "y1"
+shape = "y0"
+start = -1.0
+stop = 0.95
+step = 0.15
+shape_threshold = -0.25
+"""
 
 # Least shapes, more outputs than inputs (the spacing counter), one output, odd adder trees, Q_j of
 # several hundred; each activation with few and with all of its segments; networks whose depth
@@ -184,6 +225,10 @@ CASES = scheme_cases() | {
     "least-multiple": Case(MULTIPLE, [(1, 2, 1), (1, 1, 1)], "thesis", arrangement="multiple"),
     "wide-multiple": Case(
         MULTIPLE, [(2, 9, 1), (2, 1, 1), (2, 4, 1)], "precise", arrangement="multiple"
+    ),
+    "profile": Case(PROFILE, [(4, 3, 4)], "precise", visualisation=VISUALISATION),
+    "other-profile": Case(
+        ("instrument", "ramp", "divider"), [(2, 3, 5)], "precise", visualisation=OTHER_PROFILE
     ),
 }
 

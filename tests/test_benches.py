@@ -86,3 +86,6 @@ def test_the_cases_differ_as_meant(tmp_path: Path) -> None:
             (activation,) = designs[name].activations
             assert bool(activation.left_out()) == name.endswith("short"), name
     assert designs["pade-precise"].input_controller.spacing == 3
+    assert designs["profile"].load_profile.divider.gain_frac == 0
+    assert designs["other-profile"].load_profile.divider.gain_frac == 15
+    assert designs["other-profile"].load_profile.ramp.start < 0

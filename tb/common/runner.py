@@ -38,7 +38,6 @@ class Job:
     entity: str
     block: str
     area: str
-    latency: int
     simulator: str
     seed: int = SEED
     waves: bool = False
@@ -122,7 +121,6 @@ def plan(
                 entry["entity"],
                 entry["block"],
                 entry["area"],
-                entry["latency"],
                 simulator,
                 seed,
                 waves,
@@ -157,11 +155,12 @@ def run_job(job: Job) -> Outcome:
     job.folder.mkdir(parents=True)
     result = job.folder / "compared.jsonl"
     sources = [str(job.hdl_folder / name) for name in (job.hdl_folder / ORDER).read_text().split()]
+    manifest = json.loads((job.hdl_folder / MANIFEST).read_text())
     rerun = f"make sim BLOCK={job.block} SIM={job.simulator} SCENE={_scene_argument(job.scene)}"
     configuration = {
         "scene": str(job.scene.path.resolve()),
         "entity": job.entity,
-        "latency": job.latency,
+        "latencies": {entry["entity"]: entry["latency"] for entry in manifest},
         "result": str(result),
         "rerun": f"{rerun} SEED={job.seed}",
     }
