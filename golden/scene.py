@@ -19,12 +19,11 @@ from golden.fixed import Codes
 from golden.instruments.instrument import Instrument
 from golden.network_file import load_network
 from golden.networks.arrangement import ARRANGEMENTS, arrange, process_real
-from golden.networks.build import build_hybrid
-from golden.networks.hybrid import Hybrid
+from golden.networks.build import DESIGNS
 from golden.networks.mlp import Mlp, Real
 from golden.networks.network import Network
 from golden.precision import PRECISIONS, SIGNAL, Precision
-from golden.table import read_table, suggest
+from golden.table import read_table, rows_where, suggest
 from golden.visualisation.section import KEYS as VISUALISATION_KEYS
 from golden.visualisation.section import Visualisation, visualisation
 
@@ -38,6 +37,7 @@ _KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
         "sensors": (list, None),
         "outputs": (list, None),
         "group_by": (str, None),
+        "where": (dict, {}),
         "full_scale": (dict, {}),
         "length_mm": (dict, {}),
         "reference": (str, ""),
@@ -70,7 +70,7 @@ _KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
 _OPTIONAL = ("visualisation",)
 _CHOICES = {
     ("network", "arrangement"): ARRANGEMENTS,
-    ("hardware", "design"): ("hybrid",),
+    ("hardware", "design"): tuple(DESIGNS),
     ("hardware", "activation"): tuple(SCHEMES),
     ("hardware", "precision"): tuple(PRECISIONS),
     ("training", "optimiser"): ("levenberg-marquardt", "scg"),
@@ -140,6 +140,8 @@ class Scene:
         Columns of the recorded vectors.
     group_by : str
         Column of the positions over which equation 3.15 averages.
+    where : dict
+        Columns and the values that they have in the rows that are used.
     full_scale : dict
         Outputs whose error is divided by this constant instead of by the target.
     length_mm : dict
@@ -149,6 +151,8 @@ class Scene:
     arrangement : str
     members : tuple of Member
         The networks, in the order of the outputs.
+    form : str
+        The hardware's design, a name of ``DESIGNS``.
     activation : str
     activation_options : dict
         What the scene chooses of the activation's options.
@@ -165,11 +169,13 @@ class Scene:
     sensors: tuple[str, ...]
     outputs: tuple[str, ...]
     group_by: str
+    where: dict[str, float]
     full_scale: dict[str, float]
     length_mm: dict[str, float]
     reference: str
     arrangement: str
     members: tuple[Member, ...]
+    form: str
     activation: str
     activation_options: dict[str, Any]
     precision: Precision
@@ -183,6 +189,12 @@ class Scene:
         return [member.weights_path for member in self.members]
 
     @property
+    def activation_text(self) -> str:
+        """The activation as a reader names it, with the options that the scene chooses."""
+        options = ", ".join(f"{name} = {value}" for name, value in self.activation_options.items())
+        return f"{self.activation} ({options})" if options else self.activation
+
+    @property
     def scheme(self) -> Scheme:
         """The activation with the scene's options."""
         return SCHEMES[self.activation].configured(self.activation_options)
@@ -193,11 +205,12 @@ class Scene:
         Raises
         ------
         FileNotFoundError, ValueError
-            See ``read_table``; also for a target outside -1 to 1, or a target of 0 where the
-            error is relative to the target.
+            See ``read_table`` and ``rows_where``; also for a target outside -1 to 1, or a target
+            of 0 where the error is relative to the target.
         """
         columns = [*self.sensors, *self.outputs, self.group_by]
-        table = read_table(self.data_path, columns)
+        kept = rows_where(self.data_path, self.where)
+        table = read_table(self.data_path, columns)[kept]
         inputs = table[:, : len(self.sensors)]
         targets = table[:, len(self.sensors) : -1]
         beyond = np.argwhere(np.abs(targets) > 1)
@@ -205,7 +218,7 @@ class Scene:
             row, c = beyond[0]
             raise ValueError(
                 f"{self.data_path}: column {self.outputs[c]!r}: got a target of {targets[row, c]:g}"
-                f" in row {row + 1}, expected -1 to 1, the range of {SIGNAL}"
+                f" in row {kept[row] + 1}, expected -1 to 1, the range of {SIGNAL}"
             )
         for c, name in enumerate(self.outputs):
             if name not in self.full_scale and (targets[:, c] == 0).any():
@@ -230,10 +243,10 @@ class Scene:
         """Outputs of the trained networks with this scene's activation in floating point."""
         return process_real(self.arrangement, self.mlps(), samples, self.scheme.real)
 
-    def build(self, mlp: Mlp, variant: str = "") -> Hybrid:
+    def build(self, mlp: Mlp, variant: str = "") -> Network:
         """The bit-true network of ``mlp`` in this scene's hardware; see ``build_hybrid``."""
         options = self.activation_options
-        return build_hybrid(mlp, self.precision, self.activation, options, variant)
+        return DESIGNS[self.form].build(mlp, self.precision, self.activation, options, variant)
 
     def design(self) -> Network:
         """The bit-true twin of this scene's hardware."""
@@ -382,6 +395,15 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
                 raise ValueError(
                     f"{path}: data.{key}.{name}: got {scale!r}, expected a number above 0"
                 )
+    for name, value in data["where"].items():
+        if type(value) not in (int, float) or not math.isfinite(value):
+            raise ValueError(f"{path}: data.where.{name}: got {value!r}, expected a number")
+    possible = DESIGNS[hardware["design"]].arrangements
+    if network["arrangement"] not in possible:
+        raise ValueError(
+            f"{path}: network.arrangement: got {network['arrangement']!r} with design "
+            f"{hardware['design']!r}, expected {' or '.join(possible)}"
+        )
     members = _members(data, network, path)
     span = values["training"]["hidden"]
     if [type(n) for n in span] != [int, int] or not 1 <= span[0] <= span[1]:
@@ -403,7 +425,13 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
     precision = PRECISIONS[hardware["precision"]]
     activation = hardware["activation"] or precision.activation
     place = f"{path}: hardware.activation_options"
-    SCHEMES[activation].configured(hardware["activation_options"], place)
+    scheme = SCHEMES[activation].configured(hardware["activation_options"], place)
+    if precision not in scheme.precisions:
+        fitting = ", ".join(name for name, s in SCHEMES.items() if precision in s.precisions)
+        raise ValueError(
+            f"{path}: hardware.activation: got {activation!r} with precision {precision.name!r}, "
+            f"expected one of {fitting}"
+        )
     if data["reference"]:
         thesis_figures(data["reference"], len(data["outputs"]), path)
     return Scene(
@@ -413,18 +441,20 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
         sensors=tuple(data["sensors"]),
         outputs=tuple(data["outputs"]),
         group_by=data["group_by"],
+        where={name: float(value) for name, value in data["where"].items()},
         full_scale={name: float(s) for name, s in data["full_scale"].items()},
         length_mm={name: float(s) for name, s in data["length_mm"].items()},
         reference=data["reference"],
         arrangement=network["arrangement"],
         members=members,
+        form=hardware["design"],
         activation=activation,
         activation_options=hardware["activation_options"],
         precision=precision,
         clock_mhz=hardware["clock_mhz"],
         training=Training(**(values["training"] | {"hidden": (span[0], span[1])})),
         visualisation=(
-            visualisation(values["visualisation"], data, path)
+            visualisation(values["visualisation"], data, hardware["design"], path)
             if "visualisation" in values
             else None
         ),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import difflib
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -57,6 +57,22 @@ def read_table(path: Path, columns: Sequence[str]) -> NDArray[np.float64]:
         for c, at in enumerate(where):
             values[r, c] = _number(row[at], f"{path}:{line}: column {columns[c]!r}")
     return values
+
+
+def rows_where(path: Path, where: Mapping[str, float]) -> NDArray[np.intp]:
+    """Numbers, from 0, of the rows of a CSV file whose columns have the values of ``where``.
+
+    Raises
+    ------
+    FileNotFoundError, ValueError
+        See ``read_table``; also when there is no such row.
+    """
+    columns = list(where)
+    kept = (read_table(path, columns) == list(where.values())).all(axis=1)
+    if not kept.any():
+        wanted = ", ".join(f"{name} = {value:g}" for name, value in where.items())
+        raise ValueError(f"{path}: no row has {wanted}, expected one or more")
+    return np.flatnonzero(kept)
 
 
 def _number(text: str, place: str) -> float:

@@ -131,7 +131,7 @@ def report(scene: Scene, results: dict) -> str:
     clocks, interval = first["clocks_per_frame"], first["interval"]
     lines = [
         "",
-        f"scene {scene.name}: {scene.arrangement} {scene.describe()}, {scene.activation}, "
+        f"scene {scene.name}: {scene.arrangement} {scene.describe()}, {scene.activation_text}, "
         f"{scene.precision.name} precision",
         f"errors in % on {len(vectors.codes)} recorded frames; 'largest' is the largest mean over "
         "the positions;",

@@ -27,7 +27,7 @@ hidden = {hidden}
 weights = {weights}
 
 [hardware]
-design = "hybrid"
+design = "{design}"
 activation = "{activation}"
 activation_options = {options}
 precision = "{precision}"
@@ -73,6 +73,7 @@ def write_scene(
     activation: str = "gradient",
     options: str | None = None,
     rows: int = 12,
+    design: str = "hybrid",
     visualisation: str = "",
 ) -> Path:
     """A scene with random vectors and the given networks; returns its TOML file.
@@ -99,6 +100,7 @@ def write_scene(
         hidden=hidden[0] if len(mlps) == 1 else hidden,
         weights=f'"{name}.npz"' if len(mlps) == 1 else weights,
         precision=precision,
+        design=design,
         activation=activation,
         options=OPTIONS.get(activation, "{}") if options is None else options,
         lengths=LENGTHS if visualisation else "",
@@ -127,6 +129,7 @@ class Case:
     options: str | None = None
     arrangement: str = "single"
     seed: int = 7
+    design: str = "hybrid"
     visualisation: str = ""
 
     def networks(self) -> list[Mlp]:
@@ -147,6 +150,7 @@ class Case:
             self.arrangement,
             self.activation,
             self.options,
+            design=self.design,
             visualisation=self.visualisation,
         )
         return load_scene(str(path))
@@ -165,6 +169,7 @@ PROFILE = (
     "exp_interpolator",
 )
 GRADIENT = Case(("gradient", *FOLDED), [(1, 1, 1)], "precise")
+PARALLEL = Case(("parallel", "neuron"), [(2, 3, 2)], "thesis", design="parallel")
 PRECISE = Case(("precise", "hybrid"), [(2, 3, 2)], "precise", activation="precise")
 BLOCK_RAM = '{ coefficients = "block_ram" }'
 
@@ -218,6 +223,12 @@ CASES = scheme_cases() | {
     "logic-huge": replace(PRECISE, shapes=[(2, 2, 1)], spread=100.0),
     "block-ram": replace(PRECISE, options=BLOCK_RAM, spread=0.5),
     "block-ram-huge": replace(PRECISE, options=BLOCK_RAM, shapes=[(2, 2, 1)], spread=100.0),
+    "parallel": PARALLEL,
+    "least-parallel": replace(PARALLEL, shapes=[(1, 1, 1)], precision="precise"),
+    "wide-parallel": replace(PARALLEL, shapes=[(5, 4, 3)], precision="precise"),
+    "huge-parallel": replace(PARALLEL, shapes=[(4, 3, 2)], spread=100.0),
+    "pade-parallel": replace(PARALLEL, activation="pade"),
+    "precise-parallel": replace(PARALLEL, precision="precise", activation="precise"),
     "least-cascade": Case(CASCADE, [(1, 1, 1), (2, 2, 1)], "precise", arrangement="cascade"),
     "deep-cascade": Case(
         CASCADE, [(2, 1, 1), (3, 9, 1), (4, 2, 1), (5, 5, 1)], "thesis", arrangement="cascade"

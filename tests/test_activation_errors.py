@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from golden.activation import errors
-from golden.activation.errors import FACTORS, PLOTS, Row, measure, plot, table
-from golden.activation.schemes import SCHEMES
+from golden.activation.errors import FACTORS, PLOTS, Row, measure, plot, plot_file, table
+from golden.activation.schemes import forms
 
 ROOT = Path(__file__).parents[1]
 
@@ -30,22 +30,27 @@ def at_three(rows: list[Row], scheme: str, arithmetic: str, options: str = "") -
     )
 
 
-def test_every_scheme_is_measured(rows: list[Row]) -> None:
-    for name in SCHEMES:
-        for arithmetic in ("float", "thesis"):
-            found = {r.factor for r in rows if (r.scheme, r.arithmetic) == (name, arithmetic)}
-            assert found == set(FACTORS)
-        assert sum((r.scheme, r.options, r.arithmetic) == (name, "", "precise") for r in rows) == 1
+def test_every_form_is_measured_in_all_its_precisions(rows: list[Row]) -> None:
+    for name, scheme in forms().items():
+        expected = {
+            (arithmetic, factor)
+            for precision in scheme.precisions
+            for factor in (FACTORS if precision.normalise else (1,))
+            for arithmetic in ((precision.name, "float") if precision.normalise else ("precise",))
+        }
+        found = [(r.arithmetic, r.factor) for r in rows if (r.scheme, r.options) == (name, "")]
+        assert set(found) == expected
+        assert len(found) == len(expected)
 
 
 def test_which_reading_of_equation_4_32_is_the_thesis(rows: list[Row]) -> None:
     """Twice what equation 4.32 says comes nearer for every scheme of piecewise curves."""
     for name in ("gradient", "gradient_parallel", "polynomial", "lut"):
         row = at_three(rows, name, "float")
-        assert abs(row.mean_doubled - row.thesis) < 0.2 * row.thesis
-        assert abs(row.mean_printed - row.thesis) > 0.45 * row.thesis
+        assert abs(row.mean_percent_thesis - row.thesis) < 0.2 * row.thesis
+        assert abs(row.mean_percent - row.thesis) > 0.45 * row.thesis
     row = at_three(rows, "pade", "thesis", "rho = 4, iterations = 24")
-    assert row.mean_printed < row.mean_doubled < row.thesis == 0.09
+    assert row.mean_percent < row.mean_percent_thesis < row.thesis == 0.09
 
 
 def test_the_command_writes_what_it_measures(rows: list[Row], tmp_path: Path) -> None:
@@ -66,21 +71,24 @@ def test_the_command_writes_what_it_measures(rows: list[Row], tmp_path: Path) ->
     assert [Row(**record) for record in written["rows"]] == rows
     with (tmp_path / "build" / "activations" / "errors.csv").open() as handle:
         assert [r["scheme"] for r in csv.DictReader(handle)] == [r.scheme for r in rows]
-    assert {p.stem for p in (tmp_path / "plots").iterdir()} == set(SCHEMES)
+    assert {p.name for p in (tmp_path / "plots").iterdir()} == set(map(plot_file, forms()))
 
 
 def test_a_plot_is_the_same_on_every_run(tmp_path: Path) -> None:
     for name in ("first", "second"):
-        plot("lut", SCHEMES["lut"], tmp_path / f"{name}.svg")
+        plot("lut", forms()["lut"], tmp_path / f"{name}.svg")
     first = (tmp_path / "first.svg").read_bytes()
     assert first == (tmp_path / "second.svg").read_bytes()
     assert b"<dc:date>" not in first
 
 
 def test_every_datasheet_shows_its_plot() -> None:
-    for name in SCHEMES:
-        assert (PLOTS / f"{name}.svg").is_file()
-        assert f"](../activations/{name}.svg)" in (ROOT / f"docs/blocks/{name}.md").read_text()
+    for name, scheme in forms().items():
+        precision = scheme.precisions[0]
+        sheet = scheme.build(precision, 1, precision.hidden_fmt.high).block
+        assert (PLOTS / plot_file(name)).is_file()
+        text = (ROOT / "docs" / "blocks" / f"{sheet}.md").read_text()
+        assert f"](../activations/{plot_file(name)})" in text
 
 
 def test_the_page_shows_what_the_command_prints(rows: list[Row]) -> None:

@@ -77,6 +77,8 @@ def test_the_cases_differ_as_meant(tmp_path: Path) -> None:
     assert designs["wide"].input_controller.spacing == 5
     assert designs["least"].input_controller.spacing == 0
     assert designs["wide-multiple"].input_controller.spacing == 3
+    assert designs["pade-parallel"].interval == 3
+    assert designs["parallel"].interval == 1
     for form in ("logic", "block-ram"):
         few = max(a.words for a in designs[form].activations)
         assert few < designs[f"{form}-huge"].activations[0].words

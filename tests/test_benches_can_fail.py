@@ -35,7 +35,7 @@ FAULTS = [
     ("precise", r"gated_row0_row <= 0", "gated_row0_row <= top"),
     ("precise", r"row_adder1_rest \+ gated_row2_row", "row_adder1_rest"),
     ("precise", r"low \^ (\d+)", "low"),
-    ("precise", r"gradient - high", "gradient"),
+    ("precise", r"wide_gradient - wide_high", "wide_gradient"),
     ("precise", r"wide_distance - (\d+)", "wide_distance"),
     ("precise", r"negative_late <= \w+", "negative_late <= negative"),
     ("gradient_parallel", r"addr == 0", "addr <= 1"),
@@ -64,6 +64,14 @@ FAULTS = [
     ("output_integral", r"out_last <= [a-z]\w+", "out_last <= 0"),
     ("hybrid", r"\.capture\(capture\)", ".capture(accumulate)"),
     ("hybrid", r"\.in_r_1\(r_1\)", ".in_r_1(r_0)"),
+    ("neuron", r"(\w+_term) \+ (\w+_term)", r"\1 - \2"),
+    ("neuron", r"word <= (\S+);", "word <= 0;"),
+    ("neuron", r"wide \* (\d+)", r"wide * (\1 + 64)"),
+    ("neuron", r"scale0_product <= \S+ \* (\d+)", r"scale0_product <= \1"),
+    ("parallel", r"\.in_data_1\(in_data_1\)", ".in_data_1(in_data_0)"),
+    ("parallel", r"\.in_data_1\(r_1\)", ".in_data_1(r_0)"),
+    ("parallel", r"out_valid <= \w+", "out_valid <= q_valid"),
+    ("parallel", r"\.in_last\(in_valid\)", ".in_last(q_valid)"),
     ("stream_multiplexer", r"out_data <= held", "out_data <= result"),
     ("stream_multiplexer", r"\(count == (\d+)\)", r"(count == \1 + 1)"),
     ("output_collector", r"remaining == 1", "remaining == 2"),
@@ -100,16 +108,24 @@ def jobs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Job]:
     """One job per block under Icarus; the single networks' sums reach their rails."""
     folder = tmp_path_factory.mktemp("faults")
     single = [random_mlp((3, 4, 3), 20.0, 2)]
-    designs = [("single", activation, single) for activation in SCHEMES]
+    designs = [("single", activation, single, "hybrid") for activation in SCHEMES]
+    designs.append(("single", "gradient", single, "parallel"))
     cascade = [random_mlp((2 + i, 3, 1), 1.0, i) for i in range(3)]
     multiple = [random_mlp((2, 4 - i, 1), 1.0, i) for i in range(3)]
-    designs += [("cascade", "gradient", cascade), ("multiple", "gradient", multiple)]
+    designs += [("cascade", "gradient", cascade, "hybrid")]
+    designs += [("multiple", "gradient", multiple, "hybrid")]
     found: dict[str, Job] = {}
     paths = [
         write_scene(
-            folder, f"faulty-{arrangement}-{activation}", "precise", mlps, arrangement, activation
+            folder,
+            f"faulty-{arrangement}-{design}-{activation}",
+            "precise",
+            mlps,
+            arrangement,
+            activation,
+            design=design,
         )
-        for arrangement, activation, mlps in designs
+        for arrangement, activation, mlps, design in designs
     ]
     # A short ramp, because every fault costs all tests of its bench.
     section = f"{VISUALISATION}stop = 0.9\nstep = 0.3\n"

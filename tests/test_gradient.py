@@ -57,14 +57,6 @@ def test_the_parallel_form_gives_the_same_results(precision, factor: int) -> Non
         assert np.array_equal(one.process(codes), nine.process(codes))
 
 
-def test_thesis_reading_of_the_mean_error() -> None:
-    """Equation 4.32 at Q = 3: the thesis prints 0.40 %; twice the mean absolute error gives it."""
-    gradient = gradient_for(THESIS, 3, SIGNAL.high)
-    codes = every_code(THESIS)
-    error = SIGNAL.to_real(gradient.process(codes)) - np.tanh(3 * SIGNAL.to_real(codes))
-    assert 2 * 100 * np.abs(error).mean() == pytest.approx(0.40, abs=0.02)
-
-
 def test_a_code_outside_the_format_is_refused() -> None:
     gradient = gradient_for(THESIS, 3, SIGNAL.high)
     with pytest.raises(ValueError, match="got code 8192 at index"):

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from golden.fixed import Fix
 from golden.layers.input_controller import InputController
 from golden.layers.input_node import InputNode
+from golden.layers.neuron import Neuron
 from golden.layers.output_integral import OutputIntegral
 from golden.precision import PRECISE, SIGNAL
 
@@ -33,6 +34,26 @@ def test_node_is_the_rounded_exact_sum(pairs, bias, shift) -> None:
     expected = min(max(rounded, twin.out_fmt.low), twin.out_fmt.high)
     assert int(twin.process(np.array(x))) == expected
     assert abs(expected) <= twin.reach or expected == twin.out_fmt.low
+
+
+@given(
+    st.lists(st.tuples(codes, samples), min_size=1, max_size=6),
+    codes,
+    st.integers(0, 13),
+    st.none() | st.integers(1, 500),
+)
+def test_a_neuron_is_the_rounded_exact_sum_times_its_factor(pairs, bias, shift, factor) -> None:
+    weights, x = zip(*pairs, strict=True)
+    twin = Neuron(SIGNAL, COEFF, SIGNAL, shift, weights, bias, factor)
+    acc = (sum((w * v) >> shift for w, v in pairs) + (bias << twin.bias_shift)) * (factor or 1)
+    assert -(1 << (twin.scaled_width - 1)) <= acc < 1 << (twin.scaled_width - 1)
+    rounded = (acc + ((1 << twin.out_shift) >> 1)) >> twin.out_shift
+    assert int(twin.process(np.array(x))) == min(max(rounded, SIGNAL.low), SIGNAL.high)
+
+
+def test_a_factor_below_1_is_refused() -> None:
+    with pytest.raises(ValueError, match="neuron: got factor=0, expected 1 or more"):
+        Neuron(SIGNAL, COEFF, SIGNAL, 0, (1,), 0, 0)
 
 
 @given(st.lists(codes, min_size=1, max_size=5), codes, st.integers(0, 13))

@@ -18,7 +18,7 @@ from golden.errors import scene_errors
 from golden.figures.networks import scenes
 from golden.metrics import percent_errors, summarise
 from golden.networks.arrangement import arrange
-from golden.networks.build import build_hybrid
+from golden.networks.build import build_hybrid, build_parallel
 from golden.networks.mlp import Mlp
 from golden.precision import PRECISE, PRECISIONS, SIGNAL, THESIS, normalisation
 from golden.scene import FOLDER, Scene, load_scene, scene_names, thesis_figures
@@ -38,8 +38,10 @@ def bit_true(scene):
 
 @pytest.mark.parametrize("scene", scenes(), ids=lambda s: s.name)
 def test_no_worse_than_the_simulated_networks_of_the_thesis(scene: Scene) -> None:
-    figures = scene.reference or "digit.hybrid"
-    known = thesis_figures(figures, 4, scene.path)[: len(scene.outputs)]
+    if scene.reference:
+        known = thesis_figures(scene.reference, len(scene.outputs), scene.path)
+    else:
+        known = thesis_figures("digit.hybrid", 4, scene.path)[: len(scene.outputs)]
     assert (largest_means(scene, bit_true(scene)) <= known).all()
 
 
@@ -118,6 +120,48 @@ def test_networks_together_do_what_each_does_alone(arrangement: str) -> None:
         odd = build_hybrid(random_mlp(shape, 1.0, 1), PRECISE, "gradient")
         with pytest.raises(ValueError, match="got networks of"):
             replace(design, networks=(design.networks[0], odd))
+
+
+@pytest.mark.parametrize("precision", PRECISIONS.values(), ids=lambda p: p.name)
+def test_the_parallel_form_gives_the_same_results(precision) -> None:
+    frames = np.random.default_rng(1).integers(SIGNAL.low, SIGNAL.high + 1, (5000, 3))
+    for spread in (0.5, 3.0):
+        mlp = random_mlp((3, 4, 2), spread, 1)
+        folded, parallel = (
+            build(mlp, precision, "gradient") for build in (build_hybrid, build_parallel)
+        )
+        assert np.array_equal(parallel.process(frames), folded.process(frames))
+        assert parallel.activations == folded.activations
+
+
+@pytest.mark.parametrize(
+    ("field", "change", "message"),
+    [
+        ("activations", lambda parts: parts[1:], "got 4 hidden neurons, 3 activations and"),
+        ("hidden_neurons", lambda parts: parts[1:], "got 3 hidden neurons, 4 activations and"),
+        (
+            "hidden_neurons",
+            lambda parts: (replace(parts[0], weights=(1,)), *parts[1:]),
+            "got hidden neurons of unequal numbers of weights",
+        ),
+        (
+            "output_neurons",
+            lambda parts: (replace(parts[0], factor=None), *parts[1:]),
+            "got factors of some outputs, expected all or none",
+        ),
+    ],
+)
+def test_parallel_refuses_parts_that_do_not_fit(field: str, change, message: str) -> None:
+    design = build_parallel(random_mlp((3, 4, 2), 1.0, 1), THESIS, "gradient")
+    with pytest.raises(ValueError, match=f"parallel: {message}"):
+        replace(design, **{field: change(getattr(design, field))})
+
+
+@pytest.mark.parametrize("arrangement", ["multiple", "cascade"])
+def test_networks_together_are_folded(arrangement: str) -> None:
+    mlps = [random_mlp((3, 4, 1), 1.0, i) for i in range(2)]
+    with pytest.raises(ValueError, match=f"{arrangement}: got networks parallel, expected hybrid"):
+        arrange(arrangement, mlps, lambda m, v: build_parallel(m, PRECISE, "gradient", variant=v))
 
 
 def test_shapes_and_chunks_change_nothing() -> None:

@@ -13,7 +13,6 @@ from myhdl import ResetSignal, Simulation, StopSimulation, delay, instance
 
 from golden.activation.schemes import SCHEMES
 from golden.fixed import Fix, Overflow, Rounding, requantise
-from golden.precision import PRECISIONS
 from golden.scene import load_scene
 from hdl.common.delay import delay as delay_line
 from hdl.common.lookup import latency
@@ -88,8 +87,10 @@ def test_words_are_numbered_ports() -> None:
 
 
 @pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
-@pytest.mark.parametrize("precision", PRECISIONS)
-@pytest.mark.parametrize("activation", SCHEMES)
+@pytest.mark.parametrize(
+    ("activation", "precision"),
+    [(name, p.name) for name, scheme in SCHEMES.items() for p in scheme.precisions],
+)
 def test_the_network_simulated_in_myhdl_equals_its_twin(
     tmp_path: Path, activation: str, precision: str
 ) -> None:

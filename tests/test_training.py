@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from conftest import random_mlp
 
+from golden.activation.schemes import SCHEMES
 from golden.activation.segments import gradient_real
 from golden.metrics import percent_errors
 from golden.network_file import provenance_path, save_network
@@ -182,6 +183,20 @@ def test_a_candidate_depends_on_seed_and_numbers_alone(small_scene: Scene) -> No
     other = replace(small_scene, training=replace(small_scene.training, seed=9))
     assert not np.array_equal(first, weights(other, 5, 1))
     assert not np.array_equal(first, weights(small_scene, 5, 2))
+
+
+@pytest.mark.parametrize("activation", SCHEMES)
+def test_every_activation_can_be_trained(small_scene: Scene, activation: str) -> None:
+    """And the bit-true network is close to the one that training saw."""
+    scene = replace(small_scene, activation=activation)
+    vectors = scene.vectors()
+    mlp = train(scene, vectors, 5, 1)
+    results = SIGNAL.to_real(scene.build(mlp).process(vectors.codes))
+    exact = np.clip(mlp.process(vectors.inputs, scene.scheme.real), -1, SIGNAL.high / 8192)
+    # A q that falls on the other side of a border adds the scheme's step there, 0.03 at the most.
+    assert np.abs(results - exact).max() < 0.002 + 0.03 * np.abs(mlp.w2).sum(axis=1).max()
+    spread = np.abs(results - vectors.targets).mean()
+    assert spread < np.abs(vectors.targets - vectors.targets.mean(axis=0)).mean()
 
 
 def searched(scene: Scene, record: Path, workers: int = 1) -> list[Result]:

@@ -312,6 +312,7 @@ def test_a_scene_without_the_section_has_no_profile(tmp_path: Path) -> None:
             'load = "y0"\nshape_threshold = 1',
             "visualisation.shape_threshold: got 1.0",
         ),
+        ('"hybrid"', '"parallel"', "hardware.design: got 'parallel', expected hybrid, because"),
         (LENGTHS, "", r"data.length_mm: got none of 'y1', expected that of .* the position"),
         ("50.8", "0.001", "visualisation: load_profile: gain=254000, expected above 0"),
     ],

@@ -1,7 +1,7 @@
 """``python -m golden.activation.errors``: how far every activation is from tanh.
 
-Question: what does each scheme cost in accuracy, and what does its arithmetic add? Sweep: every
-input code in ``thesis`` precision for several Q, every code in ``precise``, and the same inputs in
+Question: what does each scheme cost in accuracy, and what does its arithmetic add? Sweep: in the
+precisions that it is made for every input code, of ``thesis`` for several Q, and the same inputs in
 floating point. Reference: numpy's tanh, and beside it what the thesis prints.
 """
 
@@ -26,10 +26,11 @@ from numpy.typing import NDArray
 
 from golden.activation.activation_block import ActivationBlock
 from golden.activation.pade import UnsettledWarning
-from golden.activation.schemes import SCHEMES, Scheme
+from golden.activation.schemes import Scheme, forms
 from golden.cli import run
 from golden.files import replace_file
 from golden.fingerprint import ROOT
+from golden.metrics import ACTIVATION_RANGE, activation_error
 from golden.precision import PRECISE, SIGNAL, THESIS, Precision
 
 FACTORS = (1, 3, 8, 32, 128, 512)
@@ -50,9 +51,9 @@ class Row:
         ``arithmetic`` is "float" or the name of a precision.
     factor : int
         Q.
-    mean_printed, mean_doubled : float, or None
-        Equation 4.32 in %, over |q| up to 3, with its factor 1/6 and with 1/3; None where the
-        codes do not reach 3.
+    mean_percent, mean_percent_thesis : float, or None
+        Equation 4.32 in both readings, see ``ActivationError``; None where the codes do not reach
+        its range.
     largest : float
         The largest error over every code, in units of 2**-13.
     thesis : float, or None
@@ -63,8 +64,8 @@ class Row:
     options: str
     arithmetic: str
     factor: int
-    mean_printed: float | None
-    mean_doubled: float | None
+    mean_percent: float | None
+    mean_percent_thesis: float | None
     largest: float
     thesis: float | None
 
@@ -78,8 +79,8 @@ def thesis_figure(name: str) -> float | None:
 
 
 def variants() -> Iterator[tuple[str, str, Scheme]]:
-    """Every scheme with its defaults and, where they differ, with the thesis' options."""
-    for name, scheme in SCHEMES.items():
+    """Every form of every scheme and, where they differ, the one with the thesis' options."""
+    for name, scheme in forms().items():
         yield name, "", scheme
         if name in THESIS_OPTIONS:
             text = ", ".join(f"{key} = {value:g}" for key, value in THESIS_OPTIONS[name].items())
@@ -97,7 +98,7 @@ def measure() -> list[Row]:
     """All rows, scheme by scheme."""
     rows = []
     for name, options, scheme in variants():
-        for precision in (THESIS, PRECISE):
+        for precision in scheme.precisions:
             codes = np.arange(precision.hidden_fmt.low, precision.hidden_fmt.high + 1)
             for factor in FACTORS if precision.normalise else (1,):
                 q = factor * precision.hidden_fmt.to_real(codes)
@@ -119,19 +120,17 @@ def _row(
     q: NDArray[np.float64],
     values: NDArray[np.float64],
 ) -> Row:
-    error = np.abs(values - np.tanh(q))
-    inside = np.abs(q) <= 3
-    # The codes are evenly spread, so the integral over -3 to 3 is 6 times their mean.
-    mean = 100 * float(error[inside].mean()) if np.abs(q).max() >= 3 else None
+    errors = values - np.tanh(q)
+    measured = activation_error(errors, q) if np.abs(q).max() >= ACTIVATION_RANGE else None
     compared = arithmetic != "precise" and factor == THESIS_FACTOR
     return Row(
         name,
         options,
         arithmetic,
         factor,
-        mean,
-        None if mean is None else 2 * mean,
-        8192 * float(error.max()),
+        measured.mean_percent if measured else None,
+        measured.mean_percent_thesis if measured else None,
+        8192 * float(np.abs(errors).max()),
         thesis_figure(name) if compared else None,
     )
 
@@ -153,8 +152,8 @@ def table(rows: list[Row]) -> list[str]:
         means = "".join(
             f"{'':{width}}" if value is None else f"{value:>{width}.{digits}f}"
             for value, width, digits in (
-                (chosen.mean_printed, 9, 3),
-                (chosen.mean_doubled, 7, 3),
+                (chosen.mean_percent, 9, 3),
+                (chosen.mean_percent_thesis, 7, 3),
                 (chosen.thesis, 8, 2),
             )
         )
@@ -165,7 +164,7 @@ def table(rows: list[Row]) -> list[str]:
         lines.append(f"{scheme:<19}{marked:<10}{arithmetic:<8}{means}{largest}".rstrip())
     lines += [
         "",
-        "precise has no Q: its largest error is over every code of Fix(18,14), |q| up to 8",
+        "precise precision has no Q: its largest error is over every code of Fix(18,14), |q| to 8",
     ]
     lines += [f"as thesis: {name} with {text}" for name, text, _ in variants() if text]
     return lines
@@ -191,6 +190,11 @@ def write(rows: list[Row], folder: Path) -> None:
         path.write_text(json.dumps({"versions": versions(), "rows": records}, indent=1) + "\n")
 
 
+def plot_file(name: str) -> str:
+    """The file of a form's plot."""
+    return f"{name.replace(' ', '_')}.svg"
+
+
 def plot(name: str, scheme: Scheme, path: Path) -> None:
     """Error over q as SVG, the same bytes on every run.
 
@@ -205,6 +209,8 @@ def plot(name: str, scheme: Scheme, path: Path) -> None:
             (THESIS, 8, 4, "tab:orange"),
             (PRECISE, 1, 64, "tab:blue"),
         ):
+            if precision not in scheme.precisions:
+                continue
             codes = np.arange(0, 5 * (1 << precision.hidden_fmt.frac) // factor + 1, step)
             q = factor * precision.hidden_fmt.to_real(codes)
             results = SIGNAL.to_real(built(scheme, precision, factor).process(codes))
@@ -228,8 +234,8 @@ def main() -> None:
     print("\n".join(table(rows)))
     folder = arguments.build / "activations"
     write(rows, folder)
-    for name, scheme in SCHEMES.items():
-        plot(name, scheme, arguments.plots / f"{name}.svg")
+    for name, scheme in forms().items():
+        plot(name, scheme, arguments.plots / plot_file(name))
     print(f"\nwrote {folder}/errors.csv and errors.json; plots in {arguments.plots}")
 
 

@@ -21,6 +21,7 @@ from golden.precision import SIGNAL, Precision
 # Thesis Table 4.2: upper bound of each quadratic, and a_n2, a_n1, a_n0.
 UPPER = (1.75, 3.5)
 COEFFICIENTS = ((-0.31247, 1.07571, -0.00139), (-0.02557, 0.16192, 0.74118))
+BEYOND = (0.0, 0.0, 1.0)
 
 
 def polynomial_real(q: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -38,7 +39,7 @@ def polynomial_real(q: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float
     real = np.asarray(q, dtype=np.float64)
     mag = np.abs(real)
     segment = np.searchsorted(UPPER, mag, side="right")
-    a2, a1, a0 = np.array([*COEFFICIENTS, (0.0, 0.0, 1.0)])[segment].T
+    a2, a1, a0 = (np.array(column)[segment] for column in zip(*COEFFICIENTS, BEYOND, strict=True))
     value = np.maximum((a2 * mag + a1) * mag + a0, 0)
     return np.where(real < 0, -value, value), 2 * a2 * mag + a1
 
@@ -186,7 +187,7 @@ class Polynomial(ActivationBlock):
         segment = self.comparator_bank.process(mag)
         beyond = segment == len(self.coeffs)
         row = np.minimum(segment, len(self.coeffs) - 1)
-        a2, a1, a0 = np.array(self.coeffs, dtype=np.int64)[row].T
+        a2, a1, a0 = (np.array(column)[row] for column in zip(*self.coeffs, strict=True))
         kept = cut(mag * mag, self.square_shift, self.rounding)
         square = kept & ((1 << self.square_width) - 1)
         total = (

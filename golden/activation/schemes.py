@@ -18,7 +18,7 @@ from golden.activation.precise import Precise
 from golden.activation.precise_table import FORMATS, curve_table
 from golden.activation.segments import gradient_real, segment_table
 from golden.networks.mlp import Activation, tanh
-from golden.precision import PRECISE, SIGNAL, Precision
+from golden.precision import PRECISE, PRECISIONS, SIGNAL, Precision
 from golden.table import suggest
 
 # Where the coefficients of ``precise`` stand by default.
@@ -138,11 +138,14 @@ class Scheme:
     options : mapping
         What a scene may choose, by name. ``build`` takes every option as a keyword and has the
         same default, ``real`` those that concern it.
+    precisions : tuple of Precision
+        Those that it is made for.
     """
 
     real: Activation
     build: Callable[[Precision, int, int], ActivationBlock]
     options: Mapping[str, Option] = field(default_factory=dict)
+    precisions: tuple[Precision, ...] = tuple(PRECISIONS.values())
 
     def configured(self, given: Mapping[str, object], place: str = "activation_options") -> Scheme:
         """This scheme with some of its options chosen; the others keep their defaults.
@@ -181,7 +184,12 @@ SCHEMES = {
         {"rho": Option(RHO, real=True), "iterations": Option(ITERATIONS, real=True)},
     ),
     "polynomial": Scheme(polynomial_real, polynomial_for),
-    "precise": Scheme(tanh, precise_for, {"coefficients": Option(COEFFICIENTS, tuple(FORMATS))}),
+    "precise": Scheme(
+        tanh,
+        precise_for,
+        {"coefficients": Option(COEFFICIENTS, tuple(FORMATS))},
+        precisions=(PRECISE,),
+    ),
 }
 
 

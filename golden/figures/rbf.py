@@ -13,7 +13,7 @@ from golden.figures.table import Cell, Table
 from golden.metrics import millimetres, percent_errors, summarise
 from golden.networks.mlp import Mlp, Real, tanh
 from golden.networks.operations import mlp_operations, rbf_operations, rbf_operations_drawn
-from golden.table import read_table
+from golden.table import read_table, rows_where
 from golden.training import levenberg_marquardt
 from golden.training.objective import Objective, Rows, pack, unpack
 from golden.training.rbf import train_rbf
@@ -53,9 +53,9 @@ class Network(Protocol):
 
 def recorded() -> tuple[Real, Real]:
     """Samples and targets of the narrow loads, 57 rows, loads coded as in section 3.8.1."""
-    table = read_table(DATA / "appendix2.csv", [*SENSORS, *OUTPUTS, "width"])
-    rows = table[table[:, -1] == LOAD_WIDTH]
-    targets = rows[:, len(SENSORS) : -1].copy()
+    path = DATA / "appendix2.csv"
+    rows = read_table(path, [*SENSORS, *OUTPUTS])[rows_where(path, {"width": LOAD_WIDTH})]
+    targets = rows[:, len(SENSORS) :].copy()
     targets[:, 0] *= LOAD_G / HEAVIEST_G
     return rows[:, : len(SENSORS)], targets
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from golden.figures import networks, rbf, visualisation
+from golden.figures import networks, parallel, rbf, visualisation
 from golden.figures.table import Table
 
 # By name, in the order printed; the name is that of the table.
 TABLES: dict[str, Callable[[int], Table]] = {
     "networks": networks.networks,
+    "parallel": parallel.parallel,
     "classes": rbf.classes,
     "operations": rbf.operations,
     "series": visualisation.series,

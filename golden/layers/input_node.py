@@ -4,76 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import ArrayLike
-
-from golden.fixed import Codes, Overflow, Rounding, requantise, signed_width
-from golden.layers.weighted_sum import WeightedSum
+from golden.layers.node_sum import NodeSum
 
 
 @dataclass(frozen=True)
-class InputNode(WeightedSum):
+class InputNode(NodeSum):
     """q = b + sum_k w_k x_k on one multiplier (thesis equation 5.1, Figure 5.9).
 
     Parameters
     ----------
-    in_fmt, coeff_fmt, out_fmt, product_shift
-        See ``WeightedSum``.
-    weights : tuple of int
-        Codes of ``coeff_fmt``, in the order in which the samples arrive.
-    bias : int
-        Code of ``coeff_fmt``; the accumulator starts from it.
-
-    Notes
-    -----
-    The sum is exact: ``acc_width`` holds the sum of the magnitudes of all terms, hence every
-    partial sum in any order. The result is rounded half up and saturated to ``out_fmt``; with no
-    bits to drop and an accumulator no wider than ``out_fmt`` both vanish.
+    in_fmt, coeff_fmt, out_fmt, product_shift, weights, bias
+        See ``NodeSum``; the samples arrive in the order of the weights, and the accumulator starts
+        from the bias.
     """
 
     block = "input_node"
-    weights: tuple[int, ...]
-    bias: int
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self.coeff_fmt.check(np.array([*self.weights, self.bias]), f"{self.entity} weights")
-
-    @property
-    def acc_bound(self) -> int:
-        """Largest magnitude that the accumulator can reach with samples anywhere in ``in_fmt``.
-
-        |floor(w x / 2**s)| is largest at the most negative sample, where it is exact.
-        """
-        terms = [abs(w * self.in_fmt.low) >> self.product_shift for w in self.weights]
-        return sum(terms) + abs(self.bias << self.bias_shift)
-
-    @property
-    def acc_width(self) -> int:
-        """Bits of the accumulator: no sum of any subset of the terms can leave it."""
-        positive = negative = 0
-        for term in [self.bias << self.bias_shift] + [
-            (w * x) >> self.product_shift
-            for w in self.weights
-            for x in ((self.in_fmt.low, self.in_fmt.high))
-        ]:
-            positive += max(term, 0)
-            negative += min(term, 0)
-        return signed_width((positive, negative))
-
-    @property
-    def reach(self) -> int:
-        """Largest magnitude code of the result."""
-        return min((self.acc_bound >> self.out_shift) + 1, self.out_fmt.high)
-
-    def process(self, frames: ArrayLike) -> Codes:
-        """Results in ``out_fmt``, shape (...), of frames of samples, shape (..., inputs).
-
-        Raises
-        ------
-        ValueError
-            For a wrong last axis or a code outside ``in_fmt``.
-        """
-        x = self.in_fmt.check(frames, "input_node frames", len(self.weights))
-        acc = self.sums(x, np.array([self.weights]), np.array([self.bias]))[..., 0]
-        return requantise(acc, self.out_shift, self.out_fmt, Rounding.ROUND, Overflow.SATURATE)

@@ -45,7 +45,7 @@ def process_real(
     return np.concatenate(results, axis=-1)
 
 
-def arrange(arrangement: str, mlps: Sequence[Mlp], build: Callable[[Mlp, str], Hybrid]) -> Network:
+def arrange(arrangement: str, mlps: Sequence[Mlp], build: Callable[[Mlp, str], Network]) -> Network:
     """The bit-true twin of all networks together; of one alone, that network's.
 
     Parameters
@@ -57,7 +57,10 @@ def arrange(arrangement: str, mlps: Sequence[Mlp], build: Callable[[Mlp, str], H
     """
     if len(mlps) == 1:
         return build(mlps[0], "")
-    networks = tuple(build(mlp, str(i)) for i, mlp in enumerate(mlps))
+    built = [build(mlp, str(i)) for i, mlp in enumerate(mlps)]
+    networks = tuple(network for network in built if isinstance(network, Hybrid))
+    if len(networks) < len(built):
+        raise ValueError(f"{arrangement}: got networks {built[0].block}, expected hybrid")
     if arrangement == "cascade":
         return Cascade(networks)
     # One result a clock leaves; a cascade's frames are longer than that in any case.

@@ -2,17 +2,83 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
+from golden.activation.activation_block import ActivationBlock
 from golden.activation.schemes import SCHEMES
+from golden.fixed import Codes, Fix
 from golden.layers.input_integral import InputIntegral
 from golden.layers.input_node import InputNode
+from golden.layers.neuron import Neuron
+from golden.layers.node_sum import NodeSum
 from golden.layers.output_integral import OutputIntegral
+from golden.networks.arrangement import ARRANGEMENTS
 from golden.networks.hybrid import Hybrid
-from golden.networks.mlp import Mlp
+from golden.networks.mlp import Mlp, Real
+from golden.networks.network import Network
+from golden.networks.parallel import Parallel
 from golden.precision import SIGNAL, Precision, normalisation
+
+
+@dataclass(frozen=True)
+class Layer:
+    """Codes of a layer's weights, shape (neurons, inputs), and biases, their format, and Q or Y."""
+
+    weights: tuple[tuple[int, ...], ...]
+    biases: tuple[int, ...]
+    fmt: Fix
+    factors: tuple[int, ...]
+
+
+def quantised(weights: Real, biases: Real, precision: Precision, name: str) -> Layer:
+    """A layer in the formats of a precision, normalised where it asks for that.
+
+    Raises
+    ------
+    ValueError
+        When the weights do not fit their format; the message begins with ``name``.
+    """
+    factors = (
+        normalisation(weights, biases)
+        if precision.normalise
+        else np.ones(len(biases), dtype=np.int64)
+    )
+    codes, bias_codes, fmt = precision.coefficients(
+        weights / factors[:, np.newaxis], biases / factors, name
+    )
+    return Layer(tuple(map(_plain, codes)), _plain(bias_codes), fmt, _plain(factors))
+
+
+def _plain(codes: Codes) -> tuple[int, ...]:
+    return tuple(int(code) for code in codes)
+
+
+def _refuse_wrapping(precision: Precision, widths: Iterable[tuple[str, int]]) -> None:
+    """The thesis' adders wrap, and a wrapped sum is a wrong sum."""
+    for name, width in widths:
+        if precision.normalise and width > SIGNAL.width:
+            raise ValueError(
+                f"{name}: its normalised sum needs {width} bits and would wrap in "
+                f"{SIGNAL.width}; weights that are nearly whole numbers do this, retrain or "
+                "use the precise precision"
+            )
+
+
+def _activations(
+    precision: Precision,
+    activation: str,
+    options: Mapping[str, object] | None,
+    factors: Sequence[int],
+    nodes: Sequence[NodeSum],
+) -> tuple[ActivationBlock, ...]:
+    """One for each hidden node, as small as its sum allows."""
+    scheme = SCHEMES[activation].configured(options or {})
+    return tuple(
+        scheme.build(precision, q, node.reach) for q, node in zip(factors, nodes, strict=True)
+    )
 
 
 def build_hybrid(
@@ -39,57 +105,97 @@ def build_hybrid(
     ------
     ValueError
         When weights do not fit their format, or when in ``thesis`` precision a normalised sum
-        could leave its 14 bits: the thesis' adders wrap, and a wrapped sum is a wrong sum.
+        could leave its 14 bits.
     """
-    _, hidden, outputs = mlp.shape
-    ones = np.ones(hidden, dtype=np.int64), np.ones(outputs, dtype=np.int64)
-    q_factors, y_factors = (
-        (normalisation(mlp.w1, mlp.b1), normalisation(mlp.w2, mlp.b2))
-        if precision.normalise
-        else ones
-    )
-    w1, b1, fmt1 = precision.coefficients(
-        mlp.w1 / q_factors[:, np.newaxis], mlp.b1 / q_factors, "layer 1 weights"
-    )
-    w2, b2, fmt2 = precision.coefficients(
-        mlp.w2 / y_factors[:, np.newaxis], mlp.b2 / y_factors, "layer 2 weights"
-    )
+    first = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights")
+    second = quantised(mlp.w2, mlp.b2, precision, "layer 2 weights")
     prefix = f"{variant}_" if variant else ""
     nodes = tuple(
         InputNode(
             SIGNAL,
-            fmt1,
+            first.fmt,
             precision.hidden_fmt,
             precision.product_shift,
-            tuple(int(w) for w in w1[j]),
-            int(b1[j]),
+            weights,
+            bias,
             variant=f"{prefix}{j}",
         )
-        for j in range(hidden)
+        for j, (weights, bias) in enumerate(zip(first.weights, first.biases, strict=True))
     )
     output = OutputIntegral(
         SIGNAL,
-        fmt2,
+        second.fmt,
         SIGNAL,
         precision.product_shift,
-        tuple(tuple(int(w) for w in row) for row in w2),
-        tuple(int(b) for b in b2),
-        tuple(int(y) for y in y_factors) if precision.normalise else None,
+        second.weights,
+        second.biases,
+        second.factors if precision.normalise else None,
         variant=variant,
     )
-    if precision.normalise:
-        for name, width in [(f"hidden node {j}", n.acc_width) for j, n in enumerate(nodes)] + [
-            ("output layer", output.acc_width)
-        ]:
-            if width > SIGNAL.width:
-                raise ValueError(
-                    f"{name}: its normalised sum needs {width} bits and would wrap in "
-                    f"{SIGNAL.width}; weights that are nearly whole numbers do this, retrain or "
-                    "use the precise precision"
-                )
-    scheme = SCHEMES[activation].configured(options or {})
-    activations = tuple(
-        scheme.build(precision, int(q), node.reach)
-        for q, node in zip(q_factors, nodes, strict=True)
+    _refuse_wrapping(
+        precision,
+        [(f"hidden node {j}", node.acc_width) for j, node in enumerate(nodes)]
+        + [("output layer", output.acc_width)],
     )
-    return Hybrid(InputIntegral(nodes, variant=variant), activations, output, variant=variant)
+    return Hybrid(
+        InputIntegral(nodes, variant=variant),
+        _activations(precision, activation, options, first.factors, nodes),
+        output,
+        variant=variant,
+    )
+
+
+def build_parallel(
+    mlp: Mlp,
+    precision: Precision,
+    activation: str,
+    options: Mapping[str, object] | None = None,
+    variant: str = "",
+) -> Parallel:
+    """The bit-true parallel network of ``mlp``; see ``build_hybrid``, whose results it has."""
+    first = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights")
+    second = quantised(mlp.w2, mlp.b2, precision, "layer 2 weights")
+    prefix = f"{variant}_" if variant else ""
+
+    def neurons(layer: Layer, out_fmt: Fix, symbol: str, scaled: bool) -> tuple[Neuron, ...]:
+        return tuple(
+            Neuron(
+                SIGNAL,
+                layer.fmt,
+                out_fmt,
+                precision.product_shift,
+                weights,
+                layer.biases[i],
+                layer.factors[i] if scaled else None,
+                variant=f"{prefix}{symbol}{i}",
+            )
+            for i, weights in enumerate(layer.weights)
+        )
+
+    hidden = neurons(first, precision.hidden_fmt, "q", scaled=False)
+    outputs = neurons(second, SIGNAL, "y", scaled=precision.normalise)
+    _refuse_wrapping(
+        precision,
+        [(f"hidden node {j}", neuron.acc_width) for j, neuron in enumerate(hidden)]
+        + [("output layer", neuron.acc_width) for neuron in outputs],
+    )
+    return Parallel(
+        hidden,
+        _activations(precision, activation, options, first.factors, hidden),
+        outputs,
+        variant=variant,
+    )
+
+
+@dataclass(frozen=True)
+class Design:
+    """A form of hardware that a scene can name: how it is built, and the arrangements it allows."""
+
+    build: Callable[[Mlp, Precision, str, Mapping[str, object] | None, str], Network]
+    arrangements: tuple[str, ...]
+
+
+DESIGNS = {
+    "hybrid": Design(build_hybrid, ARRANGEMENTS),
+    "parallel": Design(build_parallel, ("single",)),
+}

@@ -102,7 +102,7 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
                 "arrangement": scene.arrangement,
                 "outputs": ", ".join(member.outputs),
                 "precision": scene.precision.name,
-                "activation": scene.activation,
+                "activation": scene.activation_text,
                 "network": ":".join(str(n) for n in mlps[-1].shape),
                 "optimiser": settings.optimiser,
                 "earlier_outputs": settings.earlier_outputs if number else "none",

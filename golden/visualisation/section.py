@@ -37,7 +37,9 @@ class Visualisation:
     results: tuple[int, int, int, int]
 
 
-def visualisation(values: dict[str, Any], data: dict[str, Any], path: Path) -> Visualisation:
+def visualisation(
+    values: dict[str, Any], data: dict[str, Any], design: str, path: Path
+) -> Visualisation:
     """The section's values, types checked and defaults filled in, as blocks.
 
     Parameters
@@ -46,15 +48,23 @@ def visualisation(values: dict[str, Any], data: dict[str, Any], path: Path) -> V
         The keys of ``KEYS``.
     data : dict
         The checked section ``[data]``; the lengths of position and width set C.
+    design : str
+        Of the network: the profile takes a stream of outputs, which ``parallel`` has not.
     path : Path
         The scene's file, for messages.
 
     Raises
     ------
     ValueError
-        For an output that the scene has not or that is named twice, an output whose length in
-        millimetres is not known, a ramp or a threshold outside the format, or a C too large.
+        For a design without a stream, an output that the scene has not or that is named twice, an
+        output whose length in millimetres is not known, a ramp or a threshold outside the format,
+        or a C too large.
     """
+    if design == "parallel":
+        raise ValueError(
+            f"{path}: hardware.design: got {design!r}, expected hybrid, because the visualisation "
+            "takes a stream of outputs"
+        )
     outputs = data["outputs"]
     names = [values[key] for key in RESULTS]
     for key, name in zip(RESULTS, names, strict=True):

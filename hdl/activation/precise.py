@@ -103,6 +103,7 @@ def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
     curved = unsigned(top_width + curve_width)
     high = unsigned(top_width + curve_width - gradient_shift)
     low, flipped = unsigned(gradient_shift), unsigned(gradient_shift)
+    wide_gradient, wide_high, difference = (signed(gradient_width + 1) for _ in range(3))
     steep = unsigned(gradient_width)
     slope = unsigned(slope_width)
     wide_distance = signed(distance_width + 1)
@@ -158,7 +159,12 @@ def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
 
     @always_comb
     def subtract():
-        steep.next = gradient - high
+        # Signed: it may be negative between two deltas of a simulation, though in no clock.
+        difference.next = wide_gradient - wide_high
+
+    @always_comb
+    def crop():
+        steep.next = difference[gradient_width:]
 
     @always_comb
     def flip():
@@ -172,6 +178,8 @@ def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
     def widen():
         wide_distance.next = distance_late
         wide_intercept.next = intercept_late
+        wide_gradient.next = gradient
+        wide_high.next = high
 
     @always_comb
     def centre():
@@ -202,8 +210,8 @@ def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
     clocks = memory_clocks + _STAGES
     return (
         abs_unit(clk, rst, in_valid, in_data, mag_valid, mag, negative, spec=spec.abs_unit),
-        *(split, memory, cut_top, read, gates, adders, assemble, divide, subtract, flip, fill),
-        *(widen, centre, multiply, move, add, cut, keep),
+        *(split, memory, cut_top, read, gates, adders, assemble, divide, subtract, crop, flip),
+        *(fill, widen, centre, multiply, move, add, cut, keep),
         delay(clk, rst, mag_valid, sum_valid, clocks=clocks),
         delay(clk, None, negative, negative_late, clocks=clocks),
         sign_retriever(

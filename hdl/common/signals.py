@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from myhdl import Signal, intbv
+from myhdl import ResetSignal, Signal, intbv
 
 from golden.fixed import Fix
 
@@ -12,6 +12,11 @@ from golden.fixed import Fix
 def flag():
     """A single bit, cleared by reset."""
     return Signal(bool(0))
+
+
+def reset():
+    """The synchronous reset, active high."""
+    return ResetSignal(0, active=1, isasync=False)
 
 
 def signed(width: int):

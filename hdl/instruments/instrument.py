@@ -6,7 +6,7 @@ from golden.instruments.instrument import Instrument
 from golden.precision import SIGNAL
 from hdl.common.lookup import hardware, latency
 from hdl.common.signals import fixed, flag, unsigned
-from hdl.common.stream import catch_word, position
+from hdl.common.stream import catch_word, position, stream_ports
 from hdl.visualisation.load_profile import load_profile
 
 
@@ -95,3 +95,10 @@ def instrument(
 
 
 instrument.latency = lambda spec: latency(spec.network)
+instrument.ports = lambda spec: (
+    *stream_ports(spec.network),
+    flag(),
+    fixed(SIGNAL),
+    fixed(SIGNAL),
+    flag(),
+)

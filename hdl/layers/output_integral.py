@@ -4,6 +4,7 @@ from myhdl import always, always_comb, block
 
 from golden.fixed import Rounding
 from golden.layers.output_integral import OutputIntegral
+from hdl.common.adder_tree import adder_tree, tree_depth
 from hdl.common.delay import delay
 from hdl.common.requantise import requantise
 from hdl.common.rom import rom
@@ -49,40 +50,6 @@ def bias_term(clk, addr, term, *, biases, coeff_fmt, shift: int):
         term.next = moved
 
     return words, widen, move, keep
-
-
-@block
-def add_pair(clk, left, right, total):
-    """Registered sum of two terms."""
-
-    @always(clk.posedge)
-    def add():
-        total.next = left + right
-
-    return add
-
-
-@block
-def adder_tree(clk, terms, total, *, width: int):
-    """Sum of ``terms``, one register per level; no partial sum leaves ``width`` bits."""
-    level = list(terms)
-    adders = []
-    while len(level) > 1:
-        # A pair needs one bit more than its wider term, until the proved bound takes over.
-        wider = min(width, max(len(t) for t in level) + 1)
-        pairs = len(level) // 2
-        top = len(level) == 2
-        sums = [total] if top else [signed(wider) for _ in range((len(level) + 1) // 2)]
-        adders += [add_pair(clk, level[2 * p], level[2 * p + 1], sums[p]) for p in range(pairs)]
-        if len(level) % 2:
-            adders.append(delay(clk, None, level[-1], sums[-1], clocks=1))
-        level = sums
-    return adders
-
-
-def tree_depth(terms: int) -> int:
-    """Levels, hence clocks, of an adder tree."""
-    return (terms - 1).bit_length()
 
 
 @block

@@ -7,7 +7,7 @@ from golden.precision import SIGNAL
 from hdl.common.delay import delay
 from hdl.common.lookup import latency
 from hdl.common.signals import Words, fixed, flag, unsigned
-from hdl.common.stream import catch, window
+from hdl.common.stream import catch, stream_ports, window
 from hdl.layers.input_controller import input_controller
 from hdl.layers.output_collector import output_collector
 from hdl.networks.hybrid import hybrid
@@ -194,3 +194,4 @@ def cascade(
 cascade.latency = lambda spec: sum(
     latency(part) for part in (*spec.networks, *spec.multiplexers, spec.output_collector)
 )
+cascade.ports = stream_ports

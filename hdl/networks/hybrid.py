@@ -5,6 +5,7 @@ from myhdl import block
 from golden.networks.hybrid import Hybrid
 from hdl.common.lookup import hardware, latency
 from hdl.common.signals import Words, fixed, flag, unsigned
+from hdl.common.stream import stream_ports
 from hdl.layers.input_controller import input_controller
 from hdl.layers.input_integral import input_integral
 from hdl.layers.output_controller import output_controller
@@ -101,3 +102,4 @@ hybrid.latency = lambda spec: (
     + latency(spec.output_controller)
     + latency(spec.output_integral)
 )
+hybrid.ports = stream_ports

@@ -7,6 +7,7 @@ from golden.precision import SIGNAL
 from hdl.common.delay import delay
 from hdl.common.lookup import latency
 from hdl.common.signals import Words, fixed, flag
+from hdl.common.stream import stream_ports
 from hdl.layers.output_collector import output_collector
 from hdl.networks.hybrid import hybrid
 
@@ -95,3 +96,4 @@ def multiple(
 multiple.latency = lambda spec: (
     max(latency(network) for network in spec.networks) + latency(spec.output_collector)
 )
+multiple.ports = stream_ports

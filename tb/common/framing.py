@@ -18,16 +18,19 @@ def random_lengths(rng: np.random.Generator, inputs: int, samples: int) -> np.nd
     return np.array(last, dtype=np.int64)
 
 
-def scan(controller: InputController, recording: Recording) -> tuple[np.ndarray, FrameScan]:
+def scan(
+    controller: InputController, recording: Recording, last: str = "in_last"
+) -> tuple[np.ndarray, FrameScan]:
     """The clocks of all samples that no reset swallowed, and the twin's decision for each.
 
-    After a reset the twin starts afresh, as the hardware does.
+    ``last`` is the port that marks the last sample of a frame. After a reset the twin starts
+    afresh, as the hardware does.
     """
     rows = np.setdiff1d(recording.rows("in_valid"), recording.resets())
-    last = np.isin(rows, recording.rows("in_last"))
+    ends = np.isin(rows, recording.rows(last))
     since = np.searchsorted(recording.resets(), rows)
     parts = [
-        controller.process(last[since == epoch], rows[since == epoch]) for epoch in np.unique(since)
+        controller.process(ends[since == epoch], rows[since == epoch]) for epoch in np.unique(since)
     ]
     return rows, FrameScan(
         *(

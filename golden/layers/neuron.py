@@ -1,0 +1,41 @@
+"""A neuron that takes all of its samples at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from golden.fixed import Codes
+from golden.layers.node_sum import NodeSum
+
+
+@dataclass(frozen=True)
+class Neuron(NodeSum):
+    """(b + sum_k w_k x_k) Y, a multiplier for every weight (thesis section 5.2.1).
+
+    Parameters
+    ----------
+    in_fmt, coeff_fmt, out_fmt, product_shift, weights, bias
+        See ``NodeSum``.
+    factor : int, or None
+        De-normalisation Y_i of an output (equation 4.17); None leaves its multiplier out.
+
+    Notes
+    -----
+    Sum and product with the factor are exact; rounded half up and saturated to ``out_fmt``.
+    """
+
+    block = "neuron"
+    factor: int | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.factor is not None and self.factor < 1:
+            raise ValueError(f"{self.entity}: got factor={self.factor}, expected 1 or more")
+
+    @property
+    def scaled_width(self) -> int:
+        """Bits of the sum after the product with its factor."""
+        return self.acc_width + ((self.factor or 1) - 1).bit_length()
+
+    def scaled(self, acc: Codes) -> Codes:
+        return acc if self.factor is None else acc * self.factor

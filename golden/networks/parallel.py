@@ -1,0 +1,93 @@
+"""Parallel: a network of two layers, every multiplication at once."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+
+import numpy as np
+
+from golden.activation.activation_block import ActivationBlock
+from golden.block import Block
+from golden.fixed import Codes
+from golden.layers.input_controller import InputController
+from golden.layers.neuron import Neuron
+from golden.networks.network import Network
+
+
+@dataclass(frozen=True)
+class Parallel(Network):
+    """y = f2(activation(f1(x))), all samples of a frame in one clock (thesis section 5.2).
+
+    A multiplier for every weight of both layers, N M + M L of them, and one activation per hidden
+    node; all outputs leave in one clock.
+
+    Parameters
+    ----------
+    hidden_neurons : tuple of Neuron
+    activations : tuple of ActivationBlock
+        One per hidden node.
+    output_neurons : tuple of Neuron
+    """
+
+    block = "parallel"
+    hidden_neurons: tuple[Neuron, ...]
+    activations: tuple[ActivationBlock, ...]
+    output_neurons: tuple[Neuron, ...]
+
+    def __post_init__(self) -> None:
+        hidden = len(self.hidden_neurons)
+        taken = {len(neuron.weights) for neuron in self.output_neurons}
+        if not {hidden} == {len(self.activations)} == taken:
+            raise ValueError(
+                f"{self.entity}: got {hidden} hidden neurons, {len(self.activations)} activations "
+                f"and {sorted(taken)} weights per output, expected equal numbers"
+            )
+        if len({len(neuron.weights) for neuron in self.hidden_neurons}) != 1:
+            raise ValueError(f"{self.entity}: got hidden neurons of unequal numbers of weights")
+        # All outputs leave in one clock: with the factor's multiplier or without.
+        if len({neuron.factor is None for neuron in self.output_neurons}) != 1:
+            raise ValueError(f"{self.entity}: got factors of some outputs, expected all or none")
+
+    @property
+    def inputs(self) -> int:
+        return len(self.hidden_neurons[0].weights)
+
+    @property
+    def outputs(self) -> int:
+        return len(self.output_neurons)
+
+    @property
+    def interval(self) -> int:
+        return max(activation.interval for activation in self.activations)
+
+    @property
+    def input_controller(self) -> InputController:
+        """A frame is one element: it keeps frames as far apart as the activation needs."""
+        spacing = self.interval if self.interval > 1 else 0
+        return InputController(1, spacing, variant=self.variant)
+
+    def parts(self) -> tuple[Block, ...]:
+        return (
+            self.input_controller,
+            *self.hidden_neurons,
+            *self.activations,
+            *self.output_neurons,
+        )
+
+    def left_out(self) -> list[str]:
+        counts: Counter[str] = sum((a.left_out() for a in self.activations), Counter())
+        texts = [f"{count} {what}" for what, count in sorted(counts.items())]
+        if self.output_neurons[0].factor is None:
+            texts.append("the multipliers of the de-normalisation")
+        if not self.input_controller.spacing:
+            texts.append("the counter that keeps frames apart: one may come in every clock")
+        return texts
+
+    def compute(self, frames: Codes) -> Codes:
+        columns = [
+            activation.process(neuron.process(frames))
+            for neuron, activation in zip(self.hidden_neurons, self.activations, strict=True)
+        ]
+        r = np.stack(columns, axis=-1)
+        return np.stack([neuron.process(r) for neuron in self.output_neurons], axis=-1)

@@ -1,0 +1,40 @@
+"""Sums of many terms, a register per level."""
+
+from myhdl import always, block
+
+from hdl.common.delay import delay
+from hdl.common.signals import signed
+
+
+@block
+def add_pair(clk, left, right, total):
+    """Registered sum of two terms."""
+
+    @always(clk.posedge)
+    def add():
+        total.next = left + right
+
+    return add
+
+
+@block
+def adder_tree(clk, terms, total, *, width: int):
+    """Sum of ``terms``, one register per level; no partial sum leaves ``width`` bits."""
+    level = list(terms)
+    adders = []
+    while len(level) > 1:
+        # A pair needs one bit more than its wider term, until the proved bound takes over.
+        wider = min(width, max(len(t) for t in level) + 1)
+        pairs = len(level) // 2
+        top = len(level) == 2
+        sums = [total] if top else [signed(wider) for _ in range((len(level) + 1) // 2)]
+        adders += [add_pair(clk, level[2 * p], level[2 * p + 1], sums[p]) for p in range(pairs)]
+        if len(level) % 2:
+            adders.append(delay(clk, None, level[-1], sums[-1], clocks=1))
+        level = sums
+    return adders
+
+
+def tree_depth(terms: int) -> int:
+    """Levels, hence clocks, of an adder tree."""
+    return (terms - 1).bit_length()

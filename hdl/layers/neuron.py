@@ -1,0 +1,104 @@
+"""A neuron that takes all of its samples at once."""
+
+from myhdl import always, always_comb, block
+
+from golden.fixed import Rounding
+from golden.layers.neuron import Neuron
+from hdl.common.adder_tree import adder_tree, tree_depth
+from hdl.common.delay import delay
+from hdl.common.requantise import requantise
+from hdl.common.scale import scale
+from hdl.common.signals import fixed, signed
+
+
+@block
+def weigh(clk, data, term, *, weight: int, width: int, shift: int):
+    """``data`` times a constant of ``width`` bits one clock later, less ``shift`` bits."""
+    # VHDL converts a number to the width of the signal that it multiplies.
+    wide = signed(max(len(data), width))
+    product = signed(len(data) + width)
+
+    @always_comb
+    def widen():
+        wide.next = data
+
+    @always(clk.posedge)
+    def multiply():
+        product.next = wide * weight
+
+    @always_comb
+    def cut():
+        term.next = product >> shift
+
+    return widen, multiply, cut
+
+
+@block
+def constant(clk, term, *, value: int, width: int, shift: int):
+    """``value`` moved left by ``shift`` places; the register keeps it from being undriven."""
+    # Shifted as a signal: the shifted number may exceed the 2**30 up to which MyHDL converts a
+    # literal rightly.
+    word = signed(width + shift)
+
+    @always(clk.posedge)
+    def keep():
+        word.next = value
+
+    @always_comb
+    def move():
+        term.next = word << shift
+
+    return keep, move
+
+
+@block
+def neuron(clk, in_data, out_data, *, spec: Neuron):
+    """Bias plus weighted sum of a frame, times a factor (thesis section 5.2.1, Figures 5.1, 5.2).
+
+    Parameters
+    ----------
+    in_data : Words of signed ``spec.in_fmt``
+        The samples, ports ``in_data_0``, ``in_data_1``, ..., all in one clock.
+    out_data : signed ``spec.out_fmt``
+        The result.
+    spec : Neuron
+        Weights, bias, factor and formats; the twin states rounding and overflow.
+
+    Notes
+    -----
+    One multiplier per weight, and one for the factor where there is one. Latency: product 1 clock,
+    adder tree one per level, factor 1, rounding 1; one frame a clock. No reset: data alone.
+    """
+    coeff_width = spec.coeff_fmt.width
+    shift = spec.product_shift
+    term_width = spec.in_fmt.width + coeff_width - shift
+    terms = [signed(term_width) for _ in spec.weights]
+    bias = signed(coeff_width + spec.bias_shift)
+    total = signed(spec.acc_width)
+    result = fixed(spec.out_fmt)
+    products = [
+        weigh(clk, in_data[k], terms[k], weight=weight, width=coeff_width, shift=shift)
+        for k, weight in enumerate(spec.weights)
+    ]
+    offset = constant(clk, bias, value=spec.bias, width=coeff_width, shift=spec.bias_shift)
+    tree = adder_tree(clk, [*terms, bias], total, width=spec.acc_width)
+
+    scaling = []
+    exact = total
+    if spec.factor is not None:
+        product, exact = signed(spec.scaled_width), signed(spec.scaled_width)
+        scaling = [
+            scale(total, product, factor=spec.factor),
+            delay(clk, None, product, exact, clocks=1),
+        ]
+
+    finish = requantise(exact, result, shift=spec.out_shift, rounding=Rounding.ROUND)
+
+    @always(clk.posedge)
+    def keep():
+        out_data.next = result
+
+    return products, offset, tree, scaling, finish, keep
+
+
+neuron.latency = lambda spec: 2 + tree_depth(len(spec.weights) + 1) + (spec.factor is not None)

@@ -1,0 +1,99 @@
+"""Parallel: a network of two layers, every multiplication at once."""
+
+from myhdl import block
+
+from golden.networks.parallel import Parallel
+from golden.precision import SIGNAL
+from hdl.common.delay import connect, delay
+from hdl.common.lookup import hardware, latency
+from hdl.common.signals import Words, fixed, flag, reset, unsigned
+from hdl.layers.input_controller import input_controller
+from hdl.layers.neuron import neuron
+
+
+@block
+def late(clk, rst, data, data_late, *, clocks: int):
+    """``delay``, or a connection where there is nothing to wait for."""
+    return delay(clk, rst, data, data_late, clocks=clocks) if clocks else connect(data, data_late)
+
+
+@block
+def parallel(clk, rst, in_valid, in_data, out_valid, out_data, frame_error, *, spec: Parallel):
+    """A frame of samples in one clock, all outputs in another (thesis section 5.2).
+
+    Parameters
+    ----------
+    in_valid : bool
+        The samples of a frame stand on all ports of ``in_data``.
+    in_data : Words of signed Fix(14,13)
+        Ports ``in_data_0``, ``in_data_1``, ..., in the order of the sensors.
+    out_valid, out_data : bool, Words of signed Fix(14,13)
+        The outputs, ports ``out_data_0``, ``out_data_1``, ...
+    frame_error : bool
+        One clock long for each frame that comes less than ``spec.interval`` clocks after the last
+        good one; it yields no result. Always low where that is 1.
+    spec : Parallel
+
+    Notes
+    -----
+    Latency: ``parallel.latency(spec)`` clocks, a frame every ``spec.interval`` clocks. Reset clears
+    every flag and counter.
+    """
+    hidden = len(spec.activations)
+    in_fmt = spec.activations[0].in_fmt
+    controller = spec.input_controller
+    addr = unsigned(controller.addr_width)
+    preset, accumulate, capture, accepted, q_valid = (flag() for _ in range(5))
+    q = Words(hidden, lambda: fixed(in_fmt))
+    r = Words(hidden, lambda: fixed(SIGNAL))
+    r_valid = Words(hidden, flag)
+
+    # The latencies must agree: all activations answer in the same clock.
+    if len({latency(a) for a in spec.activations}) != 1:
+        raise ValueError(f"{spec.entity}: activations of different latency, expected one latency")
+
+    return (
+        # A frame is one element, which is the last of its frame.
+        input_controller(
+            clk,
+            rst,
+            in_valid,
+            in_valid,
+            addr,
+            preset,
+            accumulate,
+            capture,
+            accepted,
+            frame_error,
+            spec=controller,
+        ),
+        [neuron(clk, in_data, q[j], spec=part) for j, part in enumerate(spec.hidden_neurons)],
+        # A neuron has three stages at the least, as many as the controller.
+        late(
+            clk,
+            rst,
+            accepted,
+            q_valid,
+            clocks=latency(spec.hidden_neurons[0]) - latency(controller),
+        ),
+        [
+            hardware(activation)(clk, rst, q_valid, q[j], r_valid[j], r[j], spec=activation)
+            for j, activation in enumerate(spec.activations)
+        ],
+        [neuron(clk, r, out_data[i], spec=part) for i, part in enumerate(spec.output_neurons)],
+        delay(clk, rst, r_valid[0], out_valid, clocks=latency(spec.output_neurons[0])),
+    )
+
+
+parallel.latency = lambda spec: (
+    latency(spec.hidden_neurons[0]) + latency(spec.activations[0]) + latency(spec.output_neurons[0])
+)
+parallel.ports = lambda spec: (
+    flag(),
+    reset(),
+    flag(),
+    Words(spec.inputs, lambda: fixed(SIGNAL)),
+    flag(),
+    Words(spec.outputs, lambda: fixed(SIGNAL)),
+    flag(),
+)
