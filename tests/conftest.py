@@ -191,8 +191,8 @@ def scheme_cases() -> dict[str, Case]:
     }
 
 
-# Outputs in another order, one of which is not drawn; a ramp that starts below 0; a gain that is no
-# whole number and takes every bit of the divider.
+# Of a cascade, outputs in another order, one of which is not drawn; a ramp that starts below 0; a
+# gain that is no whole number.
 OTHER_PROFILE = """
 [visualisation]
 load = "y4"
@@ -239,7 +239,11 @@ CASES = scheme_cases() | {
     ),
     "profile": Case(PROFILE, [(4, 3, 4)], "precise", visualisation=VISUALISATION),
     "other-profile": Case(
-        ("instrument", "ramp", "divider"), [(2, 3, 5)], "precise", visualisation=OTHER_PROFILE
+        ("instrument", "ramp", "divider"),
+        [(2, 1, 1), (3, 2, 1), (4, 1, 1), (5, 2, 1), (6, 1, 1)],
+        "precise",
+        arrangement="cascade",
+        visualisation=OTHER_PROFILE,
     ),
 }
 

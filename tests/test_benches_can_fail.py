@@ -87,7 +87,7 @@ FAULTS = [
     ("divider", r"head >= divisor", "head > divisor"),
     ("divider", r"in_width == 0", "in_width == 1"),
     ("divider", r"&& \(!load\)", ""),
-    ("divider", r"trial\[14\]", "trial[13]"),
+    ("divider", r"remainder <= trial", "remainder <= shifted"),
     ("power_fold", r"(wide_product \+) (\d+)", r"\1 0"),
     ("power_fold", r"requantise\d_kept > (\d+)", "0"),
     ("power_fold", r"\(uses != 0\)", "1"),
