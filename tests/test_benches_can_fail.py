@@ -70,7 +70,7 @@ FAULTS = [
     ("neuron", r"scale0_product <= \S+ \* (\d+)", r"scale0_product <= \1"),
     ("parallel", r"\.in_data_1\(in_data_1\)", ".in_data_1(in_data_0)"),
     ("parallel", r"\.in_data_1\(r_1\)", ".in_data_1(r_0)"),
-    ("parallel", r"out_valid <= \w+", "out_valid <= q_valid"),
+    ("parallel", r"out_valid <= delay\w+", "out_valid <= q_valid"),
     ("parallel", r"\.in_last\(in_valid\)", ".in_last(q_valid)"),
     ("stream_multiplexer", r"out_data <= held", "out_data <= result"),
     ("stream_multiplexer", r"\(count == (\d+)\)", r"(count == \1 + 1)"),
@@ -108,24 +108,24 @@ def jobs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Job]:
     """One job per block under Icarus; the single networks' sums reach their rails."""
     folder = tmp_path_factory.mktemp("faults")
     single = [random_mlp((3, 4, 3), 20.0, 2)]
-    designs = [("single", activation, single, "hybrid") for activation in SCHEMES]
-    designs.append(("single", "gradient", single, "parallel"))
+    designs = [("single", activation, single, "hybrid", "precise") for activation in SCHEMES]
+    designs.append(("single", "gradient", single, "parallel", "thesis"))
     cascade = [random_mlp((2 + i, 3, 1), 1.0, i) for i in range(3)]
     multiple = [random_mlp((2, 4 - i, 1), 1.0, i) for i in range(3)]
-    designs += [("cascade", "gradient", cascade, "hybrid")]
-    designs += [("multiple", "gradient", multiple, "hybrid")]
+    designs += [("cascade", "gradient", cascade, "hybrid", "precise")]
+    designs += [("multiple", "gradient", multiple, "hybrid", "precise")]
     found: dict[str, Job] = {}
     paths = [
         write_scene(
             folder,
             f"faulty-{arrangement}-{design}-{activation}",
-            "precise",
+            precision,
             mlps,
             arrangement,
             activation,
             design=design,
         )
-        for arrangement, activation, mlps, design in designs
+        for arrangement, activation, mlps, design, precision in designs
     ]
     # A short ramp, because every fault costs all tests of its bench.
     section = f"{VISUALISATION}stop = 0.9\nstep = 0.3\n"

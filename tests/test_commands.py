@@ -112,17 +112,17 @@ def test_one_bench_by_its_command(tmp_path: Path) -> None:
 
 
 def test_the_benchmark_reports_a_ratio() -> None:
-    result = make("bench", "FRAMES=2000")
+    result = make("bench", "FRAMES=2000", "SCENE=digit-single")
     assert result.returncode == 0, result.stderr
     assert re.search(r"4:16:4 precise: 2000 frames, .* ratio \d+\.\d+; memory", result.stdout)
     assert "frames: got 0, expected 1 or more" in make("bench", "FRAMES=0").stderr
 
 
 def test_network_writes_the_form_it_is_asked_for(tmp_path: Path) -> None:
-    result = make("network", f"TO={tmp_path / 'net.onnx'}")
+    result = make("network", f"TO={tmp_path / 'net.onnx'}", "SCENE=digit-single")
     assert result.returncode == 0, result.stderr
     assert (tmp_path / "net.onnx").stat().st_size > 0
-    refused = make("network", f"TO={tmp_path / 'net.onx'}")
+    refused = make("network", f"TO={tmp_path / 'net.onx'}", "SCENE=digit-single")
     assert refused.returncode == 2
     assert "did you mean '.onnx'" in refused.stderr
     assert [p.name for p in tmp_path.iterdir()] == ["net.onnx"]

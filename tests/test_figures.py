@@ -73,7 +73,7 @@ def test_the_same_seed_gives_the_same_bytes(measured: tuple[Path, str], tmp_path
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["clases"], "error: TABLE=clases: no such table, expected one of classes, "),
+        (["clases"], "error: TABLE=clases: no such table, expected one of networks, "),
         (["clases"], "did you mean 'classes'?"),
         (["--seed", "-1", "series"], "error: SEED=-1: expected 0 or more"),
     ],

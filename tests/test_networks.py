@@ -59,10 +59,10 @@ def test_the_cascade_holds_on_rows_that_it_never_saw() -> None:
     assert max(error.mean for error in held_out) <= 1.0
 
 
-@pytest.mark.parametrize("name", [s.name for s in scenes() if s.precision is PRECISE])
+@pytest.mark.parametrize("name", [n for n in scene_names() if load_scene(n).precision is PRECISE])
 def test_precise_costs_next_to_nothing(name: str) -> None:
     """Against the same networks with the same activation in real arithmetic."""
-    scene = next(scene for scene in scenes() if scene.name == name)
+    scene = load_scene(name)
     real = scene.process_real(scene.vectors().inputs)
     assert (largest_means(scene, bit_true(scene)) <= 1.05 * largest_means(scene, real)).all()
 

@@ -13,6 +13,7 @@ from myhdl import ResetSignal, Simulation, StopSimulation, delay, instance
 
 from golden.activation.schemes import SCHEMES
 from golden.fixed import Fix, Overflow, Rounding, requantise
+from golden.precision import PRECISIONS
 from golden.scene import load_scene
 from hdl.common.delay import delay as delay_line
 from hdl.common.lookup import latency
@@ -20,6 +21,7 @@ from hdl.common.requantise import requantise as requantise_part
 from hdl.common.rom import rom
 from hdl.common.signals import Words, fixed, flag, signed, unsigned
 from hdl.networks.hybrid import hybrid
+from hdl.networks.parallel import parallel
 from tb.common.stimulus import corner_frames
 
 
@@ -127,3 +129,34 @@ def test_the_network_simulated_in_myhdl_equals_its_twin(
     settle(stimulus, network)
     results = design.process(codes).ravel().tolist()
     assert seen == [(r, i % 4 == 3) for i, r in enumerate(results)]
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_the_parallel_network_simulated_in_myhdl_equals_its_twin(
+    tmp_path: Path, precision: str
+) -> None:
+    mlp = random_mlp((3, 2, 2), 3.0, 7)
+    path = write_scene(tmp_path, "small", precision, [mlp], design="parallel")
+    scene = load_scene(str(path))
+    design = scene.design()
+    codes = np.concatenate([scene.vectors().codes, corner_frames(Fix(14, 13), 3)])
+    clk, rst, valid, data, out_valid, out_data, error = ports = parallel.ports(design)
+    seen = []
+
+    def stimulus():
+        for t, frame in enumerate([None, *codes, *[None] * (latency(design) + 1)]):
+            rst.next = t == 0
+            valid.next = frame is not None
+            for k, code in enumerate([] if frame is None else frame):
+                data[k].next = int(code)
+            yield delay(1)
+            if out_valid and t:
+                seen.append([int(word) for word in (out_data[0], out_data[1])])
+            clk.next = True
+            yield delay(1)
+            clk.next = False
+            yield delay(1)
+            assert not error
+
+    settle(stimulus, parallel(*ports, spec=design))
+    assert seen == design.process(codes).tolist()

@@ -190,7 +190,7 @@ def test_every_activation_can_be_trained(small_scene: Scene, activation: str) ->
     """And the bit-true network is close to the one that training saw."""
     scene = replace(small_scene, activation=activation)
     vectors = scene.vectors()
-    mlp = train(scene, vectors, 5, 1)
+    mlp = train(task_for(scene, vectors, []), 5, 1)
     results = SIGNAL.to_real(scene.build(mlp).process(vectors.codes))
     exact = np.clip(mlp.process(vectors.inputs, scene.scheme.real), -1, SIGNAL.high / 8192)
     # A q that falls on the other side of a border adds the scheme's step there, 0.03 at the most.
