@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from golden.activation.schemes import SCHEMES, Scheme
 from golden.fixed import Codes
+from golden.instruments.instrument import Instrument
 from golden.network_file import load_network
 from golden.networks.arrangement import ARRANGEMENTS, arrange, process_real
 from golden.networks.build import DESIGNS
@@ -23,6 +24,8 @@ from golden.networks.mlp import Mlp, Real
 from golden.networks.network import Network
 from golden.precision import PRECISIONS, SIGNAL, Precision
 from golden.table import read_table, rows_where, suggest
+from golden.visualisation.section import KEYS as VISUALISATION_KEYS
+from golden.visualisation.section import Visualisation, visualisation
 
 FOLDER = Path(__file__).parent / "scenes"
 
@@ -61,7 +64,10 @@ _KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
         "patience": (int, 40),
         "earlier_outputs": (str, "bit-true"),
     },
+    "visualisation": VISUALISATION_KEYS,
 }
+# Sections without which a scene has no such thing; of the others the defaults stand.
+_OPTIONAL = ("visualisation",)
 _CHOICES = {
     ("network", "arrangement"): ARRANGEMENTS,
     ("hardware", "design"): tuple(DESIGNS),
@@ -153,6 +159,8 @@ class Scene:
     precision : Precision
     clock_mhz : float
     training : Training
+    visualisation : Visualisation or None
+        The profile of the load, where the scene has that section.
     """
 
     name: str
@@ -173,6 +181,7 @@ class Scene:
     precision: Precision
     clock_mhz: float
     training: Training
+    visualisation: Visualisation | None
 
     @property
     def weights_paths(self) -> list[Path]:
@@ -241,7 +250,10 @@ class Scene:
 
     def design(self) -> Network:
         """The bit-true twin of this scene's hardware."""
-        return arrange(self.arrangement, self.mlps(), self.build)
+        network = arrange(self.arrangement, self.mlps(), self.build)
+        if self.visualisation is None:
+            return network
+        return Instrument(network, self.visualisation.load_profile, self.visualisation.results)
 
     def describe(self) -> str:
         """Inputs, hidden nodes and outputs of each network."""
@@ -317,6 +329,8 @@ def _checked(raw: dict[str, Any], path: Path) -> dict[str, dict[str, Any]]:
     _refuse_unknown(raw, _KEYS, f"{path}: section")
     values: dict[str, dict[str, Any]] = {}
     for section, keys in _KEYS.items():
+        if section in _OPTIONAL and section not in raw:
+            continue
         given = raw.get(section, {})
         if not isinstance(given, dict):
             raise ValueError(f"{path}: {section}: got {given!r}, expected a section")
@@ -439,6 +453,11 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
         precision=precision,
         clock_mhz=hardware["clock_mhz"],
         training=Training(**(values["training"] | {"hidden": (span[0], span[1])})),
+        visualisation=(
+            visualisation(values["visualisation"], data, hardware["design"], path)
+            if "visualisation" in values
+            else None
+        ),
     )
 
 

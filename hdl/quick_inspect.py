@@ -28,7 +28,7 @@ def _once(function):
 
 
 def _stack():
-    """The frames of the callers and the names of their functions, where ``inspect.stack`` has them."""
+    """Frames of the callers and names of their functions, placed as in ``inspect.stack``."""
     records = []
     frame = sys._getframe(1)
     while frame is not None:

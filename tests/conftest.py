@@ -20,7 +20,7 @@ file = "{name}.csv"
 sensors = {sensors}
 outputs = {outputs}
 group_by = "y0"
-
+{lengths}
 [network]
 arrangement = "{arrangement}"
 hidden = {hidden}
@@ -31,7 +31,7 @@ design = "{design}"
 activation = "{activation}"
 activation_options = {options}
 precision = "{precision}"
-
+{visualisation}
 [training]
 restarts = 2
 steps = 20
@@ -40,6 +40,16 @@ steps = 20
 
 # For benches: a few steps that diverge near the gate, so that the regression saturates.
 OPTIONS = {"pade": "{ rho = 1.5, iterations = 3 }"}
+LENGTHS = """full_scale = { y1 = 0.9, y2 = 0.9 }
+length_mm = { y1 = 127.0, y2 = 50.8 }
+"""
+VISUALISATION = """
+[visualisation]
+load = "y0"
+position = "y1"
+width = "y2"
+shape = "y3"
+"""
 
 
 def random_mlp(shape: tuple[int, int, int], spread: float, seed: int) -> Mlp:
@@ -64,8 +74,12 @@ def write_scene(
     options: str | None = None,
     rows: int = 12,
     design: str = "hybrid",
+    visualisation: str = "",
 ) -> Path:
-    """A scene with random vectors and the given networks; returns its TOML file."""
+    """A scene with random vectors and the given networks; returns its TOML file.
+
+    ``visualisation`` is that section; its position is y1 and its width is y2.
+    """
     inputs = mlps[0].shape[0]
     outputs = sum(mlp.shape[2] for mlp in mlps)
     sensors = [f"x{k}" for k in range(inputs)]
@@ -89,6 +103,8 @@ def write_scene(
         design=design,
         activation=activation,
         options=OPTIONS.get(activation, "{}") if options is None else options,
+        lengths=LENGTHS if visualisation else "",
+        visualisation=visualisation,
     )
     path = folder / f"{name}.toml"
     path.write_text(text.replace("'", '"'))
@@ -114,6 +130,7 @@ class Case:
     arrangement: str = "single"
     seed: int = 7
     design: str = "hybrid"
+    visualisation: str = ""
 
     def networks(self) -> list[Mlp]:
         mlps = [
@@ -134,6 +151,7 @@ class Case:
             self.activation,
             self.options,
             design=self.design,
+            visualisation=self.visualisation,
         )
         return load_scene(str(path))
 
@@ -141,6 +159,15 @@ class Case:
 FOLDED = ("hybrid", "input_controller", "output_controller", "output_integral")
 CASCADE = ("cascade", "stream_multiplexer", "output_collector")
 MULTIPLE = ("multiple", "output_collector")
+PROFILE = (
+    "instrument",
+    "load_profile",
+    "ramp",
+    "divider",
+    "power_fold",
+    "exp_memory",
+    "exp_interpolator",
+)
 GRADIENT = Case(("gradient", *FOLDED), [(1, 1, 1)], "precise")
 PARALLEL = Case(("parallel", "neuron"), [(2, 3, 2)], "thesis", design="parallel")
 PRECISE = Case(("precise", "hybrid"), [(2, 3, 2)], "precise", activation="precise")
@@ -163,6 +190,20 @@ def scheme_cases() -> dict[str, Case]:
         for precision in PRECISIONS
     }
 
+
+# Of a cascade, outputs in another order, one of which is not drawn; a ramp that starts below 0; a
+# gain that is no whole number.
+OTHER_PROFILE = """
+[visualisation]
+load = "y4"
+position = "y2"
+width = "y1"
+shape = "y0"
+start = -1.0
+stop = 0.95
+step = 0.15
+shape_threshold = -0.25
+"""
 
 # Least shapes, more outputs than inputs (the spacing counter), one output, odd adder trees, Q_j of
 # several hundred; each activation with few and with all of its segments; networks whose depth
@@ -195,6 +236,14 @@ CASES = scheme_cases() | {
     "least-multiple": Case(MULTIPLE, [(1, 2, 1), (1, 1, 1)], "thesis", arrangement="multiple"),
     "wide-multiple": Case(
         MULTIPLE, [(2, 9, 1), (2, 1, 1), (2, 4, 1)], "precise", arrangement="multiple"
+    ),
+    "profile": Case(PROFILE, [(4, 3, 4)], "precise", visualisation=VISUALISATION),
+    "other-profile": Case(
+        ("instrument", "ramp", "divider"),
+        [(2, 1, 1), (3, 2, 1), (4, 1, 1), (5, 2, 1), (6, 1, 1)],
+        "precise",
+        arrangement="cascade",
+        visualisation=OTHER_PROFILE,
     ),
 }
 

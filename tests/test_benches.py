@@ -18,9 +18,8 @@ pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.Unsettle
 WHOLE = ("digit-single", "digit-single-thesis")
 
 # The cases whose network is simulated.
-NETWORKS = [
-    n for n, c in CASES.items() if {"hybrid", "parallel", "cascade", "multiple"} & {*c.blocks}
-]
+TOPS = {"hybrid", "parallel", "cascade", "multiple", "instrument"}
+NETWORKS = [name for name, case in CASES.items() if TOPS & set(case.blocks)]
 
 
 def wanted(job: Job) -> bool:
@@ -93,3 +92,6 @@ def test_the_cases_differ_as_meant(tmp_path: Path) -> None:
             (activation,) = designs[name].activations
             assert bool(activation.left_out()) == name.endswith("short"), name
     assert designs["pade-precise"].input_controller.spacing == 3
+    assert designs["profile"].load_profile.divider.gain_frac == 0
+    assert designs["other-profile"].load_profile.divider.gain_frac == 15
+    assert designs["other-profile"].load_profile.ramp.start < 0

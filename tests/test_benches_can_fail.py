@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from conftest import random_mlp, write_scene
+from conftest import VISUALISATION, random_mlp, write_scene
 
 from golden.activation.schemes import SCHEMES
 from golden.scene import load_scene
@@ -81,6 +81,25 @@ FAULTS = [
     ("cascade", r"\.in_data_0\(gathered_0\)", ".in_data_0(gathered_1)"),
     ("multiple", r"\.in_data_1\(aligned_1\)", ".in_data_1(aligned_0)"),
     ("multiple", r"aligned_2 <= result_2", "aligned_2 <= aligned_0"),
+    ("ramp", r"following = \((acc \+ \d+)\)", r"following = (\1 + 2048)"),
+    ("ramp", r"out_last <= \(acc == (\S+)\)", "out_last <= 0"),
+    ("ramp", r"if \(rst == 1\) begin", "if (0) begin"),
+    ("divider", r"head >= divisor", "head > divisor"),
+    ("divider", r"in_width == 0", "in_width == 1"),
+    ("divider", r"&& \(!load\)", ""),
+    ("divider", r"remainder <= trial", "remainder <= shifted"),
+    ("power_fold", r"(wide_product \+) (\d+)", r"\1 0"),
+    ("power_fold", r"requantise\d_kept > (\d+)", "0"),
+    ("power_fold", r"\(uses != 0\)", "1"),
+    ("exp_memory", r"(0): word <= (\d+)", r"\1: word <= \2 ^ 1"),
+    ("exp_interpolator", r"in_offset \^ (\d+)", "in_offset"),
+    ("exp_interpolator", r"flipped \+ (\d+)", r"flipped + \1 + 1"),
+    ("load_profile", r"shape > (\d+)", r"shape >= \1"),
+    ("load_profile", r"positive_width = 0", "positive_width = 1000"),
+    ("load_profile", r"if \(restart\) begin(\s+load)", r"if (1) begin\1"),
+    ("load_profile", r"(\.in_offset\()offset", r"\g<1>0"),
+    ("instrument", r"count == 1", "count == 2"),
+    ("instrument", r"result_valid && result_last", "result_last && 0"),
 ]
 
 
@@ -96,9 +115,23 @@ def jobs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Job]:
     designs += [("cascade", "gradient", cascade, "hybrid", "precise")]
     designs += [("multiple", "gradient", multiple, "hybrid", "precise")]
     found: dict[str, Job] = {}
-    for arrangement, activation, mlps, design, precision in designs:
-        name = f"faulty-{arrangement}-{design}-{activation}"
-        path = write_scene(folder, name, precision, mlps, arrangement, activation, design=design)
+    paths = [
+        write_scene(
+            folder,
+            f"faulty-{arrangement}-{design}-{activation}",
+            precision,
+            mlps,
+            arrangement,
+            activation,
+            design=design,
+        )
+        for arrangement, activation, mlps, design, precision in designs
+    ]
+    # A short ramp, because every fault costs all tests of its bench.
+    section = f"{VISUALISATION}stop = 0.9\nstep = 0.3\n"
+    drawn = [random_mlp((2, 3, 4), 1.0, 2)]
+    paths.append(write_scene(folder, "faulty-profile", "precise", drawn, visualisation=section))
+    for path in paths:
         for job in plan(load_scene(str(path)), ["icarus"], build=folder):
             found.setdefault(job.block, job)
     return found

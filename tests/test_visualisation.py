@@ -8,12 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import LENGTHS, VISUALISATION, random_mlp, write_scene
 from hypothesis import given
 from hypothesis import strategies as st
 
 from golden.block import walk
 from golden.figures.visualisation import quotient_error
 from golden.fixed import Fix
+from golden.instruments.instrument import Instrument
 from golden.precision import SIGNAL
 from golden.scene import load_scene
 from golden.table import read_table
@@ -166,7 +168,9 @@ def test_widths_hold_what_passes_through_them() -> None:
     fold, between = PROFILE.power_fold, PROFILE.exp_interpolator
     assert max(fold.in_width, fold.out_width, between.word_width, between.factor_width) <= 17
     assert PROFILE.divider.numerator_width == (16383 * 5).bit_length()
-    assert PROFILE.ramp.acc_high + (1 << 10) < 1 << PROFILE.ramp.acc_width
+    for part in (PROFILE.ramp, ramp(SIGNAL, 0.002, 0.998, -1.0)):
+        bound = 1 << (part.acc_width - 1)
+        assert -bound <= part.acc_low < part.acc_high < bound
     assert PROFILE.exp_memory.addr_width + between.offset_width == fold.out_width
     factor = (1 << between.frac) + (1 << (between.offset_width - 1))
     assert factor < 1 << between.factor_width
@@ -175,7 +179,7 @@ def test_widths_hold_what_passes_through_them() -> None:
 
 @pytest.mark.parametrize("power", [1, 2, 3, 6])
 def test_power_fold_is_the_power_saturated(power: int) -> None:
-    fold = PowerFold(12, 10, 12, 8)
+    fold = PowerFold(12, 10, 12, 8, 6)
     t = np.arange(1 << 12)
     found = fold.process(t, power)
     exact = (t / 2**10) ** power * 2**8
@@ -222,9 +226,16 @@ def test_divider_is_shift_and_subtract(distance: int, width: int) -> None:
 
 
 def test_ramp_positions_are_the_nearest_codes() -> None:
-    for step, stop in ((0.05, 0.8), (0.01, 0.99), (0.001, 0.999), (0.125, 0.875)):
-        part = ramp(SIGNAL, step, stop)
-        ideal = np.arange(round(stop / step) + 1) * step
+    for step, stop, start in (
+        (0.05, 0.8, 0.0),
+        (0.01, 0.99, 0.0),
+        (0.001, 0.999, 0.0),
+        (0.125, 0.875, 0.0),
+        (0.05, 0.75, 0.3),
+        (0.002, 0.998, -1.0),
+    ):
+        part = ramp(SIGNAL, step, stop, start)
+        ideal = start + np.arange(round((stop - start) / step) + 1) * step
         assert part.points == len(ideal)
         assert np.abs(SIGNAL.to_real(part.process()) - ideal).max() <= 0.51 * LSB
 
@@ -237,12 +248,20 @@ def test_ramp_positions_are_the_nearest_codes() -> None:
         (lambda: ramp(SIGNAL, 0.00005, 0.8), "more than half an LSB"),
         (lambda: ramp(SIGNAL, 0.0, 0.8), "ramp: step=0.0, expected a number above 0"),
         (lambda: ramp(SIGNAL, 0.05, float("nan")), "ramp: stop=nan"),
-        (lambda: Ramp(SIGNAL, 0, 1, 3), "ramp: got 3 points, step=0"),
+        (lambda: ramp(SIGNAL, 0.05, 0.0), "ramp: stop=0.0, expected a number above 0"),
+        (lambda: ramp(SIGNAL, 0.05, 0.8, 0.8), "ramp: stop=0.8, expected a number above 0.8"),
+        (lambda: ramp(SIGNAL, 0.05, 0.8, float("nan")), "ramp: start=nan, expected a finite"),
+        (lambda: ramp(SIGNAL, 0.5, 0.5, -1.5), "the first position is -12288, expected at least"),
+        (lambda: ramp(SIGNAL, 0.001, 0.5, -1.0), "1501 points with guard=17 need 31 bits"),
+        (lambda: Ramp(SIGNAL, 0, 0, 1, 3), "ramp: got 3 points, step=0"),
         (lambda: replace(PROFILE.divider, gain=0), "divider: gain=0"),
         (lambda: replace(PROFILE.divider, gain_frac=16), "gain=5 with 16 fraction bits"),
-        (lambda: PowerFold(8, 4, 8, 5), "power_fold: out_frac=5, expected 0 to 4"),
-        (lambda: PowerFold(8, 8, 4, 4), "and below out_width=4"),
-        (lambda: PROFILE.power_fold.process(5, 0), "power: got 0, expected 1 or more"),
+        (lambda: replace(PROFILE.divider, out_width=15), "out_width=15, expected above out_frac"),
+        (lambda: PowerFold(8, 4, 8, 5, 6), "power_fold: out_frac=5, expected 0 to 4"),
+        (lambda: PowerFold(8, 8, 4, 4, 6), "and below out_width=4"),
+        (lambda: PowerFold(8, 4, 8, 4, 1), "power_fold: max_power=1, expected 2 or more"),
+        (lambda: PROFILE.power_fold.process(5, 0), "power: got 0, expected 1 to 6"),
+        (lambda: PROFILE.power_fold.process(5, 7), "power: got 7, expected 1 to 6"),
         (lambda: PROFILE.power_fold.process(1 << 17, 2), "power_fold data: got 131072"),
         (lambda: PROFILE.divider.process(-1, 5), "divider distance: got -1"),
         (lambda: PROFILE.divider.process(1, 8192), "divider width: got 8192"),
@@ -254,6 +273,64 @@ def test_ramp_positions_are_the_nearest_codes() -> None:
 def test_what_does_not_fit_is_refused(call, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         call()
+
+
+def drawn_scene(folder: Path, section: str) -> Path:
+    mlp = random_mlp((2, 3, 5), 1.0, 1)
+    return write_scene(folder, "drawn", "precise", [mlp], visualisation=section)
+
+
+def test_a_scene_names_what_is_drawn(tmp_path: Path) -> None:
+    section = VISUALISATION.replace("y0", "y4") + "start = -0.2\nstep = 0.25\n"
+    scene = load_scene(str(drawn_scene(tmp_path, section)))
+    design = scene.design()
+    outputs = design.process(scene.vectors().codes)
+    positions, heights = design.profile(outputs)
+    assert np.array_equal(SIGNAL.quantise([-0.2, 0.05, 0.3, 0.55, 0.8])[0], positions)
+    own = replace(PROFILE, ramp=ramp(SIGNAL, 0.25, 0.8, -0.2))
+    assert np.array_equal(heights, own.process(outputs[:, [4, 1, 2, 3]])[1])
+
+
+def test_a_scene_without_the_section_has_no_profile(tmp_path: Path) -> None:
+    whole = load_scene(str(drawn_scene(tmp_path, VISUALISATION))).design()
+    bare = load_scene(str(drawn_scene(tmp_path, ""))).design()
+    assert whole.network == bare
+    assert {part.block for part in walk(bare)}.isdisjoint(part.block for part in walk(PROFILE))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('load = "y0"', 'laod = "y0"', "visualisation: key 'laod' is not known, .*'load'"),
+        ('load = "y0"', "load = 3", "visualisation.load: got 3, expected text"),
+        ('load = "y0"', "", "visualisation.load: got 'load', expected one of the outputs y0, y1"),
+        ('load = "y0"', 'load = "y3"', "visualisation.load: got 'y3', expected four different"),
+        ('load = "y0"', 'load = "y0"\nstep = "x"', "visualisation.step: got 'x', expected a num"),
+        ('load = "y0"', 'load = "y0"\nstop = 0.82', "visualisation: ramp: 0 to 0.82 in steps of"),
+        (
+            'load = "y0"',
+            'load = "y0"\nshape_threshold = 1',
+            "visualisation.shape_threshold: got 1.0",
+        ),
+        ('"hybrid"', '"parallel"', "hardware.design: got 'parallel', expected hybrid, because"),
+        (LENGTHS, "", r"data.length_mm: got none of 'y1', expected that of .* the position"),
+        ("50.8", "0.001", "visualisation: load_profile: gain=254000, expected above 0"),
+    ],
+)
+def test_a_fault_of_the_section_is_named(tmp_path: Path, old: str, new: str, message: str) -> None:
+    path = drawn_scene(tmp_path, VISUALISATION)
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+    with pytest.raises(ValueError, match=rf"drawn.toml: {message}"):
+        load_scene(str(path))
+
+
+def test_results_are_four_outputs() -> None:
+    network = load_scene("digit-single").design()
+    for results in ((0, 1, 2, 2), (0, 1, 2, 4)):
+        with pytest.raises(ValueError, match=r"instrument: got results .* expected four different"):
+            Instrument(network, PROFILE, results)
 
 
 def test_exp_memory_holds_the_middle_of_every_interval() -> None:

@@ -39,12 +39,13 @@ class Divider(Block):
     saturate.
 
     Hardware: the quotient saturates just where numerator >= width << integer bits; otherwise
-    ``out_width`` steps of a remainder one bit wider than the width give it, most significant first.
+    ``out_width`` steps of a remainder as wide as the width give it, most significant bit first.
 
     Raises
     ------
     ValueError
-        When the gain is not above 0, or has more fraction bits than the quotient.
+        When the gain is not above 0, or has more fraction bits than the quotient, or the quotient
+        has no bit before its point.
     """
 
     block = "divider"
@@ -62,6 +63,15 @@ class Divider(Block):
                 f"divider: gain={self.gain} with {self.gain_frac} fraction bits, expected above 0 "
                 f"with 0 to {self.out_frac}"
             )
+        if self.out_width <= self.out_frac:
+            raise ValueError(
+                f"divider: out_width={self.out_width}, expected above out_frac={self.out_frac}"
+            )
+
+    @property
+    def interval(self) -> int:
+        """Least clocks from one quotient to the next."""
+        return self.out_width + 1
 
     @property
     def numerator_width(self) -> int:

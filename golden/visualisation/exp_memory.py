@@ -8,7 +8,10 @@ from golden.activation.rom import Rom
 
 
 class ExpMemory(Rom):
-    """ROM of exp(-x), addressed by the upper bits of x (thesis section 5.8, Figure 5.25)."""
+    """ROM of exp(-x), addressed by the upper bits of x (thesis section 5.8, Figure 5.25).
+
+    The hardware reads it with a clock: a block RAM.
+    """
 
     block = "exp_memory"
     area = "visualisation"

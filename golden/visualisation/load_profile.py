@@ -64,8 +64,7 @@ class LoadProfile(Block):
     C = gain / w exact: at most 1.81 units of 2**-13 for d = 1, over every t that the divider can
     give and every fraction that it cuts off (tests/test_visualisation.py, exhaustive).
 
-    Multipliers: one in power_fold, used P - 1 times, one in exp_interpolator, one for d. They
-    are used one after the other within a position, so one multiplier can serve all three.
+    Multipliers: one in power_fold, used P - 1 times, one in exp_interpolator, one for d.
     """
 
     block = "load_profile"
@@ -143,12 +142,12 @@ class LoadProfile(Block):
         )
 
 
-def width_gain(position_unit: float, width_unit: float) -> Fraction:
+def width_gain(position_unit: float | Fraction, width_unit: float | Fraction) -> Fraction:
     """What C times the coded width is: 2 over the width in the unit of the coded position.
 
     Parameters
     ----------
-    position_unit, width_unit : float
+    position_unit, width_unit : float or Fraction
         What one coded full scale of either is in millimetres, or in any one unit. For the flexible
         digit 127 and 50.8: a width code is worth 0.4 of a position code, and C = 5 / w.
     """
@@ -158,17 +157,21 @@ def width_gain(position_unit: float, width_unit: float) -> Fraction:
 def load_profile(
     step: float = 0.05,
     stop: float = 0.8,
+    start: float = 0.0,
     gain: Fraction | None = None,
+    shape_threshold: float = SHAPE_THRESHOLD,
     variant: str = "",
 ) -> LoadProfile:
-    """The profile over 0 to ``stop`` in steps of ``step``, as in thesis section 5.8.
+    """The profile over ``start`` to ``stop`` in steps of ``step``; thesis section 5.8 by default.
 
     Parameters
     ----------
-    step, stop : float
+    step, stop, start : float
         Of the ramp.
     gain : Fraction, optional
         See ``width_gain``; by default that of the flexible digit.
+    shape_threshold : float
+        Shapes above it are triangles.
 
     Raises
     ------
@@ -186,14 +189,14 @@ def load_profile(
     offset_width = WORD - ADDR_WIDTH
     return LoadProfile(
         SIGNAL,
-        ramp(SIGNAL, step, stop),
+        ramp(SIGNAL, step, stop, start),
         # |i_p - i_m| reaches 2**14 - 1: from the most negative code to the largest.
         Divider(
             SIGNAL.width, SIGNAL.width - 1, round(gain * 2**gain_frac), gain_frac, WORD, T_FRAC
         ),
-        PowerFold(WORD, T_FRAC, WORD, POWER_FRAC),
+        PowerFold(WORD, T_FRAC, WORD, POWER_FRAC, max(RECTANGLE, TRIANGLE)),
         exp_memory(ADDR_WIDTH, POWER_FRAC - offset_width, WORD),
         ExpInterpolator(WORD, offset_width, POWER_FRAC),
-        int(SIGNAL.quantise(SHAPE_THRESHOLD)[0]),
+        int(SIGNAL.quantise(shape_threshold)[0]),
         variant=variant,
     )

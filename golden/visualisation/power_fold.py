@@ -24,6 +24,8 @@ class PowerFold(Block):
         Unsigned t.
     out_width, out_frac : int
         Unsigned power, which is also the accumulator; ``out_frac`` is at most ``in_frac``.
+    max_power : int
+        Largest P, 2 or more. Every power takes as many clocks as this one.
 
     Notes
     -----
@@ -37,7 +39,7 @@ class PowerFold(Block):
     Raises
     ------
     ValueError
-        When the power has more fraction bits than t, or cannot hold 1.
+        When the power has more fraction bits than t, or cannot hold 1, or ``max_power`` is below 2.
     """
 
     block = "power_fold"
@@ -46,6 +48,7 @@ class PowerFold(Block):
     in_frac: int
     out_width: int
     out_frac: int
+    max_power: int
 
     def __post_init__(self) -> None:
         if not 0 <= self.out_frac <= self.in_frac or self.out_frac >= self.out_width:
@@ -53,6 +56,18 @@ class PowerFold(Block):
                 f"power_fold: out_frac={self.out_frac}, expected 0 to {self.in_frac}, those of t, "
                 f"and below out_width={self.out_width}"
             )
+        if self.max_power < 2:
+            raise ValueError(f"power_fold: max_power={self.max_power}, expected 2 or more")
+
+    @property
+    def interval(self) -> int:
+        """Least clocks from one power to the next: two for each use of the multiplier."""
+        return 2 * (self.max_power - 1) + 1
+
+    @property
+    def power_width(self) -> int:
+        """Bits of the unsigned P."""
+        return self.max_power.bit_length()
 
     @property
     def product_width(self) -> int:
@@ -67,7 +82,7 @@ class PowerFold(Block):
         data : array_like of int
             t.
         power : array_like of int
-            P, 1 or more.
+            P, 1 to ``max_power``.
 
         Raises
         ------
@@ -75,9 +90,10 @@ class PowerFold(Block):
             For an argument outside its range.
         """
         t = check_unsigned(data, self.in_width, "power_fold data")
-        p = check_unsigned(power, 8, "power_fold power")
-        if p.size and p.min() < 1:
-            raise ValueError("power_fold power: got 0, expected 1 or more")
+        p = np.asarray(power, dtype=np.int64)
+        if p.size and not 1 <= p.min() <= p.max() <= self.max_power:
+            worst = int(p.min() if p.min() < 1 else p.max())
+            raise ValueError(f"power_fold power: got {worst}, expected 1 to {self.max_power}")
         t, p = np.broadcast_arrays(t, p)
         acc = self._kept(t, self.in_frac - self.out_frac)
         for use in range(1, int(p.max(initial=1))):

@@ -11,10 +11,13 @@ import numpy as np
 from golden.block import Block
 from golden.fixed import Codes, Fix
 
+# Its constants stay below 2**30, which is where MyHDL's conversion goes wrong.
+ACC_LIMIT = 30
+
 
 @dataclass(frozen=True)
 class Ramp(Block):
-    """A counter times a constant (thesis section 5.8, Figure 5.25): i_p = 0, step, 2 step, ...
+    """A counter times a constant (section 5.8, Figure 5.25): i_p = start + n step, n = 0, 1, ...
 
     The hardware needs no multiplier: an accumulator adds ``step`` once a position.
 
@@ -22,11 +25,11 @@ class Ramp(Block):
     ----------
     fmt : Fix
         Format of the positions.
-    step : int
-        Increment, unsigned, with ``guard`` fraction bits more than ``fmt``.
+    start, step : int
+        First position and increment, with ``guard`` fraction bits more than ``fmt``.
     guard : int
     points : int
-        Positions in all, 0 included.
+        Positions in all, the first included.
 
     Notes
     -----
@@ -37,12 +40,14 @@ class Ramp(Block):
     Raises
     ------
     ValueError
-        When there is no position, the step is not above 0, or the last position leaves ``fmt``.
+        When there is no position, the step is not above 0, a position leaves ``fmt``, or the
+        accumulator has more than ``ACC_LIMIT`` bits.
     """
 
     block = "ramp"
     area = "visualisation"
     fmt: Fix
+    start: int
     step: int
     guard: int
     points: int
@@ -53,45 +58,66 @@ class Ramp(Block):
                 f"ramp: got {self.points} points, step={self.step}, guard={self.guard}, "
                 "expected 1 or more of each"
             )
-        last = (self.acc_high + (1 << (self.guard - 1))) >> self.guard
-        if last > self.fmt.high:
-            raise ValueError(f"ramp: the last position is {last}, expected at most {self.fmt.high}")
+        if self.acc_width > ACC_LIMIT:
+            raise ValueError(
+                f"ramp: {self.points} points with guard={self.guard} need {self.acc_width} bits, "
+                f"expected at most {ACC_LIMIT}"
+            )
+        positions = self.process()
+        first, last = int(positions[0]), int(positions[-1])
+        if first < self.fmt.low or last > self.fmt.high:
+            raise ValueError(
+                f"ramp: the first position is {first}, expected at least {self.fmt.low}; "
+                f"the last position is {last}, expected at most {self.fmt.high}"
+            )
+
+    @property
+    def acc_low(self) -> int:
+        """The accumulator at the first position, with the half that rounds."""
+        return self.start + (1 << (self.guard - 1))
 
     @property
     def acc_high(self) -> int:
-        """The accumulator at the last position."""
-        return (self.points - 1) * self.step
+        """The accumulator at the last position, with the half that rounds."""
+        return self.acc_low + (self.points - 1) * self.step
 
     @property
     def acc_width(self) -> int:
-        """Bits of the unsigned accumulator, with the half that rounds."""
-        return (self.acc_high + (1 << (self.guard - 1))).bit_length()
+        """Bits of the signed accumulator: a position of ``fmt`` and the guard."""
+        return self.fmt.width + self.guard
 
     def process(self) -> Codes:
-        """Codes of all positions, shape (points,), rising from 0."""
-        acc = np.arange(self.points, dtype=np.int64) * self.step
-        return (acc + (1 << (self.guard - 1))) >> self.guard
+        """Codes of all positions, shape (points,), rising."""
+        acc = self.acc_low + np.arange(self.points, dtype=np.int64) * self.step
+        return acc >> self.guard
 
 
-def ramp(fmt: Fix, step: float, stop: float) -> Ramp:
-    """The ramp from 0 to ``stop`` in steps of ``step``.
+def ramp(fmt: Fix, step: float, stop: float, start: float = 0.0) -> Ramp:
+    """The ramp from ``start`` to ``stop`` in steps of ``step``.
 
     Raises
     ------
     ValueError
-        When the step is not above 0, is no more than half a code, or ``stop`` is no whole number of
-        steps inside ``fmt``.
+        When the step is not above 0, is no more than half a code, or ``stop`` is not above
+        ``start`` by a whole number of steps, both inside ``fmt``.
     """
-    for name, value in (("step", step), ("stop", stop)):
-        if not 0 < value < math.inf:
-            raise ValueError(f"ramp: {name}={value}, expected a number above 0")
+    for name, value, least in (
+        ("start", start, -math.inf),
+        ("stop", stop, start),
+        ("step", step, 0),
+    ):
+        if not least < value < math.inf:
+            expected = f"a number above {least:g}" if least > -math.inf else "a finite number"
+            raise ValueError(f"ramp: {name}={value}, expected {expected}")
     # Decimal fractions as written: 0.8 is sixteen times 0.05, which floats are not.
-    count = Fraction(str(stop)) / Fraction(str(step))
+    first, increment = Fraction(str(start)), Fraction(str(step))
+    count = (Fraction(str(stop)) - first) / increment
     if count.denominator != 1 or step * 2**fmt.frac <= 0.5:
         raise ValueError(
-            f"ramp: 0 to {stop} in steps of {step}, expected a whole number of steps, each more "
-            f"than half an LSB of {fmt}"
+            f"ramp: {start:g} to {stop:g} in steps of {step:g}, expected a whole number of steps, "
+            f"each more than half an LSB of {fmt}"
         )
     points = int(count) + 1
     guard = points.bit_length() + 6
-    return Ramp(fmt, round(Fraction(str(step)) * 2 ** (fmt.frac + guard)), guard, points)
+    unit = 2 ** (fmt.frac + guard)
+    return Ramp(fmt, round(first * unit), round(increment * unit), guard, points)

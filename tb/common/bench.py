@@ -76,12 +76,16 @@ class Bench:
         self.design = self.scene.design()
         entity = self.configuration["entity"]
         self.twin = next(block for block in walk(self.design) if block.entity == entity)
-        self.latency = self.configuration["latency"]
+        self.latency = self.latency_of(entity)
         # cocotb derives RANDOM_SEED from the run's seed and the test's name.
         self.rng = np.random.default_rng(cocotb.RANDOM_SEED)
         self.compared = 0
         self.facts: dict[str, float] = {}
         dut._log.info("rerun: %s", self.configuration["rerun"])
+
+    def latency_of(self, entity: str) -> int:
+        """Latency in clocks that an entity of the design publishes."""
+        return self.configuration["latencies"][entity]
 
     async def play(self, drive: dict[str, np.ndarray], watch: list[str]) -> Recording:
         """Reset the block, play one value per clock on every port of ``drive``, record ``watch``.

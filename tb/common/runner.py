@@ -38,7 +38,6 @@ class Job:
     entity: str
     block: str
     area: str
-    latency: int
     files: tuple[str, ...]
     simulator: str
     seed: int = SEED
@@ -127,7 +126,6 @@ def plan(
                 entry["entity"],
                 entry["block"],
                 entry["area"],
-                entry["latency"],
                 _needed(order, manifest, parts[entry["entity"]]),
                 simulator,
                 seed,
@@ -170,11 +168,12 @@ def run_job(job: Job) -> Outcome:
     job.folder.mkdir(parents=True)
     result = job.folder / "compared.jsonl"
     sources = [str(job.hdl_folder / name) for name in job.files]
+    manifest = json.loads((job.hdl_folder / MANIFEST).read_text())
     rerun = f"make sim BLOCK={job.block} SIM={job.simulator} SCENE={_scene_argument(job.scene)}"
     configuration = {
         "scene": str(job.scene.path.resolve()),
         "entity": job.entity,
-        "latency": job.latency,
+        "latencies": {entry["entity"]: entry["latency"] for entry in manifest},
         "result": str(result),
         "rerun": f"{rerun} SEED={job.seed}",
     }

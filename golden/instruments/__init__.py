@@ -1,0 +1,1 @@
+"""Bit-true twins of hdl/instruments."""

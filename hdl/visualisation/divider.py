@@ -1,0 +1,139 @@
+"""Divider: the distance from the load in units of its half width."""
+
+from myhdl import always, always_comb, always_seq, block, concat
+
+from golden.visualisation.divider import Divider
+from hdl.common.delay import delay
+from hdl.common.scale import scale
+from hdl.common.signals import flag, signed, unsigned
+from hdl.common.widen import widen
+
+
+@block
+def divider(clk, rst, in_valid, in_distance, in_width, out_valid, out_data, *, spec: Divider):
+    """``in_distance`` times the gain by ``in_width``, a bit of the quotient a clock.
+
+    Parameters
+    ----------
+    in_valid : bool
+        One pair every ``spec.interval`` clocks at most; one that comes early takes the place of the
+        one before, which then has no result.
+    in_distance, in_width : unsigned ``spec.distance_width`` and ``spec.width_width`` bits
+    out_valid, out_data : bool, unsigned ``spec.out_width`` bits
+        A quotient stays until ``out_width`` clocks before the next.
+    spec : Divider
+        The gain; the twin states rounding and saturation.
+
+    Notes
+    -----
+    Latency ``spec.out_width`` + 2 clocks: product with the gain 1, start of the remainder 1, a
+    clock for each bit. Reset clears the valid flags and the count of the bits.
+    """
+    width_bits, out_bits = spec.width_width, spec.out_width
+    shift = spec.out_frac - spec.gain_frac
+    # One bit of the head at least, also where the numerator is shorter than the quotient.
+    all_bits = max(spec.numerator_width + shift, out_bits + 1)
+    sign = width_bits + 1
+    product = unsigned(spec.numerator_width)
+    numerator, aligned = unsigned(all_bits), unsigned(all_bits)
+    divisor = unsigned(width_bits)
+    head = unsigned(all_bits - out_bits)
+    rest = unsigned(out_bits)
+    load, beyond, beyond_held, fits = flag(), flag(), flag(), flag()
+    remaining = unsigned(out_bits.bit_length())
+    # The numerator's lower bits leave to the left, the quotient's come in from the right.
+    work = unsigned(out_bits)
+    top = flag()
+    remainder = unsigned(width_bits)
+    shifted = unsigned(width_bits + 1)
+    wide_shifted, wide_divisor = signed(width_bits + 2), signed(width_bits + 2)
+    trial = signed(width_bits + 2)
+    quotient_bit = flag()
+
+    @always(clk.posedge)
+    def take():
+        if in_valid:
+            numerator.next = product
+            if in_width == 0:
+                divisor.next = 1
+            else:
+                divisor.next = in_width
+
+    @always_comb
+    def align():
+        aligned.next = numerator << shift
+
+    @always_comb
+    def split():
+        head.next = aligned[:out_bits]
+        rest.next = aligned[out_bits:]
+
+    @always_comb
+    def judge():
+        beyond.next = head >= divisor
+
+    @always_comb
+    def subtract():
+        trial.next = wide_shifted - wide_divisor
+
+    @always_comb
+    def join():
+        top.next = work[out_bits - 1]
+
+    @always_comb
+    def lengthen():
+        shifted.next = concat(remainder, top)
+
+    @always_comb
+    def decide():
+        fits.next = not trial[sign]
+        quotient_bit.next = beyond_held or not trial[sign]
+
+    @always(clk.posedge)
+    def step():
+        if load:
+            beyond_held.next = beyond
+            work.next = rest
+            if beyond:
+                remainder.next = 0
+            else:
+                remainder.next = head
+        elif remaining != 0:
+            work.next = concat(work[out_bits - 1 :], quotient_bit)
+            if fits:
+                remainder.next = trial[width_bits:]
+            else:
+                remainder.next = shifted[width_bits:]
+
+    @always_seq(clk.posedge, reset=rst)
+    def count():
+        if load:
+            remaining.next = out_bits
+        elif remaining != 0:
+            remaining.next = remaining - 1
+        out_valid.next = remaining == 1 and not load
+
+    @always_comb
+    def show():
+        out_data.next = work
+
+    return (
+        scale(in_distance, product, factor=spec.gain),
+        delay(clk, rst, in_valid, load, clocks=1),
+        take,
+        align,
+        split,
+        judge,
+        widen(shifted, wide_shifted),
+        widen(divisor, wide_divisor),
+        subtract,
+        join,
+        lengthen,
+        decide,
+        step,
+        count,
+        show,
+    )
+
+
+divider.latency = lambda spec: spec.out_width + 2

@@ -1,0 +1,59 @@
+"""exp_interpolator: exp(-x) between two words of the memory."""
+
+from myhdl import always, always_comb, block
+
+from golden.visualisation.exp_interpolator import ExpInterpolator
+from hdl.common.delay import delay
+from hdl.common.signals import unsigned
+
+
+@block
+def exp_interpolator(
+    clk, rst, in_valid, in_word, in_offset, out_valid, out_data, *, spec: ExpInterpolator
+):
+    """``in_word`` times 1 - delta, two clocks later.
+
+    Parameters
+    ----------
+    in_valid : bool
+    in_word : unsigned ``spec.word_width`` bits
+        exp(-x) in the middle of the interval.
+    in_offset : unsigned ``spec.offset_width`` bits
+        x above the interval's lower end.
+    out_valid, out_data : bool, unsigned ``spec.word_width`` bits
+    spec : ExpInterpolator
+        The twin states rounding and error.
+
+    Notes
+    -----
+    One multiplier. Latency 2 clocks, one result a clock. Reset clears the valid flags.
+    """
+    frac, word_width = spec.frac, spec.word_width
+    factor_width = spec.factor_width
+    ones = (1 << spec.offset_width) - 1
+    # 1 + half - offset, where half is that of the interval and -offset is flipped - ones.
+    base = (1 << frac) + (1 << (spec.offset_width - 1)) - ones
+    flipped, factor = unsigned(factor_width), unsigned(factor_width)
+    word = unsigned(word_width)
+    product = unsigned(word_width + factor_width)
+
+    @always_comb
+    def flip():
+        flipped.next = in_offset ^ ones
+
+    @always(clk.posedge)
+    def work():
+        factor.next = flipped + base
+        word.next = in_word
+        product.next = word * factor
+
+    # The words of exp_memory keep the product below 1.
+    @always_comb
+    def cut():
+        out_data.next = product[word_width + frac : frac]
+
+    mark = delay(clk, rst, in_valid, out_valid, clocks=2)
+    return flip, work, cut, mark
+
+
+exp_interpolator.latency = lambda spec: 2

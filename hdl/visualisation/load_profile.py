@@ -1,0 +1,224 @@
+"""load_profile: the load along the beam, position by position."""
+
+from myhdl import always, always_comb, always_seq, block
+
+from golden.fixed import Rounding
+from golden.visualisation.load_profile import RECTANGLE, TRIANGLE, LoadProfile
+from hdl.common.delay import delay
+from hdl.common.requantise import requantise
+from hdl.common.signals import fixed, flag, signed, unsigned
+from hdl.common.widen import widen
+from hdl.visualisation.divider import divider
+from hdl.visualisation.exp_interpolator import exp_interpolator
+from hdl.visualisation.exp_memory import exp_memory
+from hdl.visualisation.power_fold import power_fold
+from hdl.visualisation.ramp import ramp
+
+
+@block
+def results(clk, enable, in_words, out_words):
+    """The four results of a frame, taken over together."""
+    load, position, width, shape = in_words
+    load_held, position_held, width_held, shape_held = out_words
+
+    @always(clk.posedge)
+    def keep():
+        if enable:
+            load_held.next = load
+            position_held.next = position
+            width_held.next = width
+            shape_held.next = shape
+
+    return keep
+
+
+@block
+def distance_from(clk, x, centre, distance):
+    """``distance`` is the magnitude of ``x`` less ``centre``, two clocks later."""
+    sign = len(x)
+    difference = signed(len(x) + 1)
+    wide, opposite = signed(len(x) + 2), signed(len(x) + 2)
+
+    @always(clk.posedge)
+    def subtract():
+        difference.next = x - centre
+
+    @always_comb
+    def copy():
+        wide.next = difference
+
+    @always_comb
+    def negate():
+        opposite.next = -wide
+
+    @always(clk.posedge)
+    def keep():
+        if difference[sign]:
+            distance.next = opposite[sign:]
+        else:
+            distance.next = difference[sign:]
+
+    return subtract, copy, negate, keep
+
+
+@block
+def load_profile(
+    clk,
+    rst,
+    in_valid,
+    in_load,
+    in_position,
+    in_width,
+    in_shape,
+    out_valid,
+    out_x,
+    out_y,
+    out_last,
+    *,
+    spec: LoadProfile,
+):
+    """One ramp of points for the results of a frame (equation 3.18, thesis Figure 5.25).
+
+    Parameters
+    ----------
+    in_valid : bool
+        The results of a frame are there, for this clock.
+    in_load, in_position, in_width, in_shape : signed ``spec.fmt``
+    out_valid, out_x, out_y, out_last : bool, signed ``spec.fmt`` twice, bool
+        A point, which stays until the next; ``out_last`` with the last of the ramp.
+    spec : LoadProfile
+        The twin states rounding and error.
+
+    Notes
+    -----
+    Three multipliers. One point at a time: the first stands ``load_profile.latency(spec)`` clocks
+    after ``in_valid``, each of the others as many after the one before. Results that come during
+    a ramp wait until the clock after its last point, and are replaced by others that come
+    meanwhile; they never change the ramp that is being drawn. Reset ends the ramp and forgets
+    results that wait.
+    """
+    fmt = spec.fmt
+    magnitude_width = fmt.width - 1
+    threshold, low_power, high_power = spec.shape_threshold, TRIANGLE, RECTANGLE
+    offset_width = spec.exp_interpolator.offset_width
+    word_width = spec.exp_interpolator.word_width
+    x_width = spec.power_fold.out_width
+    next_results = [fixed(fmt) for _ in range(4)]
+    held_results = [fixed(fmt) for _ in range(4)]
+    load, centre, width, shape = held_results
+    waiting, busy, restart, again, ask = flag(), flag(), flag(), flag(), flag()
+    x_valid, x_last, x = flag(), flag(), fixed(fmt)
+    distance_valid, distance = flag(), unsigned(spec.divider.distance_width)
+    positive_width = unsigned(magnitude_width)
+    t_valid, t = flag(), unsigned(spec.divider.out_width)
+    power = unsigned(spec.power_fold.power_width)
+    power_valid, powered = flag(), unsigned(x_width)
+    addr, offset = unsigned(x_width - offset_width), unsigned(offset_width)
+    word_valid, word = flag(), unsigned(word_width)
+    value_valid, value = flag(), unsigned(word_width)
+    wide_value = signed(word_width + 1)
+    product_valid, product = flag(), signed(fmt.width + word_width)
+    height = fixed(fmt)
+    point_valid, point_last = flag(), flag()
+
+    @always_comb
+    def start():
+        restart.next = waiting and not busy
+        ask.next = again or (waiting and not busy)
+
+    @always_seq(clk.posedge, reset=rst)
+    def advance():
+        if in_valid:
+            waiting.next = True
+        elif restart:
+            waiting.next = False
+        if restart:
+            busy.next = True
+        elif point_valid and point_last:
+            busy.next = False
+        again.next = point_valid and not point_last
+
+    # A width of 0 is the narrowest load to the divider; so is one below.
+    @always_comb
+    def clip():
+        if width[magnitude_width]:
+            positive_width.next = 0
+        else:
+            positive_width.next = width[magnitude_width:]
+
+    @always_comb
+    def choose():
+        if shape > threshold:
+            power.next = low_power
+        else:
+            power.next = high_power
+
+    @always_comb
+    def split():
+        addr.next = powered[:offset_width]
+        offset.next = powered[offset_width:]
+
+    @always(clk.posedge)
+    def multiply():
+        product.next = load * wide_value
+
+    @always_seq(clk.posedge, reset=rst)
+    def finish():
+        point_valid.next = product_valid
+        point_last.next = product_valid and x_last
+
+    @always(clk.posedge)
+    def keep():
+        if product_valid:
+            out_x.next = x
+            out_y.next = height
+
+    @always_comb
+    def show():
+        out_valid.next = point_valid
+        out_last.next = point_last
+
+    return (
+        results(clk, in_valid, [in_load, in_position, in_width, in_shape], next_results),
+        results(clk, restart, next_results, held_results),
+        start,
+        advance,
+        ramp(clk, rst, ask, x_valid, x, x_last, spec=spec.ramp),
+        distance_from(clk, x, centre, distance),
+        delay(clk, rst, x_valid, distance_valid, clocks=_DISTANCE_CLOCKS),
+        clip,
+        divider(clk, rst, distance_valid, distance, positive_width, t_valid, t, spec=spec.divider),
+        choose,
+        power_fold(clk, rst, t_valid, t, power, power_valid, powered, spec=spec.power_fold),
+        split,
+        exp_memory(clk, addr, word, spec=spec.exp_memory),
+        delay(clk, rst, power_valid, word_valid, clocks=exp_memory.latency(spec.exp_memory)),
+        exp_interpolator(
+            clk, rst, word_valid, word, offset, value_valid, value, spec=spec.exp_interpolator
+        ),
+        widen(value, wide_value),
+        multiply,
+        delay(clk, rst, value_valid, product_valid, clocks=1),
+        requantise(product, height, shift=word_width, rounding=Rounding.ROUND),
+        finish,
+        keep,
+        show,
+    )
+
+
+# Difference and magnitude.
+_DISTANCE_CLOCKS = 2
+# Product with the load, and the register of the point.
+_END_CLOCKS = 2
+
+# One clock from a result, or from the point before, to the ramp.
+load_profile.latency = lambda spec: (
+    1
+    + ramp.latency(spec.ramp)
+    + _DISTANCE_CLOCKS
+    + divider.latency(spec.divider)
+    + power_fold.latency(spec.power_fold)
+    + exp_memory.latency(spec.exp_memory)
+    + exp_interpolator.latency(spec.exp_interpolator)
+    + _END_CLOCKS
+)

@@ -1,0 +1,82 @@
+"""Power folding: a number to the power P on one multiplier."""
+
+from myhdl import always, always_comb, always_seq, block
+
+from golden.fixed import Rounding
+from golden.visualisation.power_fold import PowerFold
+from hdl.common.requantise import requantise
+from hdl.common.signals import flag, signed, unsigned
+from hdl.common.widen import widen
+
+
+@block
+def power_fold(clk, rst, in_valid, in_data, in_power, out_valid, out_data, *, spec: PowerFold):
+    """``in_data`` to the power ``in_power`` (thesis section 5.8, Figure 5.25).
+
+    Parameters
+    ----------
+    in_valid : bool
+        One pair every ``spec.interval`` clocks at most; one that comes early takes the place of the
+        one before, which then has no result.
+    in_data, in_power : unsigned ``spec.in_width`` and ``spec.power_width`` bits
+        t and P, which is 1 to ``spec.max_power``.
+    out_valid, out_data : bool, unsigned ``spec.out_width`` bits
+        A power stays until the clock in which the next pair comes.
+    spec : PowerFold
+        The twin states rounding and saturation.
+
+    Notes
+    -----
+    One multiplier. Latency 2 (``spec.max_power`` - 1) + 1 clocks for every P: start 1, then product
+    1 and rounding 1 for each use. Reset clears the valid flag and the count.
+    """
+    clocks = 2 * (spec.max_power - 1)
+    held = unsigned(spec.in_width)
+    acc, first, kept = (unsigned(spec.out_width) for _ in range(3))
+    product = unsigned(spec.product_width)
+    wide_data, wide_product = signed(spec.in_width + 1), signed(spec.product_width + 1)
+    remaining = unsigned(clocks.bit_length())
+    # Uses of the multiplier to come; with P below the largest, the last ones are left out.
+    uses = unsigned(spec.power_width)
+    rounded = flag()
+
+    @always_comb
+    def alternate():
+        rounded.next = remaining[0] and uses != 0
+
+    @always(clk.posedge)
+    def fold():
+        product.next = acc * held
+        if in_valid:
+            held.next = in_data
+            acc.next = first
+            uses.next = in_power - 1
+        elif rounded:
+            acc.next = kept
+            uses.next = uses - 1
+
+    @always_seq(clk.posedge, reset=rst)
+    def count():
+        if in_valid:
+            remaining.next = clocks
+        elif remaining != 0:
+            remaining.next = remaining - 1
+        out_valid.next = remaining == 1 and not in_valid
+
+    @always_comb
+    def show():
+        out_data.next = acc
+
+    return (
+        widen(in_data, wide_data),
+        requantise(wide_data, first, shift=spec.in_frac - spec.out_frac, rounding=Rounding.ROUND),
+        widen(product, wide_product),
+        requantise(wide_product, kept, shift=spec.in_frac, rounding=Rounding.ROUND),
+        alternate,
+        fold,
+        count,
+        show,
+    )
+
+
+power_fold.latency = lambda spec: spec.interval

@@ -1,0 +1,55 @@
+"""Ramp: the positions at which the profile is drawn."""
+
+from myhdl import Signal, always, always_comb, always_seq, block, intbv
+
+from golden.visualisation.ramp import Ramp
+from hdl.common.delay import delay
+from hdl.common.signals import signed
+
+
+@block
+def ramp(clk, rst, in_valid, out_valid, out_data, out_last, *, spec: Ramp):
+    """One position for each ``in_valid``, from the first again after the last (Figure 5.25).
+
+    Parameters
+    ----------
+    in_valid : bool
+        Asks for a position.
+    out_valid, out_data, out_last : bool, signed ``spec.fmt``, bool
+        The position and whether it is the last; both stay until the next.
+    spec : Ramp
+        The twin states rounding.
+
+    Notes
+    -----
+    Latency 1 clock, one position a clock. Reset leads back to the first position.
+    """
+    guard, step = spec.guard, spec.step
+    low, high = spec.acc_low, spec.acc_high
+    bound = 1 << (spec.acc_width - 1)
+    acc = Signal(intbv(low, min=-bound, max=bound))
+    following = signed(spec.acc_width)
+
+    @always_comb
+    def add():
+        if acc == high:
+            following.next = low
+        else:
+            following.next = acc + step
+
+    @always_seq(clk.posedge, reset=rst)
+    def count():
+        if in_valid:
+            acc.next = following
+
+    @always(clk.posedge)
+    def keep():
+        if in_valid:
+            out_data.next = acc >> guard
+            out_last.next = acc == high
+
+    mark = delay(clk, rst, in_valid, out_valid, clocks=1)
+    return add, count, keep, mark
+
+
+ramp.latency = lambda spec: 1

@@ -1,0 +1,84 @@
+"""When the points of a profile come, and the check that they are the right ones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from tb.common.bench import Bench, Recording
+
+
+def ramps(recording: Recording, entered: np.ndarray, latency: int, points: int):
+    """For every point that must come: the number of its frame, its own number, its row.
+
+    Parameters
+    ----------
+    entered : int array
+        Rows in which the results of a frame enter.
+    latency : int
+        Clocks from results to the first point, and from point to point.
+    points : int
+        Points of a ramp.
+    """
+    resets = set(recording.resets().tolist())
+    frame_at = {int(row): number for number, row in enumerate(entered)}
+    found: list[tuple[int, int, int]] = []
+    waiting, free = None, 0
+    for row in range(recording.clocks):
+        if row in resets:
+            while found and found[-1][2] > row:
+                found.pop()
+            waiting, free = None, 0
+            continue
+        if waiting is not None and row >= free:
+            # The clock after that in which the results entered, or after the last point.
+            rows = row - 1 + latency * np.arange(1, points + 1)
+            found += [(waiting, number, int(at)) for number, at in enumerate(rows)]
+            waiting, free = None, int(rows[-1]) + 1
+        waiting = frame_at.get(row, waiting)
+    found = [point for point in found if point[2] < recording.clocks]
+    return np.array(found, dtype=np.int64).reshape(-1, 3).T
+
+
+def check_profile(
+    bench: Bench,
+    recording: Recording,
+    prefix: str,
+    entered: np.ndarray,
+    frames: np.ndarray,
+    latency: int,
+    profile: Callable,
+) -> np.ndarray:
+    """Compare the points on the ports ``<prefix>_valid``, ``_x``, ``_y`` and ``_last``.
+
+    Parameters
+    ----------
+    entered, frames : int arrays
+        Rows in which results enter, and the results.
+    latency : int
+        Of load_profile.
+    profile : callable
+        From frames to positions and heights.
+
+    Returns
+    -------
+    int array
+        Numbers of the frames that were drawn, once for each point.
+    """
+    positions, heights = profile(frames)
+    frame, number, rows = ramps(recording, entered, latency, len(positions))
+    found = recording.rows(f"{prefix}_valid")
+    bench.compare(f"clocks of {prefix}_valid", found, rows)
+    last = rows[number == len(positions) - 1]
+    bench.compare(f"clocks of {prefix}_last", recording.rows(f"{prefix}_last"), last)
+    expected = {"x": positions[number], "y": heights[frame, number]}
+    # A point that a reset meets in its last clock is not valid, but changes the data.
+    stays = np.flatnonzero(recording.undisturbed(rows[:-1], rows[1:]))
+    for name, codes in expected.items():
+        port = f"{prefix}_{name}"
+        context = {"frame": frames[frame], "number": number}
+        bench.compare(port, recording.signed(port, rows), codes, **context)
+        until = recording.signed(port, rows[stays + 1] - 1)
+        bench.compare(f"{port} before the next", until, codes[stays])
+    return frame

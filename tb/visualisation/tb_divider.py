@@ -1,0 +1,64 @@
+"""divider against its twin.
+
+Sweeps: extremes of distance and width with each other, widths of 0 and 1 among them; for 400 widths
+the distances about that where the quotient saturates; 2000 random pairs.
+Drives: as close as the block takes pairs, then in random order with gaps and resets, then closer.
+Checks: the quotient bit for bit, and its clock; that a pair which is followed too early has none.
+Does not prove: all pairs (tests/test_visualisation.py has random ones against the twin's steps).
+"""
+
+import cocotb
+import numpy as np
+
+from tb.common.bench import Bench
+from tb.common.stream import UNSIGNED, check_early, check_gaps_and_resets, check_stream
+
+INPUTS = {"in_distance": UNSIGNED, "in_width": UNSIGNED}
+OUTPUTS = {"out_data": UNSIGNED}
+# Pairs played at a time, so that the recording stays small.
+CHUNK = 1024
+
+
+def extremes(bits):
+    top = (1 << bits) - 1
+    return np.array([0, 1, 2, 3, 5, top // 2, top // 2 + 1, top - 1, top])
+
+
+def pairs(bench):
+    twin, rng = bench.twin, bench.rng
+    most, widest = (1 << twin.distance_width) - 1, (1 << twin.width_width) - 1
+    grid = np.meshgrid(extremes(twin.distance_width), extremes(twin.width_width))
+    widths = np.sort(rng.integers(1, widest + 1, 400))
+    # distance * gain / width = 2 ** integer bits: the first quotient that saturates.
+    border = (widths << (twin.out_width - twin.out_frac + twin.gain_frac)) // twin.gain
+    near = border + rng.integers(-1, 3, 400)
+    distances = [grid[0].ravel(), np.clip(near, 0, most), rng.integers(0, most + 1, 2000)]
+    every = [grid[1].ravel(), widths, rng.integers(0, widest + 1, 2000)]
+    return {"in_distance": np.concatenate(distances), "in_width": np.concatenate(every)}
+
+
+@cocotb.test()
+async def sweep(dut):
+    bench = Bench(dut)
+    twin = bench.twin
+    items = pairs(bench)
+    for start in range(0, len(items["in_width"]), CHUNK):
+        part = {name: values[start : start + CHUNK] for name, values in items.items()}
+        await check_stream(bench, part, INPUTS, OUTPUTS, twin.process, interval=twin.interval)
+    bench.finish(at_least=2400)
+
+
+@cocotb.test()
+async def gaps_and_resets(dut):
+    bench = Bench(dut)
+    twin = bench.twin
+    await check_gaps_and_resets(
+        bench, pairs(bench), INPUTS, OUTPUTS, twin.process, interval=twin.interval
+    )
+
+
+@cocotb.test()
+async def early(dut):
+    bench = Bench(dut)
+    twin = bench.twin
+    await check_early(bench, pairs(bench), INPUTS, OUTPUTS, twin.process, twin.interval)

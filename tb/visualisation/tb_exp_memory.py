@@ -1,0 +1,17 @@
+"""exp_memory against its twin.
+
+Sweeps: every address.
+Drives: each address once, then 200 in random order, one a clock.
+Checks: the word bit for bit, and its clock.
+Does not prove: that the contents are the right ones (tests/test_visualisation.py does).
+"""
+
+import cocotb
+
+from tb.common.bench import Bench
+from tb.common.memory import check_memory
+
+
+@cocotb.test()
+async def every_address(dut):
+    await check_memory(Bench(dut))

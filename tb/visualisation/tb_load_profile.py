@@ -1,0 +1,128 @@
+"""load_profile, assembled, against its twin.
+
+Sweeps: the recorded targets; what the network of digit-single makes of the recorded frames;
+widths from the most negative code to the largest, with either shape; positions on the ramp, beside
+it and outside; loads and shapes at their ends and about the threshold; random results.
+Drives: each frame in the clock of the last point before; then frames at random distances, so that
+many come while a ramp is being drawn, with and without resets.
+Checks: every point bit for bit in its clock; that it stays until the next; that results which come
+during a ramp wait, and the latest of them are drawn.
+Does not prove: how close the points are to equation 3.18 (tests/test_visualisation.py bounds it).
+"""
+
+from itertools import product
+from pathlib import Path
+
+import cocotb
+import numpy as np
+
+from golden.scene import load_scene
+from golden.table import read_table
+from tb.common.bench import Bench
+from tb.common.profile import check_profile
+from tb.common.stimulus import random_resets, spread
+
+APPENDIX_2 = Path(__file__).parents[2] / "golden" / "data" / "appendix2.csv"
+INPUTS = ["in_load", "in_position", "in_width", "in_shape"]
+OUTPUTS = ["out_valid", "out_x", "out_y", "out_last"]
+# Frames played at a time, so that the recording stays small.
+CHUNK = 48
+
+
+def recorded(bench):
+    """Targets, and outputs of the network."""
+    targets = bench.twin.fmt.quantise(
+        read_table(APPENDIX_2, ["load", "position", "width", "shape"])
+    )[0]
+    digit = load_scene("digit-single")
+    return np.concatenate([targets, digit.design().process(digit.vectors().codes)])
+
+
+def extremes(bench):
+    """Every pair of extremes of two results; the others are a wide load that the ramp meets."""
+    fmt, threshold = bench.twin.fmt, bench.twin.shape_threshold
+    positions = bench.twin.ramp.process()
+    middle = int(positions[len(positions) // 2])
+    before = max(fmt.low, int(positions[0]) - 1)
+    values = [
+        [fmt.low, -1, 0, 1, fmt.high],
+        [fmt.low, before, middle, fmt.high],
+        [fmt.low, -1, 0, 1, 2, 40, fmt.high],
+        [fmt.low, threshold, threshold + 1, fmt.high],
+    ]
+    frames = []
+    for first, second in ((0, 2), (1, 2), (1, 3), (2, 3)):
+        for pair in product(values[first], values[second]):
+            frame = [fmt.high, middle, fmt.high, fmt.low]
+            frame[first], frame[second] = pair
+            frames.append(frame)
+    return np.array(frames, dtype=np.int64)
+
+
+def random_frames(bench, count):
+    fmt = bench.twin.fmt
+    frames = bench.rng.integers(fmt.low, fmt.high + 1, (count, 4))
+    # Half of them inside the ramp with a width that shows.
+    frames[::2, 1:3] = bench.rng.integers(0, fmt.high + 1, (len(frames[::2]), 2))
+    return frames
+
+
+async def check(bench, frames, pause, resets=None):
+    """Play frames; ``pause`` idle clocks before each. Returns the numbers of those drawn."""
+    items = dict(zip(INPUTS, frames.T, strict=True))
+    ramp = bench.twin.ramp.points * bench.latency
+    drive = spread(bench.rng, items, "in_valid", 0.0, tail=2 * ramp + 4, pause=pause)
+    if resets:
+        drive["rst"] = random_resets(bench.rng, len(drive["in_valid"]), resets)
+    recording = await bench.play(drive, OUTPUTS)
+    entered = recording.rows("in_valid")
+    seen = np.stack([recording.signed(name, entered) for name in INPUTS], axis=-1)
+    return check_profile(bench, recording, "out", entered, seen, bench.latency, bench.twin.process)
+
+
+async def check_each(bench, frames):
+    """Every frame is drawn: the next one comes with the last point."""
+    ramp = bench.twin.ramp.points * bench.latency
+    for start in range(0, len(frames), CHUNK):
+        part = frames[start : start + CHUNK]
+        drawn = await check(bench, part, pause=ramp - 1)
+        assert set(drawn) == set(range(len(part))), "a frame was not drawn"
+    bench.finish(at_least=len(frames) * bench.twin.ramp.points)
+
+
+@cocotb.test()
+async def recorded_frames(dut):
+    bench = Bench(dut)
+    await check_each(bench, recorded(bench))
+
+
+@cocotb.test()
+async def extremes_and_random(dut):
+    bench = Bench(dut)
+    await check_each(bench, np.concatenate([extremes(bench), random_frames(bench, 20)]))
+
+
+@cocotb.test()
+async def during_a_ramp(dut):
+    """Frames at all distances, some of them several to a ramp."""
+    bench = Bench(dut)
+    ramp = bench.twin.ramp.points * bench.latency
+    frames = random_frames(bench, 30)
+    pause = bench.rng.integers(0, ramp, len(frames))
+    pause[::5] = 0
+    drawn = await check(bench, frames, pause)
+    assert len(set(drawn)) < len(frames), "no frame came too early"
+    # About the last point of a ramp that is not followed by one that waits.
+    for late in range(-3, 4):
+        await check(bench, frames[:3], np.array([0, ramp - 1 + late, 2 * ramp]))
+    bench.finish(at_least=10 * bench.twin.ramp.points)
+
+
+@cocotb.test()
+async def resets(dut):
+    bench = Bench(dut)
+    ramp = bench.twin.ramp.points * bench.latency
+    frames = random_frames(bench, 30)
+    for every in (ramp, ramp // 5):
+        await check(bench, frames, bench.rng.integers(0, ramp, len(frames)), resets=every)
+    bench.finish(at_least=10 * bench.twin.ramp.points)

@@ -1,0 +1,62 @@
+"""power_fold against its twin.
+
+Sweeps: every P with the extremes of t, with t about 1 and about where its power saturates, and with
+one random t of each of 256 equal parts of the range.
+Drives: as close as the block takes pairs, then in random order with gaps and resets, then closer.
+Checks: the power bit for bit, and its clock, which is the same for every P; that a pair which is
+followed too early has none.
+Does not prove: every t (tests/test_visualisation.py bounds the profile over all that the divider
+gives).
+"""
+
+import cocotb
+import numpy as np
+
+from tb.common.bench import Bench
+from tb.common.stream import UNSIGNED, check_early, check_gaps_and_resets, check_stream
+
+INPUTS = {"in_data": UNSIGNED, "in_power": UNSIGNED}
+OUTPUTS = {"out_data": UNSIGNED}
+PARTS = 256
+# Pairs played at a time, so that the recording stays small.
+CHUNK = 1024
+
+
+def pairs(bench):
+    twin = bench.twin
+    powers = np.arange(1, twin.max_power + 1)
+    one, most = 1 << twin.in_frac, (1 << twin.in_width) - 1
+    largest = 2.0 ** (twin.out_width - twin.out_frac)
+    borders = (one * largest ** (1 / powers)).astype(np.int64)
+    near = (np.concatenate([[0, one, most], borders])[:, np.newaxis] + np.arange(-2, 3)).ravel()
+    step = (most + 1) // PARTS
+    spread = np.arange(0, most + 1, step) + bench.rng.integers(0, step, PARTS)
+    t = np.concatenate([near[(near >= 0) & (near <= most)], spread])
+    return {"in_data": np.tile(t, len(powers)), "in_power": np.repeat(powers, len(t))}
+
+
+@cocotb.test()
+async def sweep(dut):
+    bench = Bench(dut)
+    twin = bench.twin
+    items = pairs(bench)
+    for start in range(0, len(items["in_data"]), CHUNK):
+        part = {name: values[start : start + CHUNK] for name, values in items.items()}
+        await check_stream(bench, part, INPUTS, OUTPUTS, twin.process, interval=twin.interval)
+    bench.finish(at_least=PARTS * twin.max_power)
+
+
+@cocotb.test()
+async def gaps_and_resets(dut):
+    bench = Bench(dut)
+    twin = bench.twin
+    await check_gaps_and_resets(
+        bench, pairs(bench), INPUTS, OUTPUTS, twin.process, interval=twin.interval
+    )
+
+
+@cocotb.test()
+async def early(dut):
+    bench = Bench(dut)
+    twin = bench.twin
+    await check_early(bench, pairs(bench), INPUTS, OUTPUTS, twin.process, twin.interval)

@@ -1,0 +1,61 @@
+"""ramp against its twin.
+
+Sweeps: every position, several times over.
+Drives: back to back, then with gaps, then with resets.
+Checks: position and ``out_last`` bit for bit and their clock; that they stay until the next; that a
+reset leads back to the first.
+Does not prove: that the positions are the nearest codes (tests/test_visualisation.py does).
+"""
+
+import cocotb
+import numpy as np
+
+from tb.common.bench import Bench
+from tb.common.stimulus import random_resets
+
+
+async def check(bench, chance, resets=False):
+    """Ask for a position in ``chance`` of the clocks."""
+    length = 4 * bench.twin.points + 200
+    drive = {"in_valid": (bench.rng.random(length) < chance).astype(np.int64)}
+    drive["in_valid"][-bench.latency :] = 0
+    if resets:
+        drive["rst"] = random_resets(bench.rng, length, max(4, bench.twin.points // 2))
+    recording = await bench.play(drive, ["out_valid", "out_data", "out_last"])
+    asked = recording.rows("in_valid")
+    asked = asked[recording.undisturbed(asked, asked)]
+    since = np.searchsorted(recording.resets(), asked)
+    first = np.searchsorted(since, since)
+    number = (np.arange(len(asked)) - first) % bench.twin.points
+    expected, last = bench.twin.process()[number], number == bench.twin.points - 1
+
+    left = recording.rows("out_valid")
+    bench.compare("clocks of the positions", left, asked + bench.latency)
+    # What is asked for in the clock of a reset is not valid, but changes the data.
+    stays = np.flatnonzero(recording.undisturbed(left[:-1], left[1:] - 1))
+    for rows, n in ((left, np.arange(len(left))), (left[stays + 1] - 1, stays)):
+        bench.compare("out_data", recording.signed("out_data", rows), expected[n], number=number[n])
+        bench.compare("out_last", recording.unsigned("out_last", rows), last[n], number=number[n])
+
+
+@cocotb.test()
+async def back_to_back(dut):
+    bench = Bench(dut)
+    await check(bench, 1.0)
+    bench.finish(at_least=4 * bench.twin.points)
+
+
+@cocotb.test()
+async def gaps(dut):
+    bench = Bench(dut)
+    await check(bench, 0.4)
+    bench.finish(at_least=bench.twin.points)
+
+
+@cocotb.test()
+async def resets(dut):
+    """The position after a reset is the first."""
+    bench = Bench(dut)
+    for chance in (1.0, 0.5):
+        await check(bench, chance, resets=True)
+    bench.finish(at_least=bench.twin.points)
