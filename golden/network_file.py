@@ -6,18 +6,21 @@ networks trained elsewhere come as Netlab-style .mat or as .onnx. A scene can na
 
 from __future__ import annotations
 
-import zipfile
+from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 
 from golden.files import replace_file
-from golden.network_mat import read_mat, write_mat
-from golden.network_onnx import read_onnx, write_onnx
-from golden.networks.mlp import Mlp, Real
+from golden.networks.mlp import Mlp
 from golden.table import suggest
 
 NAMES = ("w1", "b1", "w2", "b2")
+
+# A form's module is imported when a file asks for it: those of .mat and .onnx take half a second,
+# and every bench reads a scene at its start.
+FORMS = {f".{form}": f"golden.network_{form}" for form in ("npz", "mat", "onnx")}
 
 
 def provenance_path(path: Path) -> Path:
@@ -45,7 +48,7 @@ def load_network(path: Path, shape: tuple[int, int, int]) -> Mlp:
     """
     if not path.is_file():
         raise FileNotFoundError(f"{path}: no such network; make train SCENE=... writes it")
-    found = READERS[_form(path)](path)
+    found = _form(path).read(path)
     inputs, hidden, outputs = shape
     hidden = hidden or np.size(found.get("b1", 0))
     expected = {
@@ -70,40 +73,15 @@ def load_network(path: Path, shape: tuple[int, int, int]) -> Mlp:
     return Mlp(**arrays)
 
 
-def _form(path: Path) -> str:
-    """The file's ending, which tells its form."""
-    if path.suffix not in READERS:
-        known = list(READERS)
+def _form(path: Path) -> ModuleType:
+    """The module that reads and writes files of this ending."""
+    if path.suffix not in FORMS:
+        known = list(FORMS)
         raise ValueError(
             f"{path}: got the ending {path.suffix!r}, expected one of {', '.join(known)}"
             f"{suggest(path.suffix, known)}"
         )
-    return path.suffix
-
-
-def read_npz(path: Path) -> dict[str, Real]:
-    """Every array of an NPZ file, as float64.
-
-    Raises
-    ------
-    ValueError
-        When the file is no NPZ or holds no numbers.
-    """
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            return {name: np.asarray(archive[name], dtype=np.float64) for name in archive.files}
-    except (zipfile.BadZipFile, EOFError, ValueError, AttributeError, TypeError) as error:
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise ValueError(f"{path}: not an NPZ of numbers: {reason}") from None
-
-
-def write_npz(path: Path, mlp: Mlp) -> None:
-    """Write the four arrays."""
-    np.savez(path, w1=mlp.w1, b1=mlp.b1, w2=mlp.w2, b2=mlp.b2)
-
-
-READERS = {".npz": read_npz, ".mat": read_mat, ".onnx": read_onnx}
-WRITERS = {".npz": write_npz, ".mat": write_mat, ".onnx": write_onnx}
+    return import_module(FORMS[path.suffix])
 
 
 def write_network(path: Path, mlp: Mlp) -> None:
@@ -114,9 +92,9 @@ def write_network(path: Path, mlp: Mlp) -> None:
     ValueError
         For another ending than .npz, .mat or .onnx.
     """
-    write = WRITERS[_form(path)]
+    form = _form(path)
     with replace_file(path) as temporary:
-        write(temporary, mlp)
+        form.write(temporary, mlp)
 
 
 def save_network(path: Path, mlp: Mlp, provenance: dict[str, str | int | float]) -> None:

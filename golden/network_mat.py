@@ -15,7 +15,7 @@ VARIABLE = "network"
 FIELDS = ("w1", "b1", "w2", "b2")
 
 
-def read_mat(path: Path) -> dict[str, Real]:
+def read(path: Path) -> dict[str, Real]:
     """The arrays of the one structure in the file that has the fields w1, b1, w2 and b2.
 
     The structure may have any name; the fields may also be variables of the file itself.
@@ -60,7 +60,7 @@ def _fields(value: Any) -> dict[str, Any] | None:
     return {name: getattr(structure, name) for name in FIELDS}
 
 
-def write_mat(path: Path, mlp: Mlp) -> None:
+def write(path: Path, mlp: Mlp) -> None:
     """Write the network as a structure named ``network``."""
     fields = {"w1": mlp.w1.T, "b1": mlp.b1[np.newaxis], "w2": mlp.w2.T, "b2": mlp.b2[np.newaxis]}
     savemat(path, {VARIABLE: fields})

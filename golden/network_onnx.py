@@ -42,7 +42,7 @@ class _Chain:
         self.layers[-1]["b"] = bias.ravel()
 
 
-def read_onnx(path: Path) -> dict[str, Real]:
+def read(path: Path) -> dict[str, Real]:
     """The arrays of a network that PyTorch, Keras or scikit-learn exported.
 
     Understood are Gemm, or MatMul with Add, then Tanh, then Gemm or MatMul with Add; Cast,
@@ -133,7 +133,7 @@ def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> 
             raise chain.refuse(node, f"to {values[0].tolist()}, expected one of {shapes}")
 
 
-def write_onnx(path: Path, mlp: Mlp) -> None:
+def write(path: Path, mlp: Mlp) -> None:
     """Write the network as Gemm, Tanh, Gemm on double precision numbers."""
     inputs, _, outputs = mlp.shape
     nodes = [
