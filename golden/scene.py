@@ -17,12 +17,15 @@ from numpy.typing import NDArray
 from golden.activation.schemes import SCHEMES, Scheme
 from golden.fixed import Codes
 from golden.instruments.instrument import Instrument
+from golden.instruments.readout import Readout
 from golden.network_file import load_network
 from golden.networks.arrangement import ARRANGEMENTS, arrange, process_real
 from golden.networks.build import DESIGNS
 from golden.networks.mlp import Mlp, Real
 from golden.networks.network import Network
 from golden.precision import PRECISIONS, SIGNAL, Precision
+from golden.sensing.section import KEYS as FRONT_END_KEYS
+from golden.sensing.section import FrontEnd, front_end
 from golden.table import read_table, rows_where, suggest
 from golden.visualisation.section import KEYS as VISUALISATION_KEYS
 from golden.visualisation.section import Visualisation, visualisation
@@ -64,10 +67,11 @@ _KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
         "patience": (int, 40),
         "earlier_outputs": (str, "bit-true"),
     },
+    "front_end": FRONT_END_KEYS,
     "visualisation": VISUALISATION_KEYS,
 }
 # Sections without which a scene has no such thing; of the others the defaults stand.
-_OPTIONAL = ("visualisation",)
+_OPTIONAL = ("front_end", "visualisation")
 _CHOICES = {
     ("network", "arrangement"): ARRANGEMENTS,
     ("hardware", "design"): tuple(DESIGNS),
@@ -159,6 +163,8 @@ class Scene:
     precision : Precision
     clock_mhz : float
     training : Training
+    front_end : FrontEnd or None
+        How the sensors are read, where the scene has that section.
     visualisation : Visualisation or None
         The profile of the load, where the scene has that section.
     """
@@ -181,6 +187,7 @@ class Scene:
     precision: Precision
     clock_mhz: float
     training: Training
+    front_end: FrontEnd | None
     visualisation: Visualisation | None
 
     @property
@@ -249,11 +256,25 @@ class Scene:
         return DESIGNS[self.form].build(mlp, self.precision, self.activation, options, variant)
 
     def design(self) -> Network:
-        """The bit-true twin of this scene's hardware."""
+        """The bit-true twin of this scene's hardware.
+
+        Raises
+        ------
+        FileNotFoundError, ValueError
+            See ``load_network`` and ``build_hybrid``; also for a front end that cannot make the
+            network's frames.
+        """
         network = arrange(self.arrangement, self.mlps(), self.build)
-        if self.visualisation is None:
+        drawn = self.visualisation
+        if drawn is not None:
+            network = Readout(network, drawn.load_profile, drawn.results)
+        if self.front_end is None:
             return network
-        return Instrument(network, self.visualisation.load_profile, self.visualisation.results)
+        readout = network if isinstance(network, Readout) else Readout(network)
+        try:
+            return Instrument(self.front_end.scan_sequencer(network), readout)
+        except ValueError as error:
+            raise ValueError(f"{self.path}: front_end: {error}") from None
 
     def describe(self) -> str:
         """Inputs, hidden nodes and outputs of each network."""
@@ -453,6 +474,11 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
         precision=precision,
         clock_mhz=hardware["clock_mhz"],
         training=Training(**(values["training"] | {"hidden": (span[0], span[1])})),
+        front_end=(
+            front_end(values["front_end"], hardware["design"], path)
+            if "front_end" in values
+            else None
+        ),
         visualisation=(
             visualisation(values["visualisation"], data, hardware["design"], path)
             if "visualisation" in values

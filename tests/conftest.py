@@ -31,7 +31,7 @@ design = "{design}"
 activation = "{activation}"
 activation_options = {options}
 precision = "{precision}"
-{visualisation}
+{sections}
 [training]
 restarts = 2
 steps = 20
@@ -74,11 +74,11 @@ def write_scene(
     options: str | None = None,
     rows: int = 12,
     design: str = "hybrid",
-    visualisation: str = "",
+    sections: str = "",
 ) -> Path:
     """A scene with random vectors and the given networks; returns its TOML file.
 
-    ``visualisation`` is that section; its position is y1 and its width is y2.
+    ``sections`` are those that a scene may do without; where there are any, y1 and y2 have lengths.
     """
     inputs = mlps[0].shape[0]
     outputs = sum(mlp.shape[2] for mlp in mlps)
@@ -103,8 +103,8 @@ def write_scene(
         design=design,
         activation=activation,
         options=OPTIONS.get(activation, "{}") if options is None else options,
-        lengths=LENGTHS if visualisation else "",
-        visualisation=visualisation,
+        lengths=LENGTHS if sections else "",
+        sections=sections,
     )
     path = folder / f"{name}.toml"
     path.write_text(text.replace("'", '"'))
@@ -130,7 +130,7 @@ class Case:
     arrangement: str = "single"
     seed: int = 7
     design: str = "hybrid"
-    visualisation: str = ""
+    sections: str = ""
 
     def networks(self) -> list[Mlp]:
         mlps = [
@@ -151,7 +151,7 @@ class Case:
             self.activation,
             self.options,
             design=self.design,
-            visualisation=self.visualisation,
+            sections=self.sections,
         )
         return load_scene(str(path))
 
@@ -160,7 +160,7 @@ FOLDED = ("hybrid", "input_controller", "output_controller", "output_integral")
 CASCADE = ("cascade", "stream_multiplexer", "output_collector")
 MULTIPLE = ("multiple", "output_collector")
 PROFILE = (
-    "instrument",
+    "readout",
     "load_profile",
     "ramp",
     "divider",
@@ -168,6 +168,8 @@ PROFILE = (
     "exp_memory",
     "exp_interpolator",
 )
+INSTRUMENT = ("instrument", "scan_sequencer")
+FRONT_END = "\n[front_end]\n"
 GRADIENT = Case(("gradient", *FOLDED), [(1, 1, 1)], "precise")
 PARALLEL = Case(("parallel", "neuron"), [(2, 3, 2)], "thesis", design="parallel")
 PRECISE = Case(("precise", "hybrid"), [(2, 3, 2)], "precise", activation="precise")
@@ -237,13 +239,27 @@ CASES = scheme_cases() | {
     "wide-multiple": Case(
         MULTIPLE, [(2, 9, 1), (2, 1, 1), (2, 4, 1)], "precise", arrangement="multiple"
     ),
-    "profile": Case(PROFILE, [(4, 3, 4)], "precise", visualisation=VISUALISATION),
+    "profile": Case(PROFILE, [(4, 3, 4)], "precise", sections=VISUALISATION),
     "other-profile": Case(
-        ("instrument", "ramp", "divider"),
+        ("readout", "ramp", "divider"),
         [(2, 1, 1), (3, 2, 1), (4, 1, 1), (5, 2, 1), (6, 1, 1)],
         "precise",
         arrangement="cascade",
-        visualisation=OTHER_PROFILE,
+        sections=OTHER_PROFILE,
+    ),
+    "instrument": Case(
+        INSTRUMENT,
+        [(4, 3, 1), (5, 2, 1), (6, 1, 1), (7, 3, 1)],
+        "precise",
+        arrangement="cascade",
+        sections=f"{VISUALISATION}{FRONT_END}counter_width = 10\n",
+    ),
+    # No profile; the narrowest counter, one clock after the address is there.
+    "least-instrument": Case(
+        INSTRUMENT, [(3, 2, 3)], "precise", sections=f"{FRONT_END}counter_width = 3\n"
+    ),
+    "one-sensor": Case(
+        INSTRUMENT, [(1, 2, 4)], "thesis", sections=f"{FRONT_END}counter_width = 4\n"
     ),
 }
 

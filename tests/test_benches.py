@@ -18,7 +18,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.Unsettle
 WHOLE = ("digit-single", "digit-single-thesis")
 
 # The cases whose network is simulated.
-TOPS = {"hybrid", "parallel", "cascade", "multiple", "instrument"}
+TOPS = {"hybrid", "parallel", "cascade", "multiple", "readout", "instrument"}
 NETWORKS = [name for name, case in CASES.items() if TOPS & set(case.blocks)]
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from conftest import VISUALISATION, random_mlp, write_scene
+from conftest import FRONT_END, VISUALISATION, random_mlp, write_scene
 
 from golden.activation.schemes import SCHEMES
 from golden.scene import load_scene
@@ -98,8 +98,16 @@ FAULTS = [
     ("load_profile", r"positive_width = 0", "positive_width = 1000"),
     ("load_profile", r"if \(restart\) begin(\s+load)", r"if (1) begin\1"),
     ("load_profile", r"(\.in_offset\()offset", r"\g<1>0"),
-    ("instrument", r"count == 1", "count == 2"),
-    ("instrument", r"result_valid && result_last", "result_last && 0"),
+    ("readout", r"count == 1", "count == 2"),
+    ("readout", r"result_valid && result_last", "result_last && 0"),
+    ("readout", r"held_1 = word\w*", "held_1 = 0"),
+    ("scan_sequencer", r"slot == 4", "slot == 3"),
+    ("scan_sequencer", r"clock == (\d+)", r"clock == \1 - 1"),
+    ("scan_sequencer", r"if \(rst == 1\) begin", "if (0) begin"),
+    ("scan_sequencer", r"(0): selected = 0", r"\1: selected = 1"),
+    ("scan_sequencer", r"if \(take\) begin", "if (1) begin"),
+    ("instrument", r"\.adc\(adc\)", ".adc(0)"),
+    ("instrument", r"\.held_1\(held_1\)", ".held_1(held_0)"),
 ]
 
 
@@ -128,9 +136,9 @@ def jobs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Job]:
         for arrangement, activation, mlps, design, precision in designs
     ]
     # A short ramp, because every fault costs all tests of its bench.
-    section = f"{VISUALISATION}stop = 0.9\nstep = 0.3\n"
+    section = f"{VISUALISATION}stop = 0.9\nstep = 0.3\n{FRONT_END}counter_width = 6\n"
     drawn = [random_mlp((2, 3, 4), 1.0, 2)]
-    paths.append(write_scene(folder, "faulty-profile", "precise", drawn, visualisation=section))
+    paths.append(write_scene(folder, "faulty-profile", "precise", drawn, sections=section))
     for path in paths:
         for job in plan(load_scene(str(path)), ["icarus"], build=folder):
             found.setdefault(job.block, job)

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from golden.block import walk
 from golden.figures.visualisation import quotient_error
 from golden.fixed import Fix
-from golden.instruments.instrument import Instrument
+from golden.instruments.readout import Readout
 from golden.precision import SIGNAL
 from golden.scene import load_scene
 from golden.table import read_table
@@ -277,7 +277,7 @@ def test_what_does_not_fit_is_refused(call, message: str) -> None:
 
 def drawn_scene(folder: Path, section: str) -> Path:
     mlp = random_mlp((2, 3, 5), 1.0, 1)
-    return write_scene(folder, "drawn", "precise", [mlp], visualisation=section)
+    return write_scene(folder, "drawn", "precise", [mlp], sections=section)
 
 
 def test_a_scene_names_what_is_drawn(tmp_path: Path) -> None:
@@ -329,8 +329,8 @@ def test_a_fault_of_the_section_is_named(tmp_path: Path, old: str, new: str, mes
 def test_results_are_four_outputs() -> None:
     network = load_scene("digit-single").design()
     for results in ((0, 1, 2, 2), (0, 1, 2, 4)):
-        with pytest.raises(ValueError, match=r"instrument: got results .* expected four different"):
-            Instrument(network, PROFILE, results)
+        with pytest.raises(ValueError, match=r"readout: got results .* expected four different"):
+            Readout(network, PROFILE, results)
 
 
 def test_exp_memory_holds_the_middle_of_every_interval() -> None:

@@ -1,87 +1,76 @@
-"""Instrument: a network and the profile that is drawn from its outputs."""
+"""Instrument: from a converter and an analogue multiplexer to results."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from numpy.typing import ArrayLike
-
 from golden.block import Block
 from golden.fixed import Codes
+from golden.instruments.readout import Readout
 from golden.layers.input_controller import InputController
 from golden.networks.network import Network
-from golden.visualisation.load_profile import LoadProfile
+from golden.sensing.scan_sequencer import ScanSequencer
 
 
 @dataclass(frozen=True)
 class Instrument(Network):
-    """The outputs of a network, and the load along the beam (thesis Figures 5.12 and 5.25).
+    """The sensors in turn, the network and its readout (thesis Figures 5.5, 5.12 and 5.25).
 
-    As a network it is the one inside: same frames, same outputs, same clocks.
+    As a network it is the one inside, with a frame every scan.
 
     Parameters
     ----------
-    network : Network
-    load_profile : LoadProfile
-    results : tuple of int
-        Which outputs of the network are load, position, width and shape.
+    scan_sequencer : ScanSequencer
+    readout : Readout
 
     Raises
     ------
     ValueError
-        When ``results`` are not four different outputs of the network.
+        When the sequencer's frames are not those of the network, or follow faster than it takes
+        them.
     """
 
     block = "instrument"
     area = "instruments"
-    network: Network
-    load_profile: LoadProfile
-    results: tuple[int, int, int, int]
+    scan_sequencer: ScanSequencer
+    readout: Readout
 
     def __post_init__(self) -> None:
-        if len(set(self.results)) != 4 or not set(self.results) <= set(range(self.outputs)):
+        scan = self.scan_sequencer
+        got = (scan.inputs, scan.slots)
+        expected = (self.readout.inputs, self.readout.input_controller.inputs)
+        if got != expected:
             raise ValueError(
-                f"{self.entity}: got results {self.results}, expected four different numbers from "
-                f"0 to {self.outputs - 1}"
+                f"{self.entity}: got a scan of (inputs, slots) {got}, expected {expected}"
+            )
+        if scan.scan_clocks < self.readout.interval:
+            raise ValueError(
+                f"{self.entity}: got counter_width={scan.counter_width}, a scan of "
+                f"{scan.scan_clocks} clocks, expected {self.readout.interval} or more, which the "
+                "network needs"
             )
 
     @property
     def inputs(self) -> int:
-        return self.network.inputs
+        return self.readout.inputs
 
     @property
     def outputs(self) -> int:
-        return self.network.outputs
+        return self.readout.outputs
 
     @property
     def interval(self) -> int:
-        return self.network.interval
+        return self.scan_sequencer.scan_clocks
 
     @property
     def input_controller(self) -> InputController:
-        return self.network.input_controller
+        return self.readout.input_controller
 
     def parts(self) -> tuple[Block, ...]:
-        return (self.network, self.load_profile)
+        return (self.scan_sequencer, self.readout)
 
     def left_out(self) -> list[str]:
-        return self.network.left_out()
+        return self.readout.left_out()
 
     def compute(self, frames: Codes) -> Codes:
-        return self.network.compute(frames)
-
-    def profile(self, outputs: ArrayLike) -> tuple[Codes, Codes]:
-        """Positions and profiles, see ``LoadProfile.process``, of frames of outputs.
-
-        Parameters
-        ----------
-        outputs : array_like of int, shape (..., outputs)
-            What ``process`` gives.
-
-        Raises
-        ------
-        ValueError
-            For a wrong last axis or a code outside the signal format.
-        """
-        codes = self.load_profile.fmt.check(outputs, f"{self.entity} outputs", self.outputs)
-        return self.load_profile.process(codes[..., list(self.results)])
+        return self.readout.compute(frames)

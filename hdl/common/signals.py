@@ -49,3 +49,10 @@ class Words:
 
     def __getitem__(self, index: int):
         return self.__dict__[str(range(len(self))[index])]
+
+
+class Group:
+    """Several signals as one port: ``name`` becomes ``name_x`` for each keyword x, maybe none."""
+
+    def __init__(self, **signals):
+        self.__dict__.update(signals)

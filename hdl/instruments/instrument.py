@@ -1,104 +1,65 @@
-"""Instrument: a network and the profile that is drawn from its outputs."""
+"""Instrument: from a converter and an analogue multiplexer to results."""
 
-from myhdl import always_comb, always_seq, block
+from myhdl import block
 
 from golden.instruments.instrument import Instrument
 from golden.precision import SIGNAL
-from hdl.common.lookup import hardware, latency
-from hdl.common.signals import fixed, flag, unsigned
-from hdl.common.stream import catch_word, position, stream_ports
-from hdl.visualisation.load_profile import load_profile
+from hdl.common.lookup import latency
+from hdl.common.signals import fixed, flag, reset, unsigned
+from hdl.instruments.readout import readout, result_ports
+from hdl.sensing.scan_sequencer import scan_sequencer
 
 
 @block
 def instrument(
-    clk,
-    rst,
-    in_valid,
-    in_data,
-    in_last,
-    out_valid,
-    out_data,
-    out_last,
-    frame_error,
-    profile_valid,
-    profile_x,
-    profile_y,
-    profile_last,
-    *,
-    spec: Instrument,
+    clk, rst, adc, address, out_valid, out_data, out_last, held, profile, *, spec: Instrument
 ):
-    """A frame of samples in; a frame of outputs and the load along the beam out (Figure 5.25).
+    """Codes of a converter in, results out (Figures 5.5, 5.12 and 5.25).
 
     Parameters
     ----------
-    in_valid, in_data, in_last, out_valid, out_data, out_last, frame_error
-        Those of the network.
-    profile_valid, profile_x, profile_y, profile_last : bool, signed Fix(14,13) twice, bool
-        A point, i_p and f, which stays until the next; ``profile_last`` with the last of a ramp.
+    adc, address
+        Those of scan_sequencer: the code of the sensor that ``address`` selects.
+    out_valid, out_data, out_last, held, profile
+        Those of readout.
     spec : Instrument
 
     Notes
     -----
-    Latency that of the network, to the first output. The first point stands 1 clock and the latency
-    of load_profile after the last output, or later where a ramp is still being drawn. Reset clears
-    every flag and counter.
+    Latency from the code of the last sample to the first output: 1 clock and that of readout. A
+    frame every scan. There is no frame_error: the sequencer makes frames of the right length, at
+    distances that ``spec`` has checked. Reset starts a scan and clears every flag and counter.
     """
-    outputs = spec.outputs
-    result_valid, result, result_last = flag(), fixed(SIGNAL), flag()
-    complete = flag()
-    count = unsigned(outputs.bit_length())
-    words = [fixed(SIGNAL) for _ in spec.results]
-
-    @always_comb
-    def show():
-        out_valid.next = result_valid
-        out_data.next = result
-        out_last.next = result_last
-
-    @always_seq(clk.posedge, reset=rst)
-    def finish():
-        complete.next = result_valid and result_last
-
+    valid, data, last = flag(), fixed(SIGNAL), flag()
+    # Left open.
+    broken = flag()
     return (
-        hardware(spec.network)(
+        scan_sequencer(clk, rst, adc, address, valid, data, last, spec=spec.scan_sequencer),
+        readout(
             clk,
             rst,
-            in_valid,
-            in_data,
-            in_last,
-            result_valid,
-            result,
-            result_last,
-            frame_error,
-            spec=spec.network,
-        ),
-        show,
-        position(clk, rst, result_valid, result_last, count, stop=outputs),
-        [
-            catch_word(clk, result_valid, count, result, words[i], slot=slot)
-            for i, slot in enumerate(spec.results)
-        ],
-        finish,
-        load_profile(
-            clk,
-            rst,
-            complete,
-            *words,
-            profile_valid,
-            profile_x,
-            profile_y,
-            profile_last,
-            spec=spec.load_profile,
+            valid,
+            data,
+            last,
+            out_valid,
+            out_data,
+            out_last,
+            broken,
+            held,
+            profile,
+            spec=spec.readout,
         ),
     )
 
 
-instrument.latency = lambda spec: latency(spec.network)
+instrument.latency = lambda spec: latency(spec.scan_sequencer) + latency(spec.readout)
 instrument.ports = lambda spec: (
-    *stream_ports(spec.network),
+    flag(),
+    reset(),
+    fixed(SIGNAL),
+    unsigned(spec.scan_sequencer.address_width),
     flag(),
     fixed(SIGNAL),
-    fixed(SIGNAL),
     flag(),
+    *result_ports(spec.readout),
 )

@@ -22,10 +22,10 @@ async def check(bench, elements, last, gap, resets=None, pause=0):
     ``resets`` gives the reset column for a number of clocks.
     """
     twin = bench.twin
-    outputs, latency = twin.outputs, bench.latency
     length = twin.input_controller.inputs
     items = {"in_data": elements, "in_last": last}
-    drive = spread(bench.rng, items, "in_valid", gap, tail=latency + outputs + 4, pause=pause)
+    tail = bench.latency + twin.outputs + 4
+    drive = spread(bench.rng, items, "in_valid", gap, tail=tail, pause=pause)
     if resets is not None:
         drive["rst"] = resets(len(drive["in_valid"]))
     recording = await bench.play(drive, WATCH)
@@ -34,21 +34,29 @@ async def check(bench, elements, last, gap, resets=None, pause=0):
     done = np.flatnonzero(frames.done)
     data = recording.signed("in_data", rows)
     seen = data[done[:, np.newaxis] + np.arange(1 - length, 1)]
-    results = twin.process(seen[:, : twin.inputs])
-    at = rows[done][:, np.newaxis] + latency + np.arange(outputs)
-    entered = np.repeat(rows[done - length + 1], outputs)
-    alive = recording.undisturbed(entered, (at - 1).ravel())
+    check_outputs(bench, recording, rows[done - length + 1], rows[done], seen[:, : twin.inputs])
+    bench.compare("clocks of frame_error", recording.rows("frame_error"), rows[frames.error] + 1)
+    return recording, rows, frames
+
+
+def check_outputs(bench, recording, started, ended, frames):
+    """Compare the outputs with what the twin makes of frames.
+
+    ``started`` and ``ended`` are the rows of the first and of the last element of each frame.
+    """
+    outputs = bench.twin.outputs
+    results = bench.twin.process(frames)
+    at = ended[:, np.newaxis] + bench.latency + np.arange(outputs)
+    alive = recording.undisturbed(np.repeat(started, outputs), (at - 1).ravel())
     expected_rows = at.ravel()[alive]
 
     left = recording.rows("out_valid")
     bench.compare("clocks of out_valid", left, expected_rows)
-    frame = np.repeat(seen, outputs, axis=0)[alive]
+    frame = np.repeat(frames, outputs, axis=0)[alive]
     got = recording.signed("out_data", left)
     bench.compare("out_data", got, results.ravel()[alive], frame=frame)
-    last_rows = expected_rows[np.tile(np.arange(outputs) == outputs - 1, len(done))[alive]]
+    last_rows = expected_rows[np.tile(np.arange(outputs) == outputs - 1, len(ended))[alive]]
     bench.compare("clocks of out_last", recording.rows("out_last"), last_rows)
-    bench.compare("clocks of frame_error", recording.rows("frame_error"), rows[frames.error] + 1)
-    return recording, rows, frames
 
 
 def whole_frames(bench, frames):

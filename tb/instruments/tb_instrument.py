@@ -1,80 +1,85 @@
-"""instrument against its twin: the stream of the network, and the profile beside it.
+"""instrument against its twin: from the converter's codes to everything that is shown.
 
-Sweeps: all recorded frames, corner frames, frames that drive every hidden sum to its ends, and
-random ones; recorded and random ones for the profile.
-Drives: frames as close as the network takes them, with gaps, of wrong lengths, with resets; for the
-profile at all distances, so that many results come while a ramp is being drawn.
-Checks: outputs, ``frame_error`` and every point of the profile bit for bit in their clocks.
-Does not prove: the profile's extremes (tb_load_profile drives the block by itself).
+Sweeps: recorded frames, then random codes in every clock; as many scans as ten thousand clocks
+hold, which with a counter of 12 bits are two.
+Drives: the code of the selected sensor in the clocks in which it is taken, random codes in all
+others; random codes with resets.
+Checks: outputs, held outputs and every point of the profile bit for bit in their clocks.
+Does not prove: frames of wrong lengths, which the sequencer does not make (tb_readout drives them);
+the address (tb_scan_sequencer).
 """
 
 import cocotb
 import numpy as np
 
-from tb.common.bench import Bench
-from tb.common.network import (
-    corners_and_random,
-    random_elements,
-    recorded,
-    reset_at_every_clock,
-    resets_in_mid_frame,
-    whole_frames,
-    wrong_lengths,
-)
-from tb.common.profile import check_profile
-from tb.common.stimulus import random_resets, spread
+from tb.common import readout
+from tb.common.bench import RESET_CLOCKS, Bench
+from tb.common.network import check_outputs
+from tb.common.stimulus import random_resets
 
-__all__ = [
-    "corners_and_random",
-    "recorded",
-    "reset_at_every_clock",
-    "resets_in_mid_frame",
-    "wrong_lengths",
-]
-
+CLOCKS = 10_000
 WATCH = ["out_valid", "out_data", "out_last"]
-PROFILE = ["profile_valid", "profile_x", "profile_y", "profile_last"]
 
 
-async def check(bench, frames, resets=None):
-    twin = bench.twin
-    latency = bench.latency_of(twin.load_profile.entity)
-    ramp = twin.load_profile.ramp.points * latency
-    elements, last = whole_frames(bench, frames)
-    length = len(elements) // len(frames)
-    pause = np.zeros((len(frames), length), dtype=np.int64)
-    # Many come during a ramp, others when the instrument is at rest.
-    pause[:, 0] = bench.rng.integers(twin.interval, ramp * 4 // 3, len(frames))
-    items = {"in_data": elements, "in_last": last}
-    tail = bench.latency + 2 * ramp + twin.outputs + 8
-    drive = spread(bench.rng, items, "in_valid", 0.0, tail=tail, pause=pause.ravel())
+def scans_that_fit(bench):
+    return max(2, CLOCKS // bench.twin.interval)
+
+
+def random_codes(bench, clocks):
+    fmt = bench.twin.scan_sequencer.fmt
+    return bench.rng.integers(fmt.low, fmt.high + 1, clocks)
+
+
+async def check(bench, codes, resets=None):
+    """Play the converter's codes; returns the recording and the frames that were taken."""
+    scan, shown = bench.twin.scan_sequencer, bench.twin.readout
+    tail = random_codes(bench, bench.latency + 2 * bench.twin.outputs + 4)
+    drive = {"adc": np.concatenate([codes, tail])}
     if resets:
-        drive["rst"] = random_resets(bench.rng, len(drive["in_valid"]), resets)
-    recording = await bench.play(drive, WATCH + PROFILE)
-    # The network's own results, which the other tests compare, are what is drawn.
-    ends = recording.rows("out_last")
-    codes = recording.signed("out_data", recording.rows("out_valid"))
-    at = np.searchsorted(recording.rows("out_valid"), ends)
-    results = codes[at[:, np.newaxis] + np.arange(1 - twin.outputs, 1)]
-    kept = recording.undisturbed(ends, ends)
-    return check_profile(
-        bench, recording, "profile", ends[kept] + 1, results[kept], latency, twin.profile
-    )
+        drive["rst"] = random_resets(bench.rng, len(drive["adc"]), resets)
+    recording = await bench.play(drive, WATCH + readout.ports(shown))
+
+    marks = np.concatenate([[RESET_CLOCKS - 1], recording.resets()])
+    rows = np.arange(RESET_CLOCKS, recording.clocks)
+    count = (rows - marks[np.searchsorted(marks, rows) - 1] - 1) % scan.scan_clocks
+    final = scan.sample_clocks[-1]
+    ends = rows[(count == final) & ~np.isin(rows, marks)]
+    ends = ends[ends + bench.latency + bench.twin.outputs < recording.clocks]
+    starts = ends - final
+    taken = starts[:, np.newaxis] + scan.sample_clocks[: scan.inputs]
+    frames = recording.signed("adc", taken.ravel()).reshape(taken.shape)
+    check_outputs(bench, recording, starts, ends, frames)
+    readout.check_held(bench, recording)
+    if shown.load_profile:
+        readout.check_drawn(bench, recording, shown)
+    return recording, frames
 
 
 @cocotb.test()
-async def profiles(dut):
+async def recorded(dut):
+    """Recorded frames, each code on the converter when it is taken; counts the clocks."""
     bench = Bench(dut)
-    random = random_elements(bench, 16 * bench.twin.inputs).reshape(16, -1)
-    frames = np.concatenate([bench.scene.vectors().codes[:16], random])
-    drawn = await check(bench, frames)
-    assert len(set(drawn)) < len(frames), "no results came during a ramp"
-    bench.finish(at_least=8 * bench.twin.load_profile.ramp.points)
+    scan = bench.twin.scan_sequencer
+    frames = bench.scene.vectors().codes[: scans_that_fit(bench)]
+    codes = random_codes(bench, len(frames) * scan.scan_clocks)
+    at = np.arange(len(frames))[:, np.newaxis] * scan.scan_clocks + scan.sample_clocks
+    codes[at] = frames[:, np.array(scan.addresses[: scan.slots])]
+    recording, seen = await check(bench, codes)
+    # The tail may hold another scan.
+    bench.compare("frames", seen[: len(frames)], frames)
+    bench.facts = {
+        "frames": len(frames),
+        "seconds": recording.seconds,
+        "clocks_per_frame": int(recording.rows("out_last")[0] - RESET_CLOCKS + 1),
+        "interval": int(np.diff(recording.rows("out_last")).min()),
+    }
+    bench.finish(at_least=len(frames) * bench.twin.outputs)
 
 
 @cocotb.test()
-async def profiles_and_resets(dut):
+async def random_and_resets(dut):
+    """Random codes, and resets that are a few scans apart."""
     bench = Bench(dut)
-    frames = random_elements(bench, 24 * bench.twin.inputs).reshape(24, -1)
-    await check(bench, frames, resets=1000)
-    bench.finish(at_least=5 * bench.twin.load_profile.ramp.points)
+    scan = bench.twin.interval
+    await check(bench, random_codes(bench, scans_that_fit(bench) * scan), resets=3 * scan)
+    bench.finish(at_least=bench.twin.outputs)

@@ -1,0 +1,97 @@
+"""Readout: a network's outputs held, and the profile that is drawn from them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from numpy.typing import ArrayLike
+
+from golden.block import Block
+from golden.fixed import Codes
+from golden.layers.input_controller import InputController
+from golden.networks.network import Network
+from golden.visualisation.load_profile import LoadProfile
+
+
+@dataclass(frozen=True)
+class Readout(Network):
+    """The outputs of a network as a stream and in registers, and the load along the beam.
+
+    Thesis section 5.5, Figures 5.12 and 5.25. As a network it is the one inside: same frames, same
+    outputs, same clocks.
+
+    Parameters
+    ----------
+    network : Network
+    load_profile : LoadProfile or None
+        None where no profile is drawn.
+    results : tuple of int
+        Which outputs of the network are load, position, width and shape, where one is drawn.
+
+    Raises
+    ------
+    ValueError
+        When ``results`` are not four different outputs of the network, or given without a profile.
+    """
+
+    block = "readout"
+    area = "instruments"
+    network: Network
+    load_profile: LoadProfile | None = None
+    results: tuple[int, ...] = ()
+
+    def __post_init__(self) -> None:
+        count = 0 if self.load_profile is None else 4
+        given = set(self.results)
+        if len(given) != count or len(self.results) != count or given - set(range(self.outputs)):
+            raise ValueError(
+                f"{self.entity}: got results {self.results}, expected "
+                + (
+                    f"four different numbers from 0 to {self.outputs - 1}"
+                    if count
+                    else "none without a load_profile"
+                )
+            )
+
+    @property
+    def inputs(self) -> int:
+        return self.network.inputs
+
+    @property
+    def outputs(self) -> int:
+        return self.network.outputs
+
+    @property
+    def interval(self) -> int:
+        return self.network.interval
+
+    @property
+    def input_controller(self) -> InputController:
+        return self.network.input_controller
+
+    def parts(self) -> tuple[Block, ...]:
+        return (self.network, *([self.load_profile] if self.load_profile else []))
+
+    def left_out(self) -> list[str]:
+        return self.network.left_out()
+
+    def compute(self, frames: Codes) -> Codes:
+        return self.network.compute(frames)
+
+    def profile(self, outputs: ArrayLike) -> tuple[Codes, Codes]:
+        """Positions and profiles, see ``LoadProfile.process``, of frames of outputs.
+
+        Parameters
+        ----------
+        outputs : array_like of int, shape (..., outputs)
+            What ``process`` gives.
+
+        Raises
+        ------
+        ValueError
+            For a wrong last axis, a code outside the signal format, or a readout without a profile.
+        """
+        if self.load_profile is None:
+            raise ValueError(f"{self.entity}: draws no profile")
+        codes = self.load_profile.fmt.check(outputs, f"{self.entity} outputs", self.outputs)
+        return self.load_profile.process(codes[..., list(self.results)])

@@ -1,0 +1,116 @@
+"""Scan sequencer: the sensors in turn through an analogue multiplexer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.block import Block
+from golden.fixed import Codes, Fix
+
+# A counter of 24 bits makes a scan of 0.26 s at 64 MHz, slower than any contact.
+COUNTER_WIDTHS = range(2, 25)
+
+
+@dataclass(frozen=True)
+class ScanSequencer(Block):
+    """A counter and its slices (thesis sections 5.4.4 and 5.5).
+
+    The upper bits of the counter are the slot, the lower ones the clock within it. Slot n selects
+    sensor n modulo ``inputs``, so that four sensors and seven slots give the addresses 00 01 10 11
+    00 01 10. Late in each slot, when the multiplexer has settled, the converter's code is taken.
+
+    Parameters
+    ----------
+    fmt : Fix
+        Format of the converter's codes and of the samples.
+    inputs : int
+        Sensors.
+    slots : int
+        Elements of a frame: ``inputs``, and in a cascade the slots of its earlier outputs.
+    counter_width : int
+        Bits of the counter; a scan takes 2**counter_width clocks.
+    sample_clock : int
+        Clock of a slot in which the code is taken, counted from 0. In clock 0 the address still
+        is that of the slot before.
+
+    Raises
+    ------
+    ValueError
+        When a parameter is outside its range; for a counter too narrow the message names the least.
+    """
+
+    block = "scan_sequencer"
+    area = "sensing"
+    fmt: Fix
+    inputs: int
+    slots: int
+    counter_width: int
+    sample_clock: int
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.inputs <= self.slots:
+            raise ValueError(
+                f"{self.entity}: got inputs={self.inputs} and slots={self.slots}, expected "
+                "1 <= inputs <= slots"
+            )
+        least = self.slot_width + 1
+        if self.counter_width not in COUNTER_WIDTHS or self.counter_width < least:
+            raise ValueError(
+                f"{self.entity}: got counter_width={self.counter_width}, expected "
+                f"{max(least, COUNTER_WIDTHS.start)} to {COUNTER_WIDTHS.stop - 1} for "
+                f"{self.slots} slots"
+            )
+        if not 1 <= self.sample_clock < self.slot_clocks:
+            raise ValueError(
+                f"{self.entity}: got sample_clock={self.sample_clock}, expected 1 to "
+                f"{self.slot_clocks - 1}"
+            )
+
+    @property
+    def slot_width(self) -> int:
+        """Bits of the counter that are the slot."""
+        return max(1, (self.slots - 1).bit_length())
+
+    @property
+    def address_width(self) -> int:
+        """Bits of the multiplexer's address."""
+        return max(1, (self.inputs - 1).bit_length())
+
+    @property
+    def slot_clocks(self) -> int:
+        """Clocks of a slot."""
+        return 1 << (self.counter_width - self.slot_width)
+
+    @property
+    def scan_clocks(self) -> int:
+        """Clocks of a scan; slots above ``slots`` pass idle."""
+        return 1 << self.counter_width
+
+    @property
+    def addresses(self) -> tuple[int, ...]:
+        """The sensor that is selected in each slot, idle ones included; those settle the first."""
+        idle = (1 << self.slot_width) - self.slots
+        return tuple(n % self.inputs for n in range(self.slots)) + (0,) * idle
+
+    @property
+    def sample_clocks(self) -> Codes:
+        """Clocks of a scan in which a code is taken, in order."""
+        return np.arange(self.slots) * self.slot_clocks + self.sample_clock
+
+    def process(self, scans: ArrayLike) -> Codes:
+        """Frames, shape (scans, slots), for the codes on the converter in every clock of scans.
+
+        Parameters
+        ----------
+        scans : array_like of int, shape (scans, scan_clocks)
+
+        Raises
+        ------
+        ValueError
+            For a wrong last axis or a code outside ``fmt``.
+        """
+        codes = self.fmt.check(scans, f"{self.entity} codes", self.scan_clocks)
+        return codes[..., self.sample_clocks]

@@ -1,0 +1,126 @@
+"""Readout: a network's outputs held, and the profile that is drawn from them."""
+
+from myhdl import always_comb, always_seq, block
+
+from golden.instruments.readout import Readout
+from golden.precision import SIGNAL
+from hdl.common.lookup import hardware, latency
+from hdl.common.signals import Group, Words, fixed, flag, unsigned
+from hdl.common.stream import catch_word, position, stream_ports
+from hdl.visualisation.load_profile import load_profile
+
+
+@block
+def show_word(word, shown):
+    """``shown`` is ``word``: an output port, which VHDL cannot read."""
+
+    @always_comb
+    def show():
+        shown.next = word
+
+    return show
+
+
+@block
+def draw(clk, rst, valid, last, words, profile, *, drawing):
+    """The profile of the words, from the clock after the last of them came."""
+    complete = flag()
+    drawn = [words[slot] for slot in drawing.results]
+
+    @always_seq(clk.posedge, reset=rst)
+    def finish():
+        complete.next = valid and last
+
+    return finish, load_profile(
+        clk,
+        rst,
+        complete,
+        *drawn,
+        profile.valid,
+        profile.x,
+        profile.y,
+        profile.last,
+        spec=drawing.load_profile,
+    )
+
+
+@block
+def readout(
+    clk,
+    rst,
+    in_valid,
+    in_data,
+    in_last,
+    out_valid,
+    out_data,
+    out_last,
+    frame_error,
+    held,
+    profile,
+    *,
+    spec: Readout,
+):
+    """A frame of samples in; its outputs as a frame, held, and drawn (Figures 5.12 and 5.25).
+
+    Parameters
+    ----------
+    in_valid, in_data, in_last, out_valid, out_data, out_last, frame_error
+        Those of the network.
+    held : Words of signed Fix(14,13)
+        Each output until the next one of its kind: ports ``held_0``, ``held_1``, ...
+    profile : Group
+        ``profile_valid``, ``profile_x``, ``profile_y``, ``profile_last`` (bool, signed Fix(14,13)
+        twice, bool): a point, i_p and f, which stays until the next, and whether it is the last of
+        the ramp. Empty where ``spec`` draws nothing.
+    spec : Readout
+
+    Notes
+    -----
+    Latency that of the network, to the first output. An output is held from the clock after it
+    stood on ``out_data``. The first point stands 1 clock and the latency of load_profile after the
+    last output, or later where a ramp is still being drawn. Reset clears every flag and counter.
+    """
+    outputs = spec.outputs
+    result_valid, result, result_last = flag(), fixed(SIGNAL), flag()
+    count = unsigned(outputs.bit_length())
+    words = Words(outputs, lambda: fixed(SIGNAL))
+
+    @always_comb
+    def show():
+        out_valid.next = result_valid
+        out_data.next = result
+        out_last.next = result_last
+
+    parts = [
+        hardware(spec.network)(
+            clk,
+            rst,
+            in_valid,
+            in_data,
+            in_last,
+            result_valid,
+            result,
+            result_last,
+            frame_error,
+            spec=spec.network,
+        ),
+        show,
+        position(clk, rst, result_valid, result_last, count, stop=outputs),
+        [catch_word(clk, result_valid, count, result, words[i], slot=i) for i in range(outputs)],
+        [show_word(words[i], held[i]) for i in range(outputs)],
+    ]
+    if spec.load_profile is not None:
+        parts.append(draw(clk, rst, result_valid, result_last, words, profile, drawing=spec))
+    return parts
+
+
+def result_ports(spec: Readout):
+    """Fresh signals for the held outputs and the profile."""
+    profile = Group()
+    if spec.load_profile is not None:
+        profile = Group(valid=flag(), x=fixed(SIGNAL), y=fixed(SIGNAL), last=flag())
+    return Words(spec.outputs, lambda: fixed(SIGNAL)), profile
+
+
+readout.latency = lambda spec: latency(spec.network)
+readout.ports = lambda spec: (*stream_ports(spec.network), *result_ports(spec))

@@ -1,0 +1,76 @@
+"""Scan sequencer: the sensors in turn through an analogue multiplexer."""
+
+import numpy as np
+from myhdl import always, always_comb, always_seq, block
+
+from golden.sensing.scan_sequencer import ScanSequencer
+from hdl.common.rom import rom
+from hdl.common.signals import flag, unsigned
+
+
+@block
+def scan_sequencer(clk, rst, adc, address, out_valid, out_data, out_last, *, spec: ScanSequencer):
+    """The converter's codes, late in each slot, as a stream of frames (sections 5.4.4 and 5.5).
+
+    Parameters
+    ----------
+    adc : signed ``spec.fmt``
+        The converter's code, which belongs to the sensor that ``address`` selects.
+    address : unsigned ``spec.address_width`` bits
+        To the analogue multiplexer; from a register, so that it does not glitch.
+    out_valid, out_data, out_last : bool, signed ``spec.fmt``, bool
+        A sample; ``out_valid`` is the sample strobe. The data stay until the next.
+    spec : ScanSequencer
+
+    Notes
+    -----
+    Latency 1 clock, from the code to the sample. A frame every ``spec.scan_clocks`` clocks. Reset
+    starts a scan.
+    """
+    top, width = spec.scan_clocks - 1, spec.counter_width
+    low = width - spec.slot_width
+    sample_clock, slots, final = spec.sample_clock, spec.slots, spec.slots - 1
+    count = unsigned(width)
+    slot = unsigned(spec.slot_width)
+    clock = unsigned(low)
+    selected = unsigned(spec.address_width)
+    take = flag()
+
+    @always_seq(clk.posedge, reset=rst)
+    def step():
+        if count == top:
+            count.next = 0
+        else:
+            count.next = count + 1
+
+    @always_comb
+    def slices():
+        slot.next = count[width:low]
+        clock.next = count[low:0]
+
+    @always_comb
+    def decide():
+        take.next = clock == sample_clock and slot < slots
+
+    @always_seq(clk.posedge, reset=rst)
+    def strobe():
+        out_valid.next = take
+        out_last.next = take and slot == final
+
+    @always(clk.posedge)
+    def keep():
+        address.next = selected
+        if take:
+            out_data.next = adc
+
+    return (
+        step,
+        slices,
+        decide,
+        strobe,
+        keep,
+        rom(slot, selected, words=np.array(spec.addresses)),
+    )
+
+
+scan_sequencer.latency = lambda spec: 1

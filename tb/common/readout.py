@@ -1,0 +1,46 @@
+"""Checks of what a readout shows beside the stream: held outputs and the profile."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tb.common.bench import Bench, Recording
+from tb.common.profile import check_profile
+
+PROFILE = ["profile_valid", "profile_x", "profile_y", "profile_last"]
+
+
+def ports(readout) -> list[str]:
+    """The ports of a readout's twin that are checked here."""
+    held = [f"held_{i}" for i in range(readout.outputs)]
+    return held + (PROFILE if readout.load_profile else [])
+
+
+def frames_out(bench: Bench, recording: Recording) -> tuple[np.ndarray, np.ndarray]:
+    """Whole frames on the output, which other checks compare: their last rows and their codes."""
+    ends = recording.rows("out_last")
+    rows = recording.rows("out_valid")
+    at = np.searchsorted(rows, ends)[:, np.newaxis] + np.arange(1 - bench.twin.outputs, 1)
+    return ends, recording.signed("out_data", rows)[at]
+
+
+def check_held(bench: Bench, recording: Recording) -> None:
+    """Each frame's outputs are held from the clock after its last until the next ones come."""
+    ends, codes = frames_out(bench, recording)
+    # What comes in the clock of a reset is held too; none of these benches ends in one.
+    starts = np.concatenate([recording.rows("out_valid"), [recording.clocks - 1]])
+    until = starts[np.searchsorted(starts, ends, side="right")]
+    for i in range(bench.twin.outputs):
+        for when, rows in (("first", ends + 1), ("until the next", until)):
+            got = recording.signed(f"held_{i}", rows)
+            bench.compare(f"held_{i}, {when}", got, codes[:, i], clock=rows)
+
+
+def check_drawn(bench: Bench, recording: Recording, readout) -> np.ndarray:
+    """The profile of every frame of outputs; see ``check_profile`` for what comes back."""
+    ends, results = frames_out(bench, recording)
+    kept = recording.undisturbed(ends, ends)
+    latency = bench.latency_of(readout.load_profile.entity)
+    return check_profile(
+        bench, recording, "profile", ends[kept] + 1, results[kept], latency, readout.profile
+    )

@@ -1,0 +1,76 @@
+"""readout against its twin: the stream of the network, what is held, and what is drawn.
+
+Sweeps: all recorded frames, corner frames, frames that drive every hidden sum to its ends, and
+random ones; recorded and random ones for the held outputs and the profile.
+Drives: frames as close as the network takes them, with gaps, of wrong lengths, with resets; for the
+profile at all distances, so that many results come while a ramp is being drawn.
+Checks: outputs, ``frame_error``, held outputs and every point of the profile bit for bit in their
+clocks.
+Does not prove: the profile's extremes (tb_load_profile drives the block by itself).
+"""
+
+import cocotb
+import numpy as np
+
+from tb.common import readout
+from tb.common.bench import Bench
+from tb.common.network import (
+    WATCH,
+    corners_and_random,
+    random_elements,
+    recorded,
+    reset_at_every_clock,
+    resets_in_mid_frame,
+    whole_frames,
+    wrong_lengths,
+)
+from tb.common.stimulus import random_resets, spread
+
+__all__ = [
+    "corners_and_random",
+    "recorded",
+    "reset_at_every_clock",
+    "resets_in_mid_frame",
+    "wrong_lengths",
+]
+
+
+async def check(bench, frames, resets=None):
+    twin = bench.twin
+    drawing = 0
+    if twin.load_profile:
+        drawing = twin.load_profile.ramp.points * bench.latency_of(twin.load_profile.entity)
+    elements, last = whole_frames(bench, frames)
+    length = len(elements) // len(frames)
+    pause = np.zeros((len(frames), length), dtype=np.int64)
+    # Many come during a ramp, others when the readout is at rest.
+    longest = max(twin.interval + 1, drawing * 4 // 3)
+    pause[:, 0] = bench.rng.integers(twin.interval, longest, len(frames))
+    items = {"in_data": elements, "in_last": last}
+    tail = bench.latency + 2 * drawing + twin.outputs + 8
+    drive = spread(bench.rng, items, "in_valid", 0.0, tail=tail, pause=pause.ravel())
+    if resets:
+        drive["rst"] = random_resets(bench.rng, len(drive["in_valid"]), resets)
+    recording = await bench.play(drive, WATCH + readout.ports(twin))
+    readout.check_held(bench, recording)
+    if twin.load_profile:
+        drawn = readout.check_drawn(bench, recording, twin)
+        if not resets:
+            assert len(set(drawn)) < len(frames), "no results came during a ramp"
+
+
+@cocotb.test()
+async def shown(dut):
+    """Held outputs and profiles."""
+    bench = Bench(dut)
+    random = random_elements(bench, 16 * bench.twin.inputs).reshape(16, -1)
+    await check(bench, np.concatenate([bench.scene.vectors().codes[:16], random]))
+    bench.finish(at_least=32 * bench.twin.outputs)
+
+
+@cocotb.test()
+async def shown_and_resets(dut):
+    bench = Bench(dut)
+    frames = random_elements(bench, 24 * bench.twin.inputs).reshape(24, -1)
+    await check(bench, frames, resets=1000)
+    bench.finish(at_least=5 * bench.twin.outputs)

@@ -1,0 +1,70 @@
+"""scan_sequencer against its twin.
+
+Sweeps: three whole scans, every clock of them; another random code on the converter in each.
+Drives: scans from the first reset on; then resets at random clocks.
+Checks: the address in every clock; samples, ``out_last`` and the clocks in which they stand; that a
+sample stays until the next.
+Does not prove: that an analogue multiplexer has settled when the code is taken.
+"""
+
+import cocotb
+import numpy as np
+
+from tb.common.bench import RESET_CLOCKS, Bench
+from tb.common.stimulus import random_resets
+
+WATCH = ["address", "out_valid", "out_data", "out_last"]
+
+
+async def check(bench, clocks, resets=None):
+    twin = bench.twin
+    codes = bench.rng.integers(twin.fmt.low, twin.fmt.high + 1, clocks)
+    drive = {"adc": codes}
+    if resets is not None:
+        drive["rst"] = random_resets(bench.rng, clocks, every=resets)
+    recording = await bench.play(drive, WATCH)
+
+    # The scan begins in the clock after a reset; a code taken in that of one is lost.
+    marks = np.concatenate([[RESET_CLOCKS - 1], recording.resets()])
+    rows = np.arange(RESET_CLOCKS, recording.clocks)
+    since = rows - marks[np.searchsorted(marks, rows) - 1] - 1
+    count = since % twin.scan_clocks
+    sampled = np.isin(count, twin.sample_clocks) & ~np.isin(rows, marks)
+    taken = rows[sampled]
+    taken = taken[taken + bench.latency < recording.clocks]
+    left = recording.rows("out_valid")
+    bench.compare("clocks of the samples", left, taken + bench.latency)
+    adc = recording.signed("adc", taken)
+    bench.compare("out_data", recording.signed("out_data", left), adc, clock=taken)
+    final = count[taken - RESET_CLOCKS] == twin.sample_clocks[-1]
+    bench.compare("clocks of out_last", recording.rows("out_last"), left[final])
+    stays = np.flatnonzero(recording.undisturbed(left[:-1], left[1:] - 1))
+    kept = recording.signed("out_data", left[stays + 1] - 1)
+    bench.compare("kept data", kept, adc[stays], clock=left[stays])
+    steady = np.flatnonzero(since >= 1)
+    expected = np.array(twin.addresses)[(count[steady] - 1) % twin.scan_clocks // twin.slot_clocks]
+    address = recording.unsigned("address", rows[steady])
+    bench.compare("address", address, expected, clock=since[steady])
+    return recording
+
+
+@cocotb.test()
+async def scans(dut):
+    """The codes of whole scans, as the twin picks them."""
+    bench = Bench(dut)
+    twin, count = bench.twin, 3
+    recording = await check(bench, count * twin.scan_clocks + 2)
+    clocks = RESET_CLOCKS + np.arange(count * twin.scan_clocks)
+    expected = twin.process(recording.signed("adc", clocks).reshape(count, -1))
+    got = recording.signed("out_data", recording.rows("out_valid"))
+    bench.compare("frames", got, expected.ravel())
+    bench.finish(at_least=count * twin.slots)
+
+
+@cocotb.test()
+async def resets(dut):
+    """The scan begins again after each reset."""
+    bench = Bench(dut)
+    scan = bench.twin.scan_clocks
+    await check(bench, 3 * scan + 200, resets=scan)
+    bench.finish(at_least=bench.twin.slots)

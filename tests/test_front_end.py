@@ -1,0 +1,111 @@
+"""The front end: patterns of the thesis, ranges, and what a scene may ask for."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+from conftest import FRONT_END, random_mlp, write_scene
+
+from golden.fixed import Fix
+from golden.instruments.instrument import Instrument
+from golden.instruments.readout import Readout
+from golden.scene import load_scene
+from golden.sensing.scan_sequencer import ScanSequencer
+
+FMT = Fix(14, 13)
+
+
+def sequencer(inputs=4, slots=4, counter_width=12, sample_clock=900) -> ScanSequencer:
+    return ScanSequencer(FMT, inputs, slots, counter_width, sample_clock)
+
+
+def test_the_pattern_of_four_slots() -> None:
+    """Thesis section 5.4.4: 12 bits, four slots of 1024 clocks."""
+    scan = sequencer()
+    assert scan.addresses == (0, 1, 2, 3)
+    assert (scan.slot_clocks, scan.scan_clocks) == (1024, 4096)
+    assert scan.sample_clocks.tolist() == [900, 1924, 2948, 3972]
+
+
+def test_the_pattern_of_seven_slots() -> None:
+    """Thesis section 5.5; the eighth slot is idle."""
+    scan = sequencer(slots=7, sample_clock=460)
+    assert [f"{a:02b}" for a in scan.addresses[:7]] == ["00", "01", "10", "11", "00", "01", "10"]
+    assert scan.addresses[7] == 0
+    assert scan.slot_clocks == 512
+
+
+def test_a_frame_is_what_stood_on_the_converter() -> None:
+    scan = sequencer(inputs=3, slots=5, counter_width=6, sample_clock=7)
+    codes = np.arange(2 * 64).reshape(2, 64)
+    assert scan.process(codes).tolist() == [[7, 15, 23, 31, 39], [71, 79, 87, 95, 103]]
+
+
+@pytest.mark.parametrize(
+    ("parameters", "message"),
+    [
+        ({"inputs": 0}, r"got inputs=0 and slots=4, expected 1 <= inputs <= slots"),
+        ({"inputs": 5}, r"got inputs=5 and slots=4"),
+        ({"slots": 7, "counter_width": 3}, r"got counter_width=3, expected 4 to 24 for 7 slots"),
+        ({"counter_width": 25}, r"got counter_width=25, expected 3 to 24"),
+        ({"sample_clock": 0}, r"got sample_clock=0, expected 1 to 1023"),
+        ({"sample_clock": 1024}, r"got sample_clock=1024, expected 1 to 1023"),
+    ],
+)
+def test_parameters_out_of_range_are_refused(parameters, message) -> None:
+    with pytest.raises(ValueError, match=f"scan_sequencer: {message}"):
+        sequencer(**parameters)
+
+
+def scene_with(tmp_path, section: str, shape=(2, 3, 4), design="hybrid"):
+    mlp = random_mlp(shape, 1.0, 1)
+    path = write_scene(tmp_path, "rig", "precise", [mlp], design=design, sections=section)
+    return load_scene(str(path))
+
+
+def test_a_scene_without_the_section_has_none_of_it(tmp_path) -> None:
+    assert scene_with(tmp_path, "").design().block == "hybrid"
+
+
+def test_the_section_may_be_empty(tmp_path) -> None:
+    design = scene_with(tmp_path, FRONT_END).design()
+    assert isinstance(design, Instrument)
+    assert design.readout.load_profile is None
+    assert design.scan_sequencer == ScanSequencer(FMT, 2, 2, 12, 1843)
+    assert design.interval == 4096
+
+
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [
+        ("counter_width = 0\n", "front_end.counter_width: got 0, expected 1 to 24"),
+        ("sample_at = 1.5\n", "front_end.sample_at: got 1.5, expected above 0 and below 1"),
+        ("sample_at = 1e-4\n", "front_end: scan_sequencer: got sample_clock=0, expected 1 to"),
+        ("counter_width = 1\n", "front_end: scan_sequencer: got counter_width=1, expected 2 to 24"),
+        ("samples_at = 0.5\n", "front_end: key 'samples_at' is not known, .*'sample_at'"),
+    ],
+)
+def test_a_front_end_that_cannot_be_is_refused(tmp_path, lines: str, message: str) -> None:
+    with pytest.raises(ValueError, match=rf"rig.toml: {message}"):
+        scene_with(tmp_path, FRONT_END + lines).design()
+
+
+def test_a_scan_faster_than_the_network_is_refused(tmp_path) -> None:
+    """Nine outputs take nine clocks; a scan of three bits has eight."""
+    section = f"{FRONT_END}counter_width = 3\n"
+    with pytest.raises(ValueError, match="a scan of 8 clocks, expected 9 or more"):
+        scene_with(tmp_path, section, shape=(2, 3, 9)).design()
+
+
+def test_the_parallel_design_has_no_front_end(tmp_path) -> None:
+    with pytest.raises(
+        ValueError, match=re.escape("hardware.design: got 'parallel', expected hybr")
+    ):
+        scene_with(tmp_path, FRONT_END, design="parallel")
+
+
+def test_results_without_a_profile_are_refused(small_scene) -> None:
+    with pytest.raises(ValueError, match="expected none without a load_profile"):
+        Readout(small_scene.design(), None, (0, 1))
