@@ -193,6 +193,8 @@ def run_job(job: Job) -> Outcome:
         "SIM": job.simulator,
         "WAVES": str(int(job.waves)),
         "PYTHONPATH": str(ROOT),
+        # One failed test is enough to know.
+        "COCOTB_MAX_FAILURES": "1",
         # One thread: two simulations share two cores.
         "OPENBLAS_NUM_THREADS": "1",
     }
