@@ -6,7 +6,7 @@ PYTHON ?= python3
 VENV ?= .venv
 RUN = $(VENV)/bin/python
 
-.PHONY: help demo test sim vhdl verilog train network bench activations figures lint clean tools
+.PHONY: help demo test sim vhdl verilog train network bench activations figures lean lint clean tools
 
 help:
 	@echo "make demo    [SCENE=]                     a scene end to end: simulate, export, table of errors"
@@ -21,6 +21,7 @@ help:
 	@echo "make bench   [SCENE=] [FRAMES=]           speed and memory of the bit-true twin"
 	@echo "make activations                          errors of every activation against tanh, and their plots"
 	@echo "make figures [TABLE=] [SEED=]             measured figures beside the thesis', in build/figures"
+	@echo "make lean    [SCENE=] [BESIDE=other]      what a scene leaves out, and what that saves"
 	@echo "make lint                                 ruff and mypy"
 	@echo "make clean                                remove build and .venv"
 	@echo
@@ -54,6 +55,9 @@ activations: $(VENV)/.ready
 
 figures: $(VENV)/.ready
 	@$(RUN) -m golden.figures $(if $(TABLE),"$(TABLE)") --seed "$(SEED)"
+
+lean: $(VENV)/.ready
+	@$(RUN) -m hdl.lean "$(SCENE)" $(BESIDE)
 
 lint: $(VENV)/.ready
 	@$(RUN) -m ruff check . && $(RUN) -m ruff format --check . && $(RUN) -m mypy

@@ -180,7 +180,9 @@ def cut(codes: ArrayLike, shift: int, rounding: Rounding) -> Codes:
     if shift < 0:
         raise ValueError(f"cut: shift={shift}, expected 0 or more")
     exact = np.asarray(codes, dtype=np.int64)
-    if rounding is Rounding.ROUND and shift:
+    if not shift:
+        return exact
+    if rounding is Rounding.ROUND:
         exact = exact + (1 << (shift - 1))
     return np.asarray(exact >> shift, dtype=np.int64)
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import tomllib
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -250,13 +251,16 @@ class Scene:
         """Outputs of the trained networks with this scene's activation in floating point."""
         return process_real(self.arrangement, self.mlps(), samples, self.scheme.real)
 
-    def build(self, mlp: Mlp, variant: str = "") -> Network:
+    def build(self, mlp: Mlp, variant: str = "", lean: bool = True) -> Network:
         """The bit-true network of ``mlp`` in this scene's hardware; see ``build_hybrid``."""
+        build = DESIGNS[self.form].build
         options = self.activation_options
-        return DESIGNS[self.form].build(mlp, self.precision, self.activation, options, variant)
+        return build(mlp, self.precision, self.activation, options, variant, lean)
 
-    def design(self) -> Network:
+    def design(self, lean: bool = True) -> Network:
         """The bit-true twin of this scene's hardware.
+
+        ``lean`` leaves out what the weights make useless; see ``build_hybrid``.
 
         Raises
         ------
@@ -264,7 +268,8 @@ class Scene:
             See ``load_network`` and ``build_hybrid``; also for a front end that cannot make the
             network's frames.
         """
-        network = arrange(self.arrangement, self.mlps(), self.build)
+        build = partial(self.build, lean=lean)
+        network = arrange(self.arrangement, self.mlps(), build)
         drawn = self.visualisation
         if drawn is not None:
             network = Readout(network, drawn.load_profile, drawn.results)

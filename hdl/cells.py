@@ -13,8 +13,9 @@ from pathlib import Path
 from golden.activation.activation_block import ActivationBlock
 from golden.activation.schemes import forms
 from golden.cli import CommandError, run
+from golden.networks.network import Network
 from golden.precision import PRECISE
-from hdl.elaborate import elaborate_activation
+from hdl.elaborate import elaborate, elaborate_activation
 from hdl.hierarchy import convert_hierarchy
 
 # Yosys' name of the family, and what it is.
@@ -30,8 +31,8 @@ KINDS = {
 }
 
 
-def cells(spec: ActivationBlock, family: str) -> dict[str, int]:
-    """Cells of one activation and its parts after ``synth_xilinx``.
+def cells(spec: ActivationBlock | Network, family: str) -> dict[str, int]:
+    """Cells of an activation or a network, with its parts, after ``synth_xilinx``.
 
     Raises
     ------
@@ -42,10 +43,11 @@ def cells(spec: ActivationBlock, family: str) -> dict[str, int]:
         raise CommandError("not installed: yosys; run: sudo apt-get install yosys")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        convert_hierarchy(elaborate_activation(spec), folder, "verilog")
+        elaborated = elaborate(spec) if isinstance(spec, Network) else elaborate_activation(spec)
+        convert_hierarchy(elaborated, folder, "verilog")
         script = (
             f"read_verilog *.v; synth_xilinx -family {family} -noiopad -noclkbuf "
-            f"-top {spec.entity}; tee -q -o stat.json stat -json"
+            f"-top {spec.entity}; flatten; tee -q -o stat.json stat -json"
         )
         result = subprocess.run(
             ["yosys", "-q", "-p", script], cwd=folder, capture_output=True, text=True, check=False

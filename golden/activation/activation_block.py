@@ -47,7 +47,7 @@ class ActivationBlock(Block):
             For a code outside ``in_fmt``.
         """
         codes = self.in_fmt.check(data, f"{self.block} data")
-        return np.take(_results(self), codes - self.in_fmt.low)
+        return np.take(_results(self), codes).astype(np.int64)
 
     def compute(self, data: Codes) -> Codes:
         """The same from part to part, as the hardware does it."""
@@ -60,5 +60,9 @@ class ActivationBlock(Block):
 
 @lru_cache(maxsize=256)
 def _results(activation: ActivationBlock) -> Codes:
-    """The activation of every input code, from the lowest up."""
-    return activation.compute(np.arange(activation.in_fmt.low, activation.in_fmt.high + 1))
+    """The activation of every input code: 0 and up, then the negative ones, which numpy counts
+    from the end. In the fewest bytes, so that the tables of a network stay in the cache.
+    """
+    fmt = activation.in_fmt
+    codes = np.concatenate([np.arange(fmt.high + 1), np.arange(fmt.low, 0)])
+    return activation.compute(codes).astype(np.min_scalar_type(activation.out_fmt.low))

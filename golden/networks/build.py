@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -32,6 +32,19 @@ class Layer:
     fmt: Fix
     factors: tuple[int, ...]
 
+    def of_neurons(self, kept: Sequence[int]) -> Layer:
+        """This layer with some of its neurons."""
+        return replace(
+            self,
+            weights=tuple(self.weights[j] for j in kept),
+            biases=tuple(self.biases[j] for j in kept),
+            factors=tuple(self.factors[j] for j in kept),
+        )
+
+    def of_inputs(self, kept: Sequence[int]) -> Layer:
+        """This layer on some of its inputs."""
+        return replace(self, weights=tuple(tuple(row[j] for j in kept) for row in self.weights))
+
 
 def quantised(weights: Real, biases: Real, precision: Precision, name: str) -> Layer:
     """A layer in the formats of a precision, normalised where it asks for that.
@@ -56,6 +69,20 @@ def _plain(codes: Codes) -> tuple[int, ...]:
     return tuple(int(code) for code in codes)
 
 
+def _layers(mlp: Mlp, precision: Precision, lean: bool) -> tuple[Layer, Layer, int]:
+    """Both layers, without the hidden nodes that no output uses, and how many those are.
+
+    A weight whose code is 0 adds nothing to a sum, so a node with such weights alone changes no
+    output. One node stays, because a network has at least one.
+    """
+    first = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights")
+    second = quantised(mlp.w2, mlp.b2, precision, "layer 2 weights")
+    hidden = range(len(first.biases))
+    used = [j for j in hidden if any(row[j] for row in second.weights)] if lean else list(hidden)
+    used = used or [0]
+    return first.of_neurons(used), second.of_inputs(used), len(hidden) - len(used)
+
+
 def _refuse_wrapping(precision: Precision, widths: Iterable[tuple[str, int]]) -> None:
     """The thesis' adders wrap, and a wrapped sum is a wrong sum."""
     for name, width in widths:
@@ -73,11 +100,13 @@ def _activations(
     options: Mapping[str, object] | None,
     factors: Sequence[int],
     nodes: Sequence[NodeSum],
+    lean: bool,
 ) -> tuple[ActivationBlock, ...]:
-    """One for each hidden node, as small as its sum allows."""
+    """One for each hidden node, as small as its sum allows; whole ones where not ``lean``."""
     scheme = SCHEMES[activation].configured(options or {})
     return tuple(
-        scheme.build(precision, q, node.reach) for q, node in zip(factors, nodes, strict=True)
+        scheme.build(precision, q, node.reach if lean else node.out_fmt.high)
+        for q, node in zip(factors, nodes, strict=True)
     )
 
 
@@ -87,6 +116,7 @@ def build_hybrid(
     activation: str,
     options: Mapping[str, object] | None = None,
     variant: str = "",
+    lean: bool = True,
 ) -> Hybrid:
     """The bit-true folded network of ``mlp``.
 
@@ -100,6 +130,9 @@ def build_hybrid(
         What is chosen of the activation's options.
     variant : str
         Tells it from other networks of the same design.
+    lean : bool
+        Leave out what the weights make useless: segments of activations, hidden nodes. Results are
+        the same either way.
 
     Raises
     ------
@@ -107,8 +140,7 @@ def build_hybrid(
         When weights do not fit their format, or when in ``thesis`` precision a normalised sum
         could leave its 14 bits.
     """
-    first = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights")
-    second = quantised(mlp.w2, mlp.b2, precision, "layer 2 weights")
+    first, second, useless = _layers(mlp, precision, lean)
     prefix = f"{variant}_" if variant else ""
     nodes = tuple(
         InputNode(
@@ -139,8 +171,9 @@ def build_hybrid(
     )
     return Hybrid(
         InputIntegral(nodes, variant=variant),
-        _activations(precision, activation, options, first.factors, nodes),
+        _activations(precision, activation, options, first.factors, nodes, lean),
         output,
+        useless_nodes=useless,
         variant=variant,
     )
 
@@ -151,10 +184,10 @@ def build_parallel(
     activation: str,
     options: Mapping[str, object] | None = None,
     variant: str = "",
+    lean: bool = True,
 ) -> Parallel:
     """The bit-true parallel network of ``mlp``; see ``build_hybrid``, whose results it has."""
-    first = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights")
-    second = quantised(mlp.w2, mlp.b2, precision, "layer 2 weights")
+    first, second, useless = _layers(mlp, precision, lean)
     prefix = f"{variant}_" if variant else ""
 
     def neurons(layer: Layer, out_fmt: Fix, symbol: str, scaled: bool) -> tuple[Neuron, ...]:
@@ -181,8 +214,9 @@ def build_parallel(
     )
     return Parallel(
         hidden,
-        _activations(precision, activation, options, first.factors, hidden),
+        _activations(precision, activation, options, first.factors, hidden, lean),
         outputs,
+        useless_nodes=useless,
         variant=variant,
     )
 
@@ -191,7 +225,7 @@ def build_parallel(
 class Design:
     """A form of hardware that a scene can name: how it is built, and the arrangements it allows."""
 
-    build: Callable[[Mlp, Precision, str, Mapping[str, object] | None, str], Network]
+    build: Callable[[Mlp, Precision, str, Mapping[str, object] | None, str, bool], Network]
     arrangements: tuple[str, ...]
 
 

@@ -32,6 +32,8 @@ class Hybrid(Network):
     output_integral : OutputIntegral
     min_interval : int
         Clocks that whoever takes the outputs needs from one frame to the next.
+    useless_nodes : int
+        Hidden nodes that are not built, because no output uses them.
     """
 
     block = "hybrid"
@@ -39,6 +41,7 @@ class Hybrid(Network):
     activations: tuple[ActivationBlock, ...]
     output_integral: OutputIntegral
     min_interval: int = 1
+    useless_nodes: int = 0
 
     def __post_init__(self) -> None:
         hidden = len(self.input_integral.nodes)
@@ -82,6 +85,8 @@ class Hybrid(Network):
     def left_out(self) -> list[str]:
         counts: Counter[str] = sum((a.left_out() for a in self.activations), Counter())
         texts = [f"{count} {what}" for what, count in sorted(counts.items())]
+        if self.useless_nodes:
+            texts.append(f"{self.useless_nodes} hidden nodes whose weights to the outputs are 0")
         if self.output_integral.factors is None:
             texts.append("the de-normalisation multiplier and its ROM")
         if not self.input_controller.spacing:
@@ -90,5 +95,5 @@ class Hybrid(Network):
 
     def compute(self, frames: Codes) -> Codes:
         q = self.input_integral.process(frames)
-        columns = [a.process(q[:, j]) for j, a in enumerate(self.activations)]
-        return self.output_integral.process(np.stack(columns, axis=-1))
+        rows = [a.process(q[:, j]) for j, a in enumerate(self.activations)]
+        return self.output_integral.process(np.stack(rows).T)

@@ -28,12 +28,15 @@ class Parallel(Network):
     activations : tuple of ActivationBlock
         One per hidden node.
     output_neurons : tuple of Neuron
+    useless_nodes : int
+        Hidden nodes that are not built, because no output uses them.
     """
 
     block = "parallel"
     hidden_neurons: tuple[Neuron, ...]
     activations: tuple[ActivationBlock, ...]
     output_neurons: tuple[Neuron, ...]
+    useless_nodes: int = 0
 
     def __post_init__(self) -> None:
         hidden = len(self.hidden_neurons)
@@ -78,6 +81,11 @@ class Parallel(Network):
     def left_out(self) -> list[str]:
         counts: Counter[str] = sum((a.left_out() for a in self.activations), Counter())
         texts = [f"{count} {what}" for what, count in sorted(counts.items())]
+        if self.useless_nodes:
+            texts.append(f"{self.useless_nodes} hidden nodes whose weights to the outputs are 0")
+        zeros = sum(n.weights.count(0) for n in (*self.hidden_neurons, *self.output_neurons))
+        if zeros:
+            texts.append(f"{zeros} multipliers of weights that are 0")
         if self.output_neurons[0].factor is None:
             texts.append("the multipliers of the de-normalisation")
         if not self.input_controller.spacing:

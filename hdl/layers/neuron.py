@@ -5,7 +5,7 @@ from myhdl import always, always_comb, block
 from golden.fixed import Rounding
 from golden.layers.neuron import Neuron
 from hdl.common.adder_tree import adder_tree, tree_depth
-from hdl.common.delay import delay
+from hdl.common.delay import connect, delay
 from hdl.common.requantise import requantise
 from hdl.common.scale import scale
 from hdl.common.signals import fixed, signed
@@ -66,22 +66,31 @@ def neuron(clk, in_data, out_data, *, spec: Neuron):
 
     Notes
     -----
-    One multiplier per weight, and one for the factor where there is one. Latency: product 1 clock,
-    adder tree one per level, factor 1, rounding 1; one frame a clock. No reset: data alone.
+    One multiplier per weight that is not 0, and one for the factor where there is one. Latency:
+    product 1 clock, adder tree one per level, factor 1, rounding 1; one frame a clock. No reset:
+    data alone.
     """
     coeff_width = spec.coeff_fmt.width
     shift = spec.product_shift
     term_width = spec.in_fmt.width + coeff_width - shift
-    terms = [signed(term_width) for _ in spec.weights]
+    # A weight of 0 adds nothing; one term stays, because a sum needs two.
+    kept = [k for k, weight in enumerate(spec.weights) if weight] or [0]
+    for k in range(len(spec.weights)):
+        # MyHDL refuses a port that nothing reads.
+        in_data[k].read = True
+    terms = [signed(term_width) for _ in kept]
     bias = signed(coeff_width + spec.bias_shift)
-    total = signed(spec.acc_width)
+    summed, total = signed(spec.acc_width), signed(spec.acc_width)
     result = fixed(spec.out_fmt)
     products = [
-        weigh(clk, in_data[k], terms[k], weight=weight, width=coeff_width, shift=shift)
-        for k, weight in enumerate(spec.weights)
+        weigh(clk, in_data[k], terms[i], weight=spec.weights[k], width=coeff_width, shift=shift)
+        for i, k in enumerate(kept)
     ]
     offset = constant(clk, bias, value=spec.bias, width=coeff_width, shift=spec.bias_shift)
-    tree = adder_tree(clk, [*terms, bias], total, width=spec.acc_width)
+    tree = adder_tree(clk, [*terms, bias], summed, width=spec.acc_width)
+    # As late as with all terms, so that the neurons of a layer keep together.
+    late = tree_depth(len(spec.weights) + 1) - tree_depth(len(terms) + 1)
+    wait = delay(clk, None, summed, total, clocks=late) if late else connect(summed, total)
 
     scaling = []
     exact = total
@@ -98,7 +107,7 @@ def neuron(clk, in_data, out_data, *, spec: Neuron):
     def keep():
         out_data.next = result
 
-    return products, offset, tree, scaling, finish, keep
+    return products, offset, tree, wait, scaling, finish, keep
 
 
 neuron.latency = lambda spec: 2 + tree_depth(len(spec.weights) + 1) + (spec.factor is not None)

@@ -81,5 +81,5 @@ async def random_and_resets(dut):
     """Random codes, and resets that are a few scans apart."""
     bench = Bench(dut)
     scan = bench.twin.interval
-    await check(bench, random_codes(bench, scans_that_fit(bench) * scan), resets=3 * scan)
+    await check(bench, random_codes(bench, scans_that_fit(bench) // 2 * scan), resets=3 * scan)
     bench.finish(at_least=bench.twin.outputs)

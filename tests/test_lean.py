@@ -1,0 +1,140 @@
+"""What a scene does not need is not in its hardware, and its results are those of the whole."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import FRONT_END, VISUALISATION, random_mlp, write_scene
+
+from golden.networks.mlp import Mlp
+from golden.precision import SIGNAL
+from golden.scene import Scene, load_scene, scene_names
+from hdl import lean
+from hdl.export import MANIFEST, export
+
+
+def exported(scene: Scene, folder: Path) -> tuple[set[str], str]:
+    """Names of the blocks and the text of all VHDL of a scene."""
+    folder = folder / scene.name
+    export(scene, "vhdl", folder)
+    blocks = {entry["block"] for entry in json.loads((folder / MANIFEST).read_text())}
+    return blocks, "\n".join(p.read_text() for p in sorted(folder.glob("*.vhd")))
+
+
+def same_results(scene: Scene) -> None:
+    whole, lean = scene.design(lean=False), scene.design()
+    rng = np.random.default_rng(3)
+    frames = rng.integers(SIGNAL.low, SIGNAL.high + 1, (3000, lean.inputs))
+    assert (whole.process(frames) == lean.process(frames)).all()
+
+
+def with_zeros() -> Mlp:
+    """No output uses node 2; some weights of the others are 0."""
+    mlp = random_mlp((3, 4, 2), 1.0, 3)
+    mlp.w1[0, 1] = mlp.w1[3, 0] = 0
+    mlp.w2[:, 2] = 0
+    mlp.w2[0, 1] = 0
+    return mlp
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_results_are_those_of_the_whole(name: str) -> None:
+    same_results(load_scene(name))
+
+
+def test_segments_that_no_neuron_reaches(tmp_path: Path) -> None:
+    path = write_scene(tmp_path, "few", "precise", [random_mlp((2, 2, 1), 0.2, 1)])
+    scene = load_scene(str(path))
+    same_results(scene)
+    whole, lean = scene.design(lean=False).activations[0], scene.design().activations[0]
+    saved = lean.left_out()["comparators of segments no neuron reaches"]
+    assert saved == len(whole.table.thresholds) - len(lean.table.thresholds) > 0
+    _, text = exported(scene, tmp_path)
+    assert len(re.findall(r"signed\(resize\(in_mag|in_mag > ", text)) < len(whole.table.thresholds)
+
+
+@pytest.mark.parametrize("design", ["hybrid", "parallel"])
+def test_hidden_nodes_that_no_output_uses(tmp_path: Path, design: str) -> None:
+    path = write_scene(tmp_path, "idle", "precise", [with_zeros()], design=design)
+    scene = load_scene(str(path))
+    same_results(scene)
+    assert len(scene.design().activations) == 3
+    assert "1 hidden nodes whose weights to the outputs are 0" in scene.design().left_out()
+    _, text = exported(scene, tmp_path)
+    node = "input_node" if design == "hybrid" else "neuron_q"
+    assert len(set(re.findall(rf"entity ({node}\w+) is", text))) == 3
+
+
+def test_a_network_of_zeros_keeps_a_node(tmp_path: Path) -> None:
+    mlp = random_mlp((2, 3, 1), 1.0, 3)
+    mlp.w2[:] = 0
+    scene = load_scene(str(write_scene(tmp_path, "none", "precise", [mlp])))
+    same_results(scene)
+    assert len(scene.design().activations) == 1
+
+
+def test_multipliers_of_weights_that_are_0(tmp_path: Path) -> None:
+    path = write_scene(tmp_path, "zeros", "precise", [with_zeros()], design="parallel")
+    scene = load_scene(str(path))
+    same_results(scene)
+    design = scene.design()
+    weights = [w for n in (*design.hidden_neurons, *design.output_neurons) for w in n.weights]
+    zeros = weights.count(0)
+    assert zeros == 3
+    assert f"{zeros} multipliers of weights that are 0" in design.left_out()
+    _, text = exported(scene, tmp_path)
+    assert len(re.findall(r"weigh\d+_product <= ", text)) == len(weights) - zeros
+
+
+def test_outputs_that_nobody_asks_for(tmp_path: Path) -> None:
+    """digit-load is the first network of digit's cascade."""
+    lean, whole = load_scene("digit-load"), load_scene("digit")
+    codes = whole.vectors().codes
+    first = lean.design().process(codes)
+    assert (first[:, 0] == whole.design().process(codes)[:, 0]).all()
+    blocks, _ = exported(lean, tmp_path)
+    assert not blocks & {"cascade", "stream_multiplexer", "output_collector"}
+
+
+def test_front_end_and_profile_that_the_scene_does_not_name(tmp_path: Path) -> None:
+    mlp = random_mlp((2, 3, 4), 1.0, 1)
+    found = {}
+    for name, sections in (("bare", ""), ("full", VISUALISATION + FRONT_END)):
+        path = write_scene(tmp_path, name, "precise", [mlp], sections=sections)
+        scene = load_scene(str(path))
+        found[name] = exported(scene, tmp_path)[0], scene.design().process(np.full((1, 2), 99))
+    bare, full = found["bare"][0], found["full"][0]
+    assert full - bare == {
+        *("instrument", "readout", "scan_sequencer", "load_profile", "ramp", "divider"),
+        *("power_fold", "exp_memory", "exp_interpolator"),
+    }
+    assert (found["bare"][1] == found["full"][1]).all()
+
+
+def test_a_slot_that_nobody_reads(tmp_path: Path) -> None:
+    """A cascade's scan has slots for its earlier outputs; independent networks need none."""
+    for arrangement, more, slots in (("cascade", 1, 4), ("multiple", 0, 2)):
+        mlps = [random_mlp((2 + more * i, 2, 1), 1.0, i) for i in range(3)]
+        path = write_scene(tmp_path, arrangement, "precise", mlps, arrangement, sections=FRONT_END)
+        scene = load_scene(str(path))
+        assert scene.design().scan_sequencer.slots == slots
+        _, text = exported(scene, tmp_path)
+        assert f"slot < {slots}" in text
+
+
+@pytest.mark.skipif(not shutil.which("yosys"), reason="yosys is not installed")
+def test_the_savings_are_those_of_two_builds(tmp_path: Path, monkeypatch, capsys) -> None:
+    path = write_scene(tmp_path, "idle", "precise", [with_zeros()], activation="precise")
+    monkeypatch.setattr(sys, "argv", ["make lean", str(path)])
+    lean.main()
+    rows = [line.split() for line in capsys.readouterr().out.splitlines()[-3:]]
+    whole, found, saved = ([int(n) for n in row[-5:]] for row in rows)
+    assert [a - b for a, b in zip(whole, found, strict=True)] == saved
+    # The node's own, its activation's and its part of the outputs.
+    assert saved[3] == 3
