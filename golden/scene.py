@@ -19,6 +19,7 @@ from golden.fixed import Codes
 from golden.instruments.instrument import Instrument
 from golden.network_file import load_network
 from golden.networks.arrangement import ARRANGEMENTS, arrange, process_real
+from golden.networks.axis_network import AxisNetwork
 from golden.networks.build import DESIGNS
 from golden.networks.mlp import Mlp, Real
 from golden.networks.network import Network
@@ -53,6 +54,7 @@ _KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
         "activation_options": (dict, {}),
         "precision": (str, None),
         "clock_mhz": (float, 64.0),
+        "interface": (str, "stream"),
     },
     "training": {
         "optimiser": (str, "levenberg-marquardt"),
@@ -73,6 +75,7 @@ _CHOICES = {
     ("hardware", "design"): tuple(DESIGNS),
     ("hardware", "activation"): tuple(SCHEMES),
     ("hardware", "precision"): tuple(PRECISIONS),
+    ("hardware", "interface"): ("stream", "axi_stream"),
     ("training", "optimiser"): ("levenberg-marquardt", "scg"),
     ("training", "earlier_outputs"): ("bit-true", "float"),
 }
@@ -158,6 +161,8 @@ class Scene:
         What the scene chooses of the activation's options.
     precision : Precision
     clock_mhz : float
+    interface : str
+        ``stream``, the network's own ports, or ``axi_stream``.
     training : Training
     visualisation : Visualisation or None
         The profile of the load, where the scene has that section.
@@ -180,6 +185,7 @@ class Scene:
     activation_options: dict[str, Any]
     precision: Precision
     clock_mhz: float
+    interface: str
     training: Training
     visualisation: Visualisation | None
 
@@ -251,6 +257,8 @@ class Scene:
     def design(self) -> Network:
         """The bit-true twin of this scene's hardware."""
         network = arrange(self.arrangement, self.mlps(), self.build)
+        if self.interface == "axi_stream":
+            return AxisNetwork(network)
         if self.visualisation is None:
             return network
         return Instrument(network, self.visualisation.load_profile, self.visualisation.results)
@@ -404,6 +412,7 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
             f"{path}: network.arrangement: got {network['arrangement']!r} with design "
             f"{hardware['design']!r}, expected {' or '.join(possible)}"
         )
+    _check_interface(values, path)
     members = _members(data, network, path)
     span = values["training"]["hidden"]
     if [type(n) for n in span] != [int, int] or not 1 <= span[0] <= span[1]:
@@ -452,6 +461,7 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
         activation_options=hardware["activation_options"],
         precision=precision,
         clock_mhz=hardware["clock_mhz"],
+        interface=hardware["interface"],
         training=Training(**(values["training"] | {"hidden": (span[0], span[1])})),
         visualisation=(
             visualisation(values["visualisation"], data, hardware["design"], path)
@@ -459,6 +469,21 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
             else None
         ),
     )
+
+
+def _check_interface(values: dict[str, dict[str, Any]], path: Path) -> None:
+    """AXI4-Stream is built around a network whose outputs are a stream, and around nothing else."""
+    design = values["hardware"]["design"]
+    if values["hardware"]["interface"] != "axi_stream":
+        return
+    if design == "parallel":
+        raise ValueError(
+            f"{path}: hardware.design: got {design!r} with interface 'axi_stream', expected hybrid"
+        )
+    if "visualisation" in values:
+        raise ValueError(
+            f"{path}: hardware.interface: got 'axi_stream' with a visualisation, expected stream"
+        )
 
 
 def _members(data: dict[str, Any], network: dict[str, Any], path: Path) -> tuple[Member, ...]:

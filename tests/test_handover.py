@@ -25,8 +25,11 @@ pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.Unsettle
 ROOT = Path(__file__).parents[1]
 SHIPPED = ("digit", "digit-single", "digit-parallel")
 # A profile beside the outputs; single values; frames further apart than they are long; networks of
-# different depth; slots.
-OTHERS = ("profile", "least", "wide", "pade-parallel", "wide-multiple", "other-profile")
+# different depth; slots; the same behind AXI4-Stream.
+OTHERS = (
+    *("profile", "least", "wide", "pade-parallel", "wide-multiple", "other-profile"),
+    *("axis", "axis-cascade"),
+)
 
 
 @pytest.fixture(scope="module")
@@ -91,6 +94,13 @@ def test_every_recorded_frame_matches(scenes, build, tmp_path: Path, name: str) 
         ("pade-parallel", "parallel.vhd", r"in_data_1 => in_data_1", "in_data_1 => in_data_0"),
         ("wide-multiple", "multiple.vhd", r"in_data_1 => aligned_1", "in_data_1 => aligned_0"),
         ("other-profile", "cascade.vhd", r"in_data_0 => gathered_0", "in_data_0 => gathered_1"),
+        ("axis", "axis_network.vhd", r"credit0_used = (\d+)", "credit0_used = 7"),
+        (
+            "axis-cascade",
+            "axis_network.vhd",
+            r"s_axis_tready <= gate0_ready",
+            "s_axis_tready <= '0'",
+        ),
         # Right results, but frames are refused or flagged.
         ("wide", "input_controller.vhd", r"frame_error <= broken", "frame_error <= done"),
     ],

@@ -32,16 +32,16 @@ _STREAM_VARIABLES = """\
         variable place, correct: natural := 0;
 """
 
-_STREAM_CHECK = """\
-            if out_valid = '1' then
+_STREAM_CHECK = Template("""\
+            if $taken then
                 if received < frames and place < outputs then
-                    if out_data = to_signed(results(received * outputs + place), out_data'length)
+                    if $data = to_signed(results(received * outputs + place), $data'length)
                     then
                         correct := correct + 1;
                     end if;
                 end if;
                 place := place + 1;
-                if out_last = '1' then
+                if $last = '1' then
                     if place = outputs and correct = outputs then
                         matched := matched + 1;
                     else
@@ -51,7 +51,7 @@ _STREAM_CHECK = """\
                     place := 0;
                     correct := 0;
                 end if;
-            end if;"""
+            end if;""")
 
 # Between valid elements the data is another code, which must not matter; so is what stands in the
 # slots of a cascade.
@@ -78,6 +78,46 @@ _STREAM_SEND = Template("""\
                 in_last <= '0';
                 in_data <= not in_data;
             end loop;""")
+
+_AXIS_VARIABLES = f"""\
+{_STREAM_VARIABLES}\
+        -- With gaps, outputs are taken in one clock of three.
+        variable ticks: natural := 0;
+        variable slow, taking: boolean := false;
+"""
+
+# Ready is set for the rising edge to come, before which no output of the network changes.
+_AXIS_CHECK = """\
+            ticks := ticks + 1;
+            taking := not slow or ticks mod 3 = 0;
+            if taking then
+                m_axis_tready <= '1';
+            else
+                m_axis_tready <= '0';
+            end if;
+"""
+
+# A network that never takes a sample must not hang the test bench.
+_AXIS_SEND = """\
+            slow := gaps;
+            for element in 0 to inputs - 1 loop
+                if gaps then
+                    idle((3 * frame + 5 * element) mod 4);
+                end if;
+                s_axis_tdata <= to_signed(samples(frame * inputs + element), s_axis_tdata'length);
+                if element = inputs - 1 then
+                    s_axis_tlast <= '1';
+                end if;
+                s_axis_tvalid <= '1';
+                for waiting in 1 to 3 * settle loop
+                    exit when s_axis_tready = '1';
+                    tick;
+                end loop;
+                tick;
+                s_axis_tvalid <= '0';
+                s_axis_tlast <= '0';
+                s_axis_tdata <= not s_axis_tdata;
+            end loop;"""
 
 _PARALLEL_CHECK = Template("""\
             if out_valid = '1' then
@@ -129,10 +169,29 @@ def _parallel_send(design: Network) -> str:
     )
 
 
-STREAM = Style(_STREAM_VARIABLES, lambda design: _STREAM_CHECK, _stream_send)
+def _stream_check(taken: str, data: str, last: str) -> str:
+    return _STREAM_CHECK.substitute(taken=taken, data=data, last=last)
+
+
+STREAM = Style(
+    _STREAM_VARIABLES,
+    lambda design: _stream_check("out_valid = '1'", "out_data", "out_last"),
+    _stream_send,
+)
+AXIS = Style(
+    _AXIS_VARIABLES,
+    lambda design: (
+        _AXIS_CHECK
+        + _stream_check("taking and m_axis_tvalid = '1'", "m_axis_tdata", "m_axis_tlast")
+    ),
+    lambda design: _AXIS_SEND,
+)
 PARALLEL = Style("", _parallel_check, _parallel_send)
 
 
 def style_of(ports: list[Port]) -> Style:
     """The style of a top with these ports."""
-    return STREAM if "in_last" in {port.name for port in ports} else PARALLEL
+    names = {port.name for port in ports}
+    if "s_axis_tvalid" in names:
+        return AXIS
+    return STREAM if "in_last" in names else PARALLEL

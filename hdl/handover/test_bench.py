@@ -27,7 +27,7 @@ end entity ${top}_tb;
 architecture self_check of ${top}_tb is
 
     constant half_period: time := 5 ns;
-    -- Clocks from the last element of a frame until its outputs have left, and some more.
+    -- Clocks from the last element of a frame until all outputs have left, slowly, and some more.
     constant settle: positive := $settle;
 
 $signals
@@ -113,13 +113,14 @@ end architecture self_check;
 def test_bench(scene: str, design: Network, ports: list[Port]) -> str:
     """Text of the entity ``<top>_tb``."""
     style = style_of(ports)
+    clocks = latency(design)
     # The profile of an instrument is not recorded.
     used = [port for port in ports if not port.name.startswith("profile_")]
     left_open = tuple(port.name for port in ports if port not in used)
     return _TEXT.substitute(
         scene=scene,
         top=design.entity,
-        settle=latency(design) + design.outputs + 4,
+        settle=clocks + 3 * design.outputs * (clocks // design.interval + 2),
         signals=vhdl_signals(used),
         map=vhdl_map(ports, left_open),
         variables=style.variables,
