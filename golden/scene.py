@@ -21,6 +21,7 @@ from golden.instruments.instrument import Instrument
 from golden.instruments.readout import Readout
 from golden.network_file import load_network
 from golden.networks.arrangement import ARRANGEMENTS, arrange, process_real
+from golden.networks.axis_network import AxisNetwork
 from golden.networks.build import DESIGNS
 from golden.networks.mlp import Mlp, Real
 from golden.networks.network import Network
@@ -57,6 +58,7 @@ _KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
         "activation_options": (dict, {}),
         "precision": (str, None),
         "clock_mhz": (float, 64.0),
+        "interface": (str, "stream"),
     },
     "training": {
         "optimiser": (str, "levenberg-marquardt"),
@@ -78,6 +80,7 @@ _CHOICES = {
     ("hardware", "design"): tuple(DESIGNS),
     ("hardware", "activation"): tuple(SCHEMES),
     ("hardware", "precision"): tuple(PRECISIONS),
+    ("hardware", "interface"): ("stream", "axi_stream"),
     ("training", "optimiser"): ("levenberg-marquardt", "scg"),
     ("training", "earlier_outputs"): ("bit-true", "float"),
 }
@@ -163,6 +166,8 @@ class Scene:
         What the scene chooses of the activation's options.
     precision : Precision
     clock_mhz : float
+    interface : str
+        ``stream``, the network's own ports, or ``axi_stream``.
     training : Training
     front_end : FrontEnd or None
         How the sensors are read, where the scene has that section.
@@ -187,6 +192,7 @@ class Scene:
     activation_options: dict[str, Any]
     precision: Precision
     clock_mhz: float
+    interface: str
     training: Training
     front_end: FrontEnd | None
     visualisation: Visualisation | None
@@ -270,6 +276,8 @@ class Scene:
         """
         build = partial(self.build, lean=lean)
         network = arrange(self.arrangement, self.mlps(), build)
+        if self.interface == "axi_stream":
+            return AxisNetwork(network)
         drawn = self.visualisation
         if drawn is not None:
             network = Readout(network, drawn.load_profile, drawn.results)
@@ -430,6 +438,7 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
             f"{path}: network.arrangement: got {network['arrangement']!r} with design "
             f"{hardware['design']!r}, expected {' or '.join(possible)}"
         )
+    _check_interface(values, path)
     members = _members(data, network, path)
     span = values["training"]["hidden"]
     if [type(n) for n in span] != [int, int] or not 1 <= span[0] <= span[1]:
@@ -478,6 +487,7 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
         activation_options=hardware["activation_options"],
         precision=precision,
         clock_mhz=hardware["clock_mhz"],
+        interface=hardware["interface"],
         training=Training(**(values["training"] | {"hidden": (span[0], span[1])})),
         front_end=(
             front_end(values["front_end"], hardware["design"], path)
@@ -490,6 +500,23 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
             else None
         ),
     )
+
+
+def _check_interface(values: dict[str, dict[str, Any]], path: Path) -> None:
+    """AXI4-Stream is built around a network whose outputs are a stream, and around nothing else."""
+    design = values["hardware"]["design"]
+    if values["hardware"]["interface"] != "axi_stream":
+        return
+    if design == "parallel":
+        raise ValueError(
+            f"{path}: hardware.design: got {design!r} with interface 'axi_stream', expected hybrid"
+        )
+    for section in ("front_end", "visualisation"):
+        if section in values:
+            raise ValueError(
+                f"{path}: hardware.interface: got 'axi_stream' with a section [{section}], "
+                "expected stream"
+            )
 
 
 def _members(data: dict[str, Any], network: dict[str, Any], path: Path) -> tuple[Member, ...]:

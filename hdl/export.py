@@ -23,6 +23,7 @@ from golden.fingerprint import fingerprint, sources
 from golden.scene import Scene, load_scene
 from hdl.common.lookup import latency
 from hdl.elaborate import elaborate
+from hdl.handover.write import write_handover
 from hdl.hierarchy import LANGUAGES, SUFFIX, convert_hierarchy
 
 # Functions that MyHDL's VHDL calls (stdl, bool); MyHDL writes the package beside its output.
@@ -41,7 +42,8 @@ def export(scene: Scene, language: str, folder: Path) -> list[str]:
         "vhdl" or "verilog".
     folder : Path
         Beside the entities it gets ``compile_order.txt``, the files in compile order, and
-        ``manifest.json``, which names block, file and latency of every entity.
+        ``manifest.json``, which names block, file and latency of every entity, and what
+        ``hdl.handover`` writes.
 
     Returns
     -------
@@ -75,6 +77,7 @@ def export(scene: Scene, language: str, folder: Path) -> list[str]:
             for spec in specs
         ]
         (temporary / MANIFEST).write_text(json.dumps(manifest, indent=1) + "\n")
+        write_handover(scene, design, temporary, ORDER, files, language)
     return files
 
 
@@ -88,7 +91,7 @@ def main() -> None:
     top = scene.design().entity
     folder = arguments.build / scene.name / arguments.language
     stamp = folder.parent / f".{arguments.language}.stamp"
-    inputs = [*sources("golden", "hdl"), scene.path, *scene.weights_paths]
+    inputs = [*sources("golden", "hdl"), scene.path, *scene.weights_paths, scene.data_path]
     versions = (myhdl.__version__, platform.python_version())
     if not _is_current(stamp, folder, inputs, versions):
         export(scene, arguments.language, folder)

@@ -22,6 +22,7 @@ from myhdl._Signal import _Signal
 
 from golden.block import Block
 from hdl.common.signals import Words
+from hdl.ports import read_ports
 
 LANGUAGES = {"vhdl": "VHDL", "verilog": "Verilog"}
 SUFFIX = {"vhdl": ".vhd", "verilog": ".v"}
@@ -172,10 +173,7 @@ def _name_grouped_signals(instance: _Block) -> None:
 
 def port_directions(text: str, language: str) -> dict[str, str]:
     """Direction of each port, read from the converted header."""
-    if language == "vhdl":
-        return dict(re.findall(r"^\s+(\w+): (in|out) ", text, re.M))
-    found = re.findall(r"^(in|out)put (?:signed )?(?:\[[^\]]*\] )?(\w+);", text, re.M)
-    return {name: direction for direction, name in found}
+    return {port.name: port.direction for port in read_ports(text, language)}
 
 
 def _tidy(text: str, language: str) -> str:

@@ -31,6 +31,7 @@ design = "{design}"
 activation = "{activation}"
 activation_options = {options}
 precision = "{precision}"
+interface = "{interface}"
 {sections}
 [training]
 restarts = 2
@@ -75,6 +76,7 @@ def write_scene(
     rows: int = 12,
     design: str = "hybrid",
     sections: str = "",
+    interface: str = "stream",
 ) -> Path:
     """A scene with random vectors and the given networks; returns its TOML file.
 
@@ -105,6 +107,7 @@ def write_scene(
         options=OPTIONS.get(activation, "{}") if options is None else options,
         lengths=LENGTHS if sections else "",
         sections=sections,
+        interface=interface,
     )
     path = folder / f"{name}.toml"
     path.write_text(text.replace("'", '"'))
@@ -131,6 +134,7 @@ class Case:
     seed: int = 7
     design: str = "hybrid"
     sections: str = ""
+    interface: str = "stream"
 
     def networks(self) -> list[Mlp]:
         mlps = [
@@ -152,6 +156,7 @@ class Case:
             self.options,
             design=self.design,
             sections=self.sections,
+            interface=self.interface,
         )
         return load_scene(str(path))
 
@@ -170,6 +175,7 @@ PROFILE = (
 )
 INSTRUMENT = ("instrument", "scan_sequencer")
 FRONT_END = "\n[front_end]\n"
+AXIS = Case(("axis_network",), [(2, 3, 5)], "precise", interface="axi_stream")
 GRADIENT = Case(("gradient", *FOLDED), [(1, 1, 1)], "precise")
 PARALLEL = Case(("parallel", "neuron"), [(2, 3, 2)], "thesis", design="parallel")
 PRECISE = Case(("precise", "hybrid"), [(2, 3, 2)], "precise", activation="precise")
@@ -239,6 +245,11 @@ CASES = scheme_cases() | {
     "wide-multiple": Case(
         MULTIPLE, [(2, 9, 1), (2, 1, 1), (2, 4, 1)], "precise", arrangement="multiple"
     ),
+    "axis": AXIS,
+    "least-axis": replace(AXIS, shapes=[(1, 2, 1)], precision="thesis"),
+    "pade-axis": replace(AXIS, shapes=[(2, 2, 2)], activation="pade"),
+    "axis-cascade": replace(AXIS, shapes=[(2, 3, 1), (3, 2, 1), (4, 2, 1)], arrangement="cascade"),
+    "axis-multiple": replace(AXIS, shapes=[(2, 2, 1), (2, 4, 1)], arrangement="multiple"),
     "profile": Case(PROFILE, [(4, 3, 4)], "precise", sections=VISUALISATION),
     "other-profile": Case(
         ("readout", "ramp", "divider"),

@@ -18,7 +18,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.Unsettle
 WHOLE = ("digit-single", "digit-single-thesis")
 
 # The cases whose network is simulated.
-TOPS = {"hybrid", "parallel", "cascade", "multiple", "readout", "instrument"}
+TOPS = {"hybrid", "parallel", "cascade", "multiple", "readout", "instrument", "axis_network"}
 NETWORKS = [name for name, case in CASES.items() if TOPS & set(case.blocks)]
 
 
@@ -94,6 +94,8 @@ def test_the_cases_differ_as_meant(tmp_path: Path) -> None:
     assert designs["wide-multiple"].input_controller.spacing == 3
     assert designs["pade-parallel"].interval == 3
     assert designs["parallel"].interval == 1
+    assert designs["axis"].spacing == 5
+    assert designs["axis-cascade"].slots == 2
     for form in ("logic", "block-ram"):
         few = max(a.words for a in designs[form].activations)
         assert few < designs[f"{form}-huge"].activations[0].words

@@ -81,6 +81,14 @@ FAULTS = [
     ("cascade", r"\.in_data_0\(gathered_0\)", ".in_data_0(gathered_1)"),
     ("multiple", r"\.in_data_1\(aligned_1\)", ".in_data_1(aligned_0)"),
     ("multiple", r"aligned_2 <= result_2", "aligned_2 <= aligned_0"),
+    ("axis_network", r"credit0_used == (\d+)", r"credit0_used == \1 + 1"),
+    ("axis_network", r"fifo0_write_addr == (\d+)", r"fifo0_write_addr == \1 - 1"),
+    ("axis_network", r"(m_axis_tready \|\|) \(!fifo0_full\)", r"\1 1"),
+    ("axis_network", r"gate0_empty == 1", "gate0_empty == 2"),
+    ("axis_network", r"s_axis_tlast != gate0_final", "s_axis_tlast"),
+    ("axis_network", r"gate0_dropping <= \(!s_axis_tlast\)", "gate0_dropping <= 0"),
+    ("axis_network", r"closing <= left", "closing <= 0"),
+    ("axis_network", r"if \(rst == 1\) begin", "if (0) begin"),
     ("ramp", r"following = \((acc \+ \d+)\)", r"following = (\1 + 2048)"),
     ("ramp", r"out_last <= \(acc == (\S+)\)", "out_last <= 0"),
     ("ramp", r"if \(rst == 1\) begin", "if (0) begin"),
@@ -135,6 +143,10 @@ def jobs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Job]:
         )
         for arrangement, activation, mlps, design, precision in designs
     ]
+    # Samples and slots: the blocks inside are those of the cascade above.
+    paths.append(
+        write_scene(folder, "faulty-axis", "precise", cascade, "cascade", interface="axi_stream")
+    )
     # A short ramp, because every fault costs all tests of its bench.
     section = f"{VISUALISATION}stop = 0.9\nstep = 0.3\n{FRONT_END}counter_width = 6\n"
     drawn = [random_mlp((2, 3, 4), 1.0, 2)]

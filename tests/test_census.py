@@ -12,12 +12,13 @@ import pytest
 from golden.block import Block
 
 ROOT = Path(__file__).parents[1]
-# Parts are inlined into blocks and have no entity; the blocks that use them are their bench.
-PARTS = "common"
+# Parts are inlined into blocks and have no entity; the blocks that use them are their bench. What
+# is handed over beside the entities holds no block.
+OTHERS = {"common", "handover"}
 BLOCKS = sorted(
     (path.parent.name, path.stem)
     for path in (ROOT / "hdl").glob("*/*.py")
-    if path.parent.name != PARTS and path.stem != "__init__"
+    if path.parent.name not in OTHERS and path.stem != "__init__"
 )
 
 

@@ -38,6 +38,7 @@ OTHERS = (
     "polynomial-thesis",
     "deep-cascade",
     "wide-multiple",
+    "axis-cascade",
 )
 
 

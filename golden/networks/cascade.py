@@ -39,13 +39,13 @@ class Cascade(Several):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        # Networks see parts of the same frame: were one to refuse a frame as too early, the
-        # others would not.
+        # A network sees the beginning of a frame, also of one that ends too early or too late, and
+        # takes it for a whole one: were it to refuse the next as too close, the others would not.
         for network in self.networks:
-            if network.interval > self.interval:
+            if network.interval > network.inputs:
                 raise ValueError(
                     f"{network.entity}: needs {network.interval} clocks from frame to frame, "
-                    f"expected at most {self.interval}, the elements of a frame of the cascade"
+                    f"expected at most {network.inputs}, the elements that it sees of a frame"
                 )
 
     def _inputs_of(self, number: int) -> int:

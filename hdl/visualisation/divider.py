@@ -42,7 +42,7 @@ def divider(clk, rst, in_valid, in_distance, in_width, out_valid, out_data, *, s
     load, beyond, beyond_held, fits = flag(), flag(), flag(), flag()
     remaining = unsigned(out_bits.bit_length())
     # The numerator's lower bits leave to the left, the quotient's come in from the right.
-    work = unsigned(out_bits)
+    digits = unsigned(out_bits)
     top = flag()
     remainder = unsigned(width_bits)
     shifted = unsigned(width_bits + 1)
@@ -78,7 +78,7 @@ def divider(clk, rst, in_valid, in_distance, in_width, out_valid, out_data, *, s
 
     @always_comb
     def join():
-        top.next = work[out_bits - 1]
+        top.next = digits[out_bits - 1]
 
     @always_comb
     def lengthen():
@@ -93,13 +93,13 @@ def divider(clk, rst, in_valid, in_distance, in_width, out_valid, out_data, *, s
     def step():
         if load:
             beyond_held.next = beyond
-            work.next = rest
+            digits.next = rest
             if beyond:
                 remainder.next = 0
             else:
                 remainder.next = head
         elif remaining != 0:
-            work.next = concat(work[out_bits - 1 :], quotient_bit)
+            digits.next = concat(digits[out_bits - 1 :], quotient_bit)
             if fits:
                 remainder.next = trial[width_bits:]
             else:
@@ -115,7 +115,7 @@ def divider(clk, rst, in_valid, in_distance, in_width, out_valid, out_data, *, s
 
     @always_comb
     def show():
-        out_data.next = work
+        out_data.next = digits
 
     return (
         scale(in_distance, product, factor=spec.gain),

@@ -42,7 +42,7 @@ def exp_interpolator(
         flipped.next = in_offset ^ ones
 
     @always(clk.posedge)
-    def work():
+    def multiply():
         factor.next = flipped + base
         word.next = in_word
         product.next = word * factor
@@ -53,7 +53,7 @@ def exp_interpolator(
         out_data.next = product[word_width + frac : frac]
 
     mark = delay(clk, rst, in_valid, out_valid, clocks=2)
-    return flip, work, cut, mark
+    return flip, multiply, cut, mark
 
 
 exp_interpolator.latency = lambda spec: 2

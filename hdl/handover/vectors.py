@@ -1,0 +1,65 @@
+"""The recorded frames and what the hardware makes of them, as a VHDL package."""
+
+from __future__ import annotations
+
+from string import Template
+
+from golden.fixed import Codes
+
+# Constants that any simulator elaborates in a second, and scans that it plays in a minute; longer
+# recordings are cut there.
+FRAMES = 4096
+CLOCKS = 40_000
+
+_TEXT = Template("""\
+-- Recorded frames of scene $scene: sample codes and the output codes of the bit-true model.
+
+package ${top}_vectors is
+
+    constant inputs: positive := $inputs;
+    constant outputs: positive := $outputs;
+    constant frames: positive := $frames;
+
+    type codes is array (natural range <>) of integer;
+
+    -- One line a frame.
+    constant samples: codes(0 to $last_sample) := (
+$samples
+    );
+
+    constant results: codes(0 to $last_result) := (
+$results
+    );
+
+end package ${top}_vectors;
+""")
+
+
+def vectors(scene: str, top: str, samples: Codes, results: Codes) -> str:
+    """Text of the package ``<top>_vectors``.
+
+    Parameters
+    ----------
+    samples, results : Codes, shape (frames, inputs), (frames, outputs)
+    """
+    return _TEXT.substitute(
+        scene=scene,
+        top=top,
+        inputs=samples.shape[1],
+        outputs=results.shape[1],
+        frames=len(samples),
+        last_sample=samples.size - 1,
+        last_result=results.size - 1,
+        samples=_table(samples),
+        results=_table(results),
+    )
+
+
+def _table(codes: Codes) -> str:
+    """Named association, because a list of a single value is no aggregate without a name."""
+    columns = codes.shape[1]
+    lines = (
+        ", ".join(f"{row * columns + c} => {code}" for c, code in enumerate(frame))
+        for row, frame in enumerate(codes.tolist())
+    )
+    return ",\n".join(f"        {line}" for line in lines)

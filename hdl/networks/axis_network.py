@@ -1,0 +1,284 @@
+"""AXI4-Stream around a network: a network that can be made to wait."""
+
+from myhdl import always_comb, always_seq, block
+
+from golden.networks.axis_network import TDATA, AxisNetwork
+from golden.precision import SIGNAL
+from hdl.common.delay import connect
+from hdl.common.fifo import fifo
+from hdl.common.lookup import hardware, latency
+from hdl.common.signals import fixed, flag, reset, unsigned
+from hdl.common.stream import position
+
+# From a result to its place on the output: into the memory, and out of it.
+FIFO_CLOCKS = 2
+
+
+def frames_under_way(spec: AxisNetwork) -> int:
+    """Frames that may be between the last sample and the last output taken.
+
+    As many as keep the network busy while nobody waits: from a frame's last sample until the clock
+    in which another may take its place there are ``slots``, the latency, the outputs and 1 clock.
+    """
+    clocks = spec.slots + latency(spec.network) + spec.outputs + 1
+    return -(-clocks // spec.interval)
+
+
+@block
+def gate(
+    clk,
+    rst,
+    s_axis_tvalid,
+    s_axis_tready,
+    s_axis_tdata,
+    s_axis_tlast,
+    valid,
+    data,
+    last,
+    done,
+    full,
+    *,
+    inputs: int,
+    slots: int,
+    spacing: int,
+):
+    """Samples into the network's stream, the slots behind them, and when to wait.
+
+    ``done`` comes with the last sample of a good frame; while ``full`` that sample waits. So does
+    one that comes less than ``spacing`` clocks after the last of the good frame before.
+    """
+    final_place = inputs - 1
+    bits = SIGNAL.width
+    place = unsigned(max(1, final_place.bit_length()))
+    final, held, dropping = flag(), flag(), flag()
+    ready, accept, good = flag(), flag(), flag()
+    parts = []
+
+    @always_comb
+    def find():
+        final.next = place == final_place
+
+    @always_comb
+    def judge():
+        accept.next = s_axis_tvalid and ready
+        good.next = s_axis_tvalid and ready and final and s_axis_tlast and not dropping
+
+    @always_comb
+    def show():
+        s_axis_tready.next = ready
+        done.next = good
+        data.next = s_axis_tdata[bits:].signed()
+
+    @always_seq(clk.posedge, reset=rst)
+    def step():
+        if accept:
+            if dropping:
+                dropping.next = not s_axis_tlast
+            elif final or s_axis_tlast:
+                place.next = 0
+                dropping.next = not s_axis_tlast
+            else:
+                place.next = place + 1
+
+    if spacing:
+        remaining = unsigned((spacing - 1).bit_length())
+
+        @always_comb
+        def hold():
+            held.next = full or remaining != 0
+
+        @always_seq(clk.posedge, reset=rst)
+        def tick():
+            if good:
+                remaining.next = spacing - 1
+            elif remaining != 0:
+                remaining.next = remaining - 1
+
+        parts += [hold, tick]
+    else:
+        parts.append(connect(full, held))
+
+    if slots:
+        empty = unsigned(slots.bit_length())
+
+        @always_comb
+        def look():
+            ready.next = dropping or (empty == 0 and not (final and held))
+
+        @always_seq(clk.posedge, reset=rst)
+        def count():
+            if good:
+                empty.next = slots
+            elif empty != 0:
+                empty.next = empty - 1
+
+        # The network refuses a frame that ends before its slots: so end both kinds of wrong
+        # frame. What is dropped does not reach it.
+        @always_comb
+        def send():
+            valid.next = empty != 0 or (accept and not dropping)
+            if empty != 0:
+                last.next = empty == 1
+            else:
+                last.next = s_axis_tlast != final
+
+        parts += [look, count, send]
+    else:
+
+        @always_comb
+        def look():
+            ready.next = dropping or not (final and held)
+
+        # The network drops by itself what is dropped here.
+        parts += [look, connect(accept, valid), connect(s_axis_tlast, last)]
+
+    return find, judge, show, step, parts
+
+
+@block
+def credit(clk, rst, done, left, full, *, frames: int):
+    """``full`` while ``frames`` frames are under way, between ``done`` and ``left``."""
+    used = unsigned(frames.bit_length())
+
+    @always_seq(clk.posedge, reset=rst)
+    def count():
+        if done and not left:
+            used.next = used + 1
+        elif left and not done:
+            used.next = used - 1
+
+    @always_comb
+    def compare():
+        full.next = used == frames
+
+    return count, compare
+
+
+@block
+def axis_network(
+    clk,
+    rst,
+    s_axis_tvalid,
+    s_axis_tready,
+    s_axis_tdata,
+    s_axis_tlast,
+    m_axis_tvalid,
+    m_axis_tready,
+    m_axis_tdata,
+    m_axis_tlast,
+    frame_error,
+    *,
+    spec: AxisNetwork,
+):
+    """A packet of samples in, a packet of outputs out, either side may wait.
+
+    Parameters
+    ----------
+    s_axis_tvalid, s_axis_tready, s_axis_tdata, s_axis_tlast : bool, bool, signed Fix(16,13), bool
+        The samples; ``s_axis_tlast`` with the last sensor of a scan. The lower 14 bits of the data
+        are the sample, the upper two are ignored.
+    m_axis_tvalid, m_axis_tready, m_axis_tdata, m_axis_tlast : bool, bool, signed Fix(16,13), bool
+        The outputs, sign-extended.
+    frame_error : bool
+        One clock long for each frame of the wrong length, which yields no packet.
+    spec : AxisNetwork
+
+    Notes
+    -----
+    The network cannot wait, so its results go into a memory, and a frame is completed only when
+    the memory has room for all of them. Let F be ``frames_under_way(spec)``, L the outputs and the
+    memory F L words deep. A frame takes a credit with its last sample, which waits while F credits
+    are taken, and gives it back in the clock in which its last output is fetched from the memory.
+    A word in the memory belongs to a frame that holds a credit, because frames are fetched in
+    order; there are F such frames at most, and each has L words at most. So the memory never holds
+    more than F L words, and no result is ever lost, whatever waits. A wrong frame takes no credit:
+    it yields no result.
+
+    Samples before the last are taken at once: they rest in the network's sums. Ready does not
+    depend on any input of the same clock, nor does any output.
+
+    Latency from the last sample to the first output, where nobody waits:
+    ``axis_network.latency(spec)`` clocks; a frame every ``spec.interval`` clocks. Reset clears
+    every flag and counter and empties the memory.
+    """
+    frames = frames_under_way(spec)
+    outputs = spec.outputs
+    final_place = outputs - 1
+    valid, data, last = flag(), fixed(SIGNAL), flag()
+    done, left, full = flag(), flag(), flag()
+    result_valid, result = flag(), fixed(SIGNAL)
+    # Left open: the outputs of a frame are counted where they leave.
+    result_last = flag()
+    fetch, word = flag(), fixed(SIGNAL)
+    place = unsigned(outputs.bit_length())
+    closing = flag()
+
+    @always_comb
+    def look():
+        left.next = fetch and place == final_place
+
+    @always_seq(clk.posedge, reset=rst)
+    def close():
+        if fetch:
+            closing.next = left
+
+    @always_comb
+    def show():
+        m_axis_tdata.next = word
+        m_axis_tlast.next = closing
+
+    return (
+        gate(
+            clk,
+            rst,
+            s_axis_tvalid,
+            s_axis_tready,
+            s_axis_tdata,
+            s_axis_tlast,
+            valid,
+            data,
+            last,
+            done,
+            full,
+            inputs=spec.inputs,
+            slots=spec.slots,
+            spacing=spec.spacing,
+        ),
+        hardware(spec.network)(
+            clk,
+            rst,
+            valid,
+            data,
+            last,
+            result_valid,
+            result,
+            result_last,
+            frame_error,
+            spec=spec.network,
+        ),
+        fifo(
+            clk,
+            rst,
+            result_valid,
+            result,
+            m_axis_tready,
+            m_axis_tvalid,
+            word,
+            fetch,
+            depth=frames * outputs,
+        ),
+        look,
+        position(clk, rst, fetch, left, place, stop=outputs),
+        close,
+        show,
+        credit(clk, rst, done, left, full, frames=frames),
+    )
+
+
+axis_network.latency = lambda spec: spec.slots + latency(spec.network) + FIFO_CLOCKS
+axis_network.ports = lambda spec: (
+    *(flag(), reset()),
+    *(flag(), flag(), fixed(TDATA), flag()),
+    *(flag(), flag(), fixed(TDATA), flag()),
+    flag(),
+)

@@ -1,0 +1,52 @@
+"""The ports of an exported entity, read from its header."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+_VHDL = re.compile(
+    r"^\s+(?P<name>\w+): (?P<direction>in|out) "
+    r"(?P<kind>std_logic|signed|unsigned)(?: ?\((?P<top>\d+) downto 0\))?;?$",
+    re.M,
+)
+_VERILOG = re.compile(
+    r"^(?P<direction>in|out)put (?P<kind>signed )?(?:\[(?P<top>\d+):0\] )?(?P<name>\w+);", re.M
+)
+PATTERN = {"vhdl": _VHDL, "verilog": _VERILOG}
+
+
+@dataclass(frozen=True)
+class Port:
+    """One port; ``width`` 0 is a single bit, which is no vector."""
+
+    name: str
+    direction: str
+    width: int
+    signed: bool
+
+    @property
+    def vhdl(self) -> str:
+        """The port's type in VHDL."""
+        if not self.width:
+            return "std_logic"
+        return f"{'signed' if self.signed else 'unsigned'}({self.width - 1} downto 0)"
+
+    @property
+    def verilog(self) -> str:
+        """Signedness and range in Verilog, with a blank behind, or nothing."""
+        span = f"[{self.width - 1}:0] " if self.width else ""
+        return f"signed {span}" if self.signed else span
+
+
+def read_ports(text: str, language: str) -> list[Port]:
+    """The ports of an entity or module that MyHDL wrote, in the order of its header."""
+    return [
+        Port(
+            found["name"],
+            found["direction"],
+            int(found["top"]) + 1 if found["top"] else 0,
+            (found["kind"] or "").strip() == "signed",
+        )
+        for found in PATTERN[language].finditer(text)
+    ]

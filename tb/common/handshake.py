@@ -1,0 +1,80 @@
+"""Both ends of an AXI4-Stream block: offer elements, take results, record every clock."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+from cocotb.triggers import Timer
+
+from tb.common.bench import RESET_CLOCKS, Bench, Recording
+
+PORTS = [f"{side}_axis_{name}" for side in "sm" for name in ("tvalid", "tready", "tdata", "tlast")]
+
+
+async def exchange(
+    bench: Bench,
+    data: np.ndarray,
+    last: np.ndarray,
+    offer: np.ndarray,
+    take: np.ndarray,
+    resets: np.ndarray,
+) -> Recording:
+    """Play one column a clock; the elements go in order, each offered until it is taken.
+
+    Parameters
+    ----------
+    data, last : int arrays
+        The elements. One that a reset meets is lost.
+    offer, take : bool arrays
+        Whether a new element is offered, and whether results are taken, in each clock.
+    resets : bool array
+    """
+    dut = bench.dut
+    half = Timer(5, "ns")
+    ports = ["rst", *PORTS, "frame_error"]
+    handles = [getattr(dut, name) for name in ports]
+    rows = []
+    at, offered = 0, False
+    started = time.perf_counter()
+    clear = np.ones(RESET_CLOCKS, dtype=bool)
+    for reset, wanted, ready in zip(
+        np.concatenate([clear, resets]),
+        np.concatenate([~clear, offer]),
+        np.concatenate([~clear, take]),
+        strict=True,
+    ):
+        offered = (offered or bool(wanted)) and at < len(data)
+        # While nothing is offered another element stands there, which must not matter.
+        shown = at if offered else (at + 7) % len(data)
+        dut.clk.value = 0
+        dut.rst.value = int(reset)
+        dut.s_axis_tvalid.value = int(offered)
+        dut.s_axis_tdata.value = int(data[shown])
+        dut.s_axis_tlast.value = int(last[shown])
+        dut.m_axis_tready.value = int(ready)
+        await half
+        rows.append([str(handle.value) for handle in handles])
+        if offered and (reset or dut.s_axis_tready.value == 1):
+            at, offered = at + 1, False
+        dut.clk.value = 1
+        await half
+    return Recording(ports, rows, time.perf_counter() - started)
+
+
+def transfers(recording: Recording, side: str) -> np.ndarray:
+    """Rows in which ``s`` or ``m`` passes an element."""
+    ready = recording.rows(f"{side}_axis_tready")
+    return np.intersect1d(recording.rows(f"{side}_axis_tvalid"), ready)
+
+
+def check_kept(bench: Bench, recording: Recording) -> None:
+    """A result that is offered stays until it is taken, or a reset comes."""
+    offered = recording.rows("m_axis_tvalid")
+    waits = np.setdiff1d(offered, transfers(recording, "m"))
+    waits = np.setdiff1d(waits, recording.resets())
+    waits = waits[waits + 1 < recording.clocks]
+    bench.compare("m_axis_tvalid kept", np.isin(waits + 1, offered), np.ones(len(waits), bool))
+    for port in ("m_axis_tdata", "m_axis_tlast"):
+        now, then = recording.unsigned(port, waits), recording.unsigned(port, waits + 1)
+        bench.compare(f"{port} kept", then, now)

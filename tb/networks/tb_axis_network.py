@@ -1,0 +1,193 @@
+"""axis_network, a network behind AXI4-Stream, against its twin.
+
+Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one
+sensor alone); random frames, with random bits above the sample; frames too short and too long
+among good ones.
+Drives: as fast as it takes them; with random pauses on either side and on both; with the output
+blocked until nothing more enters; with resets at random; and with the AXI4-Stream source and sink
+of cocotbext-axi, which pause at random.
+Checks: every transfer, its ``tlast`` and ``frame_error`` bit for bit; that no frame is lost or
+mixed; that what is offered stays until it is taken. Measures the clocks of a frame.
+Does not prove: anything about the network inside, which has a bench of its own.
+"""
+
+import cocotb
+import numpy as np
+from cocotb.clock import Clock
+from cocotb.triggers import ClockCycles, Timer, with_timeout
+from cocotbext.axi import AxiStreamBus, AxiStreamFrame, AxiStreamSink, AxiStreamSource
+
+from golden.networks.axis_network import TDATA
+from golden.precision import SIGNAL
+from tb.common.bench import Bench
+from tb.common.framing import random_lengths
+from tb.common.handshake import check_kept, exchange, transfers
+from tb.common.stimulus import corner_frames, random_resets
+
+
+async def check(bench, data, last, offer=1.0, take=1.0, blocked=0, resets=0):
+    """Play elements; expect what the twin makes of the transfers that were recorded.
+
+    ``offer`` and ``take`` are the probabilities in a clock, ``blocked`` the clocks at the start in
+    which nothing is taken, ``resets`` the clocks between resets, or 0.
+    """
+    twin, rng = bench.twin, bench.rng
+    # The memory holds the frames of a latency and one more; they leave one output a clock.
+    under_way = (bench.latency + twin.outputs) // twin.interval + 1
+    tail = 2 * bench.latency + under_way * twin.outputs + 8
+    frames = np.count_nonzero(last) + 1
+    clocks = blocked + int(
+        len(data) / offer + frames * (twin.interval + twin.slots) + frames * twin.outputs / take
+    )
+    taken = np.concatenate([rng.random(clocks) < take, np.ones(tail, dtype=bool)])
+    taken[:blocked] = False
+    cleared = random_resets(rng, len(taken), resets) if resets else np.zeros(len(taken), dtype=int)
+    if resets:
+        cleared[-tail:] = 0
+    recording = await exchange(
+        bench, data, last, rng.random(len(taken)) < offer, taken, cleared.astype(bool)
+    )
+    entered, left = transfers(recording, "s"), transfers(recording, "m")
+    entered = np.setdiff1d(entered, recording.resets())
+    ends = np.append(recording.resets(), recording.clocks)
+    # What leaves in the clock of a reset belongs to the time before it.
+    epochs = np.searchsorted(ends, entered), np.searchsorted(ends, left)
+    errors = []
+    for epoch in np.unique(np.concatenate(epochs)):
+        rows, out = entered[epochs[0] == epoch], left[epochs[1] == epoch]
+        ended = np.isin(rows, recording.rows("s_axis_tlast"))
+        values = recording.signed("s_axis_tdata", rows)
+        results, closes, _ = twin.process_stream(values, ended)
+        if epoch < len(ends) - 1:
+            results, closes = results[: len(out)], closes[: len(out)]
+        bench.compare("m_axis_tdata", recording.signed("m_axis_tdata", out), results)
+        bench.compare("m_axis_tlast", np.isin(out, recording.rows("m_axis_tlast")), closes)
+        errors += list(rows[twin.input_controller.process(ended, rows).error] + 1)
+    bench.compare("clocks of frame_error", recording.rows("frame_error"), np.array(errors))
+    check_kept(bench, recording)
+    if not resets:
+        assert len(entered) == len(data), f"{len(entered)} of {len(data)} elements were taken"
+    return recording, entered, left
+
+
+def whole(frames):
+    """Good frames as elements."""
+    last = np.zeros(frames.shape, dtype=np.int64)
+    last[:, -1] = 1
+    return frames.ravel(), last.ravel()
+
+
+def random_data(bench, count):
+    return bench.rng.integers(TDATA.low, TDATA.high + 1, count)
+
+
+def random_frames(bench, count):
+    return random_data(bench, count * bench.twin.inputs).reshape(count, -1)
+
+
+@cocotb.test()
+async def recorded(dut):
+    """All recorded frames as fast as they go, then with pauses; counts the clocks."""
+    bench = Bench(dut)
+    codes = bench.scene.vectors().codes
+    recording, entered, left = await check(bench, *whole(codes))
+    inputs, outputs = bench.twin.inputs, bench.twin.outputs
+    last_in, first_out = entered[inputs - 1 :: inputs], left[::outputs]
+    # The first frames fill the memory's credit, those after it show what is sustained.
+    bench.facts = {
+        "frames": len(codes),
+        "seconds": recording.seconds,
+        "clocks_per_frame": int(left[outputs - 1] - entered[0] + 1),
+        "interval": int(np.diff(last_in).max()),
+    }
+    assert first_out[0] - last_in[0] == bench.latency, "not the published latency"
+    assert bench.facts["interval"] == bench.twin.interval, "slower than the network"
+    await check(bench, *whole(codes), offer=0.6, take=0.6)
+    bench.finish(at_least=2 * len(codes) * outputs)
+
+
+@cocotb.test()
+async def corners_and_random(dut):
+    """Corner frames and random ones, with pauses on either side and on both."""
+    bench = Bench(dut)
+    corners = corner_frames(SIGNAL, bench.twin.inputs)
+    frames = np.concatenate([corners, random_frames(bench, 40)])
+    for offer, take in ((1.0, 0.5), (0.5, 1.0), (0.5, 0.5), (1.0, 0.1)):
+        await check(bench, *whole(frames), offer, take)
+    bench.finish(at_least=4 * len(frames) * bench.twin.outputs)
+
+
+@cocotb.test()
+async def blocked(dut):
+    """Nothing is taken until nothing more enters; then everything is there."""
+    bench = Bench(dut)
+    # More frames than fit: each takes an interval, and as many are under way as that allows.
+    count = 2 * (bench.latency + bench.twin.outputs) // bench.twin.interval + 4
+    clocks = 2 * count * (bench.twin.interval + bench.twin.inputs)
+    frames = random_frames(bench, count)
+    _, entered, _ = await check(bench, *whole(frames), blocked=clocks)
+    early = np.count_nonzero(entered < clocks)
+    assert early < len(entered), "the memory was never full"
+    assert early >= bench.twin.inputs, "no frame entered"
+    bench.finish(at_least=len(frames) * bench.twin.outputs)
+
+
+@cocotb.test()
+async def wrong_lengths(dut):
+    """Frames too short and too long among good ones."""
+    bench = Bench(dut)
+    for offer, take in ((1.0, 1.0), (0.6, 0.4)):
+        last = random_lengths(bench.rng, bench.twin.inputs, 300)
+        await check(bench, random_data(bench, len(last)), last, offer, take)
+    bench.finish(at_least=20)
+
+
+@cocotb.test()
+async def resets(dut):
+    """Resets at random clocks among frames of all lengths."""
+    bench = Bench(dut)
+    last = random_lengths(bench.rng, bench.twin.inputs, 600)
+    every = 2 * (bench.twin.inputs + bench.latency)
+    await check(bench, random_data(bench, len(last)), last, 0.8, 0.7, resets=every)
+    bench.finish(at_least=10)
+
+
+def pauses(rng, probability):
+    """Endless: paused or not, for some clocks each."""
+    while True:
+        yield from [bool(rng.random() < probability)] * int(rng.integers(1, 9))
+
+
+@cocotb.test()
+async def axi_models(dut):
+    """The source and the sink of cocotbext-axi, each pausing at random."""
+    bench = Bench(dut)
+    dut.clk.value = 0
+    dut.rst.value = 1
+    await Timer(1, "ns")
+    Clock(dut.clk, 10, unit="ns").start(start_high=False)
+    # One lane, so that an element of a frame is a code.
+    ends = [
+        model(AxiStreamBus.from_prefix(dut, prefix), dut.clk, byte_lanes=1)
+        for model, prefix in ((AxiStreamSource, "s_axis"), (AxiStreamSink, "m_axis"))
+    ]
+    source, sink = ends
+    await ClockCycles(dut.clk, 3)
+    dut.rst.value = 0
+    for idle, blocked in ((0.0, 0.0), (0.5, 0.0), (0.0, 0.5), (0.5, 0.5), (0.1, 0.9)):
+        for end, probability in zip(ends, (idle, blocked), strict=True):
+            end.set_pause_generator(pauses(bench.rng, probability))
+        last = random_lengths(bench.rng, bench.twin.inputs, 200)
+        data = random_data(bench, len(last))
+        frames = np.split(data, np.flatnonzero(last)[:-1] + 1)
+        for frame in frames:
+            source.send_nowait(AxiStreamFrame([int(code) for code in frame]))
+        results, _, _ = bench.twin.process_stream(data, last)
+        for expected in results.reshape(-1, bench.twin.outputs):
+            got = await with_timeout(sink.recv(), 100, "us")
+            codes = np.array(got.tdata)
+            bench.compare("frame", codes - ((codes >> 15) << 16), expected)
+        await with_timeout(source.wait(), 100, "us")
+        await ClockCycles(dut.clk, bench.latency + 100)
+        assert sink.empty(), "a frame came that nobody sent"
+    bench.finish(at_least=50)

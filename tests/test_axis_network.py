@@ -1,0 +1,136 @@
+"""The twin of axis_network, and the memory that it relies on."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import CASES, write_scene
+from myhdl import Simulation, StopSimulation, delay, instance
+
+from golden.block import walk
+from golden.networks.axis_network import TDATA, AxisNetwork
+from golden.scene import load_scene
+from hdl.common.fifo import fifo
+from hdl.common.lookup import latency
+from hdl.common.signals import flag, reset, signed
+from hdl.networks.axis_network import frames_under_way
+
+AXIS = ("axis", "least-axis", "axis-cascade", "axis-multiple")
+
+
+@pytest.mark.parametrize("name", AXIS)
+def test_frames_are_those_of_the_network(tmp_path: Path, name: str) -> None:
+    design = CASES[name].scene(tmp_path, name).design()
+    assert isinstance(design, AxisNetwork)
+    rng = np.random.default_rng(1)
+    frames = rng.integers(-8192, 8192, (20, design.inputs))
+    last = np.zeros(frames.shape, dtype=bool)
+    last[:, -1] = True
+    # Whatever stands above the sample.
+    padded = frames + 16384 * rng.integers(-1, 2, frames.shape)
+    padded = np.clip(padded, TDATA.low, TDATA.high)
+    kept = (padded - frames) % 16384 == 0
+    sent = np.where(kept, padded, frames)
+    data, closes, errors = design.process_stream(sent.ravel(), last.ravel())
+    expected = design.network.process(frames)
+    assert np.array_equal(data.reshape(expected.shape), expected)
+    assert np.array_equal(np.flatnonzero(closes) + 1, design.outputs * np.arange(1, 21))
+    assert errors == 0
+
+
+def test_wrong_frames_give_nothing(tmp_path: Path) -> None:
+    design = CASES["axis-cascade"].scene(tmp_path, "axis-cascade").design()
+    # Two samples a frame: too short, good, as long as the cascade's own frames, good.
+    last = [1, 0, 1, 0, 0, 0, 1, 0, 1]
+    data, _, errors = design.process_stream(np.arange(9), last)
+    expected = design.network.process([[1, 2], [7, 8]])
+    assert np.array_equal(data, expected.ravel())
+    assert errors == 2
+
+
+def test_data_wider_than_the_port_is_refused(tmp_path: Path) -> None:
+    design = CASES["axis"].scene(tmp_path, "axis").design()
+    with pytest.raises(ValueError, match="axis_network s_axis_tdata: got code 32768"):
+        design.process_stream([32768, 0], [0, 1])
+
+
+def test_a_scene_that_does_not_ask_for_it_has_nothing_of_it(small_scene) -> None:
+    assert "axis_network" not in {block.block for block in walk(small_scene.design())}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (
+            '"axi_stream"',
+            '"axi"',
+            "hardware.interface: got 'axi', expected one of stream, axi_stream",
+        ),
+        (
+            'design = "hybrid"',
+            'design = "parallel"',
+            "hardware.design: got 'parallel' with interface 'axi_stream', expected hybrid",
+        ),
+        (
+            "[training]",
+            "[visualisation]\n[training]",
+            "hardware.interface: got 'axi_stream' with a section [visualisation], expected stream",
+        ),
+    ],
+)
+def test_what_cannot_be_built_is_refused(tmp_path: Path, old: str, new: str, message: str) -> None:
+    path = write_scene(tmp_path, "odd", "precise", CASES["axis"].networks(), interface="axi_stream")
+    path.write_text(path.read_text().replace(old, new))
+    with pytest.raises(ValueError, match=re.escape(f"{path}: {message}")):
+        load_scene(str(path))
+
+
+@pytest.mark.parametrize("name", AXIS)
+def test_credits_cover_the_way_through_and_no_more(tmp_path: Path, name: str) -> None:
+    design = CASES[name].scene(tmp_path, name).design()
+    frames = frames_under_way(design)
+    # From the last sample to the clock in which the credit is back, one clock after the last
+    # output is fetched, which is when that output stands on the port.
+    held = latency(design) + design.outputs - 1
+    assert (frames - 1) * design.interval < held <= frames * design.interval
+
+
+@pytest.mark.parametrize("depth", [1, 2, 3, 8])
+def test_the_memory_keeps_order_and_loses_nothing(depth: int) -> None:
+    clk, rst = flag(), reset()
+    in_valid, in_data = flag(), signed(8)
+    ready, valid, data, fetch = flag(), flag(), signed(8), flag()
+    part = fifo(clk, rst, in_valid, in_data, ready, valid, data, fetch, depth=depth)
+    rng = np.random.default_rng(depth)
+    sent: list[int] = []
+    seen: list[int] = []
+    stored = 0
+
+    @instance
+    def drive():
+        nonlocal stored
+        for t in range(600):
+            rst.next = t == 0
+            ready.next = bool(rng.random() < (0.2 if t % 100 < 50 else 0.8))
+            fill = t > 0 and stored < depth and bool(rng.random() < 0.6)
+            in_valid.next = fill
+            in_data.next = word = int(rng.integers(-128, 128))
+            yield delay(1)
+            if t and valid and ready:
+                seen.append(int(data))
+            if fill:
+                sent.append(word)
+            stored += fill - bool(t and fetch)
+            clk.next = True
+            yield delay(1)
+            clk.next = False
+            yield delay(1)
+        raise StopSimulation
+
+    Simulation(drive, part).run(quiet=1)
+    assert len(seen) > 100
+    assert seen == sent[: len(seen)]
+    assert len(sent) - len(seen) <= depth + 1

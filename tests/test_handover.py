@@ -1,0 +1,221 @@
+"""What an export hands over beside the entities: it runs, it parses, it lists what is there."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+from conftest import CASES, random_mlp, write_scene
+
+from golden.fingerprint import fingerprint
+from golden.scene import Scene, load_scene
+from hdl.export import ORDER
+from hdl.export import export as export_here
+from hdl.ports import read_ports
+from tb.common.runner import export
+
+pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+
+ROOT = Path(__file__).parents[1]
+SHIPPED = ("digit", "digit-parallel")
+# A profile beside the outputs; single values; frames further apart than they are long; networks of
+# different depth; slots; the same behind AXI4-Stream.
+OTHERS = (
+    *("profile", "least", "wide", "pade-parallel", "wide-multiple", "other-profile"),
+    *("axis", "axis-cascade", "one-sensor"),
+)
+
+
+@pytest.fixture(scope="module")
+def build(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("handover")
+
+
+@pytest.fixture(scope="module")
+def scenes(build: Path) -> dict[str, Scene]:
+    """The scenes above, exported in both languages into ``build``."""
+    found = {name: load_scene(name) for name in SHIPPED}
+    found |= {name: CASES[name].scene(build, name) for name in OTHERS}
+    for scene in found.values():
+        for language in ("vhdl", "verilog"):
+            export(scene, language, build)
+    return found
+
+
+def order(folder: Path) -> list[str]:
+    return (folder / ORDER).read_text().split()
+
+
+def ghdl(work: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(["ghdl", *words], cwd=work, capture_output=True, text=True, check=False)
+
+
+def analyse(folder: Path, work: Path, *more: str) -> None:
+    """As a user types it: every file in order, then the others."""
+    for name in [*order(folder), *more]:
+        result = ghdl(work, "-a", "--std=93", str(folder / name))
+        assert result.returncode == 0, result.stderr
+        assert not result.stderr
+
+
+def run(folder: Path, work: Path, top: str) -> subprocess.CompletedProcess[str]:
+    """The test bench, as docs/handover.md says."""
+    analyse(folder, work, f"{top}_vectors.vhd", f"{top}_tb.vhd")
+    assert ghdl(work, "-e", "--std=93", f"{top}_tb").returncode == 0
+    return ghdl(work, "-r", "--std=93", f"{top}_tb", "--ieee-asserts=disable")
+
+
+def counts(result: subprocess.CompletedProcess[str]) -> list[tuple[int, int]]:
+    found = re.findall(r"(\d+) of (\d+) frames match", result.stdout + result.stderr)
+    return [(int(matched), int(frames)) for matched, frames in found]
+
+
+@pytest.mark.parametrize("name", [*SHIPPED, *OTHERS])
+def test_every_recorded_frame_matches(scenes, build, tmp_path: Path, name: str) -> None:
+    scene = scenes[name]
+    top = scene.design().entity
+    result = run(build / name / "vhdl", tmp_path, top)
+    frames = len(scene.vectors().codes)
+    assert counts(result) == [(frames, frames)] * 2, result.stdout + result.stderr
+    assert result.returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("name", "file", "pattern", "text"),
+    [
+        ("wide", "hybrid.vhd", r"in_r_1 => r_1", "in_r_1 => r_0"),
+        ("wide", "hybrid.vhd", r"out_last => out_last", "out_last => open"),
+        ("pade-parallel", "parallel.vhd", r"in_data_1 => in_data_1", "in_data_1 => in_data_0"),
+        ("wide-multiple", "multiple.vhd", r"in_data_1 => aligned_1", "in_data_1 => aligned_0"),
+        ("other-profile", "cascade.vhd", r"in_data_0 => gathered_0", "in_data_0 => gathered_1"),
+        ("axis", "axis_network.vhd", r"credit0_used = (\d+)", "credit0_used = 7"),
+        (
+            "axis-cascade",
+            "axis_network.vhd",
+            r"s_axis_tready <= gate0_ready",
+            "s_axis_tready <= '0'",
+        ),
+        ("one-sensor", "scan_sequencer.vhd", r"out_data <= adc", "out_data <= not adc"),
+        # Right results, but frames are refused or flagged.
+        ("wide", "input_controller.vhd", r"frame_error <= broken", "frame_error <= done"),
+    ],
+)
+def test_a_fault_in_an_entity_fails(scenes, build, tmp_path, name, file, pattern, text) -> None:
+    copy = tmp_path / "vhdl"
+    shutil.copytree(build / name / "vhdl", copy)
+    source, count = re.subn(pattern, text, (copy / file).read_text(), count=1)
+    assert count == 1, f"{pattern} is not in {file}"
+    (copy / file).write_text(source)
+    result = run(copy, tmp_path, scenes[name].design().entity)
+    assert result.returncode != 0
+    assert "does not give the recorded results" in result.stdout + result.stderr
+
+
+@pytest.mark.parametrize("name", [*SHIPPED, *OTHERS])
+@pytest.mark.parametrize("language", ["vhdl", "verilog"])
+def test_the_core_file_lists_exactly_the_files(scenes, build, name: str, language: str) -> None:
+    folder = build / name / language
+    top = scenes[name].design().entity
+    text = (folder / f"{name}.core").read_text()
+    assert text.startswith("CAPI=2:\n")
+    core = yaml.safe_load(text)
+    assert core["name"] == f"tactus::{name}:0"
+    assert core["filesets"]["rtl"]["files"] == order(folder)
+    assert core["targets"]["default"] == {"filesets": ["rtl"], "toplevel": top}
+    if language == "vhdl":
+        assert core["filesets"]["tb"]["files"] == [f"{top}_vectors.vhd", f"{top}_tb.vhd"]
+        assert core["targets"]["sim"]["filesets"] == ["rtl", "tb"]
+        assert core["targets"]["sim"]["toplevel"] == f"{top}_tb"
+    listed = [file for files in core["filesets"].values() for file in files["files"]]
+    assert all((folder / file).is_file() for file in listed)
+    known = {f"{top}_example{Path(listed[0]).suffix}"}
+    sources = {p.name for p in folder.iterdir() if p.suffix in {".vhd", ".v"}}
+    assert sources == set(listed) | known
+
+
+@pytest.mark.parametrize("name", [*SHIPPED, *OTHERS])
+def test_the_examples_compile(scenes, build, tmp_path: Path, name: str) -> None:
+    top = scenes[name].design().entity
+    analyse(build / name / "vhdl", tmp_path, f"{top}_example.vhd")
+    assert ghdl(tmp_path, "-e", "--std=93", f"{top}_example").returncode == 0
+    folder = build / name / "verilog"
+    result = subprocess.run(
+        ["iverilog", "-Wall", "-o", str(tmp_path / "a.out"), "-s", f"{top}_example"]
+        + [str(folder / file) for file in [*order(folder), f"{top}_example.v"]],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert result.returncode == 0, result.stderr
+    assert f"{top}_example.v" not in result.stderr
+
+
+@pytest.mark.parametrize("name", ["digit", "digit-parallel"])
+def test_both_languages_have_the_same_ports(scenes, build, name: str) -> None:
+    found = []
+    for language, suffix in (("vhdl", ".vhd"), ("verilog", ".v")):
+        file = build / name / language / f"{scenes[name].design().entity}{suffix}"
+        found.append(sorted(read_ports(file.read_text(), language), key=lambda p: p.name))
+    assert found[0] == found[1]
+    assert len(found[0]) == 9
+
+
+def test_the_constraints_name_the_clock(tmp_path: Path) -> None:
+    path = write_scene(tmp_path, "slow", "precise", [random_mlp((2, 3, 1), 1.0, 1)])
+    path.write_text(path.read_text().replace("[hardware]", "[hardware]\nclock_mhz = 12.5"))
+    export(load_scene(str(path)), "verilog", tmp_path)
+    folder = tmp_path / "slow" / "verilog"
+    assert 'PERIOD "clk" 80.000 ns' in (folder / "ise.ucf").read_text()
+    board = (folder / "arty_a7_35.xdc").read_text()
+    # The board's own oscillator, whatever the scene is meant for.
+    assert "create_clock -name clk -period 10.000" in board
+    assert "PACKAGE_PIN E3" in board
+
+
+def test_a_long_recording_is_cut(scenes, tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.setattr("hdl.handover.write.FRAMES", 5)
+    export_here(scenes["least"], "vhdl", tmp_path / "vhdl")
+    result = run(tmp_path / "vhdl", tmp_path, "hybrid")
+    assert counts(result) == [(5, 5)] * 2
+
+
+def test_a_name_that_vhdl_does_not_take(tmp_path: Path) -> None:
+    path = write_scene(tmp_path, "größe 1", "precise", [random_mlp((2, 3, 1), 1.0, 1)])
+    export(load_scene(str(path)), "vhdl", tmp_path)
+    # GHDL itself takes no such folder.
+    folder = (tmp_path / "größe 1" / "vhdl").rename(tmp_path / "vhdl")
+    assert all(file.read_text().isascii() for file in folder.iterdir())
+    assert yaml.safe_load((folder / "gr__e_1.core").read_text())["name"] == "tactus::gr__e_1:0"
+    assert run(folder, tmp_path, "hybrid").returncode == 0
+
+
+def test_new_recordings_are_exported_again(tmp_path: Path) -> None:
+    path = write_scene(tmp_path, "one", "precise", [random_mlp((2, 3, 1), 1.0, 1)])
+    export(load_scene(str(path)), "vhdl", tmp_path)
+    before = fingerprint([tmp_path / "one" / "vhdl"])
+    table = tmp_path / "one.csv"
+    lines = table.read_text().splitlines()
+    table.write_text("\n".join(lines[:-1]) + "\n")
+    export(load_scene(str(path)), "vhdl", tmp_path)
+    assert fingerprint([tmp_path / "one" / "vhdl"]) != before
+    assert (
+        "frames: positive := 11;" in (tmp_path / "one" / "vhdl" / "hybrid_vectors.vhd").read_text()
+    )
+
+
+def test_the_same_bytes_whatever_the_hash_seed(scenes, build, tmp_path: Path) -> None:
+    subprocess.run(
+        [sys.executable, "-m", "hdl.export", "digit-parallel", "vhdl", "--build", str(tmp_path)],
+        cwd=ROOT,
+        env=os.environ | {"PYTHONHASHSEED": "3"},
+        check=True,
+        stdout=subprocess.DEVNULL,
+    )
+    states = {fingerprint([b / "digit-parallel" / "vhdl"]) for b in (build, tmp_path)}
+    assert len(states) == 1
