@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -45,6 +45,10 @@ class Loads:
     position: Real
     half_width: Real
     triangular: Real
+
+    def at_points(self) -> Loads:
+        """The same without width: what equation 3.5 is for."""
+        return replace(self, half_width=np.zeros_like(self.half_width))
 
 
 def loads_from_codes(codes: ArrayLike, beam: Beam) -> Loads:
@@ -161,7 +165,7 @@ def fit_sensor(readings: ArrayLike, loads: Loads, beam: Beam, spread: bool = Tru
         raise ValueError(f"readings: got shape {volts.shape}, expected (n,) with n of 4 or more")
     if loads.mass.shape != volts.shape:
         raise ValueError(f"loads: got shape {loads.mass.shape}, expected {volts.shape}")
-    used = loads if spread else Loads(loads.mass, loads.position, volts * 0, loads.triangular)
+    used = loads if spread else loads.at_points()
 
     def solved(nearness: Real) -> StrainSensor:
         """Of a gauge at length (1 - 1 / nearness): 1 is the root, 0 infinitely far outside."""

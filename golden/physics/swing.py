@@ -15,10 +15,11 @@ from golden.physics import GRAVITY
 
 EXPLICIT = ("RK23", "RK45", "DOP853")
 IMPLICIT = ("Radau", "BDF", "LSODA")
+METHODS = EXPLICIT + IMPLICIT
 
-# From the tables `swing` and `swing_damping` of `make figures`: DOP853 reaches any error in the
-# least time while damping is light; beyond ten times the natural frequency its steps are bounded by
-# stability, not by accuracy, and LSODA is the fastest.
+# From the tables `swing` and `swing_damping` of `make figures`: lightly damped, DOP853 and LSODA take
+# like times, but near upright and over many periods DOP853 errs less. Beyond ten natural frequencies
+# the steps of DOP853 are bounded by stability, not by accuracy, and LSODA is the fastest.
 LIGHT, STRONG = "DOP853", "LSODA"
 STRONG_DAMPING = 10.0
 TOLERANCE = 1e-10
@@ -133,6 +134,7 @@ def swing_motion(
     start_speed: float = 0.0,
     method: str | None = None,
     tolerance: float = TOLERANCE,
+    most_evaluations: int = 10_000_000,
 ) -> Motion:
     """Solve Appendix 7, equation 2: phi'' + kappa / I'_p phi' + (D a_g I'_p / J) sin(phi) = 0.
 
@@ -149,10 +151,13 @@ def swing_motion(
         rad/s, -1e6 to 1e6.
     method : str, optional
         RK23, RK45, DOP853, Radau, BDF or LSODA of ``scipy.integrate.solve_ivp``. By default DOP853,
-        and LSODA where the damping rate is above ten natural frequencies; see docs/physics.md for
-        the measured errors and times behind it.
+        and LSODA where the damping rate is above ten natural frequencies; see docs/physics.md
+        for the measured errors and times behind it.
     tolerance : float
         Relative, 2.3e-14 to 0.1; the absolute one is a thousandth of it.
+    most_evaluations : int
+        Above 0: how much work to allow. An explicit method needs as many as the damping rate times
+        the seconds, however loose the tolerance.
 
     Returns
     -------
@@ -170,7 +175,7 @@ def swing_motion(
     ValueError
         For an argument outside its range, NaN included, or an unknown method.
     ArithmeticError
-        When the method gives up before the end.
+        When the method gives up before the end, or needs more evaluations than allowed.
     """
     checked(
         start=(start, -math.pi, math.pi),
@@ -189,9 +194,14 @@ def swing_motion(
     damping, stiffness = swing.damping_rate, swing.natural_frequency**2
     evaluations = 0
 
-    def derivative(_: float, state: Real) -> tuple[float, float]:
+    def derivative(time: float, state: Real) -> tuple[float, float]:
         nonlocal evaluations
         evaluations += 1
+        if evaluations > most_evaluations:
+            raise ArithmeticError(
+                f"{method} at tolerance {tolerance:g}: got to {time:.3g} of {seconds:g} s in "
+                f"{most_evaluations} evaluations, expected the end"
+            )
         phi, speed = state.tolist()
         return speed, -damping * speed - stiffness * math.sin(phi)
 
@@ -217,11 +227,11 @@ def swing_motion(
 def bearing_forces(swing: Swing, angle: ArrayLike, speed: ArrayLike) -> tuple[Real, Real]:
     """Forces on the axis in N, Appendix 7: F_x towards foot 2, F_y downwards.
 
-    The rod pulls with F_cp = D (a_g cos(phi) + I'_p phi'^2) along itself and pushes with F_m across.
-    F_m is what the inertia of the mass about its own centre takes; a point mass has none. F_cp is
-    taken from the speed, so that it holds with damping too; without damping it is the expression
-    D a_g (3 cos(phi) - 2 cos(phi_initial)) of a point mass that energy gives. Damping acts on the
-    mass, as the drag of the air does, not on the bearing.
+    Along the rod acts F_cp = D (a_g cos(phi) + I'_p phi'^2), across it F_m: what the inertia of the
+    mass about its own centre takes; a point mass has none. F_cp is taken from the speed, so that it
+    holds with damping too; without damping it is what energy gives for a point mass,
+    D a_g (3 cos(phi) - 2 cos(phi_initial)). Damping acts on the mass, as the drag of the air does,
+    not on the bearing.
 
     Parameters
     ----------
