@@ -17,11 +17,12 @@ EXPLICIT = ("RK23", "RK45", "DOP853")
 IMPLICIT = ("Radau", "BDF", "LSODA")
 METHODS = EXPLICIT + IMPLICIT
 
-# From the tables `swing` and `swing_damping` of `make figures`: lightly damped, DOP853 and LSODA take
-# like times, but near upright and over many periods DOP853 errs less. Beyond ten natural frequencies
-# the steps of DOP853 are bounded by stability, not by accuracy, and LSODA is the fastest.
+# From the tables `swing` and `swing_damping` of `make figures`: lightly damped, DOP853 and LSODA
+# take like times, and near upright DOP853 errs less. Overdamped, from two natural frequencies on,
+# its samples between steps miss the tolerance, then its steps are bounded by stability; LSODA keeps
+# the tolerance and is the faster.
 LIGHT, STRONG = "DOP853", "LSODA"
-STRONG_DAMPING = 10.0
+STRONG_DAMPING = 2.0
 TOLERANCE = 1e-10
 
 MOST_DAMPING = 1e6  # 1/s
@@ -151,8 +152,8 @@ def swing_motion(
         rad/s, -1e6 to 1e6.
     method : str, optional
         RK23, RK45, DOP853, Radau, BDF or LSODA of ``scipy.integrate.solve_ivp``. By default DOP853,
-        and LSODA where the damping rate is above ten natural frequencies; see docs/physics.md
-        for the measured errors and times behind it.
+        and LSODA where the swing is overdamped, the damping rate above two natural frequencies; see
+        docs/physics.md for the measured errors and times behind it.
     tolerance : float
         Relative, 2.3e-14 to 0.1; the absolute one is a thousandth of it.
     most_evaluations : int
