@@ -87,12 +87,12 @@ def plate(_: int) -> Table:
         points, loads = [np.multiply(point, size)], [np.multiply(load, size)]
         limit = rig.influence(points, loads, LIMIT_TERMS)[0, 0]
         for terms in TERMS:
-            found, ms = timed(lambda p=points, q=loads, n=terms: rig.influence(p, q, n))
+            found, ms = timed(rig.influence, points, loads, terms)
             miss = abs(found[0, 0] / limit - 1)
             bound = rig.tail(points, loads, terms)[0, 0] / limit
             rows.append([case, "series", terms, ms, float(miss), float(bound)])
         for cells in CELLS:
-            found, ms = timed(lambda q=loads[0], n=cells: grid_influence(rig, q, n, n))
+            found, ms = timed(grid_influence, rig, loads[0], cells, cells)
             at = round(point[1] * cells) - 1, round(point[0] * cells) - 1
             rows.append([case, "grid", (cells - 1) ** 2, ms, abs(found[at] / limit - 1), None])
     return Table(
@@ -143,15 +143,14 @@ def _solved(case: Case, method: str, tolerance: float) -> list[Cell]:
     """Evaluations, ms and error; none where the work goes beyond the limit."""
     try:
         motion, ms = timed(
-            lambda: swing_motion(
-                case.swing,
-                case.start,
-                SWING_SECONDS,
-                SWING_RATE,
-                method=method,
-                tolerance=tolerance,
-                most_evaluations=MOST_EVALUATIONS,
-            )
+            swing_motion,
+            case.swing,
+            case.start,
+            SWING_SECONDS,
+            SWING_RATE,
+            method=method,
+            tolerance=tolerance,
+            most_evaluations=MOST_EVALUATIONS,
         )
     except ArithmeticError:
         return [None, None, None]

@@ -8,10 +8,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from golden.figures.physics import undamped
 from golden.figures.table import Cell, Table
-from golden.networks.mlp import Real
 from golden.physics.beam import Beam
 from golden.physics.conditioning import Conditioning, ReflectiveSensor
 from golden.physics.plate import Plate
@@ -39,9 +39,9 @@ class Row:
         return bool(self.value <= self.bound)
 
 
-def _largest(*values: Real) -> float:
+def _largest(*values: ArrayLike) -> float:
     """Largest magnitude; infinite where any value is not finite, so that no bound holds."""
-    together = np.concatenate([np.ravel(v) for v in values])
+    together = np.concatenate([np.asarray(v, dtype=np.float64).ravel() for v in values])
     return float(np.abs(together).max()) if np.isfinite(together).all() else math.inf
 
 

@@ -35,9 +35,7 @@ def series(_: int) -> Table:
         limit = harmonic_limit(grid[far], load, centre, width)
         top = load * (1 - 2 * width)
         for terms in TERMS:
-            found, ms = timed(
-                lambda n=terms: harmonic_load(grid[far], load, centre, width, n)  # noqa: B023
-            )
+            found, ms = timed(harmonic_load, grid[far], load, centre, width, terms)
             miss = np.abs(found - limit)
             bound = harmonic_tail(grid[far], load, centre, width, terms)
             near = np.minimum(centre, centre - width + np.linspace(0.5, 1.5, 101) / (terms + 1))
