@@ -66,7 +66,7 @@ def _swings() -> Iterator[Row]:
     steep = math.radians(179.9)
     motion = swing_motion(free, steep, 4)
     miss = _largest(motion.angle - undamped(free, steep, motion.time))
-    yield Row("swing", "from 179.9 degrees", "error rad", miss, 1e-4)
+    yield Row("swing", "from 179.9 degrees", "error rad", miss, 1e-6)
     forces = _largest(*bearing_forces(free, motion.angle, motion.speed))
     # Energy bounds the pull: D a_g (3 - 2 cos(start)) at the bottom.
     most = float(free.mass * 9.80665 * (3 - 2 * math.cos(steep)))
