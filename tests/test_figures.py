@@ -15,10 +15,12 @@ import pytest
 from golden.figures import stability
 from golden.figures.parallel import parallel
 from golden.figures.rbf import printed_figures
+from golden.figures.recordings import FORMS, recordings
 from golden.figures.registry import TABLES
 from golden.figures.table import Table
 from golden.physics.plate import TERMS
 from golden.physics.swing import LIGHT, METHODS, STRONG, STRONG_DAMPING
+from golden.physics.swing_data import NOISE
 
 ROOT = Path(__file__).parents[1]
 
@@ -170,6 +172,40 @@ def test_overdamped_the_implicit_method_keeps_the_tolerance(measured) -> None:
             assert error <= 1e-8
             light = next(e for r, m, e, _ in rows if (r, m) == (ratio, LIGHT))
             assert light is None or evaluations < light
+
+
+def test_the_recordings_are_as_hard_as_the_thesis_found_them(measured) -> None:
+    """With the noise of the shipped ones: between the best and the worst of Table 6.2, and the page
+    shows the figures of its seed."""
+    names = ("noise uV", "output", "error %", *(f"printed {form}" for form in FORMS))
+    for noise, output, error, *printed in columns(measured, "recordings", *names):
+        if noise == pytest.approx(1e6 * NOISE):
+            assert min(printed) < error < 1.15 * max(printed), output
+    found: dict[str, list[str]] = {}
+    for row in recordings(1).rows:
+        found.setdefault(str(row[1]), []).append(f"{row[4]:.1f}")
+    page = (ROOT / "docs" / "physics.md").read_text()
+    for output, errors in found.items():
+        assert f"| {output} | {' | '.join(errors)} |" in page
+
+
+def test_the_work_of_the_page_is_that_measured(measured) -> None:
+    page = (ROOT / "docs" / "physics.md").read_text()
+    lines = {
+        "plain": "plain, 30 degrees",
+        "strongly damped": "damped at 1000 1/s",
+        "179.9 degrees": "undamped, 179.9 degrees",
+    }
+    found: dict[tuple[str, str], int] = {}
+    for case, method, evaluations, error in columns(
+        measured, "swing", "case", "method", "evaluations", "error rad"
+    ):
+        if error is not None and error <= 1e-9:
+            found.setdefault((case, method), evaluations)
+    for case, shown in lines.items():
+        (row,) = re.findall(rf"^\| {re.escape(shown)} \|(.*)\|$", page, re.M)
+        cells = [cell.strip().partition(",")[0] for cell in row.split("|")]
+        assert cells == [str(found.get((case, method), "")) for method in METHODS]
 
 
 def test_the_sensors_of_the_page_are_those_fitted(measured) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from golden.figures import networks, parallel, physics, rbf, stability, visualisation
+from golden.figures import networks, parallel, physics, rbf, recordings, stability, visualisation
 from golden.figures.table import Table
 
 # By name, in the order printed; the name is that of the table.
@@ -19,5 +19,6 @@ TABLES: dict[str, Callable[[int], Table]] = {
     "plate": physics.plate,
     "swing": physics.swing,
     "swing_damping": physics.swing_damping,
+    "recordings": recordings.recordings,
     "stability": stability.stability,
 }
