@@ -173,6 +173,15 @@ def test_the_bound_is_near_what_it_bounds_at_the_load() -> None:
         assert 0.4 < miss / PLATE.tail(middle, middle, terms)[0, 0] <= 1
 
 
+def test_the_tail_at_the_load_is_the_sum_of_what_each_term_can_be() -> None:
+    """From N to N + 1 terms it falls by (a^2 / (2 pi^3 P)) / (N + 1)^3."""
+    middle = at((0.5, 0.5))
+    for terms in (1, 7, 50):
+        fall = (PLATE.tail(middle, middle, terms) - PLATE.tail(middle, middle, terms + 1))[0, 0]
+        expected = A**2 / (2 * math.pi**3 * PLATE.stiffness) / (terms + 1) ** 3
+        assert fall == pytest.approx(expected, rel=1e-9)
+
+
 def test_nothing_overflows_for_a_million_terms() -> None:
     places = at((0.5, 0.5), (0.5, 0.4), (0, 0), (1, 1), (0.3, 1e-9))
     with np.errstate(over="raise", invalid="raise", divide="raise"):

@@ -22,7 +22,6 @@ TRIANGLE_CODE, RECTANGLE_CODE = 0.9, 0.45  # Table 3.1
 # A gauge that reads the load alone is one infinitely far away; the search ends at this many lengths
 # of the beam, where the arm changes by 0.4 % over the whole working range.
 FARTHEST = 100.0
-STARTS = 6
 
 
 @dataclass(frozen=True)
@@ -141,7 +140,7 @@ def fit_sensor(readings: ArrayLike, loads: Loads, beam: Beam, spread: bool = Tru
     """Gain, offset and position for which equation 3.9 is nearest to recorded readings.
 
     Least squares over all readings. For each position gain and offset follow from a linear
-    solution, so that SciPy searches the position alone, from several starts.
+    solution, so that SciPy searches the position alone, from the root.
 
     Parameters
     ----------
@@ -178,16 +177,9 @@ def fit_sensor(readings: ArrayLike, loads: Loads, beam: Beam, spread: bool = Tru
         return StrainSensor(float(gain), float(offset), position, beam)
 
     last = 0.99 * loads.position.max()
-    ends = (1 / FARTHEST, beam.length / (beam.length - last))
-    found = [
-        least_squares(
-            lambda u: solved(u).read(used) - volts,
-            [beam.length / (beam.length - start)],
-            bounds=([ends[0]], [ends[1]]),
-        )
-        for start in np.linspace(0, last, STARTS, endpoint=False)
-    ]
-    return solved(min(found, key=lambda fit: float(fit.cost)).x)
+    ends = 1 / FARTHEST, beam.length / (beam.length - last)
+    found = least_squares(lambda u: solved(u).read(used) - volts, [1.0], bounds=ends)
+    return solved(found.x)
 
 
 def fit_sensors(table: ArrayLike, beam: Beam, spread: bool = True) -> list[StrainSensor]:
