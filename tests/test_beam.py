@@ -173,6 +173,18 @@ def test_every_other_row_of_sensors_1_to_3_was_interpolated() -> None:
     assert np.concatenate(means).sum(axis=0).tolist() == [66, 66, 66, 6]
 
 
+def test_heavy_loads_read_less_than_in_proportion() -> None:
+    """Sensor 1 with every load at one place, against a line through those of 6 to 16 g."""
+    rows = recorded()
+    rows = rows[rows[:, 5] == 0.225]
+    mass, volts = rows[:, 4] / 0.9 * 23, rows[:, 0]
+    light = mass < 17
+    assert light.sum() == 6
+    percent = 100 * (volts / np.polyval(np.polyfit(mass[light], volts[light], 1), mass) - 1)
+    assert np.abs(percent[light]).max() < 0.7
+    assert percent[~light] == pytest.approx([-4.35, -3.03], abs=0.01)
+
+
 @pytest.mark.parametrize(
     ("readings", "message"),
     [
