@@ -183,6 +183,13 @@ def test_heavy_loads_read_less_than_in_proportion() -> None:
     percent = 100 * (volts / np.polyval(np.polyfit(mass[light], volts[light], 1), mass) - 1)
     assert np.abs(percent[light]).max() < 0.7
     assert percent[~light] == pytest.approx([-4.35, -3.03], abs=0.01)
+    table = recorded()
+    lighter = table[table[:, 4] / 0.9 * 23 < 17]
+    found = read_sensors(fit_sensors(lighter, BEAM), loads_from_codes(lighter[:, 4:], BEAM))
+    rms = np.sqrt(((found - lighter[:, :4]) ** 2).mean(axis=0))
+    assert 100 * rms[:3] / np.ptp(table[:, :3], axis=0) == pytest.approx(
+        [0.24, 0.34, 0.70], abs=0.005
+    )
 
 
 @pytest.mark.parametrize(
