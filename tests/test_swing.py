@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from scipy.signal import find_peaks
 from scipy.special import ellipk
 
-from golden.figures.physics import undamped
 from golden.physics import GRAVITY
 from golden.physics.swing import (
     METHODS,
@@ -21,6 +20,7 @@ from golden.physics.swing import (
     bearing_forces,
     foot_forces,
     swing_motion,
+    undamped_angle,
 )
 from golden.physics.wobble import Wobble
 
@@ -45,13 +45,13 @@ def test_the_rig_is_that_of_section_6_2_2() -> None:
 def test_every_method_comes_to_jacobis_closed_form(method: str) -> None:
     start = math.radians(50)
     motion = swing_motion(FREE, start, 3, method=method, tolerance=1e-6)
-    assert np.abs(motion.angle - undamped(FREE, start, motion.time)).max() < 1e-4
+    assert np.abs(motion.angle - undamped_angle(FREE, start, motion.time)).max() < 1e-4
 
 
 @pytest.mark.parametrize("degrees", [1, 30, 90, 179])
 def test_the_default_method_without_damping(degrees: float) -> None:
     motion = swung(degrees, rate=200)
-    expected = undamped(FREE, math.radians(degrees), motion.time)
+    expected = undamped_angle(FREE, math.radians(degrees), motion.time)
     assert np.abs(motion.angle - expected).max() < 1e-6
 
 
@@ -176,6 +176,8 @@ def test_the_two_sides_are_in_antiphase(degrees: float) -> None:
         (lambda: swing_motion(FREE, 1, 1, tolerance=0), "tolerance: got 0"),
         (lambda: swing_motion(FREE, 1, 1, method="Euler"), "method: got 'Euler', expected one of"),
         (lambda: foot_forces(FREE, np.nan, 0), "angle: got nan"),
+        (lambda: undamped_angle(FREE, math.pi, 1), "start: got 3.14159, expected -3.1415"),
+        (lambda: undamped_angle(FREE, 1, np.nan), "time: got nan"),
         (lambda: Wobble(ratio=0.6), "ratio: got 0.6, expected 0 to 0.5"),
         (lambda: Wobble().displacement(-1), "time: got -1, expected 0"),
     ],

@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import ellipj, ellipkm1
 
 from golden.figures.table import Cell, Table
 from golden.figures.timing import timed
@@ -16,7 +15,7 @@ from golden.physics.digit_data import RECORDED, SENSORS
 from golden.physics.plate import Plate
 from golden.physics.plate_grid import grid_influence
 from golden.physics.strain_sensor import COLUMNS, fit_sensors, loads_from_codes, read_sensors
-from golden.physics.swing import LIGHT, METHODS, STRONG, Swing, swing_motion
+from golden.physics.swing import LIGHT, METHODS, STRONG, Swing, swing_motion, undamped_angle
 from golden.table import read_table
 
 TERMS = (1, 3, 10, 30, 100, 200, 300, 1000, 3000, 10_000)
@@ -119,20 +118,10 @@ def _times() -> Real:
     return np.arange(round(SWING_SECONDS * SWING_RATE)) / SWING_RATE
 
 
-def undamped(swing: Swing, start: float, time: Real) -> Real:
-    """Angle of an undamped swing let go at rest, in closed form: Jacobi's elliptic functions.
-
-    2 asin(k sn(K - omega t, k)) with k = sin(start / 2).
-    """
-    k, rest = math.sin(start / 2), math.cos(start / 2) ** 2
-    sn = ellipj(ellipkm1(rest) - swing.natural_frequency * time, 1 - rest)[0]
-    return np.asarray(2 * np.arcsin(k * sn))
-
-
 def _case(damping_rate: float, start_degrees: float) -> Case:
     swing, start = Swing(damping=damping_rate * Swing().arm), math.radians(start_degrees)
     if damping_rate == 0:
-        return Case(swing, start, undamped(swing, start, _times()))
+        return Case(swing, start, undamped_angle(swing, start, _times()))
     exact = swing_motion(
         swing, start, SWING_SECONDS, SWING_RATE, method="DOP853", tolerance=REFERENCE_TOLERANCE
     )

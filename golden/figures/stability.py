@@ -10,12 +10,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.figures.physics import undamped
 from golden.figures.table import Cell, Table
 from golden.physics.beam import Beam
 from golden.physics.conditioning import Conditioning, ReflectiveSensor
 from golden.physics.plate import Plate
-from golden.physics.swing import Swing, bearing_forces, foot_forces, swing_motion
+from golden.physics.swing import (
+    Swing,
+    bearing_forces,
+    foot_forces,
+    swing_motion,
+    undamped_angle,
+)
 from golden.precision import SIGNAL
 from golden.visualisation.functions import harmonic_limit, harmonic_load, harmonic_tail
 
@@ -60,12 +65,12 @@ def _swings() -> Iterator[Row]:
         other = Swing(arm=arm, damping=0)
         seconds = 10 / other.natural_frequency
         motion = swing_motion(other, start, seconds, 200 / seconds)
-        miss = _largest(motion.angle - undamped(other, start, motion.time))
+        miss = _largest(motion.angle - undamped_angle(other, start, motion.time))
         yield Row("swing", f"arm of {arm:g} m", "error rad", miss, 1e-8)
     free = Swing(damping=0)
     steep = math.radians(179.9)
     motion = swing_motion(free, steep, 4)
-    miss = _largest(motion.angle - undamped(free, steep, motion.time))
+    miss = _largest(motion.angle - undamped_angle(free, steep, motion.time))
     yield Row("swing", "from 179.9 degrees", "error rad", miss, 1e-6)
     forces = _largest(*bearing_forces(free, motion.angle, motion.speed))
     # Energy bounds the pull: D a_g (3 - 2 cos(start)) at the bottom.

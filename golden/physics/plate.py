@@ -16,7 +16,7 @@ CHUNK = 1 << 16
 MOST_TERMS = 1_000_000
 
 # From the table `plate` of `make figures`: at the load itself, where the series converges slowest,
-# this many are within 2e-6 of the limit, in a tenth of the time of the coarsest grid.
+# this many are within 2e-6 of the limit, in less time than the coarsest grid takes.
 TERMS = 1000
 
 

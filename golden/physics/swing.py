@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
+from scipy.special import ellipj, ellipkm1
 
 from golden.domain import checked
 from golden.networks.mlp import Real
@@ -223,6 +224,32 @@ def swing_motion(
     if not found.success:
         raise ArithmeticError(f"{method} at tolerance {tolerance:g}: {found.message}")
     return Motion(times, found.y[0], found.y[1], evaluations)
+
+
+def undamped_angle(swing: Swing, start: float, time: ArrayLike) -> Real:
+    """phi in closed form without damping, let go at rest: what ``swing_motion`` is checked against.
+
+    Jacobi's elliptic functions: 2 asin(k sn(K - omega t, k)) with k = sin(start / 2). The damping of
+    ``swing`` is left out.
+
+    Parameters
+    ----------
+    swing : Swing
+    start : float
+        rad; below pi by 1e-6 at least, either way: upright the period has no end.
+    time : array_like of float
+        s, 0 to 1e9.
+
+    Raises
+    ------
+    ValueError
+        For an argument outside its range, NaN included.
+    """
+    most = math.pi - 1e-6
+    _, t = checked(start=(start, -most, most), time=(time, 0, 1e9))
+    k, rest = math.sin(start / 2), math.cos(start / 2) ** 2
+    sn = ellipj(ellipkm1(rest) - swing.natural_frequency * t, 1 - rest)[0]
+    return np.asarray(2 * np.arcsin(k * sn))
 
 
 def bearing_forces(swing: Swing, angle: ArrayLike, speed: ArrayLike) -> tuple[Real, Real]:
