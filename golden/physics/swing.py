@@ -229,8 +229,8 @@ def swing_motion(
 def undamped_angle(swing: Swing, start: float, time: ArrayLike) -> Real:
     """phi in closed form without damping, let go at rest: what ``swing_motion`` is checked against.
 
-    Jacobi's elliptic functions: 2 asin(k sn(K - omega t, k)) with k = sin(start / 2). The damping of
-    ``swing`` is left out.
+    Jacobi's elliptic functions: 2 asin(k sn(K - omega t, k)) with k = sin(start / 2). The damping
+    of ``swing`` is left out.
 
     Parameters
     ----------
