@@ -9,7 +9,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+
+from golden.files import replace_file
 
 
 def read_table(path: Path, columns: Sequence[str]) -> NDArray[np.float64]:
@@ -73,6 +75,33 @@ def rows_where(path: Path, where: Mapping[str, float]) -> NDArray[np.intp]:
         wanted = ", ".join(f"{name} = {value:g}" for name, value in where.items())
         raise ValueError(f"{path}: no row has {wanted}, expected one or more")
     return np.flatnonzero(kept)
+
+
+def write_table(path: Path, columns: Sequence[str], values: ArrayLike, decimals: int) -> None:
+    """Write a CSV that ``read_table`` reads, with a fixed number of decimals.
+
+    Parameters
+    ----------
+    path : Path
+    columns : sequence of str
+    values : array_like of float, shape (rows, columns)
+    decimals : int
+        Four hold a code of Fix(14,13): rounding moves a value by less than half an LSB.
+
+    Raises
+    ------
+    ValueError
+        For values of another shape, NaN or infinity.
+    """
+    array = np.asarray(values, dtype=np.float64)
+    if array.ndim != 2 or array.shape[1] != len(columns):
+        raise ValueError(f"{path}: got shape {array.shape}, expected (rows, {len(columns)})")
+    if not np.isfinite(array).all():
+        raise ValueError(f"{path}: got {array[~np.isfinite(array)][0]}, expected finite numbers")
+    # Adding 0 turns -0 into 0.
+    lines = (",".join(f"{cell:.{decimals}f}" for cell in row) for row in array.round(decimals) + 0)
+    with replace_file(path) as temporary:
+        temporary.write_text("\n".join([",".join(columns), *lines, ""]), encoding="utf-8")
 
 
 def _number(text: str, place: str) -> float:

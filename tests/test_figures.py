@@ -9,12 +9,18 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from golden.figures import stability
 from golden.figures.parallel import parallel
 from golden.figures.rbf import printed_figures
+from golden.figures.recordings import FORMS, recordings
 from golden.figures.registry import TABLES
 from golden.figures.table import Table
+from golden.physics.plate import TERMS
+from golden.physics.swing import LIGHT, METHODS, STRONG, STRONG_DAMPING
+from golden.physics.swing_data import NOISE
 
 ROOT = Path(__file__).parents[1]
 
@@ -43,7 +49,11 @@ def test_every_table_is_printed_and_written(measured: tuple[Path, str]) -> None:
     folder, printed = measured
     data = json.loads((folder / "figures.json").read_text())
     assert list(data["tables"]) == list(TABLES)
-    assert {p.name for p in folder.iterdir()} == {"figures.json", *(f"{n}.csv" for n in TABLES)}
+    assert {p.name for p in folder.iterdir()} == {
+        "figures.json",
+        "times.json",
+        *(f"{n}.csv" for n in TABLES),
+    }
     for name, table in data["tables"].items():
         assert re.search(rf"^{name}$", printed, re.M)
         with (folder / f"{name}.csv").open(newline="") as handle:
@@ -63,12 +73,150 @@ def test_the_json_says_what_took_part(measured: tuple[Path, str]) -> None:
 
 
 def test_the_same_seed_gives_the_same_bytes(measured: tuple[Path, str], tmp_path: Path) -> None:
+    """Of all but times.json, with tables that hold run times too."""
     folder, _ = measured
     assert run("--build", str(tmp_path), "--seed", "3", "operations", "profile").returncode == 0
     again = tmp_path / "figures"
     assert {p.name for p in again.iterdir()} == {"figures.json", "operations.csv", "profile.csv"}
-    for name in ("operations.csv", "profile.csv"):
-        assert (again / name).read_bytes() == (folder / name).read_bytes()
+    assert run("--build", str(tmp_path / "2"), "--seed", "3", "plate").returncode == 0
+    timed = tmp_path / "2" / "figures"
+    assert {p.name for p in timed.iterdir()} == {"figures.json", "times.json", "plate.csv"}
+    for file in (again / "operations.csv", again / "profile.csv", timed / "plate.csv"):
+        assert file.read_bytes() == (folder / file.name).read_bytes()
+
+
+def test_run_times_stand_apart(measured: tuple[Path, str]) -> None:
+    folder, printed = measured
+    times = json.loads((folder / "times.json").read_text())
+    assert times["machine"]
+    assert set(times["tables"]) == {"series", "plate", "swing", "swing_damping"}
+    again = json.loads((folder / "figures.json").read_text())["tables"]
+    for name, table in times["tables"].items():
+        at = table["columns"].index("ms")
+        assert "ms" not in again[name]["columns"]
+        assert [row[:at] + row[at + 1 :] for row in table["rows"]] == again[name]["rows"]
+        assert all(row[at] is None or row[at] > 0 for row in table["rows"])
+    assert re.search(r"^case +method +tolerance +evaluations +ms +error rad$", printed, re.M)
+
+
+def test_every_stiff_and_extreme_case_holds(measured: tuple[Path, str]) -> None:
+    rows = columns(measured, "stability", "model", "case", "value", "bound", "holds")
+    assert len(rows) >= 39
+    assert {model for model, *_ in rows} == {
+        "swing",
+        "plate",
+        "beam",
+        "conditioning",
+        "equation 3.17",
+    }
+    broken = [row for row in rows if row[4] != "yes"]
+    assert not broken
+    assert all(value <= bound for _, _, value, bound, _ in rows)
+
+
+@pytest.mark.parametrize("value", [2.0, float("nan"), float("inf")])
+def test_a_case_that_breaks_its_bound_says_no(monkeypatch, value: float) -> None:
+    rows = [stability.Row("swing", "x", "y", value, 1.0), stability.Row("swing", "z", "y", 1, 1)]
+    monkeypatch.setattr(stability, "_swings", lambda: iter(rows))
+    for other in ("_plates", "_others"):
+        monkeypatch.setattr(stability, other, lambda: iter(()))
+    table = stability.stability(1)
+    assert [row[-1] for row in table.rows] == ["no", "yes"]
+    assert table.rows[0][3] == (value if value == 2 else None)
+
+
+def test_figures_that_are_not_finite_break_every_bound() -> None:
+    assert stability._largest(np.array([1.0, -3.0]), np.array(2.0)) == 3
+    assert stability._largest(np.array([1.0, np.nan])) == np.inf
+
+
+def test_the_series_of_the_plate_keeps_its_bound_and_beats_the_grid(measured) -> None:
+    rows = columns(measured, "plate", "point", "method", "terms, nodes", "error", "bound")
+    for _, method, _, error, bound in rows:
+        if method == "series":
+            assert error <= bound + 1e-14
+    for point in ("at the load", "beside it"):
+        finest = min(error for p, method, _, error, _ in rows if (p, method) == (point, "grid"))
+        default = [e for p, method, n, e, _ in rows if (p, method, n) == (point, "series", TERMS)]
+        assert default[0] < 2e-6 < finest
+
+
+def test_the_default_integrators_are_those_the_tables_choose(measured) -> None:
+    """By evaluations, which are the same on every machine."""
+    table = columns(measured, "swing", "case", "method", "tolerance", "evaluations", "error rad")
+    assert len(table) == 3 * 6 * 5
+
+    def work(case: str, method: str, error: float) -> float:
+        """Least evaluations with which a method comes within an error."""
+        found = [
+            evaluations
+            for c, m, _, evaluations, miss in table
+            if (c, m) == (case, method) and miss is not None and miss <= error
+        ]
+        return min(found, default=np.inf)
+
+    for case, error in (("plain", 1e-8), ("179.9 degrees", 1e-7)):
+        others = [work(case, m, error) for m in METHODS if m not in (LIGHT, "LSODA")]
+        assert work(case, LIGHT, error) < min(others)
+    assert work("plain", LIGHT, 1e-9) < 1.5 * work("plain", "LSODA", 1e-9)
+    assert work("179.9 degrees", LIGHT, 1e-9) < work("179.9 degrees", "LSODA", 1e-9)
+    others = [work("strongly damped", m, 1e-9) for m in METHODS if m != STRONG]
+    assert work("strongly damped", STRONG, 1e-9) < min(others)
+
+
+def test_overdamped_the_implicit_method_keeps_the_tolerance(measured) -> None:
+    name = "rate / natural frequency"
+    rows = columns(measured, "swing_damping", name, "method", "evaluations", "error rad")
+    for ratio, method, evaluations, error in rows:
+        if method == STRONG and ratio >= STRONG_DAMPING:
+            assert error <= 1e-8
+            light = next(e for r, m, e, _ in rows if (r, m) == (ratio, LIGHT))
+            assert light is None or evaluations < light
+
+
+def test_the_recordings_are_as_hard_as_the_thesis_found_them(measured) -> None:
+    """With the noise of the shipped ones: between the best and the worst of Table 6.2, and the page
+    shows the figures of its seed."""
+    names = ("noise uV", "output", "error %", *(f"printed {form}" for form in FORMS))
+    for noise, output, error, *printed in columns(measured, "recordings", *names):
+        if noise == pytest.approx(1e6 * NOISE):
+            assert min(printed) < error < 1.15 * max(printed), output
+    found: dict[str, list[str]] = {}
+    for row in recordings(1).rows:
+        found.setdefault(str(row[1]), []).append(f"{row[4]:.1f}")
+    page = (ROOT / "docs" / "physics.md").read_text()
+    for output, errors in found.items():
+        assert f"| {output} | {' | '.join(errors)} |" in page
+
+
+def test_the_work_of_the_page_is_that_measured(measured) -> None:
+    page = (ROOT / "docs" / "physics.md").read_text()
+    lines = {
+        "plain": "plain, 30 degrees",
+        "strongly damped": "damped at 1000 1/s",
+        "179.9 degrees": "undamped, 179.9 degrees",
+    }
+    found: dict[tuple[str, str], int] = {}
+    for case, method, evaluations, error in columns(
+        measured, "swing", "case", "method", "evaluations", "error rad"
+    ):
+        if error is not None and error <= 1e-9:
+            found.setdefault((case, method), evaluations)
+    for case, shown in lines.items():
+        (row,) = re.findall(rf"^\| {re.escape(shown)} \|(.*)\|$", page, re.M)
+        cells = [cell.strip().partition(",")[0] for cell in row.split("|")]
+        assert cells == [str(found.get((case, method), "")) for method in METHODS]
+
+
+def test_the_sensors_of_the_page_are_those_fitted(measured) -> None:
+    page = (ROOT / "docs" / "physics.md").read_text()
+    rows = columns(
+        measured, "beam", "sensor", "load", "position mm", "gain V per strain", "rms % of span"
+    )
+    for sensor, load, position, gain, percent in rows:
+        if load == "of its width":
+            shown = f"{position:.1f}" if position > 0 else "outside"
+            assert f"| {sensor[-1]} | {shown} | {gain:.0f} | {percent:.2f} |" in page
 
 
 @pytest.mark.parametrize(

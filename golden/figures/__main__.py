@@ -2,7 +2,8 @@
 
 ``build/figures`` holds what the last call measured: a CSV a table, and figures.json with all of
 them, the seed and the versions of everything that took part. The same versions and seed give the
-same bytes.
+same bytes. Run times do not: tables that hold some stand in full in times.json, with the machine,
+and without them in the other files.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import platform
 import sys
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 from golden.cli import CommandError, run
 from golden.figures.registry import TABLES
@@ -49,14 +51,24 @@ def main() -> None:
             "sources": fingerprint([*sources("golden"), ROOT / "golden" / "data"]),
             "tables": {},
         }
+        times: dict[str, Any] = {}
         for name in names:
             table = TABLES[name](arguments.seed)
-            table.write_csv(temporary / f"{name}.csv")
-            data["tables"][name] = table.as_data()
+            if table.timed:
+                times[name] = table.as_data()
+            again = table.without_times()
+            again.write_csv(temporary / f"{name}.csv")
+            data["tables"][name] = again.as_data()
             print("\n".join(table.lines()), end="\n\n", flush=True)
-        text = json.dumps(data, indent=1, allow_nan=False)
-        (temporary / "figures.json").write_text(text + "\n", encoding="utf-8")
+        _write_json(temporary / "figures.json", data)
+        if times:
+            machine = {"machine": platform.machine(), "system": platform.platform()}
+            _write_json(temporary / "times.json", {**machine, "tables": times})
     print(f"wrote {folder}")
+
+
+def _write_json(path: Path, data: dict[str, Any]) -> None:
+    path.write_text(json.dumps(data, indent=1, allow_nan=False) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

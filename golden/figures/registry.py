@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from golden.figures import networks, parallel, rbf, visualisation
+from golden.figures import networks, parallel, physics, rbf, recordings, stability, visualisation
 from golden.figures.table import Table
 
 # By name, in the order printed; the name is that of the table.
@@ -15,4 +15,10 @@ TABLES: dict[str, Callable[[int], Table]] = {
     "operations": rbf.operations,
     "series": visualisation.series,
     "profile": visualisation.profile,
+    "beam": physics.beam,
+    "plate": physics.plate,
+    "swing": physics.swing,
+    "swing_damping": physics.swing_damping,
+    "recordings": recordings.recordings,
+    "stability": stability.stability,
 }

@@ -27,19 +27,29 @@ class Table:
         Text, numbers, or None where there is nothing to say.
     note : str
         What was measured and how, and what differs from the reference and why.
+    timed : sequence of str
+        The columns that hold run times of this machine, which differ from call to call.
 
     Raises
     ------
     ValueError
-        When a row has another length than the columns, or holds NaN or infinity.
+        When a row has another length than the columns, or holds NaN or infinity, or when a timed
+        column is none of the columns.
     """
 
     name: str
     columns: Sequence[str]
     rows: Sequence[Sequence[Cell]]
     note: str
+    timed: Sequence[str] = ()
 
     def __post_init__(self) -> None:
+        for heading in self.timed:
+            if heading not in self.columns:
+                raise ValueError(
+                    f"table {self.name}: timed: got {heading!r}, expected one of "
+                    f"{', '.join(self.columns)}"
+                )
         for n, row in enumerate(self.rows, start=1):
             if len(row) != len(self.columns):
                 raise ValueError(
@@ -51,6 +61,16 @@ class Table:
                         f"table {self.name}: row {n}, {heading}: got {cell}, expected a finite "
                         "number, or None for no figure"
                     )
+
+    def without_times(self) -> Table:
+        """The table without its timed columns: what the same versions and seed give again."""
+        kept = [c for c, heading in enumerate(self.columns) if heading not in self.timed]
+        return Table(
+            self.name,
+            [self.columns[c] for c in kept],
+            [[row[c] for c in kept] for row in self.rows],
+            self.note,
+        )
 
     def as_data(self) -> dict[str, Any]:
         """The table as JSON can hold it, every digit kept."""

@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
+from golden.domain import checked
 from golden.networks.mlp import Real
 
 # Values of one chunk of the series: small enough for a cache, large enough for numpy.
@@ -16,25 +17,11 @@ CHUNK = 1 << 16
 WILBRAHAM_GIBBS = 1.8519370519824661
 
 
-def _checked(**arguments: tuple[ArrayLike, float, float]) -> list[Real]:
-    """Each argument as a float array, inside its least and largest value."""
-    arrays = []
-    for name, (value, low, high) in arguments.items():
-        array = np.asarray(value, dtype=np.float64)
-        outside = ~((array >= low) & (array <= high))
-        if outside.any():
-            raise ValueError(
-                f"{name}: got {array[outside].flat[0]:g}, expected {low:g} to {high:g}"
-            )
-        arrays.append(array)
-    return arrays
-
-
 def _sum_domain(
     position: ArrayLike, load: ArrayLike, centre: ArrayLike, half_width: ArrayLike
 ) -> list[Real]:
     """The arguments of equation 3.17, checked and broadcast."""
-    arrays = _checked(
+    arrays = checked(
         position=(position, 0, 1),
         load=(load, -1, 1),
         centre=(centre, 0, 1),
@@ -181,7 +168,7 @@ def power_load(
     if power < 2 or power % 2:
         raise ValueError(f"power: got {power}, expected an even whole number, 2 or more")
     most, least = np.finfo(np.float64).max, math.ulp(0.0)
-    p, d, c, s = _checked(
+    p, d, c, s = checked(
         position=(position, -most, most),
         load=(load, -most, most),
         centre=(centre, -most, most),

@@ -1,0 +1,28 @@
+"""Arguments of the float models: inside their domain, or a ValueError that says what it is."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.networks.mlp import Real
+
+
+def checked(**arguments: tuple[ArrayLike, float, float]) -> list[Real]:
+    """Each argument as a float array, inside its least and largest value.
+
+    Raises
+    ------
+    ValueError
+        For a value outside, NaN included; the message names argument, value and range.
+    """
+    arrays = []
+    for name, (value, low, high) in arguments.items():
+        array = np.asarray(value, dtype=np.float64)
+        outside = ~((array >= low) & (array <= high))
+        if outside.any():
+            raise ValueError(
+                f"{name}: got {array[outside].flat[0]:g}, expected {low:g} to {high:g}"
+            )
+        arrays.append(array)
+    return arrays

@@ -1,0 +1,97 @@
+"""``python -m golden.physics.digit_data FILE``: vectors of a flexible digit that obeys theory.
+
+The sensors are those that fit the recorded vectors best (``strain_sensor.fit_sensors``), so a scene
+may name the file where it names appendix2.csv.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from golden.cli import run
+from golden.domain import checked
+from golden.networks.mlp import Real
+from golden.physics.beam import Beam
+from golden.physics.strain_sensor import (
+    COLUMNS,
+    RECTANGLE_CODE,
+    TRIANGLE_CODE,
+    fit_sensors,
+    loads_from_codes,
+    read_sensors,
+)
+from golden.table import read_table, write_table
+from golden.units import FULL_SCALE, LOAD_G, POSITION_MM, WIDTH_MM
+
+RECORDED = Path(__file__).parents[1] / "data" / "appendix2.csv"
+SENSORS = ("sensor1", "sensor2", "sensor3", "sensor4")
+
+# What is left of sensor 4, the only one recorded at every placement, after the fit.
+NOISE = 0.008  # V
+
+LEAST_LOAD_G = 6.0  # Table 3.1
+WIDTHS_MM = (12.7, 25.4, 38.1, 50.8)
+NEAREST_MM = 6.35  # from the tip to the outer edge of a load, section 3.8.2
+MOST_ROWS = 1_000_000
+
+
+def digit_data(rows: int, seed: int, noise: float = NOISE) -> Real:
+    """Placements drawn at random and what the four sensors read.
+
+    Parameters
+    ----------
+    rows : int
+        1 to a million.
+    seed : int
+        0 or more.
+    noise : float
+        Standard deviation of Gaussian noise on every sensor, V, 0 to 1.
+
+    Returns
+    -------
+    float array, shape (rows, 8)
+        Sensors 1 to 4 in V, within -1 to 1; load (6 to 23 g), position (from where the load's outer
+        edge is 6.35 mm from the tip, to 127 mm), width (the four of Table 3.1) and shape as coded
+        targets.
+
+    Raises
+    ------
+    ValueError
+        For an argument outside its range.
+    """
+    checked(rows=(rows, 1, MOST_ROWS), seed=(seed, 0, 2**63), noise=(noise, 0, 1))
+    rng = np.random.default_rng(seed)
+    beam = Beam()
+    width = rng.choice(WIDTHS_MM, rows)
+    codes = np.stack(
+        [
+            rng.uniform(LEAST_LOAD_G, LOAD_G, rows) / LOAD_G * FULL_SCALE,
+            rng.uniform(NEAREST_MM + width / 2, POSITION_MM) / POSITION_MM * FULL_SCALE,
+            width / WIDTH_MM * FULL_SCALE,
+            rng.choice([RECTANGLE_CODE, TRIANGLE_CODE], rows),
+        ],
+        axis=-1,
+    )
+    sensors = fit_sensors(read_table(RECORDED, [*SENSORS, *COLUMNS]), beam)
+    volts = read_sensors(sensors, loads_from_codes(codes, beam))
+    return np.hstack([np.clip(volts + rng.normal(0, noise, volts.shape), -1, 1), codes])
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="golden.physics.digit_data", description=__doc__)
+    parser.add_argument("file", type=Path)
+    parser.add_argument("--rows", type=int, default=1000)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--noise", type=float, default=NOISE, help="V")
+    arguments = parser.parse_args()
+    data = digit_data(arguments.rows, arguments.seed, arguments.noise)
+    write_table(arguments.file, [*SENSORS, *COLUMNS], data, 4)
+    print(f"wrote {arguments.file}: {arguments.rows} rows, seed {arguments.seed}")
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

@@ -1,0 +1,102 @@
+"""The swing on its plate: what the three sensors see (thesis sections 6.2 to 6.4)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from golden.domain import checked
+from golden.networks.mlp import Real
+from golden.physics import GRAVITY
+from golden.physics.plate import Plate
+from golden.physics.swing import Motion, Swing, foot_forces
+
+
+@dataclass(frozen=True)
+class Rig:
+    """A swing in the middle of a plate, its frames along the plate's length.
+
+    Parameters
+    ----------
+    plate : Plate
+    swing : Swing
+    frames : float
+        Distance of the two A-frames in m; 0.350 in thesis section 6.2.2.
+    offset : float
+        Sensors 1 and 3 lie on the line of the feet, this far off the middle of the plate's width,
+        m; sensor 2 lies in the middle. Ours: the thesis has them "closely to" the axis, and a
+        sensor on the axis sees the same whichever frame carries the load, so that no sensor would
+        feel the wobble.
+
+    Raises
+    ------
+    ValueError
+        When a foot or a sensor would lie off the plate.
+    """
+
+    plate: Plate = field(default_factory=Plate)
+    swing: Swing = field(default_factory=Swing)
+    frames: float = 0.350
+    offset: float = 0.040
+
+    def __post_init__(self) -> None:
+        checked(
+            feet=(self.swing.feet, 0, self.plate.length),
+            frames=(self.frames, 1e-3, self.plate.width),
+            offset=(self.offset, -self.plate.width / 2, self.plate.width / 2),
+        )
+
+    @property
+    def feet(self) -> Real:
+        """Where the four feet stand, shape (4, 2): side 1 then side 2, each left then right."""
+        middle, across = self.plate.length / 2, self.plate.width / 2
+        return np.array(
+            [
+                [middle + side * self.swing.feet / 2, across + frame * self.frames / 2]
+                for side in (-1, 1)
+                for frame in (-1, 1)
+            ]
+        )
+
+    @property
+    def sensors(self) -> Real:
+        """Where the three sensors are, shape (3, 2)."""
+        middle, across = self.plate.length / 2, self.plate.width / 2
+        half = self.swing.feet / 2
+        return np.array(
+            [
+                [middle - half, across + self.offset],
+                [middle, across],
+                [middle + half, across + self.offset],
+            ]
+        )
+
+    def forces(self, motion: Motion, lateral: Real, lateral_acceleration: Real) -> Real:
+        """Force of each foot in N, shape (n, 4).
+
+        Either side's force (equations 6.4 and 6.5) is divided among its frames: evenly, as the
+        thesis assumes, but for the wobble, which is ours. A mass at x off the middle whose support
+        it accelerates by x'' at the height of the axis tilts the load to one frame by
+        (D a_g x - D x'' height) / frames, half of it on either side.
+
+        Raises
+        ------
+        ValueError
+            When a foot would have to be held down: the swing would leave the plate.
+        """
+        swing = self.swing
+        tilt = swing.mass * (GRAVITY * lateral - lateral_acceleration * swing.height) / self.frames
+        sides = foot_forces(swing, motion.angle, motion.speed)
+        forces = np.stack([(n + sign * tilt) / 2 for n in sides for sign in (-1, 1)], axis=-1)
+        if forces.min() < 0:
+            worst = int(forces.min(axis=1).argmin())
+            raise ValueError(
+                f"foot forces: got {forces.min():.3g} N at {motion.time[worst]:.3g} s, expected 0 "
+                "or more; start at a smaller angle or give the frame a weight"
+            )
+        return forces
+
+    def deflections(self, forces: Real) -> Real:
+        """Deflection of the plate above each sensor in m, shape (n, 3), for forces (n, 4)."""
+        return np.asarray(forces @ self.plate.influence(self.sensors, self.feet).T)

@@ -1,0 +1,86 @@
+"""From deflection to code: sensor, DC remover, gain, clipping, ADC."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from golden.physics.conditioning import CUTOFF, Conditioning, ReflectiveSensor, rc_cutoff
+from golden.precision import SIGNAL
+
+TIME = np.arange(20_000) / 200
+
+
+def rng() -> np.random.Generator:
+    return np.random.default_rng(1)
+
+
+def amplitude(hertz: float) -> float:
+    """Of a sine of 1 V after the high pass, once it has settled."""
+    passed = Conditioning(1.0).amplify(np.sin(2 * math.pi * hertz * TIME), 0.0)
+    return float(np.sqrt(2 * (passed[len(TIME) // 2 :] ** 2).mean()))
+
+
+def test_the_parts_of_section_6_4_2_give_its_cutoff() -> None:
+    assert rc_cutoff() == pytest.approx(CUTOFF, rel=0.01)
+
+
+@pytest.mark.parametrize("hertz", [0.06, 0.7, 5.0])
+def test_the_high_pass_is_first_order(hertz: float) -> None:
+    expected = 1 / math.sqrt(1 + (CUTOFF / hertz) ** 2)
+    assert amplitude(hertz) == pytest.approx(expected, rel=2e-3)
+
+
+def test_dc_is_gone_once_settled() -> None:
+    rest = Conditioning(80).amplify(np.full(1000, 4.1), 4.1)
+    assert (rest == 0).all()
+    step = Conditioning(1).amplify(np.full(2000, 1.0), 0.0)
+    assert step[0] == pytest.approx(1, rel=1e-3)
+    # A time constant of 1 / (2 pi 0.06 Hz) = 2.65 s.
+    assert step[round(200 / (2 * math.pi * CUTOFF))] == pytest.approx(math.exp(-1), rel=5e-3)
+
+
+def test_without_a_cutoff_dc_passes() -> None:
+    assert (Conditioning(2, cutoff=0).amplify([0.1, 0.1], 0.0) == 0.2).all()
+
+
+def test_gain_clipping_and_quantisation() -> None:
+    volts = np.array([0.0, 0.01, 0.05, 0.2, -0.2])
+    codes, clipped = Conditioning(10, cutoff=0).convert(volts, 0.0)
+    assert codes.tolist() == [0, 819, 4096, SIGNAL.high, SIGNAL.low]
+    assert clipped == 2
+
+
+def test_the_sensor_is_linear_within_its_range_and_flat_beyond() -> None:
+    sensor = ReflectiveSensor(rest=4.0, sensitivity=500, linear=1e-3)
+    assert sensor.read([0, 4e-4, -1e-3, 1e-3, 2e-3, -5], rng()) == pytest.approx(
+        [4.0, 4.2, 3.5, 4.5, 4.5, 3.5]
+    )
+
+
+def test_noise_is_seeded_and_of_the_level_asked_for() -> None:
+    sensor = ReflectiveSensor(noise=1e-3)
+    still = np.zeros(20_000)
+    first = sensor.read(still, rng())
+    assert (first == sensor.read(still, rng())).all()
+    assert (first != sensor.read(still, np.random.default_rng(2))).any()
+    assert first.std() == pytest.approx(1e-3, rel=0.03)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: ReflectiveSensor(linear=0), "linear: got 0, expected 1e-06 to 1"),
+        (lambda: ReflectiveSensor(noise=-1), "noise: got -1, expected 0 to 10"),
+        (lambda: ReflectiveSensor().read([np.nan], rng()), "deflection: got nan"),
+        (lambda: Conditioning(1, cutoff=100), "cutoff: got 100, expected 0 to 99.8"),
+        (lambda: Conditioning(1).amplify([np.inf], 0), "volts: got inf"),
+        (lambda: Conditioning(1).amplify([], 0), r"volts: got shape \(0,\), expected \(n,\)"),
+        (lambda: rc_cutoff(0, 1), "resistance: got 0"),
+    ],
+)
+def test_what_lies_outside_the_model_is_refused(call, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        call()

@@ -1,0 +1,204 @@
+"""The swing: Appendix 7 and equations 6.4, 6.5; and the wobble."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.signal import find_peaks
+from scipy.special import ellipk
+
+from golden.physics import GRAVITY
+from golden.physics.swing import (
+    METHODS,
+    STRONG_DAMPING,
+    Motion,
+    Swing,
+    bearing_forces,
+    foot_forces,
+    swing_motion,
+    undamped_angle,
+)
+from golden.physics.wobble import Wobble
+
+FREE = Swing(damping=0)
+PERIOD = 2 * math.pi / FREE.natural_frequency
+# The start beyond which the force of a foot has twin peaks, from d N_y2 / d phi = 0 at the start:
+# 3 k T^2 + 4 T - k = 0 with T = tan(start), k = 1 / tan(psi).
+COT = 1 / math.tan(FREE.half_angle)
+TWIN = math.atan((-4 + math.sqrt(16 + 12 * COT**2)) / (6 * COT))
+
+
+def swung(degrees: float, swing: Swing = FREE, seconds: float = 4, rate: float = 1000) -> Motion:
+    return swing_motion(swing, math.radians(degrees), seconds, rate)
+
+
+def test_the_rig_is_that_of_section_6_2_2() -> None:
+    assert FREE.natural_frequency / (2 * math.pi) == pytest.approx(0.7, rel=0.03)
+    assert math.degrees(2 * FREE.half_angle) == pytest.approx(49.25, abs=0.005)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_every_method_comes_to_jacobis_closed_form(method: str) -> None:
+    start = math.radians(50)
+    motion = swing_motion(FREE, start, 3, method=method, tolerance=1e-6)
+    assert np.abs(motion.angle - undamped_angle(FREE, start, motion.time)).max() < 1e-4
+
+
+@pytest.mark.parametrize("degrees", [1, 30, 90, 179])
+def test_the_default_method_without_damping(degrees: float) -> None:
+    motion = swung(degrees, rate=200)
+    expected = undamped_angle(FREE, math.radians(degrees), motion.time)
+    assert np.abs(motion.angle - expected).max() < 1e-6
+
+
+@pytest.mark.parametrize("rate", [0.1, 2.0, 30.0, 1e3])
+def test_small_swings_are_a_damped_oscillator(rate: float) -> None:
+    """phi'' + rate phi' + omega^2 phi = 0 from its roots, lightly and strongly damped."""
+    swing, start = Swing(damping=rate * 0.48), 1e-4
+    motion = swing_motion(swing, start, 3)
+    root = np.sqrt(complex(rate**2 / 4 - swing.natural_frequency**2))
+    fast, slow = -rate / 2 - root, -rate / 2 + root
+    if slow.imag == 0:  # without the cancellation of two like numbers
+        slow = swing.natural_frequency**2 / fast
+    t = motion.time
+    expected = (start * (slow * np.exp(fast * t) - fast * np.exp(slow * t)) / (slow - fast)).real
+    assert np.abs(motion.angle - expected).max() < 1e-8 * start + 2e-12
+
+
+def test_stiff_swings_take_the_implicit_method() -> None:
+    """An explicit one would need 5e6 evaluations or more."""
+    swing = Swing(damping=1e6 * 0.48)
+    assert swing.damping_rate > STRONG_DAMPING * swing.natural_frequency
+    motion = swing_motion(swing, 0.5, 5)
+    assert motion.evaluations < 1000
+    creep = math.log(math.tan(0.25)) - swing.natural_frequency**2 / 1e6 * motion.time
+    assert motion.angle == pytest.approx(2 * np.arctan(np.exp(creep)), abs=1e-9)
+
+
+def test_energy_without_damping_stays() -> None:
+    motion = swung(60, seconds=20 * PERIOD, rate=100)
+    energy = FREE.energy(motion.angle, motion.speed)
+    assert energy[0] == pytest.approx(10 * GRAVITY * 0.48 * (1 - math.cos(math.pi / 3)))
+    assert np.abs(energy / energy[0] - 1).max() < 1e-9
+
+
+@pytest.mark.parametrize("gyration", [0.0, 0.1])
+def test_bearing_forces_are_what_accelerates_the_mass(gyration: float) -> None:
+    """Newton's law for the centre of the mass, whose path is differentiated twice."""
+    swing = Swing(damping=0, gyration=gyration)
+    motion = swung(40, swing, rate=2000)
+    y, z = 0.48 * np.sin(motion.angle), -0.48 * np.cos(motion.angle)
+    step = motion.time[1]
+    ay, az = (np.diff(v, 2) / step**2 for v in (y, z))
+    horizontal, downward = bearing_forces(swing, motion.angle, motion.speed)
+    assert np.abs(horizontal[1:-1] + 10 * ay).max() < 1e-3
+    assert np.abs(downward[1:-1] - 10 * (GRAVITY + az)).max() < 1e-3
+
+
+def test_the_moment_of_inertia_slows_the_swing_down() -> None:
+    """J = D (I'_p^2 + gyration^2), Appendix 7, equation 4."""
+    heavy = Swing(damping=0, gyration=0.48)
+    assert heavy.natural_frequency == pytest.approx(FREE.natural_frequency / math.sqrt(2))
+
+
+@given(st.floats(-math.pi, math.pi), st.floats(-10, 10), st.floats(0, 50))
+def test_foot_forces_balance_the_bearing_forces(angle: float, speed: float, frame: float) -> None:
+    swing = Swing(frame_mass=frame)
+    horizontal, downward = bearing_forces(swing, angle, speed)
+    one, two = foot_forces(swing, angle, speed)
+    assert one + two == pytest.approx(downward + frame * GRAVITY, abs=1e-9)
+    # Moments about the middle between the feet.
+    assert (two - one) * swing.feet / 2 == pytest.approx(horizontal * swing.height, abs=1e-9)
+
+
+def harmonics(degrees: float) -> float:
+    """Amplitude of all harmonics of a foot's force over that of the fundamental."""
+    start = math.radians(degrees)
+    period = 4 * ellipk(math.sin(start / 2) ** 2) / FREE.natural_frequency
+    motion = swing_motion(FREE, start, period, 256 / period)
+    spectrum = np.abs(np.fft.rfft(foot_forces(FREE, motion.angle, motion.speed)[1]))
+    return float(np.sqrt((spectrum[2:] ** 2).sum()) / spectrum[1])
+
+
+def twin_peaks(degrees: float, force: int = 1) -> bool:
+    """Whether a force (of feet 0 or 1, or 2: F_x) has two peaks a period."""
+    motion = swung(degrees, seconds=4 * PERIOD)
+    if force == 2:
+        values = bearing_forces(FREE, motion.angle, motion.speed)[0]
+    else:
+        values = foot_forces(FREE, motion.angle, motion.speed)[force]
+    return len(find_peaks(values)[0]) > 6
+
+
+def test_below_ten_degrees_the_foot_forces_are_sinusoidal() -> None:
+    """Remark of section 6.3.2; what harmonics there are grow with the angle."""
+    assert not twin_peaks(5)
+    assert not twin_peaks(10)
+    assert harmonics(1) < 0.011
+    assert harmonics(5) < 0.055
+    assert harmonics(10) < 0.11
+
+
+def test_twin_peaks_above_and_from_what_angle_on() -> None:
+    """19.2 degrees for the feet of the rig, 30 degrees for F_x of any."""
+    assert math.degrees(TWIN) == pytest.approx(19.17, abs=0.01)
+    assert twin_peaks(30)
+    for foot in (0, 1):
+        assert twin_peaks(math.degrees(TWIN) + 1, foot)
+        assert not twin_peaks(math.degrees(TWIN) - 1, foot)
+    assert twin_peaks(31.5, 2)
+    assert not twin_peaks(28.5, 2)
+
+
+@pytest.mark.parametrize("degrees", [5, 10, 30])
+def test_the_two_sides_are_in_antiphase(degrees: float) -> None:
+    """Mirrored, one is the other; so half a period later too."""
+    motion = swung(degrees)
+    one, two = foot_forces(FREE, motion.angle, motion.speed)
+    mirrored = foot_forces(FREE, -motion.angle, -motion.speed)
+    assert one == pytest.approx(mirrored[1])
+    assert np.corrcoef(one, two)[0, 1] < -0.85
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: Swing(arm=1e-4), "arm: got 0.0001, expected 0.001 to 100"),
+        (lambda: Swing(damping=5e5), r"damping: got 500000, expected 0 to 480000"),
+        (lambda: Swing(feet=1.44), "feet: got 1.44, expected 0.00072 to 1.43928"),
+        (lambda: swing_motion(FREE, 4, 1), "start: got 4, expected -3.14159 to 3.14159"),
+        (lambda: swing_motion(FREE, 1, 0), "seconds: got 0, expected 0.01 to 50000"),
+        (lambda: swing_motion(FREE, 1, float("nan")), "seconds: got nan"),
+        (lambda: swing_motion(FREE, 1, 1, tolerance=0), "tolerance: got 0"),
+        (lambda: swing_motion(FREE, 1, 1, method="Euler"), "method: got 'Euler', expected one of"),
+        (lambda: foot_forces(FREE, np.nan, 0), "angle: got nan"),
+        (lambda: undamped_angle(FREE, math.pi, 1), "start: got 3.14159, expected -3.1415"),
+        (lambda: undamped_angle(FREE, 1, np.nan), "time: got nan"),
+        (lambda: Wobble(ratio=0.6), "ratio: got 0.6, expected 0 to 0.5"),
+        (lambda: Wobble().displacement(-1), "time: got -1, expected 0"),
+    ],
+)
+def test_what_lies_outside_the_model_is_refused(call, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+def test_work_beyond_the_limit_is_refused() -> None:
+    with pytest.raises(ArithmeticError, match=r"RK45 .*: got to 0\.\d+ of 5 s in 99 "):
+        swing_motion(Swing(damping=480), 0.5, 5, method="RK45", most_evaluations=99)
+
+
+def test_the_wobble_is_a_damped_oscillator() -> None:
+    wobble = Wobble(amplitude=0.01, frequency=2, ratio=0.1, phase=0.5)
+    time = np.linspace(0, 3, 3001)
+    x, acceleration = wobble.displacement(time)
+    assert x[0] == pytest.approx(0.01 * math.cos(0.5))
+    assert np.diff(x, 2) / time[1] ** 2 == pytest.approx(acceleration[1:-1], abs=1e-4)
+    speed = np.gradient(x, time)
+    omega = 4 * math.pi
+    law = acceleration + 2 * 0.1 * omega * speed + omega**2 * x
+    assert np.abs(law[1:-1]).max() < 1e-3

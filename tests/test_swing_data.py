@@ -1,0 +1,190 @@
+"""The rig, and the recordings made with it."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.signal import find_peaks
+
+from golden.physics.rig import Rig
+from golden.physics.swing import Swing, swing_motion
+from golden.physics.swing_data import (
+    ANGLES,
+    BOUND,
+    COLUMNS,
+    FRAME_MASS,
+    NOISE,
+    Coding,
+    record,
+    write_recordings,
+)
+from golden.physics.wobble import Wobble
+from golden.precision import SIGNAL
+from golden.table import read_table
+
+ROOT = Path(__file__).parents[1]
+DATA = ROOT / "golden" / "data"
+STORY = tomllib.loads((DATA / "swing.toml").read_text(encoding="utf-8"))
+NAMES = ("swing-train", "swing-test-1", "swing-test-2")
+SWING = Swing(frame_mass=FRAME_MASS)
+
+
+def shipped(name: str) -> np.ndarray:
+    return read_table(DATA / f"{name}.csv", list(COLUMNS))
+
+
+def excursion(values: np.ndarray) -> float:
+    """Mean from end to end."""
+    return float(values[find_peaks(values)[0]].mean() - values[find_peaks(-values)[0]].mean())
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_shipped_recordings_are_what_their_provenance_says(name: str) -> None:
+    story = STORY[name]
+    assert hashlib.sha256((DATA / f"{name}.csv").read_bytes()).hexdigest() == story["sha256"]
+    assert shipped(name).shape == (story["rows"], 6) == (5000, 6)
+    assert story["clipped"] == 0
+
+
+def test_shipped_recordings_can_be_made_again(tmp_path: Path) -> None:
+    paths = write_recordings(tmp_path)
+    assert [path.name for path in paths] == [*(f"{name}.csv" for name in NAMES), "swing.toml"]
+    for path in paths[:-1]:
+        again = read_table(path, list(COLUMNS))
+        # Other versions of numpy and SciPy may round the last digit the other way.
+        assert np.abs(again - shipped(path.stem)).max() <= 1.3e-4
+    again = tomllib.loads(paths[-1].read_text(encoding="utf-8"))
+    assert again["offset_mm"] == pytest.approx(STORY["offset_mm"])
+    assert again["mm_per_unit"] == pytest.approx(STORY["mm_per_unit"])
+    assert [STORY[name]["angle_degrees"] for name in NAMES] == list(ANGLES)
+    assert [STORY[name]["seed"] for name in NAMES] == [1, 2, 3]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_four_decimals_keep_every_code(name: str) -> None:
+    sensors = shipped(name)[:, :3]
+    codes, saturated = SIGNAL.quantise(sensors)
+    assert saturated == 0
+    assert (np.round(SIGNAL.to_real(codes), 4) == sensors).all()
+
+
+def test_targets_are_coded_as_section_6_4_4_has_it() -> None:
+    targets = shipped("swing-train")[:, 3:]
+    assert np.abs(targets).max(axis=0) == pytest.approx(BOUND, abs=1e-4)
+    assert targets.mean(axis=0) == pytest.approx(0, abs=1e-4)
+    for name in NAMES[1:]:
+        assert np.abs(shipped(name)[:, 3:]).max() < BOUND
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_sensors_1_and_3_are_in_antiphase(name: str) -> None:
+    """Figure 6.14."""
+    sensors = shipped(name)
+    assert np.corrcoef(sensors[:, 0], sensors[:, 2])[0, 1] < -0.85
+    assert abs(np.corrcoef(sensors[:, 0], sensors[:, 4])[0, 1]) > 0.9
+
+
+def test_the_motion_is_of_the_size_of_table_6_2() -> None:
+    """Its "mean total displacement" can only be from end to end: see docs/physics.md."""
+    train = shipped("swing-train")[:, 3:] * STORY["mm_per_unit"]
+    found = [excursion(column) for column in train.T]
+    assert found == pytest.approx([8.9, 330, 26.8], rel=0.15)
+    # Were it a mean distance from rest, the mass would have to go farther out than its arm is long.
+    assert math.pi / 2 * 330 > 480 > excursion(train[:, 1])
+
+
+def test_raw_signals_are_the_10_to_60_mv_of_section_6_4_2() -> None:
+    """Both ends fall out of one sensitivity, which is ours, and so do the gains of 10 and 80."""
+    recording = record(ANGLES[0], 1, 0.0)
+    raw = 1e3 * np.ptp(recording.sensors, axis=0) / [10, 80, 10]
+    assert raw[[0, 2]] == pytest.approx(60, rel=0.08)
+    assert raw[1] == pytest.approx(10, rel=0.08)
+
+
+def test_a_recording_is_seeded() -> None:
+    first = record(30, 5, seconds=2)
+    assert (first.sensors == record(30, 5, seconds=2).sensors).all()
+    other = record(30, 6, seconds=2)
+    assert (first.sensors != other.sensors).any()
+    assert (first.place[:, 0] != other.place[:, 0]).all()
+    assert (first.place[:, 1:] == other.place[:, 1:]).all()
+
+
+def test_the_noise_is_that_asked_for() -> None:
+    still, noisy = record(10, 3, 0.0, seconds=20), record(10, 3, NOISE, seconds=20)
+    assert (still.place == noisy.place).all()
+    lsb = 2.0**-13
+    expected = np.hypot(np.multiply([10, 80, 10], NOISE), lsb / math.sqrt(6))
+    assert (noisy.sensors - still.sensors).std(axis=0) == pytest.approx(expected, rel=0.05)
+
+
+def test_the_coding_turns_back() -> None:
+    recording = record(20, 1, seconds=5)
+    coding = Coding.of(recording)
+    coded = coding.code(recording)
+    assert (coded[:, :3] == recording.sensors).all()
+    assert coded[:, 3:] / coding.scale + coding.offset == pytest.approx(recording.place)
+
+
+def test_the_rig_stands_on_the_plate_as_figure_6_8_has_it() -> None:
+    rig = Rig(offset=0)
+    assert np.ptp(rig.feet, axis=0) == pytest.approx([0.6, 0.35])
+    assert rig.feet.mean(axis=0) == pytest.approx([0.455, 0.275])
+    assert rig.sensors[1] == pytest.approx([0.455, 0.275])
+    # In line with the feet, on the axis.
+    assert rig.sensors[[0, 2], 0] == pytest.approx([rig.feet[0, 0], rig.feet[2, 0]])
+    assert rig.sensors[:, 1] == pytest.approx(0.275)
+
+
+def test_a_sensor_on_the_axis_does_not_feel_the_wobble() -> None:
+    motion = swing_motion(SWING, 0.3, 5)
+    moved = Wobble().displacement(motion.time)
+    still = [np.zeros_like(v) for v in moved]
+    for offset, felt in ((0.0, False), (0.04, True)):
+        rig = Rig(swing=SWING, offset=offset)
+        difference = rig.deflections(rig.forces(motion, *moved) - rig.forces(motion, *still))
+        assert (np.abs(difference).max(axis=0) > 1e-7).tolist() == [felt, False, felt]
+
+
+def test_the_feet_carry_what_hangs_on_them() -> None:
+    rig = Rig(swing=SWING)
+    motion = swing_motion(SWING, 0.0, 1)
+    forces = rig.forces(motion, np.full(200, 0.004), np.zeros(200))
+    assert forces.sum(axis=1) == pytest.approx((10 + FRAME_MASS) * 9.80665)
+    # Moments about the middle, across the frames: 10 kg, 4 mm off.
+    across = (forces @ (rig.feet[:, 1] - 0.275))[0]
+    assert across == pytest.approx(10 * 9.80665 * 0.004)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: record(90, 1), "angle: got 90, expected -60 to 60"),
+        (lambda: record(60, 1), r"foot forces: got -.* N at .* s, expected 0 or more"),
+        (lambda: record(10, -1), "seed: got -1"),
+        (lambda: write_recordings(Path(), angles=[]), "angles: got none, expected at least one"),
+        (lambda: Rig(frames=0.6), "frames: got 0.6, expected 0.001 to 0.55"),
+        (lambda: Rig(swing=Swing(feet=1.0)), "feet: got 1, expected 0 to 0.91"),
+    ],
+)
+def test_what_lies_outside_the_model_is_refused(call, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+def test_the_command(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "golden.physics.swing_data", str(tmp_path)]
+    result = subprocess.run(
+        [*command, "--angles", "20", "--seed", "9"], cwd=ROOT, capture_output=True, text=True
+    )
+    assert result.returncode == 0, result.stderr
+    assert {path.name for path in tmp_path.iterdir()} == {"swing-train.csv", "swing.toml"}
+    result = subprocess.run([*command, "--angles", "80"], cwd=ROOT, capture_output=True, text=True)
+    assert (result.returncode, result.stderr) == (2, "error: angle: got 80, expected -60 to 60\n")
