@@ -11,7 +11,7 @@ RUN = $(VENV)/bin/python
 help:
 	@echo "make demo    [SCENE=]                     a scene end to end: simulate, export, table of errors"
 	@echo "make test    [TESTS=tests/test_x.py]      all tests, or some"
-	@echo "make sim     [BLOCK=] [SIM=ghdl|icarus] [SCENE=] [SEED=] [WAVES=1]"
+	@echo "make sim     [BLOCK=] [SIM=ghdl|icarus] [SCENE=] [SEED=] [WAVES=1] [FRAMES=]"
 	@echo "                                          one bench, or every bench of the scene"
 	@echo "make vhdl    [SCENE=]                     export to build/<scene>/vhdl"
 	@echo "make verilog [SCENE=]                     export to build/<scene>/verilog"
@@ -36,7 +36,7 @@ test: $(VENV)/.ready tools
 
 sim: $(VENV)/.ready
 	@$(RUN) -m tb.sim "$(SCENE)" --seed "$(SEED)" \
-		$(if $(BLOCK),--block "$(BLOCK)") $(if $(SIM),--sim "$(SIM)") $(if $(filter-out 0,$(WAVES)),--waves)
+		$(if $(BLOCK),--block "$(BLOCK)") $(if $(FRAMES),--frames "$(FRAMES)") $(if $(SIM),--sim "$(SIM)") $(if $(filter-out 0,$(WAVES)),--waves)
 
 vhdl verilog: $(VENV)/.ready
 	@$(RUN) -m hdl.export "$(SCENE)" $@

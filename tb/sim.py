@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 import sys
 
-from golden.cli import run
+from golden.cli import CommandError, run
 from golden.scene import load_scene
-from tb.common.runner import SEED, Outcome, plan, run_jobs
+from tb.common.runner import FRAMES, SEED, Outcome, plan, run_jobs
 from tb.common.tools import SIMULATORS
 
 
@@ -38,14 +38,18 @@ def main() -> int:
     parser.add_argument("--block")
     parser.add_argument("--sim", help=f"one of {', '.join(SIMULATORS)}; both when left out")
     parser.add_argument("--seed", type=int, default=SEED)
+    parser.add_argument("--frames", type=int, default=FRAMES)
     parser.add_argument("--waves", action="store_true")
     arguments = parser.parse_args()
+    if arguments.frames < 1:
+        raise CommandError(f"FRAMES={arguments.frames}: expected 1 or more")
     jobs = plan(
         load_scene(arguments.scene),
         [arguments.sim] if arguments.sim else SIMULATORS,
         arguments.block,
         arguments.seed,
         arguments.waves,
+        frames=arguments.frames,
     )
     outcomes = run_jobs(jobs, tell)
     if arguments.waves:

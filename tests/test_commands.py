@@ -74,6 +74,7 @@ def ready() -> None:
         (["sim", "BLOCK=precize"], "did you mean 'precise'?"),
         (["sim", "BLOCK=hybrid", "SIM=modelsim"], "SIM=modelsim: no such simulator, expected"),
         (["sim", "BLOCK=hybrid", "SIM=icaru"], "did you mean 'icarus'?"),
+        (["sim", "FRAMES=0"], "FRAMES=0: expected 1 or more"),
         (["sim", "BLOCK=hybrid", "SEED=one"], "invalid int value: 'one'"),
     ],
 )

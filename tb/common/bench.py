@@ -79,6 +79,7 @@ class Bench:
         self.latency = self.latency_of(entity)
         # cocotb derives RANDOM_SEED from the run's seed and the test's name.
         self.rng = np.random.default_rng(cocotb.RANDOM_SEED)
+        self.frames = self.configuration["frames"]
         self.compared = 0
         self.facts: dict[str, float] = {}
         dut._log.info("rerun: %s", self.configuration["rerun"])

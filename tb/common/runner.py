@@ -28,6 +28,8 @@ from tb.common.tools import check_simulator, language
 ROOT = Path(__file__).parents[2]
 BUILD = ROOT / "build"
 SEED = 1
+# Random frames that the bench of a network plays.
+FRAMES = 100
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,7 @@ class Job:
     seed: int = SEED
     waves: bool = False
     build: Path = BUILD
+    frames: int = FRAMES
 
     @property
     def folder(self) -> Path:
@@ -98,6 +101,7 @@ def plan(
     seed: int = SEED,
     waves: bool = False,
     build: Path = BUILD,
+    frames: int = FRAMES,
 ) -> list[Job]:
     """Export what is needed and list the jobs: every entity of ``block``, or of every block.
 
@@ -131,6 +135,7 @@ def plan(
                 seed,
                 waves,
                 build,
+                frames,
             )
             for entry in manifest
             if block in (None, entry["block"])
@@ -174,6 +179,7 @@ def run_job(job: Job) -> Outcome:
         "scene": str(job.scene.path.resolve()),
         "entity": job.entity,
         "latencies": {entry["entity"]: entry["latency"] for entry in manifest},
+        "frames": job.frames,
         "result": str(result),
         "rerun": f"{rerun} SEED={job.seed}",
     }
