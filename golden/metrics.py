@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.signal import find_peaks
 
 
 @dataclass(frozen=True)
@@ -121,7 +122,7 @@ class DisplacementError:
     mean : float
         Mean of the magnitude of the error, in the unit of the coordinate.
     displacement : float
-        Mean of the magnitude of the actual displacement, in the same unit.
+        Mean way from end to end of the actual motion, in the same unit.
     percent : float
         The first in percent of the second.
     """
@@ -134,20 +135,20 @@ class DisplacementError:
 def displacement_errors(results: ArrayLike, actual: ArrayLike) -> list[DisplacementError]:
     """Equation 6.6: mean error in percent of the mean total displacement, per coordinate.
 
-    The thesis names the divisor "actual total displacement" without an equation. It is read as
-    the distance from rest at each sample, |actual|; its Table 6.2 divides each coordinate by a
-    mean of its own, so it is not the length of the vector.
+    The thesis names the divisor "actual total displacement" without an equation. It is read as the
+    way from end to end of a swing, the mean of the motion's peaks less that of its troughs: its
+    Table 6.2 has 330 mm for an arm of 480 mm, which no mean distance from rest can be.
 
     Parameters
     ----------
     results, actual : float arrays, shape (samples, coordinates)
-        In one unit, 0 at rest.
+        In one unit.
 
     Raises
     ------
     ValueError
-        When the shapes differ, there is no sample, or a coordinate never moves: its percentage
-        is not defined.
+        When the shapes differ, or a coordinate has no peak or no trough: its percentage is not
+        defined.
     """
     found, moved = np.asarray(results, dtype=np.float64), np.asarray(actual, dtype=np.float64)
     if found.shape != moved.shape or found.ndim != 2 or not found.size:
@@ -155,16 +156,23 @@ def displacement_errors(results: ArrayLike, actual: ArrayLike) -> list[Displacem
             f"results: got shape {found.shape} for {moved.shape} of actual, expected the same "
             "(samples, coordinates), at least one of each"
         )
-    means = np.abs(moved).mean(axis=0)
-    if not means.all():
-        raise ValueError(
-            f"actual: coordinate {int(np.argmin(means))} never moves, expected a displacement"
-        )
     errors = np.abs(found - moved).mean(axis=0)
+    ways = [_way(moved[:, c], c) for c in range(moved.shape[1])]
     return [
-        DisplacementError(float(e), float(d), float(100 * e / d))
-        for e, d in zip(errors, means, strict=True)
+        DisplacementError(float(e), way, float(100 * e / way))
+        for e, way in zip(errors, ways, strict=True)
     ]
+
+
+def _way(motion: NDArray[np.float64], number: int) -> float:
+    """Mean of the peaks less mean of the troughs."""
+    peaks, troughs = (find_peaks(sign * motion)[0] for sign in (1, -1))
+    if not len(peaks) or not len(troughs):
+        raise ValueError(
+            f"actual: coordinate {number} has {len(peaks)} peaks and {len(troughs)} troughs, "
+            "expected a swing with at least one of each"
+        )
+    return float(motion[peaks].mean() - motion[troughs].mean())
 
 
 @dataclass(frozen=True)

@@ -41,7 +41,7 @@ _KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
         "file": (str, None),
         "sensors": (list, None),
         "outputs": (list, None),
-        "group_by": (str, None),
+        "group_by": (str, ""),
         "where": (dict, {}),
         "full_scale": (dict, {}),
         "length_mm": (dict, {}),
@@ -147,7 +147,7 @@ class Scene:
     sensors, outputs : tuple of str
         Columns of the recorded vectors.
     group_by : str
-        Column of the positions over which equation 3.15 averages.
+        Column of the positions over which equation 3.15 averages; empty where there are none.
     where : dict
         Columns and the values that they have in the rows that are used.
     full_scale : dict
@@ -222,11 +222,13 @@ class Scene:
             See ``read_table`` and ``rows_where``; also for a target outside -1 to 1, or a target
             of 0 where the error is relative to the target.
         """
-        columns = [*self.sensors, *self.outputs, self.group_by]
+        columns = [*self.sensors, *self.outputs] + ([self.group_by] if self.group_by else [])
         kept = rows_where(self.data_path, self.where)
         table = read_table(self.data_path, columns)[kept]
         inputs = table[:, : len(self.sensors)]
-        targets = table[:, len(self.sensors) : -1]
+        last = len(self.sensors) + len(self.outputs)
+        targets = table[:, len(self.sensors) : last]
+        groups = table[:, -1] if self.group_by else np.zeros(len(table))
         beyond = np.argwhere(np.abs(targets) > 1)
         if len(beyond):
             row, c = beyond[0]
@@ -241,7 +243,7 @@ class Scene:
                     f"is not defined; give {name} a full_scale in {self.path}"
                 )
         codes, saturated = SIGNAL.quantise(inputs, f"{self.data_path} sensors")
-        return Vectors(inputs, targets, table[:, -1], codes, saturated)
+        return Vectors(inputs, targets, groups, codes, saturated)
 
     def mlps(self) -> list[Mlp]:
         """The trained networks in floating point.

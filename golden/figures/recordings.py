@@ -6,9 +6,9 @@ import tomllib
 from pathlib import Path
 
 import numpy as np
-from scipy.signal import find_peaks
 
 from golden.figures.table import Cell, Table
+from golden.metrics import displacement_errors
 from golden.networks.mlp import Mlp, Real, tanh
 from golden.physics.swing_data import ANGLES, NOISE, Coding, record
 from golden.training.levenberg_marquardt import descend
@@ -21,12 +21,6 @@ HIDDEN = {"x": 7, "y": 7, "z": 9}  # the Multiple network of section 6.5
 NOISES = (0.0, NOISE, 2 * NOISE)
 STARTS, STEPS, PATIENCE, WEIGHT_DECAY = 3, 200, 40, 1e-4
 EVERY = 10  # rows of the training run, and as many in between to validate
-
-
-def excursion(place: Real) -> float:
-    """Mean way from end to end: what Table 6.2 divides by."""
-    ends = [place[find_peaks(sign * place)[0]].mean() for sign in (1, -1)]
-    return float(ends[0] - ends[1])
 
 
 def _network(data: Real, column: int, hidden: int, rng: np.random.Generator) -> Mlp:
@@ -55,15 +49,16 @@ def recordings(seed: int) -> Table:
         rng = np.random.default_rng(seed)
         for c, (name, hidden) in enumerate(HIDDEN.items()):
             mlp = _network(learnt, 3 + c, hidden, rng)
-            miss = np.abs(mlp.process(held[:, :3], tanh)[:, 0] - held[:, 3 + c]).mean()
-            metres, way = float(miss / coding.scale[c]), excursion(test.place[:, c])
+            found = mlp.process(held[:, :3], tanh)
+            (error,) = displacement_errors(found, held[:, [3 + c]])
+            metres = error.mean / coding.scale[c]
             rows.append(
                 [
                     1e6 * noise,
                     name,
-                    1e3 * way,
+                    1e3 * error.displacement / coding.scale[c],
                     1e3 * metres,
-                    100 * metres / way,
+                    error.percent,
                     *(
                         printed[form]["percent_error"][c]
                         for form in ("single", "multiple", "cascade")

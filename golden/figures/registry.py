@@ -4,13 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from golden.figures import networks, parallel, physics, rbf, recordings, stability, visualisation
+from golden.figures import (
+    motions,
+    networks,
+    parallel,
+    physics,
+    rbf,
+    recordings,
+    stability,
+    visualisation,
+)
 from golden.figures.table import Table
 
 # By name, in the order printed; the name is that of the table.
 TABLES: dict[str, Callable[[int], Table]] = {
     "networks": networks.networks,
     "parallel": parallel.parallel,
+    "motions": motions.motions,
     "classes": rbf.classes,
     "operations": rbf.operations,
     "series": visualisation.series,
