@@ -37,6 +37,8 @@ async def check(bench, codes, resets=None):
     drive = {"adc": np.concatenate([codes, tail])}
     if resets:
         drive["rst"] = random_resets(bench.rng, len(drive["adc"]), resets)
+        # A whole scan follows the last of them.
+        drive["rst"][-scan.scan_clocks - len(tail) :] = 0
     recording = await bench.play(drive, WATCH + readout.ports(shown))
 
     marks = np.concatenate([[RESET_CLOCKS - 1], recording.resets()])
@@ -78,8 +80,10 @@ async def recorded(dut):
 
 @cocotb.test()
 async def random_and_resets(dut):
-    """Random codes, and resets that are a few scans apart."""
+    """Random codes; resets, some of them in mid scan."""
     bench = Bench(dut)
     scan = bench.twin.interval
-    await check(bench, random_codes(bench, scans_that_fit(bench) // 2 * scan), resets=3 * scan)
+    await check(
+        bench, random_codes(bench, scans_that_fit(bench) * scan), resets=max(100, scan // 2)
+    )
     bench.finish(at_least=bench.twin.outputs)
