@@ -45,12 +45,14 @@ async def check(bench, elements, last, gap, resets=None, pause=0):
 def check_outputs(bench, recording, started, ended, frames):
     """Compare the outputs with what the twin makes of frames.
 
-    ``started`` and ``ended`` are the rows of the first and of the last element of each frame.
+    ``started`` and ``ended`` are the rows of the first and of the last element of each frame. What
+    is due after the end of the recording is not expected.
     """
     outputs = bench.twin.outputs
     results = bench.twin.process(frames)
     at = ended[:, np.newaxis] + bench.latency + np.arange(outputs)
     alive = recording.undisturbed(np.repeat(started, outputs), (at - 1).ravel())
+    alive &= at.ravel() < recording.clocks
     expected_rows = at.ravel()[alive]
 
     left = recording.rows("out_valid")

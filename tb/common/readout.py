@@ -17,8 +17,12 @@ def ports(readout) -> list[str]:
 
 
 def frames_out(bench: Bench, recording: Recording) -> tuple[np.ndarray, np.ndarray]:
-    """Whole frames on the output, which other checks compare: their last rows and their codes."""
+    """Whole frames on the output, which other checks compare: their last rows and their codes.
+
+    A frame that ends with the recording is left out: nothing is seen after it.
+    """
     ends = recording.rows("out_last")
+    ends = ends[ends < recording.clocks - 1]
     rows = recording.rows("out_valid")
     at = np.searchsorted(rows, ends)[:, np.newaxis] + np.arange(1 - bench.twin.outputs, 1)
     return ends, recording.signed("out_data", rows)[at]

@@ -46,7 +46,6 @@ async def check(bench, codes, resets=None):
     count = (rows - marks[np.searchsorted(marks, rows) - 1] - 1) % scan.scan_clocks
     final = scan.sample_clocks[-1]
     ends = rows[(count == final) & ~np.isin(rows, marks)]
-    ends = ends[ends + bench.latency + bench.twin.outputs < recording.clocks]
     starts = ends - final
     taken = starts[:, np.newaxis] + scan.sample_clocks[: scan.inputs]
     frames = recording.signed("adc", taken.ravel()).reshape(taken.shape)
