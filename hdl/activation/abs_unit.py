@@ -40,7 +40,8 @@ def abs_unit(clk, rst, in_valid, in_data, out_valid, out_mag, out_negative, *, s
     def choose():
         if not in_data[width - 1]:
             magnitude.next = wide[width - 1 :]
-        elif opposite > high:
+        elif opposite[width - 1]:
+            # Only the most negative code; a comparison would be another row of carries.
             magnitude.next = high
         else:
             magnitude.next = opposite[width - 1 :]

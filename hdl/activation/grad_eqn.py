@@ -12,7 +12,7 @@ from hdl.common.signals import unsigned
 def grad_eqn(
     clk, rst, in_valid, in_mag, in_coeff, in_intercept, out_valid, out_data, *, spec: GradEqn
 ):
-    """``in_coeff * in_mag + in_intercept`` two clocks later (equation 4.23, section 5.4.5.2).
+    """``in_coeff * in_mag + in_intercept`` three clocks later (equation 4.23, section 5.4.5.2).
 
     Parameters
     ----------
@@ -23,8 +23,8 @@ def grad_eqn(
 
     Notes
     -----
-    One multiplier. Latency 2 clocks (product, sum), one result a clock. Reset clears ``out_valid``
-    and the flag on its way to it.
+    One multiplier. Latency 3 clocks (operands, product, sum), one result a clock. Reset clears
+    ``out_valid`` and the flags on their way to it.
     """
     product_width = spec.mag_width + spec.coeff_width
     aligned_width = spec.intercept_width + spec.intercept_shift
@@ -34,7 +34,9 @@ def grad_eqn(
     align = spec.intercept_shift
     half = (1 << shift) >> 1 if spec.rounding is Rounding.ROUND else 0
 
+    mag, coeff = unsigned(spec.mag_width), unsigned(spec.coeff_width)
     product = unsigned(product_width)
+    early_intercept = unsigned(spec.intercept_width)
     intercept = unsigned(spec.intercept_width)
     wide_intercept = unsigned(aligned_width)
     aligned = unsigned(aligned_width)
@@ -44,9 +46,16 @@ def grad_eqn(
     kept = unsigned(max(out_width, total_width - shift))
 
     @always(clk.posedge)
+    def fetch():
+        # Both operands leave registers, which a multiplier of an FPGA has inside.
+        mag.next = in_mag
+        coeff.next = in_coeff
+        early_intercept.next = in_intercept
+
+    @always(clk.posedge)
     def multiply():
-        product.next = in_mag * in_coeff
-        intercept.next = in_intercept
+        product.next = mag * coeff
+        intercept.next = early_intercept
 
     @always_comb
     def widen():
@@ -73,8 +82,8 @@ def grad_eqn(
         # segments.py proves that no magnitude in the neuron's reach has a bit above these.
         out_data.next = kept[out_width:]
 
-    mark = delay(clk, rst, in_valid, out_valid, clocks=2)
-    return multiply, widen, move, add, add_half, cut, keep, mark
+    mark = delay(clk, rst, in_valid, out_valid, clocks=3)
+    return fetch, multiply, widen, move, add, add_half, cut, keep, mark
 
 
-grad_eqn.latency = lambda spec: 2
+grad_eqn.latency = lambda spec: 3

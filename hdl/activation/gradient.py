@@ -15,7 +15,7 @@ from hdl.common.signals import flag, unsigned
 
 @block
 def gradient(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Gradient):
-    """Activation of ``in_data`` five clocks later (thesis section 5.4.3, Figure 5.10).
+    """Activation of ``in_data`` six clocks later (thesis section 5.4.3, Figure 5.10).
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ def gradient(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Gradient
 
     Notes
     -----
-    One multiplier. Latency 5 clocks: ABS 1, comparator bank 1, GRAD_EQN 2, sign retriever 1; the
+    One multiplier. Latency 6 clocks: ABS 1, comparator bank 1, GRAD_EQN 3, sign retriever 1; the
     memories are read between registers. One result a clock. Reset clears the valid flags.
     """
     mag_width = spec.abs_unit.mag_width

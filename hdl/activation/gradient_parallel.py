@@ -55,7 +55,7 @@ def add(left, right, total):
 
 @block
 def gradient_parallel(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: GradientParallel):
-    """Activation of ``in_data`` five clocks later (thesis section 4.5.2.3.1, Figure 4.16).
+    """Activation of ``in_data`` six clocks later (thesis section 4.5.2.3.1, Figure 4.16).
 
     Parameters
     ----------
@@ -66,8 +66,8 @@ def gradient_parallel(clk, rst, in_valid, in_data, out_valid, out_data, *, spec:
 
     Notes
     -----
-    One multiplier for each segment that the neuron can reach. Latency 5 clocks: ABS 1, comparator
-    bank 1, gradient operation 2, sign retriever 1. One result a clock. Reset clears the valid
+    One multiplier for each segment that the neuron can reach. Latency 6 clocks: ABS 1, comparator
+    bank 1, gradient operation 3, sign retriever 1. One result a clock. Reset clears the valid
     flags.
     """
     bank, line = spec.comparator_bank, spec.grad_eqn

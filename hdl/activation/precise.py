@@ -9,8 +9,9 @@ from hdl.common.delay import connect, delay
 from hdl.common.rom import registered_rom, rom
 from hdl.common.signals import flag, signed, unsigned
 
-# Register behind the coefficients, behind the multiplier and behind the sum.
-_STAGES = 3
+# Register behind the coefficients, behind the rows, before and behind the multiplier, and behind
+# the sum.
+_STAGES = 5
 
 
 @block
@@ -49,7 +50,7 @@ def row_adder(total, row, low, result):
 
 @block
 def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
-    """tanh of ``in_data``, 5 clocks later with "logic" and 6 with "block_ram".
+    """tanh of ``in_data``, 7 clocks later with "logic" and 8 with "block_ram".
 
     Parameters
     ----------
@@ -60,8 +61,8 @@ def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
 
     Notes
     -----
-    One multiplier. Latency: ABS 1, block RAM 1 or logic 0, coefficients 1, product 1, sum 1, sign
-    retriever 1. One result a clock. Reset clears the valid flags.
+    One multiplier. Latency: ABS 1, block RAM 1 or logic 0, coefficients 1, rows 1, slope 1,
+    product 1, sum 1, sign retriever 1. One result a clock. Reset clears the valid flags.
     """
     fmt, table = spec.formats, spec.table
     mag_width = spec.abs_unit.mag_width
@@ -93,21 +94,23 @@ def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
     negative, negative_late = flag(), flag()
     addr = unsigned(mag_width - distance_width)
     word = unsigned(word_width)
-    distance, word_distance, distance_late = (unsigned(distance_width) for _ in range(3))
+    distance, word_distance = unsigned(distance_width), unsigned(distance_width)
+    distance_late, distance_aside = unsigned(distance_width), unsigned(distance_width)
     top = unsigned(top_width)
-    intercept, intercept_late = unsigned(intercept_width), unsigned(intercept_width)
-    gradient = unsigned(gradient_width)
+    intercept, intercept_early = unsigned(intercept_width), unsigned(intercept_width)
+    intercept_late, intercept_aside = unsigned(intercept_width), unsigned(intercept_width)
+    gradient, gradient_late = unsigned(gradient_width), unsigned(gradient_width)
     rows = [unsigned(top_width) for _ in range(curve_width)]
     totals = [rows[0], *(unsigned(top_width + 1) for _ in rows[1:])]
     lows = [flag() for _ in rows[1:]]
-    curved = unsigned(top_width + curve_width)
+    curve, curved = (unsigned(top_width + curve_width) for _ in range(2))
     high = unsigned(top_width + curve_width - gradient_shift)
     low, flipped = unsigned(gradient_shift), unsigned(gradient_shift)
     wide_gradient, wide_high, difference = (signed(gradient_width + 1) for _ in range(3))
     steep = unsigned(gradient_width)
-    slope = unsigned(slope_width)
+    slope, slope_late = unsigned(slope_width), unsigned(slope_width)
     wide_distance = signed(distance_width + 1)
-    x = signed(distance_width)
+    x, x_late = signed(distance_width), signed(distance_width)
     product = signed(product_width)
     wide_intercept, aligned = signed(aligned_width), signed(aligned_width)
     total = signed(max(product_width, aligned_width) + 1)
@@ -149,8 +152,16 @@ def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
     @always_comb
     def assemble():
         for i in range(count):
-            curved.next[i] = lows[i]
-        curved.next[:count] = last
+            curve.next[i] = lows[i]
+        curve.next[:count] = last
+
+    @always(clk.posedge)
+    def fold():
+        # The carries of all rows and of the slope together would take longer than all else.
+        curved.next = curve
+        gradient_late.next = gradient
+        distance_aside.next = distance_late
+        intercept_early.next = intercept
 
     @always_comb
     def divide():
@@ -176,9 +187,9 @@ def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
 
     @always_comb
     def widen():
-        wide_distance.next = distance_late
-        wide_intercept.next = intercept_late
-        wide_gradient.next = gradient
+        wide_distance.next = distance_aside
+        wide_intercept.next = intercept_aside
+        wide_gradient.next = gradient_late
         wide_high.next = high
 
     @always_comb
@@ -186,9 +197,16 @@ def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
         x.next = wide_distance - half
 
     @always(clk.posedge)
+    def hold():
+        # Both operands leave registers, which a multiplier of an FPGA has inside.
+        slope_late.next = slope
+        x_late.next = x
+        intercept_late.next = intercept_early
+
+    @always(clk.posedge)
     def multiply():
-        product.next = x * slope
-        intercept_late.next = intercept
+        product.next = x_late * slope_late
+        intercept_aside.next = intercept_late
 
     @always_comb
     def move():
@@ -210,8 +228,21 @@ def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
     clocks = memory_clocks + _STAGES
     return (
         abs_unit(clk, rst, in_valid, in_data, mag_valid, mag, negative, spec=spec.abs_unit),
-        *(split, memory, cut_top, read, gates, adders, assemble, divide, subtract, crop, flip),
-        *(fill, widen, centre, multiply, move, add, cut, keep),
+        *(
+            split,
+            memory,
+            cut_top,
+            read,
+            gates,
+            adders,
+            assemble,
+            fold,
+            divide,
+            subtract,
+            crop,
+            flip,
+        ),
+        *(fill, widen, centre, hold, multiply, move, add, cut, keep),
         delay(clk, rst, mag_valid, sum_valid, clocks=clocks),
         delay(clk, None, negative, negative_late, clocks=clocks),
         sign_retriever(

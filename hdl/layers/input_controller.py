@@ -31,11 +31,11 @@ def input_controller(
     addr : unsigned ``spec.addr_width`` bits
         Position of the sample, in the same clock.
     preset, accumulate : bool
-        One clock after each accepted sample; ``preset`` with the first of a frame.
+        Two clocks after each accepted sample; ``preset`` with the first of a frame.
     capture : bool
-        Two clocks after the last sample of a good frame.
+        Three clocks after the last sample of a good frame.
     out_valid : bool
-        Three clocks after it: the nodes hold the frame's sums.
+        Four clocks after it: the nodes hold the frame's sums.
     frame_error : bool
         One clock long, one clock after the sample that breaks a frame: ``last`` too early or
         missing, or a frame that ends less than ``spec.spacing`` clocks after the last good one.
@@ -50,7 +50,7 @@ def input_controller(
     count = unsigned(spec.addr_width)
     dropping = flag()
     accept, complete, done, broken = flag(), flag(), flag(), flag()
-    early = flag()
+    early, opening, accepted = flag(), flag(), flag()
     parts = []
 
     if spacing > 1:
@@ -95,8 +95,8 @@ def input_controller(
 
     @always_seq(clk.posedge, reset=rst)
     def step():
-        preset.next = accept and count == 0
-        accumulate.next = accept
+        opening.next = accept and count == 0
+        accepted.next = accept
         frame_error.next = broken
         if accept:
             if complete or in_last:
@@ -107,9 +107,11 @@ def input_controller(
         elif in_valid and in_last:
             dropping.next = False
 
-    finish = delay(clk, rst, done, capture, clocks=2)
-    mark = delay(clk, rst, done, out_valid, clocks=3)
-    return parts, look, judge, show, step, finish, mark
+    open_frame = delay(clk, rst, opening, preset, clocks=1)
+    gather = delay(clk, rst, accepted, accumulate, clocks=1)
+    finish = delay(clk, rst, done, capture, clocks=3)
+    mark = delay(clk, rst, done, out_valid, clocks=4)
+    return parts, look, judge, show, step, open_frame, gather, finish, mark
 
 
-input_controller.latency = lambda spec: 3
+input_controller.latency = lambda spec: 4

@@ -20,7 +20,7 @@ def input_integral(clk, in_data, addr, preset, accumulate, capture, out_q, *, sp
 
     Notes
     -----
-    One multiplier per node. Latency 3 clocks from the last sample, one sample a clock.
+    One multiplier per node. Latency 4 clocks from the last sample, one sample a clock.
     """
     return [
         input_node(clk, in_data, addr, preset, accumulate, capture, out_q[j], spec=node)

@@ -20,7 +20,7 @@ def input_node(clk, in_data, addr, preset, accumulate, capture, out_data, *, spe
     addr : unsigned
         Its position in the frame, in the same clock.
     preset, accumulate : bool
-        One clock after the sample: add its product, to the bias when ``preset``.
+        Two clocks after the sample: add its product, to the bias when ``preset``.
     capture : bool
         One clock after the last ``accumulate`` of a frame: hand the sum to the output.
     out_data : signed ``spec.out_fmt``
@@ -30,15 +30,17 @@ def input_node(clk, in_data, addr, preset, accumulate, capture, out_data, *, spe
 
     Notes
     -----
-    One multiplier. Latency 3 clocks from the last sample to ``out_data`` (product, accumulator,
-    output), one sample a clock. No reset: the controls that CONTROLLER 1 makes carry the state.
+    One multiplier. Latency 4 clocks from the last sample to ``out_data`` (operands, product,
+    accumulator, output), one sample a clock. No reset: the controls that CONTROLLER 1 makes carry
+    the state.
     """
     shift = spec.product_shift
     bias = spec.bias
     align = spec.bias_shift
     product_width = spec.in_fmt.width + spec.coeff_fmt.width
 
-    weight = fixed(spec.coeff_fmt)
+    sample = signed(spec.in_fmt.width)
+    word, weight = fixed(spec.coeff_fmt), fixed(spec.coeff_fmt)
     product = signed(product_width)
     term = signed(product_width - shift)
     bias_word = signed(spec.acc_width)
@@ -48,11 +50,17 @@ def input_node(clk, in_data, addr, preset, accumulate, capture, out_data, *, spe
     acc = signed(spec.acc_width)
     result = fixed(spec.out_fmt)
 
-    weights = rom(addr, weight, words=spec.weights)
+    weights = rom(addr, word, words=spec.weights)
+
+    @always(clk.posedge)
+    def fetch():
+        # Both operands leave registers, which a multiplier of an FPGA has inside.
+        sample.next = in_data
+        weight.next = word
 
     @always(clk.posedge)
     def multiply():
-        product.next = in_data * weight
+        product.next = sample * weight
 
     @always_comb
     def cut():
@@ -95,7 +103,7 @@ def input_node(clk, in_data, addr, preset, accumulate, capture, out_data, *, spe
         if capture:
             out_data.next = result
 
-    return weights, multiply, cut, load, move, choose, add, gather, finish, hold
+    return weights, fetch, multiply, cut, load, move, choose, add, gather, finish, hold
 
 
-input_node.latency = lambda spec: 3
+input_node.latency = lambda spec: 4

@@ -13,29 +13,35 @@ from hdl.common.signals import fixed, signed, unsigned
 
 @block
 def weigh(clk, addr, in_data, term, *, weights, coeff_fmt, shift: int):
-    """``in_data`` times the weight of row ``addr`` one clock later, less ``shift`` bits."""
-    weight = fixed(coeff_fmt)
+    """``in_data`` times the weight of row ``addr`` two clocks later, less ``shift`` bits."""
+    word, weight = fixed(coeff_fmt), fixed(coeff_fmt)
+    operand = signed(len(in_data))
     product = signed(len(in_data) + coeff_fmt.width)
-    words = rom(addr, weight, words=weights)
+    words = rom(addr, word, words=weights)
+
+    @always(clk.posedge)
+    def fetch():
+        operand.next = in_data
+        weight.next = word
 
     @always(clk.posedge)
     def multiply():
-        product.next = in_data * weight
+        product.next = operand * weight
 
     @always_comb
     def cut():
         term.next = product >> shift
 
-    return words, multiply, cut
+    return words, fetch, multiply, cut
 
 
 @block
 def bias_term(clk, addr, term, *, biases, coeff_fmt, shift: int):
-    """The bias of row ``addr`` one clock later, moved left by ``shift`` places."""
-    bias = fixed(coeff_fmt)
+    """The bias of row ``addr`` two clocks later, moved left by ``shift`` places."""
+    word, bias = fixed(coeff_fmt), fixed(coeff_fmt)
     wide = signed(coeff_fmt.width + shift)
     moved = signed(coeff_fmt.width + shift)
-    words = rom(addr, bias, words=biases)
+    words = rom(addr, word, words=biases)
 
     @always_comb
     def widen():
@@ -47,6 +53,7 @@ def bias_term(clk, addr, term, *, biases, coeff_fmt, shift: int):
 
     @always(clk.posedge)
     def keep():
+        bias.next = word
         term.next = moved
 
     return words, widen, move, keep
@@ -94,8 +101,9 @@ def output_integral(
 
     Notes
     -----
-    One multiplier per hidden node, and one for the factors where there are any. Latency: product
-    1 clock, adder tree one per level, factor 1, rounding 1. Reset clears the valid and last flags.
+    One multiplier per hidden node, and one for the factors where there are any. Latency:
+    operands 1 clock, product 1, adder tree one per level, factor 1, rounding 1. Reset clears the
+    valid and last flags.
     """
     shift = spec.product_shift
     depth = tree_depth(spec.hidden + 1)
@@ -129,7 +137,7 @@ def output_integral(
         exact = signed(spec.acc_width + factor_width)
         late_addr = unsigned(len(in_addr))
         scaling = [
-            delay(clk, None, in_addr, late_addr, clocks=1 + depth),
+            delay(clk, None, in_addr, late_addr, clocks=2 + depth),
             scale(clk, late_addr, total, exact, factors=spec.factors, width=factor_width),
         ]
 
@@ -145,4 +153,4 @@ def output_integral(
     return products, biases, tree, scaling, finish, keep, mark, close
 
 
-output_integral.latency = lambda spec: 2 + tree_depth(spec.hidden + 1) + (spec.factors is not None)
+output_integral.latency = lambda spec: 3 + tree_depth(spec.hidden + 1) + (spec.factors is not None)

@@ -43,7 +43,7 @@ def parallel(clk, rst, in_valid, in_data, out_valid, out_data, frame_error, *, s
     in_fmt = spec.activations[0].in_fmt
     controller = spec.input_controller
     addr = unsigned(controller.addr_width)
-    last, preset, accumulate, capture, accepted, q_valid = (flag() for _ in range(6))
+    last, preset, accumulate, accepted, whole, q_valid = (flag() for _ in range(6))
     q = Words(hidden, lambda: fixed(in_fmt))
     r = Words(hidden, lambda: fixed(SIGNAL))
     r_valid = Words(hidden, flag)
@@ -64,19 +64,19 @@ def parallel(clk, rst, in_valid, in_data, out_valid, out_data, frame_error, *, s
             addr,
             preset,
             accumulate,
-            capture,
             accepted,
+            whole,
             frame_error,
             spec=controller,
         ),
         [neuron(clk, in_data, q[j], spec=part) for j, part in enumerate(spec.hidden_neurons)],
-        # A neuron has three stages at the least, as many as the controller.
+        # A neuron has three stages at the least, as many as the controller to ``capture``.
         late(
             clk,
             rst,
             accepted,
             q_valid,
-            clocks=latency(spec.hidden_neurons[0]) - latency(controller),
+            clocks=latency(spec.hidden_neurons[0]) - latency(controller) + 1,
         ),
         [
             hardware(activation)(clk, rst, q_valid, q[j], r_valid[j], r[j], spec=activation)

@@ -31,10 +31,10 @@ async def check(bench, gap, resets):
     bench.compare("addr", addr, frames.addr[frames.accept], clock=accepted)
     # A reset in row t clears the flags that would rise in row t + 1 and after.
     for port, cause, delay in [
-        ("accumulate", accepted, 1),
-        ("preset", opening, 1),
-        ("capture", done, 2),
-        ("out_valid", done, 3),
+        ("accumulate", accepted, 2),
+        ("preset", opening, 2),
+        ("capture", done, 3),
+        ("out_valid", done, 4),
         ("frame_error", rows[frames.error], 1),
     ]:
         alive = cause[recording.undisturbed(cause, cause + delay - 1)]
