@@ -6,7 +6,7 @@ PYTHON ?= python3
 VENV ?= .venv
 RUN = $(VENV)/bin/python
 
-.PHONY: help demo test sim vhdl verilog train network bench activations figures lean lint clean tools
+.PHONY: help demo test sim vhdl verilog train network bench activations figures lean synth lint clean tools
 
 help:
 	@echo "make demo    [SCENE=]                     a scene end to end: simulate, export, table of errors"
@@ -22,6 +22,7 @@ help:
 	@echo "make activations                          errors of every activation against tanh, and their plots"
 	@echo "make figures [TABLE=] [SEED=]             measured figures beside the thesis', in build/figures"
 	@echo "make lean    [SCENE=] [BESIDE=other]      what a scene leaves out, and what that saves"
+	@echo "make synth   [SCENE=] [RECORD=1]          cells of every block, clock, both beside the thesis; budget"
 	@echo "make lint                                 ruff and mypy"
 	@echo "make clean                                remove build and .venv"
 	@echo
@@ -58,6 +59,9 @@ figures: $(VENV)/.ready
 
 lean: $(VENV)/.ready
 	@$(RUN) -m hdl.lean "$(SCENE)" $(BESIDE)
+
+synth: $(VENV)/.ready
+	@$(RUN) -m hdl.synth "$(SCENE)" $(if $(filter-out 0,$(RECORD)),--record)
 
 lint: $(VENV)/.ready
 	@$(RUN) -m ruff check . && $(RUN) -m ruff format --check . && $(RUN) -m mypy

@@ -1,23 +1,19 @@
 """``python -m hdl.export SCENE LANGUAGE``: a scene as VHDL or Verilog, one file an entity.
 
-The same scene gives the same bytes on every run: MyHDL orders sensitivity lists by hash, so the
-command starts itself again with a fixed hash seed.
+The same scene gives the same bytes on every run (``hdl.repeatable``).
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-import os
 import platform
-import sys
 import warnings
 from pathlib import Path
 
 import myhdl
 from myhdl import ToVerilogWarning, ToVHDLWarning
 
-from golden.cli import run
 from golden.files import replace_folder
 from golden.fingerprint import fingerprint, sources
 from golden.scene import Scene, load_scene
@@ -25,6 +21,7 @@ from hdl.common.lookup import latency
 from hdl.elaborate import elaborate
 from hdl.handover.write import write_handover
 from hdl.hierarchy import LANGUAGES, SUFFIX, convert_hierarchy
+from hdl.repeatable import run_repeatable
 
 # Functions that MyHDL's VHDL calls (stdl, bool); MyHDL writes the package beside its output.
 VHDL_PACKAGE = "pck_myhdl_011"
@@ -114,7 +111,4 @@ def _is_current(stamp: Path, folder: Path, inputs: list[Path], versions: tuple[s
 
 
 if __name__ == "__main__":
-    if os.environ.get("PYTHONHASHSEED") != "0":
-        os.environ["PYTHONHASHSEED"] = "0"
-        os.execv(sys.executable, [sys.executable, "-m", "hdl.export", *sys.argv[1:]])
-    sys.exit(run(main))
+    run_repeatable("hdl.export", main)

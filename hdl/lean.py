@@ -7,11 +7,12 @@ and as it is. Further scenes are built as they are, to compare with.
 from __future__ import annotations
 
 import argparse
-import sys
 
-from golden.cli import run
 from golden.scene import load_scene
-from hdl.cells import FAMILIES, KINDS, cells
+from hdl.cells import cells
+from hdl.repeatable import run_repeatable
+from hdl.synth.cells import FAMILIES
+from hdl.synth.netlist import KINDS
 
 FAMILY = "xc2v"
 
@@ -40,4 +41,4 @@ def _line(name: str, found: dict[str, int]) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(run(main))
+    run_repeatable("hdl.lean", main)

@@ -50,12 +50,7 @@ def test_commands_name_real_targets(page: Path) -> None:
     targets = set(re.findall(r"^([a-z]+)(?: [a-z]+)*:", (ROOT / "Makefile").read_text(), re.M))
     targets |= {"vhdl", "verilog"}
     for target in re.findall(r"(?:^|`)make ([a-z]+)", page.read_text(), re.M):
-        if target not in PLANNED:
-            assert target in targets, f"{page.name} names make {target}"
-
-
-# Named in the documentation as not there yet.
-PLANNED = {"synth"}
+        assert target in targets, f"{page.name} names make {target}"
 
 
 @pytest.mark.parametrize("sheet", SHEETS, ids=lambda p: p.stem)

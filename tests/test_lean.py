@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import shutil
 import sys
 from pathlib import Path
 
@@ -128,7 +127,6 @@ def test_a_slot_that_nobody_reads(tmp_path: Path) -> None:
         assert f"slot < {slots}" in text
 
 
-@pytest.mark.skipif(not shutil.which("yosys"), reason="yosys is not installed")
 def test_the_savings_are_those_of_two_builds(tmp_path: Path, monkeypatch, capsys) -> None:
     path = write_scene(tmp_path, "idle", "precise", [with_zeros()], activation="precise")
     monkeypatch.setattr(sys, "argv", ["make lean", str(path)])

@@ -1,0 +1,21 @@
+"""Commands whose output is the same bytes on every run."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable
+
+from golden.cli import run
+
+
+def run_repeatable(module: str, main: Callable[[], int | None]) -> None:
+    """Run a command's ``main`` and exit.
+
+    MyHDL orders sensitivity lists by hash, so the command starts itself again with a fixed hash
+    seed.
+    """
+    if os.environ.get("PYTHONHASHSEED") != "0":
+        os.environ["PYTHONHASHSEED"] = "0"
+        os.execv(sys.executable, [sys.executable, "-m", module, *sys.argv[1:]])
+    sys.exit(run(main))

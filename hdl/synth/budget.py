@@ -1,0 +1,80 @@
+"""Recorded cells of a scene's entities, and what differs from them."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+from golden.files import replace_file
+from hdl.synth.cells import DEPTH
+from hdl.synth.netlist import KINDS
+
+COLUMNS = ["family", "entity", *KINDS, DEPTH]
+# By family, then by entity.
+Cells = dict[str, dict[str, dict[str, int]]]
+
+
+def budget_path(scene: Path) -> Path:
+    """Where the budget of a scene stands: beside it."""
+    return scene.with_suffix(".budget.csv")
+
+
+def write_budget(path: Path, found: Cells) -> None:
+    """Record what was found."""
+    with replace_file(path) as temporary, temporary.open("w", newline="") as handle:
+        writer = csv.writer(handle, lineterminator="\n")
+        writer.writerow(COLUMNS)
+        for family, entities in found.items():
+            for entity in sorted(entities):
+                cells = entities[entity]
+                writer.writerow([family, entity, *(cells[name] for name in COLUMNS[2:])])
+
+
+def read_budget(path: Path) -> Cells:
+    """The recorded cells.
+
+    Raises
+    ------
+    FileNotFoundError
+        When nothing was recorded.
+    ValueError
+        For other columns, or a cell that is no number; the message names file and line.
+    """
+    if not path.is_file():
+        raise FileNotFoundError(f"{path}: no such file")
+    with path.open(newline="") as handle:
+        reader = csv.DictReader(handle)
+        if reader.fieldnames != COLUMNS:
+            raise ValueError(
+                f"{path}: got columns {', '.join(reader.fieldnames or [])}, "
+                f"expected {', '.join(COLUMNS)}"
+            )
+        found: Cells = {}
+        for row in reader:
+            try:
+                cells = {name: int(row[name]) for name in COLUMNS[2:]}
+            except (TypeError, ValueError):
+                raise ValueError(
+                    f"{path}:{reader.line_num}: got {list(row.values())}, expected whole numbers"
+                ) from None
+            found.setdefault(row["family"], {})[row["entity"]] = cells
+    return found
+
+
+def differences(found: Cells, recorded: Cells) -> list[str]:
+    """Every entity that costs something else than recorded, less included."""
+    lines = []
+    for family, entities in found.items():
+        before = recorded.get(family, {})
+        for entity in sorted(entities.keys() | before.keys()):
+            got, expected = entities.get(entity), before.get(entity)
+            if got is None or expected is None:
+                state = "recorded, but not in the design" if got is None else "not recorded"
+                lines.append(f"{family}, {entity}: {state}")
+                continue
+            lines += [
+                f"{family}, {entity}: {name}: got {got[name]}, recorded {expected[name]}"
+                for name in got
+                if got[name] != expected[name]
+            ]
+    return lines

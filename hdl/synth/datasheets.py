@@ -1,0 +1,128 @@
+"""``python -m hdl.synth.datasheets``: the recorded cells into the documentation.
+
+Rewrites what stands between the markers of ``docs/synthesis.md`` and of each page in
+``docs/blocks``; the rest of a page is left alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from golden.block import walk
+from golden.cli import CommandError
+from golden.files import replace_file
+from golden.fingerprint import ROOT
+from golden.scene import FOLDER, Scene, load_scene, scene_names
+from hdl.common.lookup import latency
+from hdl.repeatable import run_repeatable
+from hdl.synth.budget import Cells, budget_path, read_budget
+from hdl.synth.cells import DEPTH, FAMILIES
+from hdl.synth.netlist import KINDS
+from hdl.synth.shares import shares
+from hdl.synth.timing import read_timing, timing_path
+
+BEGIN = "<!-- from here: python -m hdl.synth.datasheets -->"
+END = "<!-- to here -->"
+# The networks of section 5.2.2 that no shipped scene has.
+COMPARED = ["digit-parallel-lut", "digit-parallel-pade", "digit-parallel-polynomial"]
+COLUMNS = [*KINDS, DEPTH]
+
+
+def recorded() -> Iterator[tuple[Scene, Cells]]:
+    """Every scene with a budget, and its budget."""
+    names = [*scene_names(), *(str(FOLDER / "comparison" / f"{n}.toml") for n in COMPARED)]
+    for name in names:
+        scene = load_scene(name)
+        yield scene, read_budget(budget_path(scene.path))
+
+
+def block_tables() -> dict[str, str]:
+    """By block the lines for its datasheet: in each family the entity with the most LUTs."""
+    largest: dict[str, dict[str, tuple[int, str, str, dict[str, int]]]] = {}
+    for scene, cells in recorded():
+        for part in walk(scene.design()):
+            for family in FAMILIES:
+                found = cells[family][part.entity]
+                candidate = (found["LUT"], scene.name, part.entity, found)
+                best = largest.setdefault(part.block, {})
+                if family not in best or candidate[0] > best[family][0]:
+                    best[family] = candidate
+    return {block: _block_table(best) for block, best in largest.items()}
+
+
+def _block_table(best: dict[str, tuple[int, str, str, dict[str, int]]]) -> str:
+    lines = [
+        "The largest entity of all scenes, parts included, by `make synth`:",
+        "",
+        f"| family | scene, entity | {' | '.join(COLUMNS)} |",
+        "|" + "---|" * (len(COLUMNS) + 2),
+    ]
+    for family, (_, scene, entity, found) in best.items():
+        name = FAMILIES[family].split(",")[0]
+        figures = " | ".join(str(found[column]) for column in COLUMNS)
+        lines.append(f"| {name} | {scene}, `{entity}` | {figures} |")
+    return "\n".join(lines)
+
+
+def scene_table() -> str:
+    """A line a scene: cells, shares of the thesis' device beside the printed ones, clock."""
+    lines = [
+        "| scene | LUT | flip-flop | multiplier | depth | % LUTs (thesis) | % multipliers (thesis) "
+        "| ECP5 MHz | latency us | frames a second |",
+        "|" + "---|" * 10,
+    ]
+    for scene, cells in recorded():
+        design = scene.design()
+        top = cells["xc2v"][design.entity]
+        share = shares(scene, design, cells)
+        printed = share.get("thesis", {})
+        percents = [
+            f"{share[name]:.0f} ({printed.get(name, '-')})"
+            for name in ("luts_percent", "mult18x18_percent")
+        ]
+        timing, _ = read_timing(timing_path(scene.path))
+        row = [
+            scene.name,
+            *(top[kind] for kind in ("LUT", "flip-flop", "multiplier", DEPTH)),
+            *percents,
+            timing.clock_mhz,
+            f"{latency(design) / timing.clock_mhz:.2f}",
+            f"{timing.clock_mhz * 1e6 / design.interval:,.0f}",
+        ]
+        lines.append(f"| {' | '.join(map(str, row))} |")
+    return "\n".join(lines)
+
+
+def put(page: Path, text: str) -> str:
+    """The page with ``text`` between its markers.
+
+    Raises
+    ------
+    CommandError
+        When the page has not both markers, once each.
+    """
+    old = page.read_text(encoding="utf-8")
+    if old.count(BEGIN) != 1 or old.count(END) != 1:
+        raise CommandError(f"{page}: expected the markers {BEGIN} and {END} once each")
+    head, rest = old.split(BEGIN)
+    return f"{head}{BEGIN}\n\n{text}\n\n{END}{rest.split(END)[1]}"
+
+
+def pages() -> dict[Path, str]:
+    """Every page that holds recorded cells, as it must be."""
+    sheets = {ROOT / "docs" / "blocks" / f"{b}.md": text for b, text in block_tables().items()}
+    sheets[ROOT / "docs" / "synthesis.md"] = scene_table()
+    return {page: put(page, text) for page, text in sheets.items()}
+
+
+def main() -> None:
+    for page, text in pages().items():
+        if page.read_text(encoding="utf-8") != text:
+            with replace_file(page) as temporary:
+                temporary.write_text(text, encoding="utf-8")
+            print(f"wrote {page.relative_to(ROOT)}")
+
+
+if __name__ == "__main__":
+    run_repeatable("hdl.synth.datasheets", main)

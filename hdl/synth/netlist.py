@@ -1,0 +1,82 @@
+"""What stands in a netlist that Yosys has written as JSON."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from graphlib import TopologicalSorter
+from typing import Any
+
+# What is counted, by the beginnings of Yosys' cell names. A shift register sits in a LUT; an
+# inverter is usually absorbed by what is behind it and stands by itself.
+KINDS = {
+    "LUT": ("LUT", "SRL"),
+    "inverter": ("INV",),
+    "carry": ("MUXCY", "XORCY", "CARRY"),
+    "flip-flop": ("FD",),
+    "multiplier": ("MULT", "DSP"),
+    "block RAM": ("RAMB",),
+}
+LATCHES = ("LD", "$_DLATCH", "$dlatch")
+# One level each on a path; carries and wide multiplexers run on wires of their own.
+LEVELS = ("LUT", "MULT", "DSP")
+# Cells with a clock, where a path ends.
+CLOCKED = ("FD", "SRL", "RAMB", "LD")
+
+
+def total(modules: dict[str, Any], name: str) -> Counter[str]:
+    """Cells of a module by type, with those of its parts."""
+    found: Counter[str] = Counter()
+    for kind, count in modules[name].items():
+        if kind in modules:
+            for inner, many in total(modules, kind).items():
+                found[inner] += count * many
+        else:
+            found[kind] += count
+    return found
+
+
+def count(cells: Counter[str]) -> dict[str, int]:
+    """The kinds of ``KINDS`` among cells by type."""
+    return {
+        kind: sum(n for cell, n in cells.items() if cell.startswith(names))
+        for kind, names in KINDS.items()
+    }
+
+
+def clocked(cell: dict[str, Any]) -> bool:
+    """Whether a path ends in a cell: a multiplier of Series 7 may have registers inside."""
+    if cell["type"].startswith(CLOCKED):
+        return True
+    return any(
+        int(value, 2) > 0
+        for name, value in cell.get("parameters", {}).items()
+        if cell["type"].startswith("DSP") and name in ("AREG", "BREG", "MREG", "PREG")
+    )
+
+
+def depth(module: dict[str, Any]) -> int:
+    """LUTs and multipliers on the longest path between registers or ports of a flat module.
+
+    Raises
+    ------
+    graphlib.CycleError
+        For a loop without a register.
+    """
+    cells = {name: c for name, c in module["cells"].items() if not clocked(c)}
+    driver = {bit: name for name, cell in cells.items() for bit in _bits(cell, "output")}
+    before = {
+        name: {driver[bit] for bit in _bits(cell, "input") if bit in driver}
+        for name, cell in cells.items()
+    }
+    level: dict[str, int] = {}
+    for name in TopologicalSorter(before).static_order():
+        own = int(cells[name]["type"].startswith(LEVELS))
+        level[name] = own + max((level[other] for other in before[name]), default=0)
+    return max(level.values(), default=0)
+
+
+def _bits(cell: dict[str, Any], direction: str) -> Iterator[Any]:
+    for port, bits in cell["connections"].items():
+        if cell["port_directions"][port] == direction:
+            yield from bits

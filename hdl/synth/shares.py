@@ -1,0 +1,36 @@
+"""What share of the thesis' device a scene takes, beside what the thesis printed."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from golden.networks.network import Network
+from golden.scene import Scene
+from hdl.synth.budget import Cells
+
+NUMBERS = Path(__file__).parents[2] / "golden" / "data" / "thesis_numbers.toml"
+# The networks of Table 6.1; other scenes name theirs for the errors too.
+SWING = {f"swing-{kind}": f"swing.{kind}" for kind in ("single", "multiple", "cascade")}
+
+
+def shares(scene: Scene, design: Network, cells: Cells) -> dict[str, Any]:
+    """Percent of the thesis' device, and the printed percents where there are any."""
+    numbers: Any = tomllib.loads(NUMBERS.read_text(encoding="utf-8"))
+    device = numbers["board"]
+    top = cells["xc2v"][design.entity]
+    found = {
+        "device": device["device"],
+        "luts_percent": 100 * top["LUT"] / device["luts4"],
+        "mult18x18_percent": 100 * top["multiplier"] / device["mult18x18"],
+    }
+    key = SWING.get(scene.name, scene.reference)
+    if key:
+        printed = numbers
+        for part in key.split("."):
+            printed = printed[part]
+        found["thesis"] = {"table": key} | {
+            name: printed[name] for name in ("luts_percent", "mult18x18_percent") if name in printed
+        }
+    return found

