@@ -201,7 +201,6 @@ def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
         # Both operands leave registers, which a multiplier of an FPGA has inside.
         slope_late.next = slope
         x_late.next = x
-        intercept_late.next = intercept_early
 
     @always(clk.posedge)
     def multiply():
@@ -243,6 +242,8 @@ def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
             flip,
         ),
         *(fill, widen, centre, hold, multiply, move, add, cut, keep),
+        # Reset, though it is data: without it Series 7 puts this chain into LUTs.
+        delay(clk, rst, intercept_early, intercept_late, clocks=1),
         delay(clk, rst, mag_valid, sum_valid, clocks=clocks),
         delay(clk, None, negative, negative_late, clocks=clocks),
         sign_retriever(
