@@ -1,0 +1,1 @@
+"""The report: plots and pictures as SVG, and the page that holds them."""

@@ -1,0 +1,59 @@
+"""SVG that can stand in a page beside other SVG, the same bytes on every run."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import matplotlib
+from matplotlib.figure import Figure
+
+# As wide as a phone shows without shrinking the letters; a desktop sets two side by side.
+PLOT_INCHES = (4.6, 3.4)
+_STYLE = {
+    # Without a salt the ids are random; letters stay letters, so that a reader can search them.
+    "svg.hashsalt": "tactus",
+    "svg.fonttype": "none",
+    "font.family": "sans-serif",
+    "font.size": 10,
+    "axes.grid": True,
+    "grid.linewidth": 0.3,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "legend.frameon": False,
+    "legend.fontsize": 8.5,
+    "lines.linewidth": 1.2,
+    "lines.markersize": 4,
+}
+
+
+@contextmanager
+def style() -> Iterator[None]:
+    """Matplotlib's settings of every plot of the report."""
+    with matplotlib.rc_context(_STYLE):
+        yield
+
+
+def svg(figure: Figure, name: str) -> str:
+    """A matplotlib figure as an ``<svg>`` element.
+
+    Parameters
+    ----------
+    figure : Figure
+    name : str
+        Put before every id, so that no two pictures of a page share one; letters, digits and ``_``.
+    """
+    buffer = io.StringIO()
+    with style():
+        figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
+    text = buffer.getvalue()
+    return own_ids(text[text.index("<svg") :], name)
+
+
+def own_ids(text: str, name: str) -> str:
+    """Put ``name`` before every id of an SVG and before what refers to one."""
+    text = re.sub(r'\bid="', f'id="{name}-', text)
+    text = re.sub(r"url\(#", f"url(#{name}-", text)
+    return re.sub(r'href="#', f'href="#{name}-', text)
