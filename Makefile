@@ -6,7 +6,7 @@ PYTHON ?= python3
 VENV ?= .venv
 RUN = $(VENV)/bin/python
 
-.PHONY: help demo test sim vhdl verilog train network bench activations figures lean synth lint clean tools
+.PHONY: help demo test sim vhdl verilog train network bench activations figures lean synth report lint clean tools browser
 
 help:
 	@echo "make demo    [SCENE=]                     a scene end to end: simulate, export, table of errors"
@@ -23,6 +23,7 @@ help:
 	@echo "make figures [TABLE=] [SEED=]             measured figures beside the thesis', in build/figures"
 	@echo "make lean    [SCENE=] [BESIDE=other]      what a scene leaves out, and what that saves"
 	@echo "make synth   [SCENE=] [RECORD=1]          cells of every block, clock, both beside the thesis; budget"
+	@echo "make report  [SCENE=]                     errors against cost, stability, resources, pictures: one HTML file"
 	@echo "make lint                                 ruff and mypy"
 	@echo "make clean                                remove build and .venv"
 	@echo
@@ -32,7 +33,7 @@ help:
 demo: $(VENV)/.ready tools
 	@$(RUN) -m tb.demo "$(SCENE)"
 
-test: $(VENV)/.ready tools
+test: $(VENV)/.ready tools browser
 	@$(RUN) -m pytest $(TESTS)
 
 sim: $(VENV)/.ready
@@ -63,6 +64,9 @@ lean: $(VENV)/.ready
 synth: $(VENV)/.ready
 	@$(RUN) -m hdl.synth "$(SCENE)" $(if $(filter-out 0,$(RECORD)),--record)
 
+report: $(VENV)/.ready tools
+	@$(RUN) -m tb.report "$(SCENE)"
+
 lint: $(VENV)/.ready
 	@$(RUN) -m ruff check . && $(RUN) -m ruff format --check . && $(RUN) -m mypy
 
@@ -75,6 +79,12 @@ tools:
 	@missing=; \
 	command -v ghdl >/dev/null || missing="$$missing ghdl-llvm"; \
 	command -v iverilog >/dev/null || missing="$$missing iverilog"; \
+	$(call install,$$missing)
+
+# The report's test looks at it in a browser.
+browser:
+	@missing=; \
+	command -v chromium >/dev/null || missing="$$missing chromium"; \
 	$(call install,$$missing)
 
 $(VENV)/.ready: pyproject.toml

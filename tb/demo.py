@@ -8,76 +8,18 @@ Benches whose inputs have not changed since they passed are not run again.
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import time
-from collections import defaultdict
 
 import numpy as np
 
 from golden.cli import run
 from golden.errors import scene_errors
-from golden.files import replace_file
-from golden.fingerprint import fingerprint, sources
 from golden.metrics import millimetres
 from golden.scene import Scene, load_scene, thesis_figures
-from tb.common.runner import BUILD, Outcome, plan, run_jobs
-from tb.common.tools import SIMULATORS, check_simulator, language, version
-from tb.sim import tell
-
-
-def simulate(scene: Scene) -> dict:
-    """Run all benches of the scene, or take over the results of unchanged ones."""
-    jobs = plan(scene, SIMULATORS)
-    top = scene.design().entity
-    store = BUILD / scene.name / "sim" / "results.json"
-    inputs = [*sources("golden", "hdl", "tb"), scene.path, *scene.weights_paths, scene.data_path]
-    inputs += [BUILD / scene.name / language(s) for s in SIMULATORS]
-    state = fingerprint(inputs, *(version(s) for s in SIMULATORS))
-    if store.is_file():
-        results = json.loads(store.read_text())
-        if results["state"] == state:
-            return results | {"fresh": False}
-    outcomes = run_jobs(jobs, _progress(scene))
-    results = {
-        "state": state,
-        "benches": len(outcomes),
-        "failed": sum(not o.passed for o in outcomes),
-        "compared": sum(o.compared for o in outcomes),
-        "blocks": _by_block(outcomes),
-        "facts": {o.job.simulator: o.facts for o in outcomes if o.job.entity == top},
-    }
-    if not results["failed"]:
-        with replace_file(store) as temporary:
-            temporary.write_text(json.dumps(results, indent=1))
-    return results | {"fresh": True}
-
-
-def _progress(scene: Scene):
-    """Counts benches as they end; only failures get a line of their own."""
-    done = 0
-
-    def listen(outcome: Outcome) -> None:
-        nonlocal done
-        done += 1
-        if not outcome.passed:
-            tell(outcome)
-        elif sys.stdout.isatty():
-            print(f"\r{scene.name}: {done} benches done ", end="", flush=True)
-        elif done % 20 == 0:
-            print(f"{scene.name}: {done} benches done", flush=True)
-
-    return listen
-
-
-def _by_block(outcomes: list[Outcome]) -> dict:
-    """Entities and values compared, per block and simulator."""
-    table: dict = defaultdict(lambda: {s: [0, 0] for s in SIMULATORS})
-    for outcome in outcomes:
-        cell = table[outcome.job.block][outcome.job.simulator]
-        cell[0] += 1
-        cell[1] += outcome.compared
-    return dict(sorted(table.items()))
+from tb.common.results import simulate
+from tb.common.tools import SIMULATORS, check_simulator, language
+from tb.report.build import build_report
 
 
 def twin_speed(scene: Scene) -> float:
@@ -185,6 +127,7 @@ def main() -> int:
     print(report(scene, results))
     for simulator in SIMULATORS:
         print(f"{language(simulator):8} in build/{scene.name}/{language(simulator)}")
+    build_report(scene)
     return 0
 
 

@@ -9,18 +9,16 @@ import pytest
 from conftest import random_mlp, write_scene
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from myhdl import ResetSignal, Simulation, StopSimulation, delay, instance
+from myhdl import Simulation, StopSimulation, delay, instance
 
 from golden.activation.schemes import SCHEMES
 from golden.fixed import Fix, Overflow, Rounding, requantise
 from golden.scene import load_scene
 from hdl.common.delay import delay as delay_line
-from hdl.common.lookup import latency
 from hdl.common.requantise import requantise as requantise_part
 from hdl.common.rom import rom
-from hdl.common.signals import Words, fixed, flag, signed, unsigned
-from hdl.networks.hybrid import hybrid
-from hdl.networks.parallel import parallel
+from hdl.common.signals import Words, flag, signed, unsigned
+from hdl.simulate import simulate
 from tb.common.stimulus import corner_frames
 
 
@@ -105,32 +103,8 @@ def test_the_network_simulated_in_myhdl_equals_its_twin(
     scene = load_scene(str(path))
     design = scene.design()
     codes = np.concatenate([scene.vectors().codes, corner_frames(Fix(14, 13), 4)])
-    clk, rst = flag(), ResetSignal(0, active=1, isasync=False)
-    valid, data, last = flag(), fixed(Fix(14, 13)), flag()
-    out_valid, out_data, out_last, error = flag(), fixed(Fix(14, 13)), flag(), flag()
-    network = hybrid(clk, rst, valid, data, last, out_valid, out_data, out_last, error, spec=design)
-    samples = [(int(c), k == 3) for frame in codes for k, c in enumerate(frame)]
-    seen = []
-
-    def stimulus():
-        idle = latency(design) + design.outputs
-        for t, sample in enumerate([None, *samples, *[None] * idle]):
-            rst.next = t == 0
-            valid.next = sample is not None
-            if sample is not None:
-                data.next, last.next = sample
-            yield delay(1)
-            if out_valid and t:
-                seen.append((int(out_data), bool(out_last)))
-            clk.next = True
-            yield delay(1)
-            clk.next = False
-            yield delay(1)
-            assert not error
-
-    settle(stimulus, network)
-    results = design.process(codes).ravel().tolist()
-    assert seen == [(r, i % 4 == 3) for i, r in enumerate(results)]
+    results, _ = simulate(design, codes)
+    assert results.tolist() == design.process(codes).tolist()
 
 
 @pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
@@ -145,25 +119,5 @@ def test_the_parallel_network_simulated_in_myhdl_equals_its_twin(
     scene = load_scene(str(path))
     design = scene.design()
     codes = np.concatenate([scene.vectors().codes, corner_frames(Fix(14, 13), 3)])
-    clk, rst, valid, data, out_valid, out_data, error = ports = parallel.ports(design)
-    seen = []
-
-    def stimulus():
-        apart = [None] * (design.interval - 1)
-        driven = [item for frame in codes for item in (frame, *apart)]
-        for t, frame in enumerate([None, *driven, *[None] * (latency(design) + 1)]):
-            rst.next = t == 0
-            valid.next = frame is not None
-            for k, code in enumerate([] if frame is None else frame):
-                data[k].next = int(code)
-            yield delay(1)
-            if out_valid and t:
-                seen.append([int(word) for word in (out_data[0], out_data[1])])
-            clk.next = True
-            yield delay(1)
-            clk.next = False
-            yield delay(1)
-            assert not error
-
-    settle(stimulus, parallel(*ports, spec=design))
-    assert seen == design.process(codes).tolist()
+    results, _ = simulate(design, codes)
+    assert results.tolist() == design.process(codes).tolist()

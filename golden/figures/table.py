@@ -62,6 +62,13 @@ class Table:
                         "number, or None for no figure"
                     )
 
+    @property
+    def numbers(self) -> list[bool]:
+        """For each column whether it holds nothing but numbers."""
+        return [
+            all(not isinstance(row[c], str) for row in self.rows) for c in range(len(self.columns))
+        ]
+
     def without_times(self) -> Table:
         """The table without its timed columns: what the same versions and seed give again."""
         kept = [c for c, heading in enumerate(self.columns) if heading not in self.timed]
@@ -89,23 +96,20 @@ class Table:
 
     def lines(self) -> list[str]:
         """The table as text: name, columns side by side, note."""
-        text = [list(self.columns), *([_shown(cell) for cell in row] for row in self.rows)]
+        text = [list(self.columns), *([shown(cell) for cell in row] for row in self.rows)]
         widths = [max(len(row[c]) for row in text) for c in range(len(self.columns))]
-        numbers = [
-            all(not isinstance(row[c], str) for row in self.rows) for c in range(len(self.columns))
-        ]
         body = [
             "  ".join(
                 cell.rjust(width) if right else cell.ljust(width)
-                for cell, width, right in zip(row, widths, numbers, strict=True)
+                for cell, width, right in zip(row, widths, self.numbers, strict=True)
             ).rstrip()
             for row in text
         ]
         return [self.name, "", *body, "", *textwrap.wrap(self.note, 100)]
 
 
-def _shown(cell: Cell) -> str:
-    """Four significant digits of a float."""
+def shown(cell: Cell) -> str:
+    """A cell for a reader: four significant digits of a float."""
     if cell is None:
         return "-"
     return f"{cell:.4g}" if isinstance(cell, float) else str(cell)

@@ -54,4 +54,8 @@ class Several(Network):
         return OutputCollector(SIGNAL, self.outputs)
 
     def left_out(self) -> list[str]:
-        return [f"{part.entity}: {text}" for part in self.networks for text in part.left_out()]
+        places: dict[str, list[str]] = {}
+        for part in self.networks:
+            for text in part.left_out():
+                places.setdefault(text, []).append(part.entity)
+        return [f"{', '.join(names)}: {text}" for text, names in places.items()]

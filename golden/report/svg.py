@@ -6,13 +6,14 @@ import io
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import matplotlib
 from matplotlib.figure import Figure
 
 # As wide as a phone shows without shrinking the letters; a desktop sets two side by side.
 PLOT_INCHES = (4.6, 3.4)
-_STYLE = {
+_STYLE: dict[Any, Any] = {
     # Without a salt the ids are random; letters stay letters, so that a reader can search them.
     "svg.hashsalt": "tactus",
     "svg.fonttype": "none",

@@ -34,7 +34,7 @@ FRAMES = 100
 
 @dataclass(frozen=True)
 class Job:
-    """One entity under one simulator."""
+    """One entity under one simulator; all tests of its bench, or the one named ``test``."""
 
     scene: Scene
     entity: str
@@ -46,6 +46,7 @@ class Job:
     waves: bool = False
     build: Path = BUILD
     frames: int = FRAMES
+    test: str = ""
 
     @property
     def folder(self) -> Path:
@@ -196,6 +197,7 @@ def run_job(job: Job) -> Outcome:
     environment |= {
         CONFIGURATION: json.dumps(configuration),
         "COCOTB_RANDOM_SEED": str(job.seed),
+        "COCOTB_TEST_FILTER": f"\\.{job.test}$" if job.test else "",
         "SIM": job.simulator,
         "WAVES": str(int(job.waves)),
         "PYTHONPATH": str(ROOT),

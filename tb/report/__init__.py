@@ -1,0 +1,1 @@
+"""``make report``: what a scene is, how far off, what it costs, and how that was found."""

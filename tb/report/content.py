@@ -1,0 +1,120 @@
+"""What stands in the report of a scene."""
+
+from __future__ import annotations
+
+from golden.figures.table import Cell, Table
+from golden.fingerprint import fingerprint, sources
+from golden.networks.network import Network
+from golden.report import findings
+from golden.report.page import Page, Picture, Section
+from golden.report.plots import Plot
+from golden.scene import Scene
+from tb.common.results import stored_results
+from tb.common.tools import SIMULATORS, version
+from tb.report import summary
+from tb.report.costs import Costs, blocks, costs
+from tb.report.engines import engines
+from tb.report.steps import measured
+from tb.report.store import Progress, once, packed, unpacked
+
+
+def content(scene: Scene, tell: Progress) -> Page:
+    """The report of a scene; ``tell`` hears of each part that is ready."""
+    design = scene.design()
+    inputs = [*sources("golden", "hdl", "tb"), scene.path, *scene.weights_paths, scene.data_path]
+    state = fingerprint(inputs, *(version(s) for s in SIMULATORS))
+    found = costs(scene, design)
+    tables = measured(tell)
+    speed = unpacked(once(f"engines-{scene.name}", state, tell, lambda: packed(engines(scene))))
+    plots = [
+        *findings.swing_plots(tables),
+        findings.damping_plot(tables),
+        findings.plate_plot(tables),
+        findings.series_plot(tables),
+    ]
+    shown = {"stability"}
+    sections = [
+        _verified(scene),
+        Section(
+            "error-against-cost",
+            "Error against cost",
+            pictures=[_picture(plot) for plot in plots],
+        ),
+        _stability(tables["stability"]),
+        Section(
+            "engines",
+            "Simulation speed",
+            pictures=[_picture(findings.engines_plot(speed))],
+            tables=[speed],
+        ),
+        _resources(scene, design, found),
+        Section(
+            "figures",
+            "Every table",
+            text=["The same tables as make figures prints; docs/figures.md tells of each."],
+            folded=[table for name, table in tables.items() if name not in shown],
+        ),
+    ]
+    return Page(
+        f"tactus: {scene.name}",
+        summary.built(scene, design),
+        summary.errors(scene, tables["motions"]),
+        summary.cost_table(scene, design, found),
+        summary.left_out(scene, design),
+        [section for section in sections if section is not None],
+    )
+
+
+def _picture(plot: Plot) -> Picture:
+    return Picture(plot.name, plot.title, plot.draw(), plot.sentence)
+
+
+def _verified(scene: Scene) -> Section:
+    """What the benches compared, if they have run on what is there now."""
+    results = stored_results(scene)
+    if results is None:
+        text = (
+            "The benches have not run since something that they depend on changed: make demo "
+            f"SCENE={scene.name} runs them."
+        )
+        return Section("verified", "Verified", text=[text])
+    rows: list[list[Cell]] = [
+        [block, *(number for s in SIMULATORS for number in cells[s])]
+        for block, cells in results["blocks"].items()
+    ]
+    heading = ["block"]
+    heading += [f"{s}, {what}" for s in SIMULATORS for what in ("entities", "values compared")]
+    table = Table(
+        "benches",
+        heading,
+        rows,
+        "Each entity on the exported files themselves, against its twin, with no tolerance: "
+        + ", ".join(version(s) for s in SIMULATORS)
+        + ".",
+    )
+    text = (
+        f"{results['benches']} benches, {results['failed']} failed, {results['compared']:,} values "
+        "compared bit for bit."
+    )
+    return Section("verified", "Verified", text=[text], folded=[table])
+
+
+def _stability(table: Table) -> Section:
+    held = sum(row[-1] == "yes" for row in table.rows)
+    text = f"{held} of {len(table.rows)} stiff and extreme cases hold; each was run for this table."
+    return Section("stability", "Stability", text=[text], tables=[table])
+
+
+def _resources(scene: Scene, design: Network, found: Costs | None) -> Section | None:
+    if found is None:
+        return None
+    return Section(
+        "resources",
+        "Resources",
+        text=[
+            f"ECP5, placed and routed: {found.timing.luts:,} LUTs, {found.timing.flip_flops:,} "
+            f"flip-flops, {found.timing.multipliers} multipliers, {found.timing.block_rams} block "
+            f"RAMs; {found.timing.clock_mhz} MHz. Slowest path: {found.timing.slowest}."
+        ],
+        folded=[blocks(scene, design, found)],
+    )

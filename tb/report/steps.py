@@ -1,0 +1,41 @@
+"""The tables of ``make figures`` for the report: those that are still right from the store."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+from joblib import Parallel, delayed
+
+from golden.figures.registry import TABLES
+from golden.figures.table import Table
+from golden.fingerprint import ROOT, fingerprint, sources
+from tb.report.store import Progress, keep, kept, once, packed, unpacked
+
+# Tables with run times have the machine for themselves.
+TIMED = ("series", "plate", "swing", "swing_damping", "training")
+SEED = 1
+
+
+def measured(tell: Progress) -> dict[str, Table]:
+    """Every table, those without run times side by side."""
+    state = fingerprint([*sources("golden"), ROOT / "golden" / "data"], str(SEED))
+    together = [n for n in TABLES if n not in TIMED and kept(n, state) is None]
+    if together:
+        pool = Parallel(n_jobs=-1, return_as="generator_unordered")
+        for name, answer, seconds in pool(delayed(_timed)(name) for name in together):
+            keep(name, state, answer)
+            tell(name, seconds, False)
+    for name in TABLES:
+        if name not in together:
+            once(name, state, tell, lambda name=name: _measure(name))
+    return {name: unpacked(kept(name, state)) for name in TABLES}
+
+
+def _measure(name: str) -> dict[str, Any]:
+    return packed(TABLES[name](SEED))
+
+
+def _timed(name: str) -> tuple[str, dict[str, Any], float]:
+    started = time.perf_counter()
+    return name, _measure(name), time.perf_counter() - started

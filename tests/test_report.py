@@ -1,0 +1,243 @@
+"""The report: what stands in it, beside it, and how it looks in a browser."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+import shutil
+import subprocess
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from golden.figures.registry import TABLES
+from golden.figures.table import Table
+from golden.report import findings
+from golden.report.page import Page, Picture, Section
+from golden.report.plots import Plot
+from golden.scene import load_scene
+from hdl.common.lookup import frame_clocks
+from tb.common.runner import BUILD
+from tb.report import build, store
+from tb.report.content import content
+from tb.report.engines import engines
+from tb.report.steps import TIMED
+
+SCENE = "digit-load"
+WIDTHS = {"phone": 390, "desktop": 1280}
+
+
+@pytest.fixture(scope="module")
+def report() -> Path:
+    """The report of the smallest scene."""
+    build.build_report(load_scene(SCENE))
+    return BUILD / SCENE / "report.html"
+
+
+@pytest.fixture(scope="module")
+def data(report: Path) -> dict:
+    return json.loads((report.with_suffix("") / "report.json").read_text())
+
+
+class Links(HTMLParser):
+    """Everything that a page loads or leads to, and every id."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.loads: list[str] = []
+        self.anchors: list[str] = []
+        self.ids: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        for key, value in attrs:
+            if key == "id":
+                self.ids.append(value or "")
+            elif key in ("href", "xlink:href") and (value or "").startswith("#"):
+                self.anchors.append((value or "")[1:])
+            elif key in ("src", "href", "xlink:href", "data", "srcset"):
+                self.loads.append(value or "")
+
+
+def test_the_page_needs_nothing_beside_it(report: Path) -> None:
+    text = report.read_text()
+    links = Links(text)
+    assert [link for link in links.loads if link != "data:,"] == []
+    assert "@import" not in text
+    assert not re.findall(r"url\((?!#)", text)
+    assert "<script" not in text
+
+
+def test_no_id_stands_twice_and_every_anchor_leads_somewhere(report: Path) -> None:
+    links = Links(report.read_text())
+    assert len(links.ids) == len(set(links.ids))
+    assert set(links.anchors) <= set(links.ids)
+    assert len(links.anchors) > 10
+
+
+def test_every_table_and_picture_stands_beside_it(report: Path, data: dict) -> None:
+    folder = report.with_suffix("")
+    assert set(data["tables"]) >= {*TABLES, "errors", "costs", "engines", "blocks"}
+    for name, table in data["tables"].items():
+        with (folder / f"{name}.csv").open(newline="") as handle:
+            columns, *rows = csv.reader(handle)
+        assert columns == table["columns"]
+        assert len(rows) == len(table["rows"])
+        assert f'id="table-{name}"' in report.read_text()
+    for name, picture in data["pictures"].items():
+        svg = (folder / f"{name}.svg").read_text()
+        assert svg in report.read_text()
+        assert picture["says"].endswith((".", "?"))
+
+
+def test_the_first_screen_is_the_scene(report: Path, data: dict) -> None:
+    scene = load_scene(SCENE)
+    text = re.sub(r"\s+", " ", report.read_text())
+    assert f"<h1>tactus: {SCENE}</h1>" in text
+    costs = dict(row[:2] for row in data["tables"]["costs"]["rows"])
+    assert costs["clocks from first sample to last output"] == frame_clocks(scene.design())
+    assert [row[0] for row in data["tables"]["errors"]["rows"]] == list(scene.outputs)
+    assert "the load profile: the scene has no visualisation" in data["left_out"]
+
+
+def test_every_engine_ran_the_same_frames(data: dict) -> None:
+    table = data["tables"]["engines"]
+    names = [row[0] for row in table["rows"]]
+    assert [name.split()[0] for name in names] == [
+        "float,",
+        "bit-true,",
+        "bit-true,",
+        "MyHDL",
+        "Icarus",
+        "GHDL",
+    ]
+    frames = len(load_scene(SCENE).vectors().codes)
+    assert [row[1] for row in table["rows"] if "repeated" not in row[0]] == [frames] * 5
+    assert all(row[-1] >= frames for row in table["rows"][3:])
+
+
+def test_an_engine_that_differs_fails_the_report(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tb.report.engines.simulate", lambda _, codes: (codes[:, :1] + 1, 1.0))
+    with pytest.raises(RuntimeError, match="MyHDL and the twin differ"):
+        engines(load_scene(SCENE))
+
+
+def test_a_second_report_measures_nothing(report: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[tuple[str, bool]] = []
+    content(load_scene(SCENE), lambda name, _, kept: told.append((name, kept)))
+    assert {name for name, kept in told if kept} >= set(TABLES)
+    assert [name for name, kept in told if not kept] == []
+
+
+def test_a_change_is_measured_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(store, "STORE", tmp_path)
+    told: list[bool] = []
+    for state in ("old", "old", "new"):
+        store.once("part", state, lambda _, __, kept: told.append(kept), lambda s=state: [s])
+    assert told == [False, True, False]
+    assert store.kept("part", "new") == ["new"]
+
+
+def test_tables_with_run_times_run_alone(data: dict, report: Path) -> None:
+    answers = [json.loads((store.STORE / f"{name}.json").read_text())["answer"] for name in TABLES]
+    assert {answer["name"] for answer in answers if answer["timed"]} == set(TIMED)
+
+
+def test_a_plot_of_nothing_is_refused() -> None:
+    with pytest.raises(ValueError, match="plot empty: no points for b"):
+        Plot("empty", "t", "x", "y", {"a": [(1, 1)], "b": []}, "s.", [])
+
+
+def test_a_sentence_follows_its_figures() -> None:
+    points = {"slow": [(5.0, 1e-9)], "quick": [(2.0, 1e-7), (1.0, 1e-3)]}
+    assert findings.cheapest(points, 1e-6) == ("quick", 2.0)
+    assert findings.cheapest(points, 1e-8) == ("slow", 5.0)
+    with pytest.raises(ValueError, match="no group reaches an error of 1e-12"):
+        findings.cheapest(points, 1e-12)
+
+
+def test_text_of_a_table_cannot_become_markup() -> None:
+    table = Table("errors", ["<b>", "n"], [["<script>x</script>", 1]], "a & b")
+    page = Page("t", [], table, table, [], [Section("s", "S", ["<i>"], [])])
+    text = page.render()
+    assert "<script" not in text
+    assert "&lt;script&gt;" in text
+    assert "a &amp; b" in text
+
+
+BROWSER = shutil.which("chromium")
+LOOK = """<!DOCTYPE html><title>look</title><body style="margin:0">
+<iframe id="page" src="{page}" width="{width}" height="2000" style="border:0"></iframe>
+<pre id="said"></pre><script>
+document.getElementById("page").onload = function () {{
+  const inside = this.contentDocument, seen = [];
+  const beyond = element => !element.closest(".scroll") && !element.closest("nav");
+  for (const element of inside.querySelectorAll("body *")) {{
+    const box = element.getBoundingClientRect();
+    if (beyond(element) && !element.closest("svg") && box.right > {width} + 1) {{
+      seen.push(element.tagName + " " + element.textContent.slice(0, 40));
+    }}
+  }}
+  let smallest = 99;
+  for (const text of inside.querySelectorAll("figure svg text")) {{
+    const size = parseFloat(inside.defaultView.getComputedStyle(text).fontSize);
+    const scale = text.getScreenCTM() ? text.getScreenCTM().a : 1;
+    const turned = text.getScreenCTM() ? Math.hypot(scale, text.getScreenCTM().b) : 1;
+    if (text.textContent.trim()) smallest = Math.min(smallest, size * turned);
+  }}
+  document.getElementById("said").textContent = JSON.stringify({{
+    width: inside.documentElement.scrollWidth, beyond: seen, smallest: smallest,
+    height: inside.documentElement.scrollHeight, figures: inside.querySelectorAll("figure").length,
+  }});
+}};
+</script></body>"""
+
+
+def look(page: Path, width: int, folder: Path) -> dict:
+    """What a browser makes of a page in a window of that width."""
+    assert BROWSER, "chromium is not installed; on Debian: apt-get install chromium"
+    wrapper = folder / "look.html"
+    wrapper.write_text(LOOK.format(page=page.as_uri(), width=width))
+    found = browser(
+        "--allow-file-access-from-files", "--virtual-time-budget=20000", "--dump-dom", wrapper
+    )
+    said = re.search(r'<pre id="said">(.*?)</pre>', found, re.S)
+    assert said, found[:500]
+    return json.loads(said[1].replace("&gt;", ">").replace("&lt;", "<").replace("&amp;", "&"))
+
+
+def browser(*options: object) -> str:
+    command = [BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"]
+    # No name resolves, so that nothing can come from a network.
+    command += ["--host-resolver-rules=MAP * ~NOTFOUND", *map(str, options)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
+    return done.stdout
+
+
+@pytest.mark.parametrize("width", WIDTHS.values(), ids=WIDTHS)
+def test_the_page_fits_and_reads_well(report: Path, width: int, tmp_path: Path) -> None:
+    seen = look(report, width, tmp_path)
+    assert seen["beyond"] == []
+    assert seen["width"] <= width
+    assert seen["figures"] > 5
+    assert seen["smallest"] >= 7.5, "letters too small to read"
+
+
+def test_a_page_that_is_too_wide_is_seen(tmp_path: Path) -> None:
+    table = Table("errors", ["a"], [["x" * 400]], "a note")
+    # Not an SVG, which the page would shrink.
+    wide = Picture("p", "P", '<div style="width:800px">wide</div>', "s.")
+    page = tmp_path / "wide.html"
+    page.write_text(Page("t", [], table, table, [], [Section("s", "S", [], [wide])]).render())
+    seen = look(page, WIDTHS["phone"], tmp_path)
+    assert seen["beyond"] == ["DIV wide"]
+    assert seen["width"] > WIDTHS["phone"]
+
+
+def test_it_prints(report: Path, tmp_path: Path) -> None:
+    paper = tmp_path / "report.pdf"
+    browser(f"--print-to-pdf={paper}", "--no-pdf-header-footer", report.as_uri())
+    pages = len(re.findall(rb"/Type\s*/Page\b", paper.read_bytes()))
+    assert 3 <= pages <= 60
