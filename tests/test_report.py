@@ -19,10 +19,10 @@ from golden.report.page import Page, Picture, Section
 from golden.report.plots import Plot
 from golden.scene import load_scene
 from hdl.common.lookup import frame_clocks
+from tb.common.engines import engines
 from tb.common.runner import BUILD
 from tb.report import build, store
 from tb.report.content import content
-from tb.report.engines import engines
 from tb.report.steps import TIMED
 
 SCENE = "digit-load"
@@ -119,7 +119,7 @@ def test_every_engine_ran_the_same_frames(data: dict) -> None:
 
 
 def test_an_engine_that_differs_fails_the_report(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tb.report.engines.simulate", lambda _, codes: (codes[:, :1] + 1, 1.0))
+    monkeypatch.setattr("tb.common.engines.simulate", lambda _, codes: (codes[:, :1] + 1, 1.0))
     with pytest.raises(RuntimeError, match="MyHDL and the twin differ"):
         engines(load_scene(SCENE))
 

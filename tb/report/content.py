@@ -3,25 +3,25 @@
 from __future__ import annotations
 
 from golden.figures.table import Cell, Table
-from golden.fingerprint import fingerprint, sources
+from golden.fingerprint import fingerprint
 from golden.networks.network import Network
 from golden.report import findings
 from golden.report.page import Page, Picture, Section
 from golden.report.plots import Plot
 from golden.scene import Scene
+from tb.common.engines import engines
 from tb.common.results import stored_results
 from tb.common.tools import SIMULATORS, version
 from tb.report import summary
 from tb.report.costs import Costs, blocks, costs
-from tb.report.engines import engines
-from tb.report.steps import measured
+from tb.report.steps import measured, measuring
 from tb.report.store import Progress, once, packed, unpacked
 
 
 def content(scene: Scene, tell: Progress) -> Page:
     """The report of a scene; ``tell`` hears of each part that is ready."""
     design = scene.design()
-    inputs = [*sources("golden", "hdl", "tb"), scene.path, *scene.weights_paths, scene.data_path]
+    inputs = [*measuring("golden", "hdl", "tb"), scene.path, *scene.weights_paths, scene.data_path]
     state = fingerprint(inputs, *(version(s) for s in SIMULATORS))
     found = costs(scene, design)
     tables = measured(tell)
