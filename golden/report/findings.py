@@ -69,6 +69,147 @@ def cheapest(points: Mapping[str, list[tuple[float, float]]], error: float) -> t
     return best, costs[best]
 
 
+def activation_plots(table: Table) -> list[Plot]:
+    """Mean and largest error of every activation against clocks and against cells."""
+    rows = [row for row in rows_of(table) if row["latency clocks"] is not None]
+    return [
+        plot
+        for x, across in (("latency clocks", "latency, clocks"), ("LUT", "Virtex-II LUTs"))
+        for y, up in (
+            ("mean %", "mean error %"),
+            ("largest units", "largest error, units of 2^-13"),
+        )
+        if (plot := _activation_plot(rows, x, across, y, up, table.name))
+    ]
+
+
+def _activation_plot(
+    rows: list[Row], x: str, across: str, y: str, up: str, table: str
+) -> Plot | None:
+    points = groups(rows, lambda row: f"{row['scheme']}, {row['arithmetic']}", x, y)
+    if not points:
+        return None
+    best = min(points, key=lambda label: points[label][0][1])
+    least = min(points, key=lambda label: points[label][0][0])
+    (cost, error), (least_cost, least_error) = points[best][0], points[least][0]
+    return Plot(
+        f"activations_{y.split()[0]}_{x.split()[0].lower()}",
+        f"Activations: {up.split(',')[0]} against {across}",
+        across,
+        up,
+        points,
+        f"{best} is the most accurate, {error:.3g} at {cost:g} {across.split()[-1]}; {least} takes "
+        f"the least, {least_cost:g}, and has {least_error:.3g}.",
+        [table],
+        joined=False,
+    )
+
+
+def iterations_plot(tables: Mapping[str, Table], printed: float | None) -> Plot:
+    """Error of the Pade regression against its iterations, for each rho."""
+    rows = rows_of(tables["iterations"], arithmetic="thesis")
+    points = groups(rows, lambda row: f"rho {row['rho']:g}", "iterations", "mean %")
+    best = {label: min(y for _, y in group) for label, group in points.items()}
+    rho = min(best, key=lambda label: best[label])
+    count = min(x for x, y in points[rho] if y <= 1.05 * best[rho])
+    worst = max(best, key=lambda label: best[label])
+    return Plot(
+        "iterations",
+        "Pade: iterations of the regression",
+        "iterations",
+        "mean error %",
+        points,
+        f"{rho} comes to {best[rho]:.3g} % within {count:g} iterations, and more do not help; "
+        f"{worst} never gets below {best[worst]:.3g} %.",
+        ["iterations"],
+        levels={} if printed is None else {f"thesis {printed:g}": printed},
+    )
+
+
+def network_plots(table: Table) -> list[Plot]:
+    """The worst output of every network on Appendix 2 against clocks and against cells."""
+    rows = rows_of(table, data="appendix2")
+    plots = []
+    for x, across in (("clocks a frame", "clocks a frame"), ("LUT", "Virtex-II LUTs")):
+        for y, up in (("largest %", "largest mean error %"), ("mean %", "mean error %")):
+            known = [row for row in rows if row[x] is not None and row["interval clocks"] != 4096]
+            points = groups(known, _form, x, y)
+            if not points:
+                continue
+            best = min(known, key=lambda row: number(row, y))
+            least = min(known, key=lambda row: number(row, x))
+            plots.append(
+                Plot(
+                    f"networks_{y.split()[0]}_{x.split()[0].lower()}",
+                    f"Networks: {up.removesuffix(' %')} against {across}",
+                    across,
+                    f"{up}, worst output",
+                    points,
+                    f"{best['scene']} has the least error, {number(best, y):.2g} % at "
+                    f"{number(best, x):,.0f}; {least['scene']} costs the least, "
+                    f"{number(least, x):,.0f}, and has {number(least, y):.2g} %.",
+                    [table.name],
+                    joined=False,
+                )
+            )
+    return plots
+
+
+def _form(row: Row) -> str:
+    design = row["arrangement"] if row["design"] == "hybrid" else row["design"]
+    return f"{design}, {str(row['activation']).split(' ')[0]}, {row['precision']}"
+
+
+def training_plots(tables: Mapping[str, Table]) -> list[Plot]:
+    """Validation error against processor time: optimisers, and the two cascades."""
+    rows = rows_of(tables["training"])
+    single = [row for row in rows if row["output"] == "all"]
+    cascades = [row for row in rows if row["output"] != "all"]
+    curves = groups(
+        single, lambda row: f"{row['method']}, start {row['restart']}", "CPU s", "validation %"
+    )
+    ends = {
+        method: min(number(row, "validation %") for row in single if row["method"] == method)
+        for method in dict.fromkeys(str(row["method"]) for row in single)
+    }
+    first, second = sorted(ends, key=lambda method: ends[method])
+    starts = groups(cascades, lambda row: str(row["method"]), "CPU s", "validation %")
+    best = {
+        method: sum(
+            min(
+                number(row, "validation %")
+                for row in cascades
+                if (row["method"], row["output"]) == (method, output)
+            )
+            for output in dict.fromkeys(row["output"] for row in cascades)
+        )
+        for method in starts
+    }
+    better = min(best, key=lambda method: best[method])
+    sums = ", ".join(f"{method} {value:.2f} %" for method, value in best.items())
+    return [
+        Plot(
+            "training_optimisers",
+            "Training: optimisers from the same starts",
+            "processor time s",
+            "validation error %, rms",
+            curves,
+            f"{first} comes to {ends[first]:.2f} %, {second} to {ends[second]:.2f} %.",
+            ["training"],
+        ),
+        Plot(
+            "training_cascades",
+            "Training: cascade A and cascade B",
+            "processor time of a start s",
+            "validation error %, rms",
+            starts,
+            f"Best starts, summed over the outputs: {sums}; {better} is the better here.",
+            ["training"],
+            joined=False,
+        ),
+    ]
+
+
 def swing_plots(tables: Mapping[str, Table]) -> list[Plot]:
     """Integrators of the swing: plain, strongly damped, and just short of upright."""
     table = tables["swing"]

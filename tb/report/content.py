@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from golden.activation.errors import thesis_figure
 from golden.figures.table import Cell, Table
 from golden.fingerprint import fingerprint
 from golden.networks.network import Network
@@ -13,7 +14,13 @@ from tb.common.engines import engines
 from tb.common.results import stored_results
 from tb.common.tools import SIMULATORS, version
 from tb.report import summary
-from tb.report.costs import Costs, blocks, costs
+from tb.report.costs import (
+    Costs,
+    blocks,
+    costs,
+    with_activation_cells,
+    with_network_cells,
+)
 from tb.report.steps import measured, measuring
 from tb.report.store import Progress, once, packed, unpacked
 
@@ -26,7 +33,14 @@ def content(scene: Scene, tell: Progress) -> Page:
     found = costs(scene, design)
     tables = measured(tell)
     speed = unpacked(once(f"engines-{scene.name}", state, tell, lambda: packed(engines(scene))))
+    activations = with_activation_cells(tables["activations"])
+    networks = with_network_cells(tables["clocks"])
+    tables |= {activations.name: activations, networks.name: networks}
     plots = [
+        *findings.activation_plots(activations),
+        findings.iterations_plot(tables, thesis_figure("pade")),
+        *findings.network_plots(networks),
+        *findings.training_plots(tables),
         *findings.swing_plots(tables),
         findings.damping_plot(tables),
         findings.plate_plot(tables),

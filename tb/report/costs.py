@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,6 +23,7 @@ from hdl.synth.tools import digest
 from tb.common.runner import BUILD, export
 
 FAMILY = "xc2v"
+COST = ("LUT", "multiplier", "block RAM")
 
 
 @dataclass(frozen=True)
@@ -83,8 +85,38 @@ def blocks(scene: Scene, design: Network, found: Costs) -> Table:
     )
 
 
-def activation_cells() -> dict[tuple[str, str], dict[str, int]]:
-    """Virtex-II cells of the largest entity of every activation, by block and precision."""
+def with_activation_cells(table: Table) -> Table:
+    """The table of activations with Virtex-II cells, of those that a recorded scene contains."""
+    found = _activation_cells()
+    return _joined(
+        table,
+        lambda row: found.get((str(row[0]).split(",")[0].replace(" ", "_"), str(row[1]))),
+        "Cells of the largest entity in the recorded scenes.",
+    )
+
+
+def with_network_cells(table: Table) -> Table:
+    """The table of clocks with Virtex-II cells, of those scenes that are recorded."""
+    found = {
+        scene.name: read_budget(budget_path(scene.path))[FAMILY].get(scene.design().entity)
+        for scene in scenes()
+        if budget_path(scene.path).is_file()
+    }
+    return _joined(table, lambda row: found.get(str(row[0])), "Cells as recorded by make synth.")
+
+
+def _joined(
+    table: Table, cells: Callable[[Sequence[Cell]], dict[str, int] | None], note: str
+) -> Table:
+    rows = []
+    for row in table.rows:
+        found = cells(row)
+        rows.append([*row, *(found[name] if found else None for name in COST)])
+    return Table(table.name, [*table.columns, *COST], rows, f"{table.note} {note}", table.timed)
+
+
+def _activation_cells() -> dict[tuple[str, str], dict[str, int]]:
+    """By block and precision the cells of the entity with the most LUTs."""
     found: dict[tuple[str, str], dict[str, int]] = {}
     for scene in scenes():
         path = budget_path(scene.path)
@@ -93,19 +125,7 @@ def activation_cells() -> dict[tuple[str, str], dict[str, int]]:
         cells = read_budget(path)[FAMILY]
         for part in walk(scene.design()):
             key = part.block, scene.precision.name
-            if part.block in SCHEMES and part.entity in cells:
-                found[key] = max(found.get(key), cells[part.entity], key=_luts)
+            new = cells.get(part.entity)
+            if new and part.block in SCHEMES and new["LUT"] > found.get(key, {"LUT": -1})["LUT"]:
+                found[key] = new
     return found
-
-
-def _luts(cells: dict[str, int] | None) -> int:
-    return cells["LUT"] if cells else -1
-
-
-def network_cells() -> dict[str, dict[str, int]]:
-    """Virtex-II cells of the whole of every scene that has a record."""
-    return {
-        scene.name: read_budget(budget_path(scene.path))[FAMILY][scene.design().entity]
-        for scene in scenes()
-        if budget_path(scene.path).is_file()
-    }
