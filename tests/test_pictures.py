@@ -1,0 +1,318 @@
+"""The pictures of the report: well-formed, the same on every run, and true to what they show."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from conftest import CASES
+
+from golden.block import Block, walk
+from golden.precision import SIGNAL
+from golden.report.pictures.animation import animation
+from golden.report.pictures.datapath import datapath
+from golden.report.pictures.load import beam
+from golden.report.pictures.network import network
+from golden.report.pictures.profile import profile
+from golden.report.pictures.swing import swing
+from golden.report.pictures.waveforms import Port, waveforms
+from golden.scene import Scene, load_scene, scene_names
+from hdl.common.lookup import latency
+from tb.common.recording import record
+
+SVG = "{http://www.w3.org/2000/svg}"
+FRAME = 40
+SWINGS = ("swing-single", "swing-multiple", "swing-cascade")
+
+
+def latencies(scene: Scene) -> dict[str, int]:
+    return {block.entity: latency(block) for block in walk(scene.design())}
+
+
+def drawn_datapath(scene: Scene) -> str:
+    return datapath(scene, latencies(scene))
+
+
+def flag(*values: int | None) -> Port:
+    return Port("top", "valid", values)
+
+
+def data(*values: int | None) -> Port:
+    return Port("top", "data", values, SIGNAL, "valid")
+
+
+def drawn_waveforms(scene: Scene) -> str:
+    return waveforms([flag(0, 1, 1), data(0, 1, -8192)], f"Two elements of scene {scene.name}")
+
+
+PICTURES: list[tuple[Callable[[Scene], str], str]] = [
+    *((draw, "digit") for draw in (network, drawn_datapath, drawn_waveforms, profile, animation)),
+    (swing, "swing-single"),
+]
+
+
+def parse(text: str) -> ElementTree.Element:
+    root = ElementTree.fromstring(text)
+    assert root.tag == f"{SVG}svg"
+    return root
+
+
+def words(element: ElementTree.Element, tag: str = "text") -> list[str]:
+    return [found.text or "" for found in element.iter(SVG + tag)]
+
+
+@pytest.fixture(scope="module")
+def build(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("pictures")
+
+
+@pytest.fixture(scope="module")
+def recorded(build: Path) -> list[Port]:
+    """One frame of scene digit through its exported Verilog."""
+    return record(load_scene("digit"), FRAME, build)
+
+
+def port(ports: list[Port], owner: str, name: str) -> Port:
+    (found,) = [p for p in ports if p.owner.startswith(owner) and p.name == name]
+    return found
+
+
+def counting(ports: list[Port], owner: str, name: str) -> list[int | None]:
+    """The values of a port in the clocks in which they count."""
+    found = port(ports, owner, name)
+    flags = port(ports, owner, found.valid).values
+    return [value for value, valid in zip(found.values, flags, strict=True) if valid]
+
+
+@pytest.mark.parametrize(("draw", "name"), PICTURES)
+def test_a_picture_is_one_accessible_svg_the_same_on_every_run(draw, name: str) -> None:
+    text = draw(load_scene(name))
+    root = parse(text)
+    assert root.get("role") == "img"
+    assert root[0].tag == f"{SVG}title"
+    assert name in (root[0].text or "")
+    assert text == draw(load_scene(name))
+    assert "<script" not in text
+
+
+def test_no_two_pictures_of_a_page_share_an_id_or_a_class() -> None:
+    shown = [*PICTURES, (swing, "swing-multiple"), (profile, "digit-thesis")]
+    shown.append((animation, "digit-thesis"))
+    found: list[str] = []
+    for draw, name in shown:
+        text = draw(load_scene(name))
+        ids = [element.get("id", "") for element in parse(text).iter() if element.get("id")]
+        assert len(ids) == len(set(ids))
+        found += [*ids, *set(re.findall(r"[.@]([\w -]+)\{", text)) - {"media print"}]
+    assert len(found) == len(set(found))
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_the_network_diagram_shows_every_node_and_name(name: str) -> None:
+    scene = load_scene(name)
+    root = parse(network(scene))
+    shown = words(root)
+    assert set(scene.sensors) | set(scene.outputs) <= set(shown)
+    hidden = [mlp.shape[1] for mlp in scene.mlps()]
+    assert [n for n in shown if n.endswith("hidden nodes")] == [f"{n} hidden nodes" for n in hidden]
+    circles = [
+        len(list(group.iter(f"{SVG}circle")))
+        for group in root.iter(f"{SVG}g")
+        if words(group, "title") and "hidden" in words(group, "title")[0]
+    ]
+    assert circles == hidden
+    fed_back = [way for way in root.iter(f"{SVG}path") if (way.get("d") or "").count("L") == 3]
+    assert len(fed_back) == (len(hidden) - 1) * (scene.arrangement == "cascade")
+
+
+def test_very_many_hidden_nodes_are_counted_and_not_all_drawn(tmp_path: Path) -> None:
+    wide = CASES["wide"]
+    scene = wide.__class__(wide.blocks, [(2, 90, 1)], "precise").scene(tmp_path, "many")
+    root = parse(network(scene))
+    assert "90 hidden nodes" in words(root)
+    assert len(list(root.iter(f"{SVG}circle"))) < 90
+
+
+@pytest.mark.parametrize("name", [*scene_names(), *CASES])
+@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+def test_the_datapath_names_every_block_of_the_design(tmp_path: Path, name: str) -> None:
+    scene = CASES[name].scene(tmp_path, name) if name in CASES else load_scene(name)
+    root = parse(drawn_datapath(scene))
+    tips = [set(tip.split(", ")) for tip in words(root, "title")[1:]]
+    entities = {block.entity for block in walk(scene.design())}
+    assert set().union(*tips) == entities
+    shown = " ".join(words(root))
+    for block in walk(scene.design()):
+        assert block.block in shown
+
+
+def test_the_datapath_counts_and_tells_formats_and_clocks() -> None:
+    scene = load_scene("digit")
+    shown = words(parse(drawn_datapath(scene)))
+    for member in scene.mlps():
+        assert f"{member.shape[1]} × input_node" in shown
+        assert f"{member.shape[1]} × precise" in shown
+    assert f"{latency(scene.design())} clocks" in shown
+    assert "Fix(14,13) to Fix(18,14)" in shown
+
+
+def test_a_part_that_no_plan_knows_is_drawn_all_the_same(monkeypatch) -> None:
+    class Novelty(Block):
+        block = "novelty"
+
+    scene = load_scene("digit-load")
+    clocks = latencies(scene) | {"novelty": 3}
+    kind = type(scene.design())
+    parts = kind.parts
+    monkeypatch.setattr(kind, "parts", lambda self: (*parts(self), Novelty()))
+    assert "novelty" in words(parse(datapath(scene, clocks)))
+
+
+def test_the_datapath_asks_for_every_latency() -> None:
+    scene = load_scene("digit-load")
+    clocks = latencies(scene)
+    del clocks["hybrid"]
+    with pytest.raises(ValueError, match=r"digit-load.toml: datapath: no latency of hybrid, exp"):
+        datapath(scene, clocks)
+
+
+def test_the_recording_holds_what_the_twin_computes(recorded: list[Port]) -> None:
+    scene = load_scene("digit")
+    codes = scene.vectors().codes[FRAME]
+    outputs = scene.design().process(codes)
+    assert counting(recorded, "cascade, frame in", "in_data")[: len(codes)] == codes.tolist()
+    assert counting(recorded, "cascade, frame out", "out_data") == outputs.tolist()
+    for n, output in enumerate(outputs):
+        seen = [*codes, *outputs[:n]]
+        assert counting(recorded, f"hybrid_{n}", "in_data") == seen
+        assert counting(recorded, f"hybrid_{n}", "out_data") == [output]
+
+
+def test_the_recording_has_the_latency_that_the_hardware_publishes(recorded: list[Port]) -> None:
+    design = load_scene("digit").design()
+    last = port(recorded, "cascade, frame in", "in_last").values.index(1)
+    first = port(recorded, "cascade, frame out", "out_valid").values.index(1)
+    assert first - last == latency(design)
+    assert len(recorded[0].values) <= 90
+
+
+def test_the_waveforms_show_the_recorded_values(recorded: list[Port]) -> None:
+    root = parse(waveforms(recorded, "One frame of scene digit"))
+    rows = {
+        row.get("data-port"): words(row)
+        for row in root.iter(f"{SVG}g")
+        if "data-port" in row.attrib
+    }
+    assert len(rows) == len(recorded)
+    outputs = load_scene("digit").design().process(load_scene("digit").vectors().codes[FRAME])
+    written = [f"{value:.4f}" for value in SIGNAL.to_real(outputs)]
+    assert rows["cascade, frame out: load, position, width, shape.out_data"] == written
+    assert rows["hybrid_3: shape.out_data"] == written[-1:]
+
+
+@pytest.mark.parametrize("name", ["parallel", "least-multiple", "profile"])
+def test_other_designs_are_recorded_too(tmp_path: Path, name: str) -> None:
+    scene = CASES[name].scene(tmp_path, name)
+    ports = record(scene, 1, tmp_path)
+    outputs = scene.design().process(scene.vectors().codes[1]).tolist()
+    owner = f"{scene.design().entity}, frame out"
+    if name == "parallel":
+        (valid,) = np.flatnonzero(port(ports, owner, "out_valid").values)
+        found = [port(ports, owner, f"out_data_{n}").values[valid] for n in range(len(outputs))]
+    else:
+        found = counting(ports, owner, "out_data")
+    assert found == outputs
+
+
+def test_a_design_without_a_stream_of_frames_is_not_recorded(build: Path) -> None:
+    with pytest.raises(ValueError, match=r"digit-instrument.toml: waveforms: got the design instr"):
+        record(load_scene("digit-instrument"), 0, build)
+
+
+def test_a_frame_that_was_not_recorded_is_refused(build: Path) -> None:
+    for draw in (lambda s, f: record(s, f, build), profile, animation):
+        with pytest.raises(ValueError, match=r"digit.toml: frame: got 143, expected 0 to 142"):
+            draw(load_scene("digit"), 143)
+
+
+def test_waveforms_leave_out_what_does_not_count_and_say_what_is_undefined() -> None:
+    ports = [flag(0, 1, 1, 0), data(5, 4096, None, 7)]
+    root = parse(waveforms(ports, "Two elements"))
+    (row,) = [g for g in root.iter(f"{SVG}g") if g.get("data-port") == "top.data"]
+    assert words(row) == ["0.5000", "undefined"]
+
+
+@pytest.mark.parametrize(
+    ("ports", "message"),
+    [
+        ([], "got ports of \\[\\] clocks"),
+        ([flag(0, 1), data(1)], "got ports of \\[1, 2\\] clocks"),
+        ([flag(0, 1), Port("other", "data", (1, 2), SIGNAL, "valid")], "got valid='valid'"),
+    ],
+)
+def test_waveforms_refuse_ports_that_do_not_belong_together(ports, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        waveforms(ports, "None")
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_the_load_is_drawn_where_there_is_one(name: str) -> None:
+    scene = load_scene(name)
+    for draw in (profile, animation):
+        if {"load", "position", "width", "shape"} <= set(scene.outputs):
+            parse(draw(scene))
+        else:
+            with pytest.raises(ValueError, match=rf"{name}.toml: data.outputs: got .* to draw"):
+                draw(scene)
+
+
+def test_the_load_is_that_of_the_twins_and_of_the_recorded_vectors() -> None:
+    scene = load_scene("digit-instrument")
+    known = beam(scene)
+    codes = scene.vectors().codes
+    readout = scene.design().readout
+    expected = readout.profile(scene.design().process(codes))[1]
+    for frame in (0, 100, 142):
+        assert known.drawn(frame).tolist() == SIGNAL.to_real(expected[frame]).tolist()
+        at = known.positions
+        real = known.profile.real(known.frames[frame])
+        assert np.allclose(known.exact(frame, at), real, rtol=0, atol=1e-12)
+    at, height = known.true(0)
+    # Load A: 50.8 mm wide, its first placement 31.75 mm from the tip.
+    assert at.round(2).tolist() == [6.35, 6.35, 57.15, 57.15]
+    assert height.tolist() == [0.0, 0.9, 0.9, 0.0]
+    assert known.true(142)[1].tolist() == [0.0, 0.6261, 0.0]
+
+
+def test_the_animation_shows_each_recorded_position_once_and_one_without_motion() -> None:
+    scene = load_scene("digit")
+    text = animation(scene, 4)
+    assert len(text) < 300_000
+    root = parse(text)
+    steps = [g for g in root.iter(f"{SVG}g") if "animation_digit-step" in (g.get("class") or "")]
+    told = [next(w for w in words(step) if w.startswith("at ")) for step in steps]
+    places = [float(re.match(r"at ([\d.]+) mm", w)[1]) for w in told]
+    assert np.allclose(places, 31.75 + 6.35 * np.arange(15), rtol=0, atol=0.051)
+    assert sum("animation_digit-still" in step.get("class") for step in steps) == 1
+    delays = [float(re.search(r"-?[\d.]+", step.get("style"))[0]) for step in steps]
+    assert np.allclose(np.diff(delays), 0.6)
+    assert max(delays) < 0
+    assert "prefers-reduced-motion" in text
+    readings = [[w for w in words(step) if not w.startswith("at ")] for step in steps]
+    sensors = scene.vectors().inputs[:15]
+    assert readings == [[f"{value:.2f}" for value in row] for row in sensors]
+
+
+@pytest.mark.parametrize("name", SWINGS)
+def test_the_swing_is_drawn_for_each_arrangement(name: str) -> None:
+    shown = set(words(parse(swing(load_scene(name)))))
+    assert {"x, mm", "y, mm", "z, mm", "error, mm", "true", "bit-true estimate"} <= shown
+
+
+def test_the_swing_is_refused_for_other_outputs() -> None:
+    with pytest.raises(ValueError, match=r"digit.toml: swing: got outputs load, position"):
+        swing(load_scene("digit"))
