@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from golden.activation.errors import thesis_figure
 from golden.figures.table import Cell, Table
-from golden.fingerprint import fingerprint
+from golden.fingerprint import fingerprint, sources
 from golden.networks.network import Network
 from golden.report import findings
 from golden.report.page import Page, Picture, Section
@@ -21,6 +21,7 @@ from tb.report.costs import (
     with_activation_cells,
     with_network_cells,
 )
+from tb.report.pictures import draw
 from tb.report.steps import measured, measuring
 from tb.report.store import Progress, once, packed, unpacked
 
@@ -28,8 +29,10 @@ from tb.report.store import Progress, once, packed, unpacked
 def content(scene: Scene, tell: Progress) -> Page:
     """The report of a scene; ``tell`` hears of each part that is ready."""
     design = scene.design()
-    inputs = [*measuring("golden", "hdl", "tb"), scene.path, *scene.weights_paths, scene.data_path]
-    state = fingerprint(inputs, *(version(s) for s in SIMULATORS))
+    files = [scene.path, *scene.weights_paths, scene.data_path]
+    tools = [version(s) for s in SIMULATORS]
+    state = fingerprint([*measuring("golden", "hdl", "tb"), *files], *tools)
+    drawing = fingerprint([*sources("golden", "hdl", "tb"), *files], *tools)
     found = costs(scene, design)
     tables = measured(tell)
     speed = unpacked(once(f"engines-{scene.name}", state, tell, lambda: packed(engines(scene))))
@@ -49,6 +52,7 @@ def content(scene: Scene, tell: Progress) -> Page:
     shown = {"stability"}
     sections = [
         _verified(scene),
+        _pictures(scene, drawing, tell),
         Section(
             "error-against-cost",
             "Error against cost",
@@ -76,6 +80,17 @@ def content(scene: Scene, tell: Progress) -> Page:
         summary.cost_table(scene, design, found),
         summary.left_out(scene, design),
         [section for section in sections if section is not None],
+    )
+
+
+def _pictures(scene: Scene, state: str, tell: Progress) -> Section:
+    found = once(f"pictures-{scene.name}", state, tell, lambda: draw(scene))
+    skipped = "; ".join(f"{title}: {why}" for title, why in found["skipped"])
+    return Section(
+        "pictures",
+        "Pictures",
+        text=[f"Not drawn for this scene. {skipped}."] if skipped else [],
+        pictures=[Picture(**part) for part in found["drawn"]],
     )
 
 
