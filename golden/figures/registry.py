@@ -11,9 +11,9 @@ from golden.figures import (
     physics,
     rbf,
     recordings,
-    stability,
     visualisation,
 )
+from golden.figures.stability.table import stability
 from golden.figures.table import Table
 
 # By name, in the order printed; the name is that of the table.
@@ -30,5 +30,5 @@ TABLES: dict[str, Callable[[int], Table]] = {
     "swing": physics.swing,
     "swing_damping": physics.swing_damping,
     "recordings": recordings.recordings,
-    "stability": stability.stability,
+    "stability": stability,
 }
