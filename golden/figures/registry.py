@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from golden.figures import (
+    activations,
+    clocks,
     motions,
     networks,
     parallel,
     physics,
     rbf,
     recordings,
+    training,
     visualisation,
 )
 from golden.figures.stability.table import stability
@@ -19,6 +22,10 @@ from golden.figures.table import Table
 # By name, in the order printed; the name is that of the table.
 TABLES: dict[str, Callable[[int], Table]] = {
     "networks": networks.networks,
+    "clocks": clocks.clocks,
+    "activations": activations.activations,
+    "iterations": activations.iterations,
+    "training": training.training,
     "parallel": parallel.parallel,
     "motions": motions.motions,
     "classes": rbf.classes,
