@@ -12,13 +12,14 @@ from pathlib import Path
 
 import pytest
 
+from golden.figures.clocks import clocks_per_frame
 from golden.figures.registry import TABLES
 from golden.figures.table import Table
 from golden.report import findings
 from golden.report.page import Page, Picture, Section
 from golden.report.plots import Plot
 from golden.scene import load_scene
-from hdl.common.lookup import frame_clocks
+from hdl.common.lookup import latency
 from tb.common.engines import engines
 from tb.common.runner import BUILD
 from tb.report import build, store
@@ -94,10 +95,13 @@ def test_every_table_and_picture_stands_beside_it(report: Path, data: dict) -> N
 
 def test_the_first_screen_is_the_scene(report: Path, data: dict) -> None:
     scene = load_scene(SCENE)
+    design = scene.design()
     text = re.sub(r"\s+", " ", report.read_text())
     assert f"<h1>tactus: {SCENE}</h1>" in text
     costs = dict(row[:2] for row in data["tables"]["costs"]["rows"])
-    assert costs["clocks from first sample to last output"] == frame_clocks(scene.design())
+    assert costs["clocks from first sample to last output"] == clocks_per_frame(
+        design, latency(design)
+    )
     assert [row[0] for row in data["tables"]["errors"]["rows"]] == list(scene.outputs)
     assert "the load profile: the scene has no visualisation" in data["left_out"]
 

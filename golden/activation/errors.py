@@ -14,7 +14,7 @@ import platform
 import sys
 import tomllib
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -96,20 +96,24 @@ def built(scheme: Scheme, precision: Precision, factor: int) -> ActivationBlock:
 
 def measure() -> list[Row]:
     """All rows, scheme by scheme."""
-    rows = []
-    for name, options, scheme in variants():
-        for precision in scheme.precisions:
-            codes = np.arange(precision.hidden_fmt.low, precision.hidden_fmt.high + 1)
-            for factor in FACTORS if precision.normalise else (1,):
-                q = factor * precision.hidden_fmt.to_real(codes)
-                results = {
-                    precision.name: SIGNAL.to_real(built(scheme, precision, factor).process(codes))
-                }
-                if precision.normalise:
-                    results = {"float": scheme.real(q)[0], **results}
-                for arithmetic, values in results.items():
-                    rows.append(_row(name, options, arithmetic, factor, q, values))
-    return rows
+    return [row for variant in variants() for row in measured(*variant)]
+
+
+def measured(
+    name: str, options: str, scheme: Scheme, factors: Sequence[int] = FACTORS
+) -> Iterator[Row]:
+    """The rows of one scheme in its precisions, for each Q where there is one."""
+    for precision in scheme.precisions:
+        codes = np.arange(precision.hidden_fmt.low, precision.hidden_fmt.high + 1)
+        for factor in factors if precision.normalise else (1,):
+            q = factor * precision.hidden_fmt.to_real(codes)
+            results = {
+                precision.name: SIGNAL.to_real(built(scheme, precision, factor).process(codes))
+            }
+            if precision.normalise:
+                results = {"float": scheme.real(q)[0], **results}
+            for arithmetic, values in results.items():
+                yield _row(name, options, arithmetic, factor, q, values)
 
 
 def _row(

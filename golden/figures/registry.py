@@ -5,20 +5,27 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from golden.figures import (
+    activations,
+    clocks,
     motions,
     networks,
     parallel,
     physics,
     rbf,
     recordings,
-    stability,
+    training,
     visualisation,
 )
+from golden.figures.stability.table import stability
 from golden.figures.table import Table
 
 # By name, in the order printed; the name is that of the table.
 TABLES: dict[str, Callable[[int], Table]] = {
     "networks": networks.networks,
+    "clocks": clocks.clocks,
+    "activations": activations.activations,
+    "iterations": activations.iterations,
+    "training": training.training,
     "parallel": parallel.parallel,
     "motions": motions.motions,
     "classes": rbf.classes,
@@ -30,5 +37,5 @@ TABLES: dict[str, Callable[[int], Table]] = {
     "swing": physics.swing,
     "swing_damping": physics.swing_damping,
     "recordings": recordings.recordings,
-    "stability": stability.stability,
+    "stability": stability,
 }

@@ -11,7 +11,7 @@ outcome.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -74,8 +74,17 @@ def shift_biases(task: Task, mlp: Mlp, rows: NDArray[np.int64]) -> Mlp:
     return mlp
 
 
-def train(task: Task, hidden: int, restart: int) -> Mlp:
+def train(
+    task: Task, hidden: int, restart: int, objective: Callable[..., Objective] = Objective
+) -> Mlp:
     """The network of one candidate.
+
+    Parameters
+    ----------
+    task : Task
+    hidden, restart : int
+    objective : callable
+        What makes the objective of each descent: another one can watch its progress.
 
     Raises
     ------
@@ -92,25 +101,36 @@ def train(task: Task, hidden: int, restart: int) -> Mlp:
     point = pack(starting_weights(shape, rng))
     descend = OPTIMISERS[settings.optimiser]
     for activation in dict.fromkeys((tanh, task.scene.scheme.real)):
-        objective = Objective(
+        aim = objective(
             shape, activation, training, validation, settings.weight_decay, settings.patience
         )
-        point = objective.search(descend, point, settings.steps)
+        point = aim.search(descend, point, settings.steps)
     return shift_biases(task, unpack(point, shape), task.split.training)
 
 
 def measure(task: Task, hidden: int, restart: int) -> Result:
     """Train one candidate and measure its bit-true errors."""
     try:
-        results = task.bit_true(train(task, hidden, restart))
+        validation, test = bit_true_errors(task, train(task, hidden, restart))
     except ValueError as error:
         return Result(hidden, restart, float("inf"), float("inf"), str(error))
-    errors = 100 * np.abs(results - task.targets) / task.scale
+    return Result(hidden, restart, validation, test)
+
+
+def bit_true_errors(task: Task, mlp: Mlp) -> tuple[float, float]:
+    """Root mean square of the bit-true percent errors on the validation and on the test rows.
+
+    Raises
+    ------
+    ValueError
+        When the hardware's formats cannot hold the weights.
+    """
+    errors = 100 * np.abs(task.bit_true(mlp) - task.targets) / task.scale
     validation, test = (
         float(np.sqrt((errors[rows] ** 2).mean()))
         for rows in (task.split.validation, task.split.test)
     )
-    return Result(hidden, restart, validation, test)
+    return validation, test
 
 
 def candidates(task: Task) -> list[tuple[int, int]]:

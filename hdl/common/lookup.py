@@ -3,8 +3,6 @@
 import importlib
 
 from golden.block import Block
-from golden.networks.network import Network
-from golden.networks.parallel import Parallel
 
 
 def hardware(spec: Block):
@@ -15,9 +13,3 @@ def hardware(spec: Block):
 def latency(spec: Block) -> int:
     """Latency in clocks that the hardware block of ``spec`` publishes."""
     return int(hardware(spec).latency(spec))
-
-
-def frame_clocks(spec: Network) -> int:
-    """Clocks from the first sample in to the last output out, both included."""
-    behind = 0 if isinstance(spec, Parallel) else spec.outputs - 1
-    return spec.input_controller.inputs + latency(spec) + behind

@@ -1,0 +1,45 @@
+"""One case of the table, and how its figure is found."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+
+@dataclass(frozen=True)
+class Row:
+    """One case that was run: what must happen, a figure, and the bound that it must not exceed."""
+
+    model: str
+    case: str
+    must: str
+    figure: str
+    value: float
+    bound: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether the figure keeps its bound; NaN does not."""
+        return bool(self.value <= self.bound)
+
+
+def largest(*values: ArrayLike) -> float:
+    """Largest magnitude; infinite where any value is not finite, so that no bound holds."""
+    together = np.concatenate([np.asarray(v, dtype=np.float64).ravel() for v in values])
+    return float(np.abs(together).max()) if np.isfinite(together).all() else math.inf
+
+
+def accepted(calls: Iterable[Callable[[], object]]) -> int:
+    """How many of some calls with invalid arguments do not raise ``ValueError``."""
+    count = 0
+    for call in calls:
+        try:
+            call()
+        except ValueError:
+            continue
+        count += 1
+    return count

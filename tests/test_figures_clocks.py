@@ -1,0 +1,83 @@
+"""Table clocks: every scene, its clocks, and what docs/figures.md says of them."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from golden.errors import scene_errors
+from golden.figures.clocks import clocks, clocks_per_frame
+from golden.figures.latency import latencies
+from golden.figures.networks import scenes
+from golden.figures.table import Table
+from golden.scene import load_scene
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="module")
+def table() -> Table:
+    return clocks(1)
+
+
+def by_scene(table: Table, name: str) -> dict[str, object]:
+    at = table.columns.index(name)
+    return {str(row[0]): row[at] for row in table.rows}
+
+
+def test_every_scene_is_there(table: Table) -> None:
+    assert [row[0] for row in table.rows] == [scene.name for scene in scenes()]
+
+
+def test_the_worst_output_has_the_largest_error(table: Table) -> None:
+    found = by_scene(table, "largest %")
+    for name in ("digit-single-thesis", "swing-cascade"):
+        errors = scene_errors(load_scene(name))["bit-true"]
+        assert found[name] == max(error.largest_mean for error in errors)
+
+
+def test_the_clocks_of_the_front_page(table: Table) -> None:
+    page = (ROOT / "README.md").read_text()
+    (frame,) = re.findall(r"clocks a frame +(\d+),", page)
+    (between,) = re.findall(r"clocks between frames +(\d+) ", page)
+    assert by_scene(table, "clocks a frame")["digit"] == int(frame)
+    assert by_scene(table, "interval clocks")["digit"] == int(between)
+
+
+@pytest.mark.parametrize(
+    ("name", "beside"), [("digit-single", 4 + 4), ("digit", 7 + 4), ("digit-parallel", 1 + 1)]
+)
+def test_samples_and_outputs_take_a_clock_each(name: str, beside: int) -> None:
+    """A cascade's frame has slots for its earlier outputs; in parallel all come at once."""
+    scene = load_scene(name)
+    latency = latencies("scene")[name, scene.precision.name]
+    assert clocks_per_frame(scene.design(), latency) == latency + beside - 1
+
+
+def test_the_page_shows_the_clocks(table: Table) -> None:
+    page = (ROOT / "docs" / "figures.md").read_text()
+    names = ("precision", "worst output", "largest %", "clocks a frame", "interval clocks")
+    found = {name: by_scene(table, name) for name in names}
+    for scene in ("digit", "digit-single", "digit-multiple", "digit-thesis", "digit-single-thesis"):
+        precision, output, largest, *clocks = (found[name][scene] for name in names)
+        shown = (scene, precision, output, f"{largest:.2f}", *clocks)
+        assert f"| {' | '.join(map(str, shown))} |\n" in page
+
+
+def test_an_instrument_waits_for_its_sensors(table: Table) -> None:
+    found = by_scene(table, "clocks a frame")
+    scan = load_scene("digit-instrument").design().scan_sequencer
+    assert found["digit-instrument"] > scan.sample_clocks[-1] > 10 * found["digit"]
+    assert by_scene(table, "interval clocks")["digit-instrument"] == scan.scan_clocks
+
+
+def test_a_cascade_pays_clocks_for_accuracy(table: Table) -> None:
+    largest, frame = by_scene(table, "largest %"), by_scene(table, "clocks a frame")
+    for precision in ("", "-thesis"):
+        cascade, single = f"digit{precision}", f"digit-single{precision}"
+        assert largest[cascade] < 0.5 * largest[single]
+        assert 3 * frame[single] < frame[cascade] < 4 * frame[single]
+    assert largest["digit-a"] > largest["digit"]
+    assert largest["digit-thesis-a"] > largest["digit-thesis"]

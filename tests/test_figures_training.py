@@ -1,0 +1,125 @@
+"""Table training: what is the same on every call, and what docs/figures.md says of it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from golden.figures import training
+from golden.figures.table import Table
+from golden.networks.mlp import tanh
+from golden.scene import load_scene
+from golden.training.objective import Objective, Rows, pack
+from golden.training.search import measure, starting_weights
+from golden.training.task import task_for
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="module")
+def table() -> Table:
+    return training.training(1)
+
+
+def rows_of(table: Table, method: str) -> list[tuple]:
+    return [tuple(row[1:]) for row in table.rows if row[0] == method]
+
+
+def test_the_methods(table: Table) -> None:
+    assert list(dict.fromkeys(row[0] for row in table.rows)) == [
+        *training.STEPS,
+        *training.CASCADES,
+    ]
+    for method in training.STEPS:
+        assert {row[1] for row in rows_of(table, method)} == set(range(training.RESTARTS))
+    outputs = load_scene("digit-thesis").outputs
+    for method in training.CASCADES:
+        expected = [(name, r) for name in outputs for r in range(training.CASCADE_RESTARTS)]
+        assert [row[:2] for row in rows_of(table, method)] == expected
+
+
+def test_times_and_evaluations_grow_along_a_descent(table: Table) -> None:
+    for method in training.STEPS:
+        for restart in range(training.RESTARTS):
+            steps = [row[2:4] for row in rows_of(table, method) if row[1] == restart]
+            assert len(steps) > 12
+            assert steps == sorted(steps, key=lambda step: step[0])
+            assert steps == sorted(steps, key=lambda step: step[1])
+
+
+def test_both_optimisers_begin_at_the_same_points(table: Table) -> None:
+    first = [
+        [row[-2:] for row in rows_of(table, method) if row[2] == 1] for method in training.STEPS
+    ]
+    assert first[0] == first[1]
+    assert len(first[0]) == training.RESTARTS
+
+
+def test_levenberg_marquardt_ends_lower_from_every_start(table: Table) -> None:
+    ends = {
+        method: {row[1]: row[-2] for row in rows_of(table, method)} for method in training.STEPS
+    }
+    for restart in range(training.RESTARTS):
+        assert ends["levenberg-marquardt"][restart] < ends["scg"][restart]
+    best = min(ends["levenberg-marquardt"].values())
+    assert best < 0.25 * min(ends["scg"].values())
+
+
+def test_the_first_network_of_both_cascades_is_the_same(table: Table) -> None:
+    first, second = (
+        [row[:3] + row[4:] for row in rows_of(table, method) if row[0] == "load"]
+        for method in training.CASCADES
+    )
+    assert first == second
+
+
+def test_the_page_shows_where_they_end(table: Table) -> None:
+    page = (ROOT / "docs" / "figures.md").read_text()
+    for method in training.STEPS:
+        last = {row[1]: row for row in rows_of(table, method)}.values()
+        (evaluations,) = {row[2] for row in last}
+        cells = " | ".join(f"{row[-2]:.2f}" for row in last)
+        assert f"| {method}, {evaluations} evaluations | {cells} |\n" in page
+    for method in training.CASCADES:
+        best: dict[str, float] = {}
+        for output, *_, validation, _ in rows_of(table, method):
+            best[output] = min(validation, best.get(output, np.inf))
+        assert f"| {method} | {' | '.join(f'{v:.2f}' for v in best.values())} |\n" in page
+
+
+def test_a_candidate_is_that_of_make_train(table: Table) -> None:
+    scene = load_scene("digit-thesis")
+    task = task_for(scene, scene.vectors(), [])
+    known = measure(task, scene.mlps()[0].shape[1], 2)
+    (row,) = [row for row in rows_of(table, "cascade B") if row[:2] == ("load", 2)]
+    assert row[-2:] == (known.validation, known.test)
+
+
+def test_all_but_the_times_is_the_same_again(monkeypatch) -> None:
+    monkeypatch.setattr(training, "RESTARTS", 1)
+    monkeypatch.setattr(training, "CASCADE_RESTARTS", 1)
+    monkeypatch.setattr(training, "STEPS", {"levenberg-marquardt": 20, "scg": 40})
+    first, second = training.training(2), training.training(2)
+    assert first.without_times() == second.without_times()
+    assert "CPU s" not in first.without_times().columns
+    assert first.without_times() != training.training(3).without_times()
+
+
+def test_watching_changes_nothing() -> None:
+    rng = np.random.default_rng(1)
+    rows = Rows(rng.uniform(-1, 1, (20, 2)), rng.uniform(-1, 1, (20, 1)), np.ones((20, 1)))
+    start = pack(starting_weights((2, 3, 1), rng))
+    plain, watched = (
+        kind((2, 3, 1), tanh, rows, rows, 1e-4, 40) for kind in (Objective, training.Watched)
+    )
+
+    def descend(objective: Objective, point, steps: int):
+        for n in range(steps):
+            objective.residuals(point * (1 + n / 100))
+        return point
+
+    assert np.array_equal(plain.search(descend, start, 50), watched.search(descend, start, 50))
+    assert watched.evaluations == 50
+    assert [note[0] for note in watched.notes] == [*sorted(n for n in training.LOOKS if n < 50), 50]

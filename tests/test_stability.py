@@ -1,0 +1,172 @@
+"""The table of stiff and extreme cases: complete, all hold, and a fault says no."""
+
+from __future__ import annotations
+
+import itertools
+import re
+
+import numpy as np
+import pytest
+
+from golden.activation.abs_unit import AbsUnit
+from golden.activation.comparator_bank import ComparatorBank
+from golden.activation.sign_retriever import SignRetriever
+from golden.figures.stability import activations, networks, physics, table, visualisation
+from golden.figures.stability.case import Row, accepted, largest
+from golden.figures.table import Table
+from golden.fixed import Fix
+from golden.layers import input_integral
+from golden.layers.weighted_sum import WeightedSum
+from golden.physics.plate import Plate
+from golden.scene import scene_names
+from golden.visualisation.power_fold import PowerFold
+
+# What must be there: a model, and words that a case of it holds.
+NAMED = [
+    *((name, "all sensors at rails") for name in scene_names()),
+    *((name, "^alternating rails") for name in scene_names()),
+    ("abs_unit", r"^-1 in Fix\(14,13\)"),
+    ("abs_unit", r"^-8 in Fix\(18,14\)"),
+    *((name, "most negative code, thesis") for name in ("gradient", "lut", "pade", "polynomial")),
+    ("precise", "most negative code"),
+    ("hybrid", r"Q_j to 2\d\d, thesis"),
+    ("hybrid", "Q_j of 200000, thesis"),
+    *((name, "ends, thesis") for name in ("input_node", "neuron", "output_integral")),
+    *((name, "ends, precise") for name in ("input_node", "neuron", "output_integral")),
+    ("pade", "rho = 1, 2 to 200 iterations, thesis"),
+    ("pade", "rho = 2, 2 to 200 iterations, precise"),
+    ("pade", "floating point"),
+    ("plate", "10000 terms, clamped"),
+    ("plate", "1e-09 of its sides from the load"),
+    ("plate", "1e-06 m thick"),
+    ("plate", "1 m thick"),
+    ("swing", r"damped at 1e\+06"),
+    ("swing", "arm of 0.001 m"),
+    ("swing", "from 179.9 degrees"),
+    ("swing", "1000 periods undamped"),
+    ("load_profile", "P = 6, width of 1 codes"),
+    ("power_fold", "P = 6, every t"),
+    ("equation 3.17", "^0 from its jumps"),
+    ("equation 3.17", "^1e-15 from its jumps"),
+    ("readings", "NaN"),
+    ("frames", "too short"),
+    ("conditioning", "alternating rails"),
+    ("physics", "NaN"),
+]
+
+
+@pytest.fixture(scope="module")
+def found() -> Table:
+    return table.stability(1)
+
+
+def test_the_columns(found: Table) -> None:
+    assert list(found.columns) == ["model", "case", "must", "figure", "value", "bound", "holds"]
+    assert all(text for row in found.rows for text in row[:4])
+
+
+@pytest.mark.parametrize(("model", "case"), NAMED)
+def test_every_case_that_is_asked_for_is_there(found: Table, model: str, case: str) -> None:
+    assert [row for row in found.rows if row[0] == model and re.search(case, str(row[1]))]
+
+
+def test_every_case_holds(found: Table) -> None:
+    assert [row for row in found.rows if row[-1] != "yes"] == []
+    assert all(value <= bound for *_, value, bound, _ in found.rows)
+
+
+def test_no_figure_stands_twice(found: Table) -> None:
+    keys = [tuple(row[:4]) for row in found.rows]
+    assert len(set(keys)) == len(keys)
+
+
+@pytest.mark.parametrize("value", [2.0, float("nan"), float("inf")])
+def test_a_case_that_breaks_its_bound_says_no(monkeypatch, value: float) -> None:
+    rows = [Row("x", "a", "b", "y", value, 1.0), Row("x", "c", "b", "y", 1, 1)]
+    monkeypatch.setattr(table, "CASES", (lambda: iter(rows),))
+    made = table.stability(1)
+    assert [row[-1] for row in made.rows] == ["no", "yes"]
+    assert made.rows[0][4] == (value if value == 2 else None)
+
+
+def broken(cases) -> set[tuple[str, str]]:
+    """Models and figures that do not hold."""
+    return {(row.model, row.figure) for row in cases() if not row.holds}
+
+
+def test_abs_that_wraps_says_no(monkeypatch) -> None:
+    """Two's complement has no 8192 in 14 bits: its magnitude comes out as -8192."""
+
+    def wrapping(self, data):
+        half = 1 << (self.fmt.width - 1)
+        return (np.abs(data) + half) % (2 * half) - half, data < 0
+
+    monkeypatch.setattr(AbsUnit, "process", wrapping)
+    rows = list(itertools.islice(activations.most_negative(), 4))
+    assert [row.holds for row in rows] == [False, True, False, True]
+
+
+def test_a_hidden_sum_that_wraps_says_no(monkeypatch) -> None:
+    """As thesis adders do without normalisation."""
+    right = input_integral.requantise
+
+    def wrapping(codes, shift, target: Fix, rounding, overflow):
+        return right(codes, shift, target, rounding, input_integral.Overflow.WRAP)
+
+    monkeypatch.setattr(input_integral, "requantise", wrapping)
+    found = broken(networks.rails)
+    assert ("digit", "codes off") in found
+    assert ("digit", "error in 2^-13") in found
+    assert ("hybrid", "codes off") in broken(networks.huge_weights)
+
+
+def test_an_accumulator_of_32_bits_says_no(monkeypatch) -> None:
+    right = WeightedSum.sums
+    monkeypatch.setattr(
+        WeightedSum, "sums", lambda self, *a: right(self, *a).astype(np.int32).astype(np.int64)
+    )
+    models = {model for model, _ in broken(networks.accumulators)}
+    assert models == {"input_node", "neuron", "output_integral"}
+
+
+def test_a_lost_sign_says_no(monkeypatch) -> None:
+    monkeypatch.setattr(SignRetriever, "process", lambda self, mag, negative: np.asarray(mag))
+    assert ("pade", "wrong signs") in broken(activations.divergence)
+    assert ("gradient", "codes off") in broken(activations.most_negative)
+
+
+def test_a_gate_that_is_left_out_says_no(monkeypatch) -> None:
+    monkeypatch.setattr(ComparatorBank, "process", lambda self, mag: np.zeros_like(mag))
+    assert ("pade", "codes off") in broken(activations.divergence)
+
+
+def test_a_power_that_wraps_says_no(monkeypatch) -> None:
+    def wrapping(self, exact, shift: int):
+        return ((exact + ((1 << shift) >> 1)) >> shift) & ((1 << self.out_width) - 1)
+
+    monkeypatch.setattr(PowerFold, "_kept", wrapping)
+    found = broken(visualisation.narrow_loads)
+    assert {("power_fold", "error in LSB"), ("load_profile", "error in 2^-13")} <= found
+
+
+def test_a_series_that_overflows_says_no(monkeypatch) -> None:
+    """Hyperbolic functions that are not rescaled give NaN."""
+    right = Plate.influence
+
+    def overflowing(self, points, loads, terms: int = 1000):
+        result = right(self, points, loads, terms)
+        return result * np.nan if terms > 1000 else result
+
+    monkeypatch.setattr(Plate, "influence", overflowing)
+    assert ("plate", "error beyond bound / w_max") in broken(physics.plates)
+
+
+def test_figures_that_are_not_finite_break_every_bound() -> None:
+    assert largest(np.array([1.0, -3.0]), np.array(2.0)) == 3
+    assert largest(np.array([1.0, np.nan])) == np.inf
+
+
+def test_what_is_accepted_is_counted() -> None:
+    assert accepted([lambda: int("x"), lambda: 1, lambda: 2]) == 2
+    with pytest.raises(ZeroDivisionError):
+        accepted([lambda: 1 / 0])
