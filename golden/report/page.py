@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
-from golden.figures.table import Table, shown
+from golden.figures.table import Cell, Table, shown
 
 
 @dataclass(frozen=True)
@@ -95,5 +95,10 @@ class Page:
             lstrip_blocks=True,
             keep_trailing_newline=True,
         )
-        environment.filters["shown"] = shown
+        environment.filters["shown"] = _cell
         return environment.get_template("page.html.jinja").render(page=self)
+
+
+def _cell(cell: Cell) -> str:
+    """As in print, with whole numbers in groups of three digits."""
+    return f"{cell:,}" if isinstance(cell, int) else shown(cell)

@@ -5,15 +5,21 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from golden.report.svg import PLOT_INCHES, style, svg
 
 Points = Sequence[tuple[float, float]]
 # Told apart by colour on a screen, by marker and line in a print without colour.
-_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000", "#999999")
-_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
+_COLOURS = (
+    *("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9"),
+    *("#e69f00", "#000000", "#999999", "#8c510a", "#762a83"),
+)
+_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*", "<", ">")
+# A ratio of the ends of an axis below which powers of ten alone are too few numbers.
+FEW = 300
 _LINES = ("-", "--", ":", "-.")
 
 
@@ -39,6 +45,8 @@ class Plot:
         Horizontal lines: what is compared with.
     tables : sequence of str
         The tables that hold every number of the plot.
+    hollow : str
+        Ending of labels that are drawn hollow, otherwise as the label with another ending.
     floor : float
         Where an error of 0 is drawn.
 
@@ -58,6 +66,7 @@ class Plot:
     joined: bool = True
     linear: str = ""
     levels: Mapping[str, float] = field(default_factory=dict)
+    hollow: str = ""
     floor: float = 1e-17
 
     def __post_init__(self) -> None:
@@ -70,12 +79,17 @@ class Plot:
         with style():
             figure = Figure(figsize=PLOT_INCHES, layout="constrained")
             axes = figure.add_subplot()
-            for i, (label, points) in enumerate(self.groups.items()):
+            families: dict[str, int] = {}
+            for label, points in self.groups.items():
+                hollow = bool(self.hollow) and label.endswith(self.hollow)
+                family = label.rpartition(", ")[0] if self.hollow else label
+                i = families.setdefault(family, len(families))
                 axes.plot(
                     [x for x, _ in points],
                     [y if "y" in self.linear else max(y, self.floor) for _, y in points],
                     marker=_MARKERS[i % len(_MARKERS)],
                     color=_COLOURS[i % len(_COLOURS)],
+                    markerfacecolor="white" if hollow else None,
                     linestyle=_LINES[i // 2 % len(_LINES)] if self.joined else "none",
                     label=label,
                 )
@@ -92,15 +106,24 @@ class Plot:
                 )
             if "x" not in self.linear:
                 axes.set_xscale("log")
-                axes.xaxis.set_minor_formatter(NullFormatter())
+                _label(axes.xaxis)
             if "y" in self.linear:
                 axes.set_ylim(bottom=0)
             else:
                 axes.set_yscale("log")
-                axes.yaxis.set_minor_formatter(NullFormatter())
+                _label(axes.yaxis)
             axes.set_xlabel(self.across)
             axes.set_ylabel(self.up)
             if len(self.groups) > 1:
                 columns = 2 if len(self.groups) > 3 else len(self.groups)
                 figure.legend(loc="outside lower center", ncols=columns)
             return svg(figure, self.name)
+
+
+def _label(axis: Axis) -> None:
+    """Numbers at 1, 2 and 5 of every decade where there are few decades."""
+    low, high = axis.get_view_interval()
+    if high / low < FEW:
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axis.set_minor_formatter(NullFormatter())
