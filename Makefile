@@ -6,7 +6,7 @@ PYTHON ?= python3
 VENV ?= .venv
 RUN = $(VENV)/bin/python
 
-.PHONY: help demo test sim vhdl verilog train network bench activations figures lean synth lint clean tools
+.PHONY: help demo test sim vhdl verilog train network bench activations figures lean synth docs lint clean tools
 
 help:
 	@echo "make demo    [SCENE=]                     a scene end to end: simulate, export, table of errors"
@@ -23,6 +23,7 @@ help:
 	@echo "make figures [TABLE=] [SEED=]             measured figures beside the thesis', in build/figures"
 	@echo "make lean    [SCENE=] [BESIDE=other]      what a scene leaves out, and what that saves"
 	@echo "make synth   [SCENE=] [RECORD=1]          cells of every block, clock, both beside the thesis; budget"
+	@echo "make docs    [LINKS=1]                    the documentation as a site; LINKS=1 follows links to others"
 	@echo "make lint                                 ruff and mypy"
 	@echo "make clean                                remove build and .venv"
 	@echo
@@ -62,6 +63,17 @@ lean: $(VENV)/.ready
 
 synth: $(VENV)/.ready
 	@$(RUN) -m hdl.synth "$(SCENE)" $(if $(filter-out 0,$(RECORD)),--record)
+
+# Built anew, so that no page is left that is gone from the source, and renamed when it is whole.
+SITE ?= build/site
+SPHINX = $(RUN) -m sphinx -q -W --keep-going -d "$(SITE).doctrees" docs
+
+docs: $(VENV)/.ready
+	@rm -rf "$(SITE).new" "$(SITE).doctrees"
+	@$(SPHINX) "$(SITE).new"
+	@$(if $(filter-out 0,$(LINKS)),$(SPHINX) -b linkcheck "$(SITE).links")
+	@rm -rf "$(SITE)" "$(SITE).doctrees" "$(SITE).links" && mv "$(SITE).new" "$(SITE)"
+	@echo "wrote $(SITE)/index.html"
 
 lint: $(VENV)/.ready
 	@$(RUN) -m ruff check . && $(RUN) -m ruff format --check . && $(RUN) -m mypy
