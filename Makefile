@@ -6,7 +6,7 @@ PYTHON ?= python3
 VENV ?= .venv
 RUN = $(VENV)/bin/python
 
-.PHONY: help demo test sim vhdl verilog train network bench activations figures lean synth report lint clean tools browser
+.PHONY: help demo test sim vhdl verilog train network bench activations figures lean synth report docs lint clean tools browser
 
 help:
 	@echo "make demo    [SCENE=]                     a scene end to end: simulate, export, table of errors"
@@ -24,6 +24,7 @@ help:
 	@echo "make lean    [SCENE=] [BESIDE=other]      what a scene leaves out, and what that saves"
 	@echo "make synth   [SCENE=] [RECORD=1]          cells of every block, clock, both beside the thesis; budget"
 	@echo "make report  [SCENE=]                     errors against cost, stability, resources, pictures: one HTML file"
+	@echo "make docs    [LINKS=1]                    the documentation as a site; LINKS=1 follows links to others"
 	@echo "make lint                                 ruff and mypy"
 	@echo "make clean                                remove build and .venv"
 	@echo
@@ -66,6 +67,17 @@ synth: $(VENV)/.ready
 
 report: $(VENV)/.ready tools
 	@$(RUN) -m tb.report "$(SCENE)"
+
+# Built anew, so that no page is left that is gone from the source, and renamed when it is whole.
+SITE ?= build/site
+SPHINX = $(RUN) -m sphinx -q -W --keep-going -d "$(SITE).doctrees" docs
+
+docs: $(VENV)/.ready
+	@rm -rf "$(SITE).new" "$(SITE).doctrees"
+	@$(SPHINX) "$(SITE).new"
+	@$(if $(filter-out 0,$(LINKS)),$(SPHINX) -b linkcheck "$(SITE).links")
+	@rm -rf "$(SITE)" "$(SITE).doctrees" "$(SITE).links" && mv "$(SITE).new" "$(SITE)"
+	@echo "wrote $(SITE)/index.html"
 
 lint: $(VENV)/.ready
 	@$(RUN) -m ruff check . && $(RUN) -m ruff format --check . && $(RUN) -m mypy

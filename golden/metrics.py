@@ -57,7 +57,7 @@ def percent_errors(
     outputs: Sequence[str],
     full_scale: dict[str, float],
 ) -> NDArray[np.float64]:
-    """Equation 3.16: |t - y| in percent of the target, or of a full scale where one is given.
+    """Equation 3.16: ``|t - y|`` in percent of the target, or of a full scale where one is given.
 
     Parameters
     ----------

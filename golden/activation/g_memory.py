@@ -8,7 +8,7 @@ from golden.activation.rom import Rom
 class GMemory(Rom):
     """ROM of the gradient G_n by segment address (thesis section 5.4.5.2).
 
-    The contents come from `golden.activation.segments`; format and error bound are stated there.
+    The contents come from ``golden.activation.segments``; format and error bound are stated there.
     """
 
     block = "g_memory"

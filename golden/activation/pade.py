@@ -58,7 +58,7 @@ def pade_real(
     Returns
     -------
     value, slope : float arrays, the shape of ``q``
-        Beyond |q| = 3.3 the value is 1; inside, it saturates to 0 and 1.
+        Beyond ``|q| = 3.3`` the value is 1; inside, it saturates to 0 and 1.
     """
     real = np.asarray(q, dtype=np.float64)
     mag = np.abs(real)
@@ -79,7 +79,7 @@ def pade_real(
 
 
 def distance(rho: float, iterations: int, top: float) -> tuple[float, float]:
-    """How far the regression can stop from its limit, and the |q| up to ``top`` where it does.
+    """How far the regression can stop from its limit, and the ``|q|`` up to ``top`` where it does.
 
     Returns
     -------
@@ -154,7 +154,7 @@ class Pade(ActivationBlock):
     """r = tanh(Q qbar) = q A(q) d, with d near 1 / B(q) (thesis 4.5.2.3.3, Figure 4.20).
 
     d comes from the regression of equation 4.12, d <- 1 / rho - d (B - rho) / rho, one step a
-    clock, on one multiplier. Beyond |q| = 3.3 the result is 1 - 2**-frac.
+    clock, on one multiplier. Beyond ``|q| = 3.3`` the result is 1 - 2**-frac.
 
     Parameters
     ----------

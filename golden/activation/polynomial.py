@@ -34,7 +34,7 @@ def polynomial_real(q: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float
     Returns
     -------
     value, slope : float arrays, the shape of ``q``
-        Below |q| = 0.0013, where the first quadratic is negative, the value is 0.
+        Below ``|q|`` = 0.0013, where the first quadratic is negative, the value is 0.
     """
     real = np.asarray(q, dtype=np.float64)
     mag = np.abs(real)
@@ -92,8 +92,8 @@ class Polynomial(ActivationBlock):
     Notes
     -----
     The result saturates to 0 and to 1 - 2**-frac, so that it has no sign of its own: the first
-    quadratic is negative below |q| = 0.0013. A magnitude beyond the neuron's reach may have a wrong
-    result. Worst error against tanh: see docs/blocks/polynomial.md; over all codes
+    quadratic is negative below ``|q|`` = 0.0013. A magnitude beyond the neuron's reach may have a
+    wrong result. Worst error against tanh: see docs/blocks/polynomial.md; over all codes
     (tests/test_schemes.py).
     """
 

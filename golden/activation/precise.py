@@ -37,7 +37,7 @@ class Precise(ActivationBlock):
     -----
     Sum and product are exact; half a unit is part of the intercept. Odd and monotone; every result
     is within one unit of 2**-13 of tanh(q), over all 262144 codes (tests/test_precise.py). Of these
-    12770 are not the nearest code with "logic" and 452 with "block_ram". |-8| saturates.
+    12770 are not the nearest code with "logic" and 452 with "block_ram". ``|-8|`` saturates.
 
     A magnitude beyond the words kept takes the last of them, and the result may wrap; the neuron
     cannot produce it.

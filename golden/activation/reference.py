@@ -20,7 +20,7 @@ Real = NDArray[np.float64]
 def tanh_exponential(q: ArrayLike) -> Real:
     """(exp(2 q) - 1) / (exp(2 q) + 1), equation 4.2.
 
-    Computed from exp(-2 |q|), which does not overflow.
+    Computed from ``exp(-2 |q|)``, which does not overflow.
     """
     real = np.asarray(q, dtype=np.float64)
     small = np.exp(-2 * np.abs(real))
@@ -44,7 +44,7 @@ def pade_fraction(q: ArrayLike) -> Real:
 def plain_regression(q: ArrayLike, iterations: int) -> Real:
     """The fraction by equation 4.7, t <- A - t (B - 1) from 0, times q.
 
-    Settles where B(q) < 2: |q| below 1.447.
+    Settles where B(q) < 2: ``|q|`` below 1.447.
     """
     real = np.asarray(q, dtype=np.float64)
     a, b = fraction(real)
@@ -57,7 +57,7 @@ def plain_regression(q: ArrayLike, iterations: int) -> Real:
 def inverse_fraction(q: ArrayLike, iterations: int) -> Real:
     """B / A by equation 4.8, h <- B - h (A - 1) from 0.
 
-    Settles where A(q) < 2: |q| below 2.888.
+    Settles where A(q) < 2: ``|q|`` below 2.888.
     """
     real = np.asarray(q, dtype=np.float64)
     a, b = fraction(real)
@@ -71,7 +71,7 @@ def inverse(z: ArrayLike, iterations: int) -> Real:
     """1 / z by equation 4.9, v <- 1 - v (z - 1) from 0.
 
     Settles where 0 < z < 2. What ``inverse_fraction`` gives is q / tanh(q), so the two together
-    settle for |q| below 1.915 only.
+    settle for ``|q|`` below 1.915 only.
     """
     real = np.asarray(z, dtype=np.float64)
     v = np.zeros_like(real)
@@ -94,7 +94,7 @@ def rho_regression(q: ArrayLike, rho: float, iterations: int) -> Real:
 
 
 def stable_below(rho: float) -> float:
-    """The |q| at which B(q) = 2 rho, from which on ``rho_regression`` diverges.
+    """The ``|q|`` at which B(q) = 2 rho, from which on ``rho_regression`` diverges.
 
     Raises
     ------

@@ -45,7 +45,7 @@ def printed_figures(network: str) -> dict[str, float]:
 _KEY = str.maketrans(" :", "__")
 
 
-class Network(Protocol):
+class EitherNetwork(Protocol):
     """What both classes have in common."""
 
     def process(self, frames: Real) -> Real: ...
@@ -74,12 +74,12 @@ def train_mlp(inputs: Real, targets: Real, split: Split, rng: np.random.Generato
 
 
 def ranked(
-    inputs: Real, targets: Real, split: Split, train: Callable[[int], Network]
-) -> list[Network]:
+    inputs: Real, targets: Real, split: Split, train: Callable[[int], EitherNetwork]
+) -> list[EitherNetwork]:
     """The networks of all starts, the least squared error on the validation rows first."""
     rows = split.validation
 
-    def error(network: Network) -> float:
+    def error(network: EitherNetwork) -> float:
         return float(((network.process(inputs[rows]) - targets[rows]) ** 2).sum())
 
     return sorted((train(restart) for restart in range(RESTARTS)), key=error)

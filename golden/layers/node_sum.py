@@ -42,7 +42,7 @@ class NodeSum(WeightedSum):
     def acc_bound(self) -> int:
         """Largest magnitude that the sum can reach with samples anywhere in ``in_fmt``.
 
-        |floor(w x / 2**s)| is largest at the most negative sample, where it is exact.
+        ``|floor(w x / 2**s)|`` is largest at the most negative sample, where it is exact.
         """
         terms = [abs(w * self.in_fmt.low) >> self.product_shift for w in self.weights]
         return sum(terms) + abs(self.bias << self.bias_shift)

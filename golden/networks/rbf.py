@@ -12,7 +12,7 @@ from golden.networks.mlp import Real
 
 @dataclass(frozen=True)
 class Rbf:
-    """y = w phi(x) + b, phi_j = exp(-|x - c_j|^2 / (2 sigma_j^2)) (thesis equations 3.13, 3.14).
+    """``y = w phi(x) + b, phi_j = exp(-|x - c_j|^2 / (2 sigma_j^2))`` (equations 3.13, 3.14).
 
     Parameters
     ----------

@@ -148,7 +148,7 @@ class Plate:
         """A bound of what the terms beyond ``terms`` add to ``influence``, m/N, shape (n, k).
 
         A supported edge, and even more a clamped one, only takes from what an endless strip would
-        do: 0 <= line <= (1 + u) exp(-u) / 2 with u = k |y - eta|. This falls with m, so that
+        do: 0 <= line <= (1 + u) exp(-u) / 2 with ``u = k |y - eta|``. This falls with m, so that
         the tail is at most its first value times the sum of 1 / m^3 (Hurwitz' zeta function).
         Beside the load it falls exponentially, on its line as 1 / m^2.
 

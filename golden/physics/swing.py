@@ -168,9 +168,9 @@ def swing_motion(
 
     Notes
     -----
-    **Error** with the defaults over 4 s (table `swing`): 2e-10 rad plain, 1e-10 strongly damped,
+    **Error** with the defaults over 4 s (table ``swing``): 2e-10 rad plain, 1e-10 strongly damped,
     6e-8 from 179.9 degrees, where an error at the start grows about a thousandfold.
-    Energy drifts by less than 1e-8 in 1000 periods without damping (table `stability`).
+    Energy drifts by less than 1e-8 in 1000 periods without damping (table ``stability``).
 
     Raises
     ------

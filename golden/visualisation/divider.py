@@ -23,7 +23,7 @@ class Divider(Block):
     Parameters
     ----------
     distance_width : int
-        Bits of the unsigned distance |i_p - i_m|.
+        Bits of the unsigned distance ``|i_p - i_m|``.
     width_width : int
         Bits of the unsigned width.
     gain : int

@@ -57,7 +57,7 @@ class LoadProfile(Block):
     -----
     A width of 0 or less, which a network can give for a load it hardly sees, counts as the
     narrowest there is, 1 LSB: f is d at i_p = i_m and 0 elsewhere. A load below 0 gives a profile
-    below 0. The product with d is exact and rounded half up; |f| <= |d|, so it cannot leave
+    below 0. The product with d is exact and rounded half up; ``|f| <= |d|``, so it cannot leave
     ``fmt``.
 
     Error against equation 3.18 in real arithmetic, at the codes of i_p, i_m, w and d, with

@@ -1,0 +1,44 @@
+"""Settings of the documentation site: ``make docs``."""
+
+import sys
+import tomllib
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+# The modules that are documented are those beside this file, wherever else tactus is installed.
+sys.path[:0] = [str(ROOT), str(Path(__file__).parent / "extensions")]
+
+project = "tactus"
+version = release = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "package_modules",
+    "repository_files",
+]
+exclude_patterns = ["extensions"]
+# A link to a heading is written as GitHub writes it.
+myst_heading_anchors = 3
+# Equations, diagrams and what programs print stand in code blocks without a language.
+highlight_language = "none"
+# Quotes and dashes stay as they are written: they may be code.
+smartquotes = False
+
+# The navigation stands on every page: with every function in it the site takes half as long again.
+toc_object_entries = False
+autodoc_member_order = "bysource"
+autodoc_typehints = "signature"
+autodoc_preserve_defaults = True
+# Their names instead of what they stand for, which is several lines long.
+autodoc_type_aliases = {name: name for name in ("ArrayLike", "Codes", "NDArray", "Real")}
+napoleon_google_docstring = False
+# Ports that share a line of a docstring stay together, with their types beside them.
+napoleon_use_param = False
+napoleon_use_rtype = False
+
+html_theme = "furo"
+html_title = "tactus"
+html_copy_source = False
+html_show_copyright = False

@@ -1,0 +1,129 @@
+"""Links that leave ``docs/``: what they lead to becomes a page of the site.
+
+The guides link to files as GitHub needs it, ``../golden/fixed.py``. Here such a link leads to
+``files/golden/fixed.py.html``, which shows the file. A link to a package leads to its page under
+``api``, one to another folder to a list of its files.
+"""
+
+from __future__ import annotations
+
+import html
+from pathlib import Path
+from typing import Any
+
+from docutils import nodes
+from pygments import highlight
+from pygments.formatters import HtmlFormatter
+from pygments.lexers import get_lexer_by_name
+from sphinx import addnodes
+from sphinx.application import Sphinx
+from sphinx.environment import BuildEnvironment
+from sphinx.transforms import SphinxTransform
+
+ROOT = Path(__file__).resolve().parents[2]
+LANGUAGES = {".csv": "text", ".py": "python", ".toml": "toml", "": "text"}
+LIST = """<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><title>{title}</title></head>
+<body><h2>{title}</h2>
+<ul>
+{items}
+</ul></body></html>
+"""
+
+
+class RepositoryLinks(SphinxTransform):
+    """Mark links to what stands outside ``docs/``."""
+
+    # Before MyST resolves its links and Sphinx copies what can be downloaded.
+    default_priority = 5
+
+    def apply(self, **_: Any) -> None:
+        # The first page is the README of the repository, whose links start there.
+        first = self.env.docname == self.config.root_doc
+        folder = ROOT if first else Path(self.env.doc2path(self.env.docname)).parent
+        links = [
+            *self.document.findall(addnodes.download_reference),
+            *self.document.findall(addnodes.pending_xref),
+        ]
+        for link in links:
+            target = (folder / link["reftarget"]).resolve()
+            outside = target.is_relative_to(ROOT) and not target.is_relative_to(self.env.srcdir)
+            if link.get("refdomain") or not outside or not target.exists():
+                continue
+            path = target.relative_to(ROOT).as_posix()
+            linked(self.env).setdefault(self.env.docname, set()).add(path)
+            link.replace_self(
+                addnodes.pending_xref(
+                    "",
+                    *link.children,
+                    refdomain=None,
+                    reftype="repository",
+                    reftarget=path,
+                    refdoc=self.env.docname,
+                )
+            )
+
+
+def linked(env: BuildEnvironment) -> dict[str, set[str]]:
+    """The files and folders that each page links to."""
+    if not hasattr(env, "repository_links"):
+        env.repository_links = {}  # type: ignore[attr-defined]
+    return env.repository_links
+
+
+def forget(app: Sphinx, env: BuildEnvironment, docname: str) -> None:
+    linked(env).pop(docname, None)
+
+
+def package_page(env: BuildEnvironment, path: str) -> str | None:
+    name = f"api/{path.replace('/', '.')}"
+    return name if name in env.found_docs else None
+
+
+def resolve(
+    app: Sphinx, env: BuildEnvironment, link: addnodes.pending_xref, content: nodes.Element
+) -> nodes.Node | None:
+    if link["reftype"] != "repository":
+        return None
+    path = link["reftarget"]
+    page = f"files/{path}/index" if (ROOT / path).is_dir() else f"files/{path}"
+    uri = app.builder.get_relative_uri(link["refdoc"], package_page(env, path) or page)
+    return nodes.reference("", "", *link.children, internal=True, refuri=uri)
+
+
+def write_pages(app: Sphinx, exception: Exception | None) -> None:
+    """The pages of files and folders, without the theme: that would double the time."""
+    if exception or app.builder.format != "html":
+        return
+    paths = set().union(*linked(app.env).values())
+    folders = {p for p in paths if (ROOT / p).is_dir() and not package_page(app.env, p)}
+    files = {p for p in paths if (ROOT / p).is_file()}
+    for path in folders:
+        shown = {f.name: f.suffix in LANGUAGES for f in (ROOT / path).iterdir() if f.is_file()}
+        files |= {f"{path}/{name}" for name, is_text in shown.items() if is_text}
+        items = [
+            f'<li><a href="{html.escape(name)}.html">{html.escape(name)}</a></li>'
+            if shown[name]
+            else f"<li>{html.escape(name)}</li>"
+            for name in sorted(shown)
+        ]
+        page = LIST.format(title=html.escape(path), items="\n".join(items))
+        write(app.outdir / "files" / path / "index.html", page)
+    for path in files:
+        text = (ROOT / path).read_text(encoding="utf-8")
+        lexer = get_lexer_by_name(LANGUAGES.get(Path(path).suffix, "text"))
+        page = highlight(text, lexer, HtmlFormatter(full=True, title=path))
+        write(app.outdir / "files" / f"{path}.html", page)
+
+
+def write(path: Path, text: str) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    app.add_transform(RepositoryLinks)
+    app.connect("env-purge-doc", forget)
+    app.connect("missing-reference", resolve)
+    app.connect("build-finished", write_pages)
+    return {"parallel_read_safe": False, "parallel_write_safe": True}

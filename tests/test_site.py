@@ -1,0 +1,151 @@
+"""make docs: the site has what it promises, and every link inside it leads somewhere."""
+
+from __future__ import annotations
+
+import html
+import inspect
+import pkgutil
+import re
+import sys
+from html.parser import HTMLParser
+from importlib import import_module
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+import pytest
+from test_census import BLOCKS, ROOT
+from test_commands import make, run
+from test_docs import HEADINGS, SHEETS
+
+
+class Page(HTMLParser):
+    """The anchors of a page, and what it links to."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__()
+        self.anchors: set[str] = set()
+        self.links: set[str] = set()
+        self.feed(path.read_text(encoding="utf-8"))
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        for name, value in attrs:
+            if name in ("id", "name") and value:
+                self.anchors.add(value)
+            elif name in ("href", "src") and value:
+                self.links.add(value)
+
+
+def broken_links(site: Path) -> list[str]:
+    """Every link to a file or an anchor that is not there; links to other sites are left out."""
+    pages = {path.resolve(): Page(path) for path in sorted(site.rglob("*.html"))}
+    found = []
+    for path, page in pages.items():
+        for link in sorted(page.links):
+            parts = urlsplit(link)
+            if parts.scheme or parts.netloc:
+                continue
+            target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
+            missing = not target.is_file() or not target.is_relative_to(site.resolve())
+            anchor = unquote(parts.fragment)
+            if missing or (anchor and anchor not in pages[target].anchors):
+                found.append(f"{path.relative_to(site.resolve())}: {link}")
+    return found
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    (Path(sys.prefix) / ".ready").touch()
+    folder = tmp_path_factory.mktemp("docs") / "site"
+    result = make("docs", f"SITE={folder}")
+    assert result.returncode == 0, result.stderr
+    assert [path.name for path in folder.parent.iterdir()] == ["site"]
+    return folder
+
+
+def test_every_link_leads_somewhere(site: Path) -> None:
+    assert not broken_links(site)
+
+
+def test_a_link_to_nowhere_is_found(tmp_path: Path) -> None:
+    (tmp_path / "a.html").write_text(
+        '<p id="here"><a href="#here"><a href="b.html"><a href="#no"><img src="no.svg">'
+    )
+    (tmp_path / "b.html").write_text('<a href="a.html#here"><a href="a.html#no"><a href="..">')
+    assert broken_links(tmp_path) == [
+        "a.html: #no",
+        "a.html: no.svg",
+        "b.html: ..",
+        "b.html: a.html#no",
+    ]
+
+
+def test_a_broken_link_in_a_guide_stops_the_build(tmp_path: Path) -> None:
+    broken = ["../golden/no_such_file.py", "no_such_page.md", "#no-such-heading"]
+    (tmp_path / "docs").mkdir()
+    page = "# Page\n\n" + "\n".join(f"[link]({link})" for link in broken)
+    (tmp_path / "docs" / "index.md").write_text(page)
+    result = run(
+        *(sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-c", str(ROOT / "docs")),
+        *(str(tmp_path / "docs"), str(tmp_path / "site")),
+    )
+    assert result.returncode == 1
+    for link in broken:
+        assert f"'{link.removeprefix('#')}'" in result.stderr
+
+
+@pytest.mark.parametrize("sheet", SHEETS, ids=lambda p: p.stem)
+def test_every_datasheet_is_there(site: Path, sheet: Path) -> None:
+    page = Page(site / "blocks" / f"{sheet.stem}.html")
+    assert {heading.lower().replace(" ", "-") for heading in HEADINGS} <= page.anchors
+
+
+def test_every_guide_is_there(site: Path) -> None:
+    start = Page(site / "index.html")
+    assert "two-commands" in start.anchors
+    for guide in (ROOT / "docs").glob("*.md"):
+        assert (site / f"{guide.stem}.html").is_file()
+        assert f"{guide.stem}.html" in start.links or guide.stem == "index"
+    slips = (site / "slips.html").read_text(encoding="utf-8")
+    assert "sigma_6 = 0.633" in slips
+
+
+def modules() -> list[str]:
+    """Every module of golden and hdl and of tb.common, but for commands."""
+    names = []
+    for package in ("golden", "hdl", "tb.common"):
+        path = import_module(package).__path__
+        for found in pkgutil.walk_packages(path, f"{package}."):
+            if not found.ispkg and not found.name.endswith(".__main__"):
+                names.append(found.name)
+    return names
+
+
+def test_every_module_is_there(site: Path) -> None:
+    names = modules()
+    assert len(names) > 150
+    pages = {name.rpartition(".")[0] for name in names}
+    shown = {package: Page(site / "api" / f"{package}.html").anchors for package in pages}
+    missing = [name for name in names if f"module-{name}" not in shown[name.rpartition(".")[0]]]
+    assert not missing
+
+
+@pytest.mark.parametrize(("area", "block"), BLOCKS)
+def test_a_block_has_its_ports_and_its_docstring(site: Path, area: str, block: str) -> None:
+    """What MyHDL's decorator makes of a function still has the function's signature."""
+    text = (site / "api" / f"hdl.{area}.html").read_text(encoding="utf-8")
+    entry = re.search(rf'id="hdl\.{area}\.{block}\.{block}">(.*?)</dt>(.*?)</dd>', text, re.S)
+    assert entry
+    hardware = getattr(import_module(f"hdl.{area}.{block}"), block)
+    for name in inspect.signature(hardware).parameters:
+        assert f'<span class="pre">{name}</span>' in entry[1]
+    summary = html.unescape(re.sub("<.*?>", "", entry[2]))
+    first = (inspect.getdoc(hardware) or "").replace("`", "").split()
+    assert " ".join(first[:3]) in " ".join(summary.split())
+
+
+def test_nothing_tells_where_it_was_built(site: Path) -> None:
+    for path in site.rglob("*"):
+        if path.is_file():
+            content = path.read_bytes()
+            assert str(ROOT).encode() not in content, path
+            assert str(site.parent).encode() not in content, path
