@@ -50,7 +50,7 @@ def real_error(
 
     Compared with tanh and the unrounded weights; q saturates to the range of its format, y to that
     of the signals. Saturation moves no two values apart, and tanh has no slope above 1, so the
-    bound of y is what rounding does to layer 2, plus |w2| times what the activation and the
+    bound of y is what rounding does to layer 2, plus ``|w2|`` times what the activation and the
     rounding of q do to r.
 
     Parameters
