@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -118,6 +119,17 @@ def test_a_hidden_sum_that_wraps_says_no(monkeypatch) -> None:
     assert ("digit", "codes off") in found
     assert ("digit", "error in 2^-13") in found
     assert ("hybrid", "codes off") in broken(networks.huge_weights)
+
+
+def test_frames_that_are_never_refused_say_no(monkeypatch) -> None:
+    right = networks.InputController.process
+
+    def lenient(self, last, clock):
+        scan = right(self, last, clock)
+        return replace(scan, done=np.asarray(last), error=np.zeros_like(scan.error))
+
+    monkeypatch.setattr(networks.InputController, "process", lenient)
+    assert broken(networks.readings) == {("frames", "decisions off")}
 
 
 def test_an_accumulator_of_32_bits_says_no(monkeypatch) -> None:
