@@ -53,6 +53,7 @@ def test_make_alone_lists_the_targets() -> None:
         "activations",
         "figures",
         "lean",
+        "synth",
         "lint",
         "clean",
     ]
