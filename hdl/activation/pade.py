@@ -3,6 +3,7 @@
 from myhdl import always, always_comb, always_seq, block
 
 from golden.activation.pade import Horner, Pade
+from golden.fixed import Rounding
 from hdl.activation.abs_unit import abs_unit
 from hdl.activation.comparator_bank import comparator_bank
 from hdl.activation.sign_retriever import sign_retriever
@@ -112,28 +113,36 @@ def regression(clk, enable, busy, ratio, value, *, start: int, ratio_frac: int, 
     high = int(value.max) - 1
     low = int(value.min)
     exact = signed(len(value) + len(ratio))
-    step = signed(len(exact) + 1 - ratio_frac)
-    wide = signed(len(step) + 1)
-    opposite = signed(len(wide))
-    following = signed(len(wide) + 1)
+    # start - cut(exact) with one row of carries: -x is the inverse of x - 1, and rounding adds a
+    # half, so start, the one and the half are one constant, with one fraction bit where it rounds.
+    fraction = 1 if rounding is Rounding.ROUND else 0
+    dropped = ratio_frac - fraction
+    constant = (start << fraction) + 1
+    kept = signed(len(exact) - dropped)
+    less = signed(max(len(kept), constant.bit_length() + 1) + 1)
+    whole = signed(len(less) - fraction)
+    following = signed(len(whole))
     current = signed(len(value))
-    cut = requantise(exact, step, shift=ratio_frac, rounding=rounding)
 
     @always_comb
     def product():
         exact.next = current * ratio
 
     @always_comb
-    def copy():
-        wide.next = step
+    def cut():
+        kept.next = exact >> dropped
 
     @always_comb
-    def negate():
-        opposite.next = -wide
+    def subtract():
+        less.next = kept - constant
 
     @always_comb
-    def add():
-        following.next = opposite + start
+    def cut_half():
+        whole.next = less >> fraction
+
+    @always_comb
+    def invert():
+        following.next = ~whole
 
     @always(clk.posedge)
     def iterate():
@@ -151,7 +160,7 @@ def regression(clk, enable, busy, ratio, value, *, start: int, ratio_frac: int, 
     def show():
         value.next = current
 
-    return cut, product, copy, negate, add, iterate, show
+    return product, cut, subtract, cut_half, invert, iterate, show
 
 
 @block

@@ -15,7 +15,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from golden.block import walk
 from golden.cli import CommandError
 from golden.files import replace_folder
 from golden.networks.network import Network
@@ -23,7 +22,7 @@ from golden.scene import Scene, load_scene
 from hdl.common.lookup import latency
 from hdl.export import export
 from hdl.repeatable import run_repeatable
-from hdl.synth.budget import Cells, budget_path, differences, read_budget, write_budget
+from hdl.synth.budget import Cells, budget_path, by_block, differences, read_budget, write_budget
 from hdl.synth.cells import DEPTH, FAMILIES, synthesise
 from hdl.synth.netlist import KINDS
 from hdl.synth.shares import shares
@@ -38,18 +37,6 @@ def speed(scene: Scene, design: Network, timing: Timing) -> dict[str, Any]:
         "latency_us": latency(design) / timing.clock_mhz,
         "frames_per_second": timing.clock_mhz * 1e6 / design.interval,
     }
-
-
-def by_block(design: Network, cells: Cells, family: str) -> list[tuple[str, int, dict[str, int]]]:
-    """The entity with the most LUTs of each block, how many entities there are, and its cells."""
-    found: dict[str, list[str]] = {}
-    for part in walk(design):
-        found.setdefault(part.block, []).append(part.entity)
-    lines = []
-    for names in found.values():
-        largest = max(names, key=lambda name: cells[family][name]["LUT"])
-        lines.append((largest, len(names), cells[family][largest]))
-    return lines
 
 
 def tell(scene: Scene, design: Network, cells: Cells, share: dict[str, Any]) -> None:

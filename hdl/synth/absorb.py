@@ -12,7 +12,6 @@ from typing import Any
 
 MULTIPLIER, REGISTER = "MULT18X18D", "TRELLIS_FF"
 WIDTHS = {"A": 18, "B": 18, "P": 36}
-NAMES = {"A": "INPUTA", "B": "INPUTB", "P": "OUTPUT"}
 
 Cell = dict[str, Any]
 
@@ -25,19 +24,20 @@ def plain(cell: Cell) -> bool:
 
 
 def absorb(cells: dict[str, Cell], outputs: set[Any]) -> int:
-    """Move registers into the multipliers of a flat netlist; the number of operands and products.
+    """Move registers into the multipliers of a flat netlist; how often.
 
     ``outputs`` are the bits of the output ports.
 
-    An operand is moved when each of its bits is a constant or a plain register of one clock, a
-    product when every bit that is used enters one plain register of one clock and nothing else. A
-    register that something else reads stays where it is beside that in the multiplier.
+    The operands are moved when each of their bits is a constant or a plain register of one clock,
+    both or none, because nextpnr knows no delays of a multiplier with a register on one operand
+    alone; a product when every bit that is used enters one plain register of one clock and nothing
+    else. A register that something else reads stays where it is beside that in the multiplier.
     """
     registers = {c["connections"]["Q"][0]: c for c in cells.values() if c["type"] == REGISTER}
     moved = 0
     readers = _readers(cells)
     for cell in [c for c in cells.values() if c["type"] == MULTIPLIER]:
-        moved += sum(_operand(cell, operand, registers) for operand in "AB")
+        moved += _operands(cell, registers)
         moved += _product(cell, cells, readers)
     read = _readers(cells)
     for name, cell in list(cells.items()):
@@ -57,15 +57,15 @@ def _readers(cells: dict[str, Cell]) -> dict[Any, list[tuple[str, str]]]:
     return found
 
 
-def _operand(cell: Cell, operand: str, registers: dict[Any, Cell]) -> bool:
+def _operands(cell: Cell, registers: dict[Any, Cell]) -> bool:
     wires = cell["connections"]
-    ports = [f"{operand}{i}" for i in range(WIDTHS[operand])]
+    ports = [f"{operand}{i}" for operand in "AB" for i in range(WIDTHS[operand])]
     ports = [port for port in ports if wires[port][0] not in ("0", "1")]
     if not ports or any(wires[port][0] not in registers for port in ports):
         return False
     found = {port: registers[wires[port][0]] for port in ports}
     clocks = {register["connections"]["CLK"][0] for register in found.values()}
-    if not all(map(plain, found.values())) or not _clock(cell, clocks, NAMES[operand]):
+    if not all(map(plain, found.values())) or not _clock(cell, clocks, "INPUTA", "INPUTB"):
         return False
     for port, register in found.items():
         wires[port] = register["connections"]["DI"]
@@ -84,7 +84,7 @@ def _product(cell: Cell, cells: dict[str, Cell], readers: dict[Any, list[tuple[s
     ):
         return False
     clocks = {cells[name]["connections"]["CLK"][0] for name, _ in ends}
-    if not _clock(cell, clocks, NAMES["P"]):
+    if not _clock(cell, clocks, "OUTPUT"):
         return False
     for port, found in used.items():
         for name, _ in found:
@@ -93,8 +93,8 @@ def _product(cell: Cell, cells: dict[str, Cell], readers: dict[Any, list[tuple[s
     return True
 
 
-def _clock(cell: Cell, clocks: set[Any], register: str) -> bool:
-    """Give a multiplier's register the clock, unless it has another."""
+def _clock(cell: Cell, clocks: set[Any], *names: str) -> bool:
+    """Give a multiplier's registers the clock, unless it has another."""
     wires, parameters = cell["connections"], cell["parameters"]
     if len(clocks | set(wires.get("CLK0", clocks))) != 1:
         return False
@@ -102,5 +102,6 @@ def _clock(cell: Cell, clocks: set[Any], register: str) -> bool:
     for port, bits in constants.items():
         wires[port] = bits
         cell["port_directions"][port] = "input"
-    parameters |= {f"REG_{register}_{kind}": f"{kind}0" for kind in ("CLK", "CE", "RST")}
+    for name in names:
+        parameters |= {f"REG_{name}_{kind}": f"{kind}0" for kind in ("CLK", "CE", "RST")}
     return True

@@ -5,13 +5,27 @@ from __future__ import annotations
 import csv
 from pathlib import Path
 
+from golden.block import walk
 from golden.files import replace_file
+from golden.networks.network import Network
 from hdl.synth.cells import DEPTH
 from hdl.synth.netlist import KINDS
 
 COLUMNS = ["family", "entity", *KINDS, DEPTH]
 # By family, then by entity.
 Cells = dict[str, dict[str, dict[str, int]]]
+
+
+def by_block(design: Network, cells: Cells, family: str) -> list[tuple[str, int, dict[str, int]]]:
+    """The entity with the most LUTs of each block, how many entities there are, and its cells."""
+    found: dict[str, list[str]] = {}
+    for part in walk(design):
+        found.setdefault(part.block, []).append(part.entity)
+    lines = []
+    for names in found.values():
+        largest = max(names, key=lambda name: cells[family][name]["LUT"])
+        lines.append((largest, len(names), cells[family][largest]))
+    return lines
 
 
 def budget_path(scene: Path) -> Path:

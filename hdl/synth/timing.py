@@ -18,6 +18,9 @@ DEVICE_NAME = "Lattice ECP5, LFE5U-85F, speed grade 6"
 SEED = 1
 # What the router aims at; it stops there.
 AIM_MHZ = 125
+# Multipliers stand in few rows of the device; nextpnr's other placer leaves some far from their
+# logic.
+PLACER = "static"
 
 
 @dataclass(frozen=True)
@@ -84,9 +87,13 @@ def read_timing(path: Path) -> tuple[Timing, str]:
 
 def _route(folder: Path, top: str) -> Timing:
     # Flattened last: merged before, equal registers of many nodes become one, far from all of them.
+    # Yosys makes a synchronous reset of a multiplexer with a constant; such a register cannot go
+    # into a multiplier, so what is not reset by rst becomes a multiplexer again.
+    synthesise = f"synth_ecp5 -noflatten -top {top} -run"
     script = (
-        f"read_verilog *.v; synth_ecp5 -noflatten -top {top}; flatten; opt_clean; "
-        "write_json netlist.json"
+        f"read_verilog *.v; {synthesise} begin:map_ffs; "
+        "dffunmap -srst-only t:$_SDFF* w:rst %co1:+[R] %d; opt_clean; "
+        f"{synthesise} map_ffs:; flatten; opt_clean; write_json netlist.json"
     )
     run_tool("yosys", ["-q", "-p", script], folder)
     netlist = json.loads((folder / "netlist.json").read_text())
@@ -95,7 +102,7 @@ def _route(folder: Path, top: str) -> Timing:
     absorb(module["cells"], {bit for bits in ports for bit in bits})
     (folder / "netlist.json").write_text(json.dumps(netlist))
     options = ["--lpf-allow-unconstrained", "--timing-allow-fail", "--report", "report.json"]
-    options += ["--router", "router2"]
+    options += ["--placer", PLACER, "--router", "router2"]
     files = ["--json", "netlist.json", "--freq", str(AIM_MHZ), "--seed", str(SEED)]
     run_tool("nextpnr-ecp5", [*DEVICE, *files, *options], folder)
     report = json.loads((folder / "report.json").read_text())

@@ -13,8 +13,7 @@ from golden.figures.table import Cell, Table
 from golden.networks.network import Network
 from golden.scene import Scene
 from hdl.common.lookup import latency
-from hdl.synth.__main__ import by_block
-from hdl.synth.budget import Cells, budget_path, read_budget
+from hdl.synth.budget import Cells, budget_path, by_block, read_budget
 from hdl.synth.cells import DEPTH, FAMILIES
 from hdl.synth.netlist import KINDS
 from hdl.synth.shares import shares
