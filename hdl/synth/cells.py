@@ -18,7 +18,7 @@ DEPTH = "depth"
 def synthesise(verilog: Path, top: str, family: str) -> dict[str, dict[str, int]]:
     """Cells and logic depth of each entity, parts included, of a folder of Verilog.
 
-    Hierarchy is kept, so that a block costs the same wherever it stands and the parts add up.
+    Hierarchy is kept, so that the parts add up.
 
     Returns
     -------
