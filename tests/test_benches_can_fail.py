@@ -43,6 +43,8 @@ FAULTS = [
     ("gradient_parallel", r"negative_late <= \w+", "negative_late <= negative"),
     ("pade", r"remaining <= \(3 - 1\)", "remaining <= 1"),
     ("pade", r"regression0_following > \d+", "regression0_following > 900000"),
+    ("pade", r"regression0_kept - \d+", "regression0_kept"),
+    ("pade", r"~regression0_whole", "-regression0_whole"),
     ("pade", r"beyond_late == 1", "beyond_late == 2"),
     ("pade", r"(if \(start\) begin\s+negative_held <= )negative_start", r"\1negative"),
     ("polynomial", r"products \+ aligned", "products - aligned"),
