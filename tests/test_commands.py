@@ -16,6 +16,9 @@ from golden.figures.networks import scenes
 from golden.fingerprint import fingerprint
 from golden.network_file import provenance_path
 from golden.scene import FOLDER, Scene
+from hdl.synth.budget import budget_path
+from hdl.synth.datasheets import recorded
+from hdl.synth.timing import timing_path
 
 ROOT = Path(__file__).parents[1]
 
@@ -206,4 +209,6 @@ def test_no_stray_files_beside_the_scenes() -> None:
         expected.add(scene.path)
         for path in scene.weights_paths:
             expected |= {path, provenance_path(path)}
+    for scene, _ in recorded():
+        expected |= {budget_path(scene.path), timing_path(scene.path)}
     assert {p for p in FOLDER.rglob("*") if p.is_file()} == expected
