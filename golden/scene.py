@@ -203,6 +203,11 @@ class Scene:
         return [member.weights_path for member in self.members]
 
     @property
+    def files(self) -> list[Path]:
+        """Everything that the scene reads: its own file, its networks, its data."""
+        return [self.path, *self.weights_paths, self.data_path]
+
+    @property
     def activation_text(self) -> str:
         """The activation as a reader names it, with the options that the scene chooses."""
         options = ", ".join(f"{name} = {value}" for name, value in self.activation_options.items())
@@ -310,6 +315,15 @@ class Vectors:
     saturated: int
 
 
+def thesis_table(key: str) -> dict[str, Any]:
+    """A table of golden/data/thesis_numbers.toml by its dotted name; empty where there is none."""
+    text = (FOLDER.parent / "data" / "thesis_numbers.toml").read_text(encoding="utf-8")
+    table: Any = tomllib.loads(text)
+    for part in key.split("."):
+        table = table.get(part) if isinstance(table, dict) else None
+    return table if isinstance(table, dict) else {}
+
+
 def thesis_figures(key: str, outputs: int, path: Path) -> list[float]:
     """The thesis' largest mean errors that a scene names, one per output, in percent.
 
@@ -318,10 +332,7 @@ def thesis_figures(key: str, outputs: int, path: Path) -> list[float]:
     ValueError
         When golden/data/thesis_numbers.toml has no such table, or another number of figures.
     """
-    table: Any = tomllib.loads((FOLDER.parent / "data" / "thesis_numbers.toml").read_text())
-    for part in key.split("."):
-        table = table.get(part) if isinstance(table, dict) else None
-    figures = table.get("simulation") if isinstance(table, dict) else None
+    figures = thesis_table(key).get("simulation")
     if figures is None or len(figures) != outputs:
         raise ValueError(
             f"{path}: data.reference: got {key!r}, expected a table of thesis_numbers.toml with "

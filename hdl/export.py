@@ -88,7 +88,7 @@ def main() -> None:
     top = scene.design().entity
     folder = arguments.build / scene.name / arguments.language
     stamp = folder.parent / f".{arguments.language}.stamp"
-    inputs = [*sources("golden", "hdl"), scene.path, *scene.weights_paths, scene.data_path]
+    inputs = [*sources("golden", "hdl"), *scene.files]
     versions = (myhdl.__version__, platform.python_version())
     if not _is_current(stamp, folder, inputs, versions):
         export(scene, arguments.language, folder)

@@ -16,9 +16,10 @@ import numpy as np
 from golden.cli import run
 from golden.errors import scene_errors
 from golden.metrics import millimetres
-from golden.scene import Scene, load_scene, thesis_figures
+from golden.scene import Scene, thesis_figures
 from tb.common.results import simulate
-from tb.common.tools import SIMULATORS, check_simulator, language
+from tb.common.runner import ready_scene
+from tb.common.tools import SIMULATORS, language
 from tb.report.build import build_report
 
 
@@ -116,10 +117,7 @@ def bench_table(results: dict) -> str:
 def main() -> int:
     parser = argparse.ArgumentParser(prog="make demo", description=__doc__)
     parser.add_argument("scene")
-    scene = load_scene(parser.parse_args().scene)
-    for simulator in SIMULATORS:
-        check_simulator(simulator)
-    scene.vectors()
+    scene = ready_scene(parser.parse_args().scene)
     results = simulate(scene)
     print(bench_table(results))
     if results["failed"]:

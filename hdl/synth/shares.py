@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-import tomllib
-from pathlib import Path
 from typing import Any
 
 from golden.networks.network import Network
-from golden.scene import Scene
+from golden.scene import Scene, thesis_table
 from hdl.synth.budget import Cells
 
-NUMBERS = Path(__file__).parents[2] / "golden" / "data" / "thesis_numbers.toml"
 # The networks of Table 6.1; other scenes name theirs for the errors too.
 SWING = {f"swing-{kind}": f"swing.{kind}" for kind in ("single", "multiple", "cascade")}
 
 
 def shares(scene: Scene, design: Network, cells: Cells) -> dict[str, Any]:
     """Percent of the thesis' device, and the printed percents where there are any."""
-    numbers: Any = tomllib.loads(NUMBERS.read_text(encoding="utf-8"))
-    device = numbers["board"]
+    device = thesis_table("board")
     top = cells["xc2v"][design.entity]
     found = {
         "device": device["device"],
@@ -27,9 +23,7 @@ def shares(scene: Scene, design: Network, cells: Cells) -> dict[str, Any]:
     }
     key = SWING.get(scene.name, scene.reference)
     if key:
-        printed = numbers
-        for part in key.split("."):
-            printed = printed[part]
+        printed = thesis_table(key)
         found["thesis"] = {"table": key} | {
             name: printed[name] for name in ("luts_percent", "mult18x18_percent") if name in printed
         }

@@ -21,7 +21,7 @@ def _store(scene: Scene) -> Path:
 
 def state(scene: Scene) -> str:
     """A digest of everything that the benches of an exported scene depend on."""
-    inputs = [*sources("golden", "hdl", "tb"), scene.path, *scene.weights_paths, scene.data_path]
+    inputs = [*sources("golden", "hdl", "tb"), *scene.files]
     inputs += [BUILD / scene.name / language(s) for s in SIMULATORS]
     return fingerprint(inputs, *(version(s) for s in SIMULATORS))
 

@@ -23,7 +23,7 @@ from golden.scene import FOLDER, Scene, load_scene, scene_names
 from golden.table import suggest
 from hdl.export import MANIFEST, ORDER
 from tb.common.bench import CONFIGURATION
-from tb.common.tools import check_simulator, language
+from tb.common.tools import SIMULATORS, check_simulator, language
 
 ROOT = Path(__file__).parents[2]
 BUILD = ROOT / "build"
@@ -79,6 +79,21 @@ class Outcome:
         text = self.log.read_text(errors="replace") if self.log.exists() else ""
         marked = [line for line in text.splitlines() if "Error: " in line or "error: " in line]
         return marked[0].removeprefix("INFO cocotb:").strip() if marked else "no message"
+
+
+def ready_scene(name: str) -> Scene:
+    """The scene of that name, once simulators and recorded vectors are known to be there.
+
+    Raises
+    ------
+    CommandError, FileNotFoundError, ValueError
+        See ``check_simulator``, ``load_scene`` and ``Scene.vectors``.
+    """
+    scene = load_scene(name)
+    for simulator in SIMULATORS:
+        check_simulator(simulator)
+    scene.vectors()
+    return scene
 
 
 def export(scene: Scene, tongue: str, build: Path = BUILD) -> None:

@@ -11,19 +11,14 @@ import argparse
 import sys
 
 from golden.cli import run
-from golden.scene import load_scene
-from tb.common.tools import SIMULATORS, check_simulator
+from tb.common.runner import ready_scene
 from tb.report.build import build_report
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="make report", description=__doc__)
     parser.add_argument("scene")
-    scene = load_scene(parser.parse_args().scene)
-    for simulator in SIMULATORS:
-        check_simulator(simulator)
-    scene.vectors()
-    build_report(scene)
+    build_report(ready_scene(parser.parse_args().scene))
 
 
 if __name__ == "__main__":

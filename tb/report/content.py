@@ -29,10 +29,9 @@ from tb.report.store import Progress, once, packed, unpacked
 def content(scene: Scene, tell: Progress) -> Page:
     """The report of a scene; ``tell`` hears of each part that is ready."""
     design = scene.design()
-    files = [scene.path, *scene.weights_paths, scene.data_path]
     tools = [version(s) for s in SIMULATORS]
-    state = fingerprint([*measuring("golden", "hdl", "tb"), *files], *tools)
-    drawing = fingerprint([*sources("golden", "hdl", "tb"), *files], *tools)
+    state = fingerprint([*measuring("golden", "hdl", "tb"), *scene.files], *tools)
+    drawing = fingerprint([*sources("golden", "hdl", "tb"), *scene.files], *tools)
     found = costs(scene, design)
     tables = measured(tell)
     speed = unpacked(once(f"engines-{scene.name}", state, tell, lambda: packed(engines(scene))))
@@ -48,7 +47,9 @@ def content(scene: Scene, tell: Progress) -> Page:
         findings.damping_plot(tables),
         findings.plate_plot(tables),
         findings.series_plot(tables),
+        findings.engines_plot(speed),
     ]
+    *costly, fast = _drawn(scene, plots, drawing, tell)
     shown = {"stability"}
     sections = [
         _verified(scene),
@@ -56,13 +57,13 @@ def content(scene: Scene, tell: Progress) -> Page:
         Section(
             "error-against-cost",
             "Error against cost",
-            pictures=[_picture(plot) for plot in plots],
+            pictures=costly,
         ),
         _stability(tables["stability"]),
         Section(
             "engines",
             "Simulation speed",
-            pictures=[_picture(findings.engines_plot(speed))],
+            pictures=[fast],
             tables=[speed],
         ),
         _resources(scene, design, found),
@@ -94,8 +95,14 @@ def _pictures(scene: Scene, state: str, tell: Progress) -> Section:
     )
 
 
-def _picture(plot: Plot) -> Picture:
-    return Picture(plot.name, plot.title, plot.draw(), plot.sentence)
+def _drawn(scene: Scene, plots: list[Plot], state: str, tell: Progress) -> list[Picture]:
+    """The plots as pictures, drawn again when their figures or what draws them have changed."""
+    figures = fingerprint([], state, repr(plots))
+    drawn = once(f"plots-{scene.name}", figures, tell, lambda: [plot.draw() for plot in plots])
+    return [
+        Picture(plot.name, plot.title, svg, plot.sentence)
+        for plot, svg in zip(plots, drawn, strict=True)
+    ]
 
 
 def _verified(scene: Scene) -> Section:

@@ -11,16 +11,15 @@ from golden.instruments.instrument import Instrument
 from golden.report.page import Picture
 from golden.report.pictures.animation import animation
 from golden.report.pictures.datapath import datapath
+from golden.report.pictures.load import has_load
 from golden.report.pictures.network import network
 from golden.report.pictures.profile import profile
-from golden.report.pictures.swing import swing
+from golden.report.pictures.swing import COORDINATES, moves, swing
 from golden.report.pictures.waveforms import waveforms
 from golden.scene import Scene
+from golden.visualisation.section import RESULTS
 from hdl.common.lookup import latency
 from tb.common.recording import record
-
-PROFILE = ("load", "position", "width", "shape")
-MOTION = ("x", "y", "z")
 
 
 @dataclass(frozen=True)
@@ -67,7 +66,7 @@ def pictures(scene: Scene) -> Iterator[Picture | Skipped]:
         text = "The exported Verilog in Icarus; the first recorded frame, codes as real values."
         drawn = waveforms(record(scene), f"{scene.name}: {title[0].lower()}{title[1:]}")
         yield Picture("waveforms", title, drawn, text, wide=True)
-    if set(PROFILE) <= set(scene.outputs):
+    if has_load(scene):
         yield Picture(
             "load_profile",
             "Load profile of a recorded frame",
@@ -82,8 +81,8 @@ def pictures(scene: Scene) -> Iterator[Picture | Skipped]:
             "Each step is a recorded frame: what the sensors read, and the bit-true profile.",
         )
     else:
-        yield Skipped("Load profile", f"it needs the outputs {', '.join(PROFILE)}")
-    if set(MOTION) == set(scene.outputs) == set(scene.length_mm):
+        yield Skipped("Load profile", f"it needs the outputs {', '.join(RESULTS)}")
+    if moves(scene):
         yield Picture(
             "motion",
             "Motion of the swing and its estimates",
@@ -93,4 +92,4 @@ def pictures(scene: Scene) -> Iterator[Picture | Skipped]:
             wide=True,
         )
     else:
-        yield Skipped("Motion", f"it needs the outputs {', '.join(MOTION)} with lengths")
+        yield Skipped("Motion", f"it needs the outputs {', '.join(COORDINATES)} with lengths")

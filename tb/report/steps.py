@@ -27,15 +27,17 @@ def measured(tell: Progress) -> dict[str, Table]:
     """Every table, those without run times side by side."""
     state = fingerprint([*measuring("golden"), ROOT / "golden" / "data"], str(SEED))
     together = [n for n in TABLES if n not in TIMED and kept(n, state) is None]
+    answers: dict[str, Any] = {}
     if together:
         pool = Parallel(n_jobs=-1, return_as="generator_unordered")
         for name, answer, seconds in pool(delayed(_timed)(name) for name in together):
             keep(name, state, answer)
             tell(name, seconds, False)
+            answers[name] = answer
     for name in TABLES:
-        if name not in together:
-            once(name, state, tell, lambda name=name: _measure(name))
-    return {name: unpacked(kept(name, state)) for name in TABLES}
+        if name not in answers:
+            answers[name] = once(name, state, tell, lambda name=name: _measure(name))
+    return {name: unpacked(answers[name]) for name in TABLES}
 
 
 def _measure(name: str) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from golden.errors import scene_errors
 from golden.figures.clocks import clocks_per_frame
 from golden.figures.table import Cell, Table
 from golden.networks.network import Network
+from golden.report.findings import number, rows_of
 from golden.scene import Scene, thesis_figures
 from hdl.common.lookup import latency
 from hdl.synth.timing import DEVICE_NAME
@@ -33,9 +34,9 @@ def built(scene: Scene, design: Network) -> list[str]:
 
 def errors(scene: Scene, motions: Table) -> Table:
     """Errors of every output beside those of the thesis."""
-    found = scene_errors(scene)
     if any(row[0] == scene.name for row in motions.rows):
         return _motion_errors(scene, motions)
+    found = scene_errors(scene)
     printed: list[float] | list[None] = [None] * len(scene.outputs)
     if scene.reference:
         printed = thesis_figures(scene.reference, len(scene.outputs), scene.path)
@@ -60,12 +61,10 @@ def errors(scene: Scene, motions: Table) -> Table:
 
 
 def _motion_errors(scene: Scene, motions: Table) -> Table:
-    named = [dict(zip(motions.columns, row, strict=True)) for row in motions.rows]
-    mine = [row for row in named if row["scene"] == scene.name]
     rows: list[list[Cell]] = []
     for output in scene.outputs:
-        runs = [row for row in mine if row["output"] == output]
-        worst = max(runs, key=lambda row: float(row["bit-true %"]))  # type: ignore[arg-type]
+        runs = rows_of(motions, scene=scene.name, output=output)
+        worst = max(runs, key=lambda row: number(row, "bit-true %"))
         rows.append([output, *(worst[key] for key in ("float %", "bit-true %", "printed %"))])
     return Table(
         "errors",

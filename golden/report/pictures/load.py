@@ -84,6 +84,11 @@ class Beam:
         return self.mm * at, height
 
 
+def has_load(scene: Scene) -> bool:
+    """Whether a scene tells enough to draw the load along the beam."""
+    return scene.visualisation is not None or set(RESULTS) <= set(scene.outputs)
+
+
 def beam(scene: Scene) -> Beam:
     """The recorded frames of a scene and what its networks make of them.
 
@@ -98,12 +103,12 @@ def beam(scene: Scene) -> Beam:
         See ``Scene.vectors``, ``Scene.design`` and ``visualisation``; also for a scene without one
         of the four outputs.
     """
-    shown = scene.visualisation
-    if shown is None and not set(RESULTS) <= set(scene.outputs):
+    if not has_load(scene):
         raise ValueError(
             f"{scene.path}: data.outputs: got {', '.join(scene.outputs)}, expected "
             f"{', '.join(RESULTS)} among them, or a section [visualisation], to draw the load"
         )
+    shown = scene.visualisation
     if shown is None:
         data = {
             "outputs": list(scene.outputs),

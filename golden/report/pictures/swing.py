@@ -21,6 +21,11 @@ COORDINATES = ("x", "y", "z")
 SECONDS = 10.0
 
 
+def moves(scene: Scene) -> bool:
+    """Whether a scene's outputs are the motion that ``swing`` draws."""
+    return set(scene.outputs) == set(scene.length_mm) == set(COORDINATES)
+
+
 def swing(scene: Scene, run: Path = RUN) -> str:
     """True x, y and z against time, the bit-true estimates, and below each the difference.
 
@@ -41,7 +46,7 @@ def swing(scene: Scene, run: Path = RUN) -> str:
     FileNotFoundError, ValueError
         See ``read_table`` and ``Scene.design``; also for a scene of other outputs.
     """
-    if set(scene.outputs) != set(COORDINATES) or set(scene.length_mm) != set(COORDINATES):
+    if not moves(scene):
         raise ValueError(
             f"{scene.path}: swing: got outputs {', '.join(scene.outputs)}, with lengths of "
             f"{', '.join(scene.length_mm) or 'none'}, expected x, y and z, and length_mm of each"
