@@ -28,7 +28,7 @@ help:
 	@echo "make lint                                 ruff and mypy"
 	@echo "make clean                                remove build and .venv"
 	@echo
-	@echo "SCENE is a name ($(basename $(notdir $(filter-out %.provenance.toml,$(wildcard golden/scenes/*.toml)))))"
+	@echo "SCENE is a name ($(basename $(notdir $(filter-out %.provenance.toml,$(wildcard golden/scenes/*/*.toml)))))"
 	@echo "or a path to a .toml file; now $(SCENE)"
 
 demo: $(VENV)/.ready tools
@@ -48,19 +48,19 @@ train: $(VENV)/.ready
 	@$(RUN) -m golden.training "$(SCENE)" $(if $(CLUSTER),--cluster "$(CLUSTER)")
 
 network: $(VENV)/.ready
-	@$(RUN) -m golden.convert "$(SCENE)" "$(TO)" $(if $(OUTPUT),--output "$(OUTPUT)")
+	@$(RUN) -m golden.network_files.convert "$(SCENE)" "$(TO)" $(if $(OUTPUT),--output "$(OUTPUT)")
 
 bench: $(VENV)/.ready
-	@$(RUN) -m golden.benchmark "$(SCENE)" $(if $(FRAMES),--frames "$(FRAMES)")
+	@$(RUN) -m tb.report.measure.benchmark "$(SCENE)" $(if $(FRAMES),--frames "$(FRAMES)")
 
 activations: $(VENV)/.ready
-	@$(RUN) -m golden.activation.errors
+	@$(RUN) -m tb.report.measure.activation_errors
 
 figures: $(VENV)/.ready
-	@$(RUN) -m golden.figures $(if $(TABLE),"$(TABLE)") --seed "$(SEED)"
+	@$(RUN) -m tb.report.measure $(if $(TABLE),"$(TABLE)") --seed "$(SEED)"
 
 lean: $(VENV)/.ready
-	@$(RUN) -m hdl.lean "$(SCENE)" $(BESIDE)
+	@$(RUN) -m hdl.synth.lean "$(SCENE)" $(BESIDE)
 
 synth: $(VENV)/.ready
 	@$(RUN) -m hdl.synth "$(SCENE)" $(if $(filter-out 0,$(RECORD)),--record)

@@ -15,7 +15,7 @@ def scene_errors(scene: Scene) -> dict[str, list[OutputError]]:
     neither trained nor chose the network."""
     vectors = scene.vectors()
     real = scene.process_real(vectors.inputs)
-    bit_true = SIGNAL.to_real(scene.design().process(vectors.codes))
+    bit_true = SIGNAL.to_real(scene.twin().process(vectors.codes))
     everything = np.arange(len(vectors.codes))
     held_out = split_rows(len(vectors.codes), scene.training.seed).test
     return {

@@ -10,12 +10,12 @@ import csv
 import io
 import sys
 
-from golden.activation.errors import THESIS_FACTOR, built, variants
 from golden.cli import run
-from golden.figures.latency import FILE
-from golden.figures.networks import scenes
 from golden.files import replace_file
 from hdl.common.lookup import latency
+from tb.report.measure.activation_errors import THESIS_FACTOR, built, variants
+from tb.report.measure.latency import FILE
+from tb.report.measure.networks import scenes
 
 
 def text() -> str:
@@ -27,7 +27,7 @@ def text() -> str:
             full = f"{name}, {options}" if options else name
             rows.append(("activation", full, precision.name, latency(block)))
     for scene in scenes():
-        rows.append(("scene", scene.name, scene.precision.name, latency(scene.design())))
+        rows.append(("scene", scene.name, scene.precision.name, latency(scene.twin())))
     handle = io.StringIO()
     csv.writer(handle, lineterminator="\n").writerows(rows)
     return handle.getvalue()

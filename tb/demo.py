@@ -20,12 +20,12 @@ from golden.scene import Scene, thesis_figures
 from tb.common.results import simulate
 from tb.common.runner import ready_scene
 from tb.common.tools import SIMULATORS, language
-from tb.report.build import build_report
+from tb.report.page.build import build_report
 
 
 def twin_speed(scene: Scene) -> float:
     """Frames a second of the bit-true numpy twin on one core."""
-    design = scene.design()
+    design = scene.twin()
     codes = np.tile(scene.vectors().codes, (200, 1))
     started = time.perf_counter()
     design.process(codes)
@@ -88,7 +88,7 @@ def report(scene: Scene, results: dict) -> str:
         f"clocks between frames     {interval} "
         f"({scene.clock_mhz * 1e6 / interval:,.0f} frames a second)",
         f"samples saturated         {vectors.saturated} of {vectors.codes.size}",
-        *(f"left out                  {text}" for text in scene.design().left_out()),
+        *(f"left out                  {text}" for text in scene.twin().left_out()),
         "",
         "frames a second, simulated: "
         + ", ".join(f"{s} {f['frames'] / f['seconds']:,.0f}" for s, f in facts.items())

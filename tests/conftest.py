@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.network_file import save_network
+from golden.network_files.network_file import save_network
 from golden.networks.mlp import Mlp
 from golden.networks.network import Network
 from golden.precision import PRECISIONS
@@ -279,7 +279,7 @@ def every_design(folder: Path) -> list[Network]:
     """Designs that hold every block between them: the shipped scenes and the cases."""
     scenes = [load_scene(name) for name in scene_names()]
     scenes += [case.scene(folder, name) for name, case in CASES.items()]
-    return [scene.design() for scene in scenes]
+    return [scene.twin() for scene in scenes]
 
 
 @pytest.fixture

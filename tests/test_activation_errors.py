@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from golden.activation import errors
-from golden.activation.errors import FACTORS, PLOTS, Row, measure, plot, plot_file, table
 from golden.activation.schemes import forms
+from tb.report.measure.activation_errors import FACTORS, PLOTS, Row, measure, plot, plot_file, table
 
 ROOT = Path(__file__).parents[1]
 
@@ -56,7 +56,7 @@ def test_which_reading_of_equation_4_32_is_the_thesis(rows: list[Row]) -> None:
 def test_the_command_writes_what_it_measures(rows: list[Row], tmp_path: Path) -> None:
     result = subprocess.run(
         [
-            *(sys.executable, "-m", "golden.activation.errors"),
+            *(sys.executable, "-m", "tb.report.measure.activation_errors"),
             *("--build", str(tmp_path / "build"), "--plots", str(tmp_path / "plots")),
         ],
         cwd=ROOT,

@@ -23,7 +23,7 @@ AXIS = ("axis", "least-axis", "axis-cascade", "axis-multiple")
 
 @pytest.mark.parametrize("name", AXIS)
 def test_frames_are_those_of_the_network(tmp_path: Path, name: str) -> None:
-    design = CASES[name].scene(tmp_path, name).design()
+    design = CASES[name].scene(tmp_path, name).twin()
     assert isinstance(design, AxisNetwork)
     rng = np.random.default_rng(1)
     frames = rng.integers(-8192, 8192, (20, design.inputs))
@@ -42,7 +42,7 @@ def test_frames_are_those_of_the_network(tmp_path: Path, name: str) -> None:
 
 
 def test_wrong_frames_give_nothing(tmp_path: Path) -> None:
-    design = CASES["axis-cascade"].scene(tmp_path, "axis-cascade").design()
+    design = CASES["axis-cascade"].scene(tmp_path, "axis-cascade").twin()
     # Two samples a frame: too short, good, as long as the cascade's own frames, good.
     last = [1, 0, 1, 0, 0, 0, 1, 0, 1]
     data, _, errors = design.process_stream(np.arange(9), last)
@@ -52,13 +52,13 @@ def test_wrong_frames_give_nothing(tmp_path: Path) -> None:
 
 
 def test_data_wider_than_the_port_is_refused(tmp_path: Path) -> None:
-    design = CASES["axis"].scene(tmp_path, "axis").design()
+    design = CASES["axis"].scene(tmp_path, "axis").twin()
     with pytest.raises(ValueError, match="axis_network s_axis_tdata: got code 32768"):
         design.process_stream([32768, 0], [0, 1])
 
 
 def test_a_scene_that_does_not_ask_for_it_has_nothing_of_it(small_scene) -> None:
-    assert "axis_network" not in {block.block for block in walk(small_scene.design())}
+    assert "axis_network" not in {block.block for block in walk(small_scene.twin())}
 
 
 @pytest.mark.parametrize(
@@ -90,7 +90,7 @@ def test_what_cannot_be_built_is_refused(tmp_path: Path, old: str, new: str, mes
 
 @pytest.mark.parametrize("name", AXIS)
 def test_credits_cover_the_way_through_and_no_more(tmp_path: Path, name: str) -> None:
-    design = CASES[name].scene(tmp_path, name).design()
+    design = CASES[name].scene(tmp_path, name).twin()
     frames = frames_under_way(design)
     # From the last sample to the clock in which the credit is back, one clock after the last
     # output is fetched, which is when that output stands on the port.

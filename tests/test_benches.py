@@ -8,11 +8,11 @@ import pytest
 from conftest import CASES
 
 from golden.block import walk
-from golden.figures.clocks import clocks_per_frame
 from golden.scene import load_scene, scene_names
 from hdl.common.lookup import latency
 from tb.common.runner import Job, Outcome, plan, run_jobs
 from tb.common.tools import SIMULATORS
+from tb.report.measure.clocks import clocks_per_frame
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
@@ -28,7 +28,7 @@ def wanted(job: Job) -> bool:
     name = job.scene.name
     if name in CASES:
         return job.block in CASES[name].blocks
-    return name in WHOLE or job.entity == job.scene.design().entity
+    return name in WHOLE or job.entity == job.scene.twin().entity
 
 
 def chosen(jobs: list[Job]) -> list[Job]:
@@ -64,7 +64,7 @@ def test_hardware_equals_twin(outcomes, scene: str, simulator: str) -> None:
     if scene in CASES:
         assert {o.job.block for o in results} == set(CASES[scene].blocks)
     elif scene in WHOLE:
-        parts = walk(results[0].job.scene.design())
+        parts = walk(results[0].job.scene.twin())
         assert {o.job.block for o in results} == {part.block for part in parts}
     assert all(o.compared > 0 for o in results)
 
@@ -82,7 +82,7 @@ def test_clocks_are_the_same_in_both_simulators(outcomes, scene: str) -> None:
     timing = []
     for simulator in SIMULATORS:
         results = outcomes[scene, simulator]
-        design = results[0].job.scene.design()
+        design = results[0].job.scene.twin()
         facts = next(o.facts for o in results if o.job.entity == design.entity)
         timing.append((facts["clocks_per_frame"], facts["interval"]))
         assert facts["interval"] == design.interval
@@ -91,7 +91,7 @@ def test_clocks_are_the_same_in_both_simulators(outcomes, scene: str) -> None:
 
 
 def test_the_cases_differ_as_meant(tmp_path: Path) -> None:
-    designs = {name: case.scene(tmp_path, name).design() for name, case in CASES.items()}
+    designs = {name: case.scene(tmp_path, name).twin() for name, case in CASES.items()}
     assert designs["wide"].input_controller.spacing == 5
     assert designs["least"].input_controller.spacing == 0
     assert designs["wide-multiple"].input_controller.spacing == 3

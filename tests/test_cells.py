@@ -6,7 +6,7 @@ import pytest
 
 from golden.activation.schemes import forms
 from golden.precision import PRECISE
-from hdl.cells import cells
+from hdl.synth.activations import cells
 from hdl.synth.cells import FAMILIES
 
 

@@ -12,13 +12,13 @@ from pathlib import Path
 import pytest
 from conftest import random_mlp, write_scene
 
-from golden.figures.networks import scenes
 from golden.fingerprint import fingerprint
-from golden.network_file import provenance_path
+from golden.network_files.network_file import provenance_path
 from golden.scene import FOLDER, Scene
 from hdl.synth.budget import budget_path
 from hdl.synth.datasheets import recorded
 from hdl.synth.timing import timing_path
+from tb.report.measure.networks import scenes
 
 ROOT = Path(__file__).parents[1]
 

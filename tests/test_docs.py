@@ -14,9 +14,9 @@ from conftest import every_design
 
 from golden.block import Block, walk
 from golden.scene import load_scene
-from hdl.elaborate import elaborate
-from hdl.hierarchy import convert_hierarchy
-from hdl.ports import Port, read_ports
+from hdl.export.elaborate import elaborate
+from hdl.export.hierarchy import convert_hierarchy
+from hdl.export.ports import Port, read_ports
 from tb.demo import error_table
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")

@@ -15,7 +15,7 @@ from conftest import CASES, random_mlp, write_scene
 from golden.block import walk
 from golden.fingerprint import fingerprint
 from golden.scene import load_scene
-from hdl.export import MANIFEST, ORDER
+from hdl.export.exporter import MANIFEST, ORDER
 from tb.common.runner import export
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
@@ -179,7 +179,7 @@ def test_verilog_synthesises_without_a_latch(build: Path, scene: str) -> None:
 def test_a_reader_finds_every_block_by_name(build: Path, scene: str) -> None:
     """One entity per block of the design, instantiated by the parent that the twin names."""
     path = build / f"{scene}.toml" if scene in OTHERS else scene
-    design = load_scene(str(path)).design()
+    design = load_scene(str(path)).twin()
     folder = build / scene / "vhdl"
     entities = {entry["entity"] for entry in json.loads((folder / MANIFEST).read_text())}
     assert entities == {block.entity for block in walk(design)}

@@ -12,20 +12,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.figures.parallel import parallel
-from golden.figures.rbf import printed_figures
-from golden.figures.recordings import FORMS, recordings
-from golden.figures.registry import TABLES
-from golden.figures.table import Table
 from golden.physics.plate import TERMS
 from golden.physics.swing import LIGHT, METHODS, STRONG, STRONG_DAMPING
 from golden.physics.swing_data import NOISE
+from tb.report.measure.parallel import parallel
+from tb.report.measure.rbf import printed_figures
+from tb.report.measure.recordings import FORMS, recordings
+from tb.report.measure.registry import TABLES
+from tb.report.measure.table import Table
 
 ROOT = Path(__file__).parents[1]
 
 
 def run(*words: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "golden.figures", *words]
+    command = [sys.executable, "-m", "tb.report.measure", *words]
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
 
 

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from golden.activation.errors import THESIS_FACTOR, measure
 from golden.activation.pade import GATE, ITERATIONS, RHO
 from golden.activation.reference import stable_below
 from golden.activation.schemes import forms
-from golden.figures import activations
-from golden.figures.table import Table
+from tb.report.measure import activations
+from tb.report.measure.activation_errors import THESIS_FACTOR, measure
+from tb.report.measure.table import Table
 
 
 def columns(table: Table, *names: str) -> list[tuple]:

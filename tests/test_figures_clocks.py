@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 from golden.errors import scene_errors
-from golden.figures.clocks import clocks, clocks_per_frame
-from golden.figures.latency import latencies
-from golden.figures.networks import scenes
-from golden.figures.table import Table
 from golden.scene import load_scene
+from tb.report.measure.clocks import clocks, clocks_per_frame
+from tb.report.measure.latency import latencies
+from tb.report.measure.networks import scenes
+from tb.report.measure.table import Table
 
 ROOT = Path(__file__).parents[1]
 
@@ -53,7 +53,7 @@ def test_samples_and_outputs_take_a_clock_each(name: str, beside: int) -> None:
     """A cascade's frame has slots for its earlier outputs; in parallel all come at once."""
     scene = load_scene(name)
     latency = latencies("scene")[name, scene.precision.name]
-    assert clocks_per_frame(scene.design(), latency) == latency + beside - 1
+    assert clocks_per_frame(scene.twin(), latency) == latency + beside - 1
 
 
 def test_the_page_shows_the_clocks(table: Table) -> None:
@@ -68,7 +68,7 @@ def test_the_page_shows_the_clocks(table: Table) -> None:
 
 def test_an_instrument_waits_for_its_sensors(table: Table) -> None:
     found = by_scene(table, "clocks a frame")
-    scan = load_scene("digit-instrument").design().scan_sequencer
+    scan = load_scene("digit-instrument").twin().scan_sequencer
     assert found["digit-instrument"] > scan.sample_clocks[-1] > 10 * found["digit"]
     assert by_scene(table, "interval clocks")["digit-instrument"] == scan.scan_clocks
 

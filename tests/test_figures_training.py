@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.figures import training
-from golden.figures.table import Table
 from golden.networks.mlp import tanh
 from golden.scene import load_scene
 from golden.training.objective import Objective, Rows, pack
 from golden.training.search import measure, starting_weights
 from golden.training.task import task_for
+from tb.report.measure import training
+from tb.report.measure.table import Table
 
 ROOT = Path(__file__).parents[1]
 

@@ -66,11 +66,11 @@ def scene_with(tmp_path, section: str, shape=(2, 3, 4), design="hybrid"):
 
 
 def test_a_scene_without_the_section_has_none_of_it(tmp_path) -> None:
-    assert scene_with(tmp_path, "").design().block == "hybrid"
+    assert scene_with(tmp_path, "").twin().block == "hybrid"
 
 
 def test_the_section_may_be_empty(tmp_path) -> None:
-    design = scene_with(tmp_path, FRONT_END).design()
+    design = scene_with(tmp_path, FRONT_END).twin()
     assert isinstance(design, Instrument)
     assert design.readout.load_profile is None
     assert design.scan_sequencer == ScanSequencer(FMT, 2, 2, 12, 1843)
@@ -89,23 +89,24 @@ def test_the_section_may_be_empty(tmp_path) -> None:
 )
 def test_a_front_end_that_cannot_be_is_refused(tmp_path, lines: str, message: str) -> None:
     with pytest.raises(ValueError, match=rf"rig.toml: {message}"):
-        scene_with(tmp_path, FRONT_END + lines).design()
+        scene_with(tmp_path, FRONT_END + lines).twin()
 
 
 def test_a_scan_faster_than_the_network_is_refused(tmp_path) -> None:
     """Nine outputs take nine clocks; a scan of three bits has eight."""
     section = f"{FRONT_END}counter_width = 3\n"
     with pytest.raises(ValueError, match="a scan of 8 clocks, expected 9 or more"):
-        scene_with(tmp_path, section, shape=(2, 3, 9)).design()
+        scene_with(tmp_path, section, shape=(2, 3, 9)).twin()
 
 
 def test_the_parallel_design_has_no_front_end(tmp_path) -> None:
     with pytest.raises(
-        ValueError, match=re.escape("hardware.design: got 'parallel', expected hybr")
+        ValueError,
+        match=re.escape("got 'parallel' with a section [front_end], expected hybr"),
     ):
         scene_with(tmp_path, FRONT_END, design="parallel")
 
 
 def test_results_without_a_profile_are_refused(small_scene) -> None:
     with pytest.raises(ValueError, match="expected none without a load_profile"):
-        Readout(small_scene.design(), None, (0, 1))
+        Readout(small_scene.twin(), None, (0, 1))

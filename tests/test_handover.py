@@ -15,9 +15,9 @@ from conftest import CASES, random_mlp, write_scene
 
 from golden.fingerprint import fingerprint
 from golden.scene import Scene, load_scene
-from hdl.export import ORDER
-from hdl.export import export as export_here
-from hdl.ports import read_ports
+from hdl.export.exporter import ORDER
+from hdl.export.exporter import export as export_here
+from hdl.export.ports import read_ports
 from tb.common.runner import export
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
@@ -79,7 +79,7 @@ def counts(result: subprocess.CompletedProcess[str]) -> list[tuple[int, int]]:
 @pytest.mark.parametrize("name", [*SHIPPED, *OTHERS])
 def test_every_recorded_frame_matches(scenes, build, tmp_path: Path, name: str) -> None:
     scene = scenes[name]
-    top = scene.design().entity
+    top = scene.twin().entity
     result = run(build / name / "vhdl", tmp_path, top)
     frames = len(scene.vectors().codes)
     assert counts(result) == [(frames, frames)] * 2, result.stdout + result.stderr
@@ -112,7 +112,7 @@ def test_a_fault_in_an_entity_fails(scenes, build, tmp_path, name, file, pattern
     source, count = re.subn(pattern, text, (copy / file).read_text(), count=1)
     assert count == 1, f"{pattern} is not in {file}"
     (copy / file).write_text(source)
-    result = run(copy, tmp_path, scenes[name].design().entity)
+    result = run(copy, tmp_path, scenes[name].twin().entity)
     assert result.returncode != 0
     assert "does not give the recorded results" in result.stdout + result.stderr
 
@@ -121,7 +121,7 @@ def test_a_fault_in_an_entity_fails(scenes, build, tmp_path, name, file, pattern
 @pytest.mark.parametrize("language", ["vhdl", "verilog"])
 def test_the_core_file_lists_exactly_the_files(scenes, build, name: str, language: str) -> None:
     folder = build / name / language
-    top = scenes[name].design().entity
+    top = scenes[name].twin().entity
     text = (folder / f"{name}.core").read_text()
     assert text.startswith("CAPI=2:\n")
     core = yaml.safe_load(text)
@@ -141,7 +141,7 @@ def test_the_core_file_lists_exactly_the_files(scenes, build, name: str, languag
 
 @pytest.mark.parametrize("name", [*SHIPPED, *OTHERS])
 def test_the_examples_compile(scenes, build, tmp_path: Path, name: str) -> None:
-    top = scenes[name].design().entity
+    top = scenes[name].twin().entity
     analyse(build / name / "vhdl", tmp_path, f"{top}_example.vhd")
     assert ghdl(tmp_path, "-e", "--std=93", f"{top}_example").returncode == 0
     folder = build / name / "verilog"
@@ -160,7 +160,7 @@ def test_the_examples_compile(scenes, build, tmp_path: Path, name: str) -> None:
 def test_both_languages_have_the_same_ports(scenes, build, name: str) -> None:
     found = []
     for language, suffix in (("vhdl", ".vhd"), ("verilog", ".v")):
-        file = build / name / language / f"{scenes[name].design().entity}{suffix}"
+        file = build / name / language / f"{scenes[name].twin().entity}{suffix}"
         found.append(sorted(read_ports(file.read_text(), language), key=lambda p: p.name))
     assert found[0] == found[1]
     assert len(found[0]) == 9
@@ -179,7 +179,7 @@ def test_the_constraints_name_the_clock(tmp_path: Path) -> None:
 
 
 def test_a_long_recording_is_cut(scenes, tmp_path: Path, monkeypatch) -> None:
-    monkeypatch.setattr("hdl.handover.write.FRAMES", 5)
+    monkeypatch.setattr("hdl.export.handover.write.FRAMES", 5)
     export_here(scenes["least"], "vhdl", tmp_path / "vhdl")
     result = run(tmp_path / "vhdl", tmp_path, "hybrid")
     assert counts(result) == [(5, 5)] * 2

@@ -14,8 +14,8 @@ from conftest import FRONT_END, VISUALISATION, random_mlp, write_scene
 from golden.networks.mlp import Mlp
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_names
-from hdl import lean
-from hdl.export import MANIFEST, export
+from hdl.export.exporter import MANIFEST, export
+from hdl.synth import lean
 
 
 def exported(scene: Scene, folder: Path) -> tuple[set[str], str]:
@@ -27,7 +27,7 @@ def exported(scene: Scene, folder: Path) -> tuple[set[str], str]:
 
 
 def same_results(scene: Scene) -> None:
-    whole, lean = scene.design(lean=False), scene.design()
+    whole, lean = scene.twin(lean=False), scene.twin()
     rng = np.random.default_rng(3)
     frames = rng.integers(SIGNAL.low, SIGNAL.high + 1, (3000, lean.inputs))
     assert (whole.process(frames) == lean.process(frames)).all()
@@ -51,7 +51,7 @@ def test_segments_that_no_neuron_reaches(tmp_path: Path) -> None:
     path = write_scene(tmp_path, "few", "precise", [random_mlp((2, 2, 1), 0.2, 1)])
     scene = load_scene(str(path))
     same_results(scene)
-    whole, lean = scene.design(lean=False).activations[0], scene.design().activations[0]
+    whole, lean = scene.twin(lean=False).activations[0], scene.twin().activations[0]
     saved = lean.left_out()["comparators of segments no neuron reaches"]
     assert saved == len(whole.table.thresholds) - len(lean.table.thresholds) > 0
     _, text = exported(scene, tmp_path)
@@ -63,8 +63,8 @@ def test_hidden_nodes_that_no_output_uses(tmp_path: Path, design: str) -> None:
     path = write_scene(tmp_path, "idle", "precise", [with_zeros()], design=design)
     scene = load_scene(str(path))
     same_results(scene)
-    assert len(scene.design().activations) == 3
-    assert "1 hidden nodes whose weights to the outputs are 0" in scene.design().left_out()
+    assert len(scene.twin().activations) == 3
+    assert "1 hidden nodes whose weights to the outputs are 0" in scene.twin().left_out()
     _, text = exported(scene, tmp_path)
     node = "input_node" if design == "hybrid" else "neuron_q"
     assert len(set(re.findall(rf"entity ({node}\w+) is", text))) == 3
@@ -75,14 +75,14 @@ def test_a_network_of_zeros_keeps_a_node(tmp_path: Path) -> None:
     mlp.w2[:] = 0
     scene = load_scene(str(write_scene(tmp_path, "none", "precise", [mlp])))
     same_results(scene)
-    assert len(scene.design().activations) == 1
+    assert len(scene.twin().activations) == 1
 
 
 def test_multipliers_of_weights_that_are_0(tmp_path: Path) -> None:
     path = write_scene(tmp_path, "zeros", "precise", [with_zeros()], design="parallel")
     scene = load_scene(str(path))
     same_results(scene)
-    design = scene.design()
+    design = scene.twin()
     weights = [w for n in (*design.hidden_neurons, *design.output_neurons) for w in n.weights]
     zeros = weights.count(0)
     assert zeros == 3
@@ -95,8 +95,8 @@ def test_outputs_that_nobody_asks_for(tmp_path: Path) -> None:
     """digit-load is the first network of digit's cascade."""
     lean, whole = load_scene("digit-load"), load_scene("digit")
     codes = whole.vectors().codes
-    first = lean.design().process(codes)
-    assert (first[:, 0] == whole.design().process(codes)[:, 0]).all()
+    first = lean.twin().process(codes)
+    assert (first[:, 0] == whole.twin().process(codes)[:, 0]).all()
     blocks, _ = exported(lean, tmp_path)
     assert not blocks & {"cascade", "stream_multiplexer", "output_collector"}
 
@@ -107,7 +107,7 @@ def test_front_end_and_profile_that_the_scene_does_not_name(tmp_path: Path) -> N
     for name, sections in (("bare", ""), ("full", VISUALISATION + FRONT_END)):
         path = write_scene(tmp_path, name, "precise", [mlp], sections=sections)
         scene = load_scene(str(path))
-        found[name] = exported(scene, tmp_path)[0], scene.design().process(np.full((1, 2), 99))
+        found[name] = exported(scene, tmp_path)[0], scene.twin().process(np.full((1, 2), 99))
     bare, full = found["bare"][0], found["full"][0]
     assert full - bare == {
         *("instrument", "readout", "scan_sequencer", "load_profile", "ramp", "divider"),
@@ -122,7 +122,7 @@ def test_a_slot_that_nobody_reads(tmp_path: Path) -> None:
         mlps = [random_mlp((2 + more * i, 2, 1), 1.0, i) for i in range(3)]
         path = write_scene(tmp_path, arrangement, "precise", mlps, arrangement, sections=FRONT_END)
         scene = load_scene(str(path))
-        assert scene.design().scan_sequencer.slots == slots
+        assert scene.twin().scan_sequencer.slots == slots
         _, text = exported(scene, tmp_path)
         assert f"slot < {slots}" in text
 

@@ -12,8 +12,8 @@ from onnx import TensorProto, helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
 from scipy.io import savemat
 
-from golden.convert import main as convert
-from golden.network_file import load_network, write_network
+from golden.network_files.convert import main as convert
+from golden.network_files.network_file import load_network, write_network
 from golden.networks.mlp import Mlp
 from golden.scene import Scene, load_scene
 
@@ -199,4 +199,4 @@ def test_a_scene_can_name_any_form(small_scene: Scene, monkeypatch, form: str) -
     monkeypatch.setattr("sys.argv", ["convert", str(small_scene.path), str(file)])
     convert()
     small_scene.path.write_text(small_scene.path.read_text().replace("small.npz", file.name))
-    assert load_scene(str(small_scene.path)).design() == small_scene.design()
+    assert load_scene(str(small_scene.path)).twin() == small_scene.twin()

@@ -15,13 +15,14 @@ from hypothesis import strategies as st
 from golden.activation.segments import gradient_real
 from golden.block import walk
 from golden.errors import scene_errors
-from golden.figures.networks import scenes
 from golden.metrics import percent_errors, summarise
 from golden.networks.arrangement import arrange
-from golden.networks.build import build_hybrid, build_parallel
+from golden.networks.hybrid import Hybrid
 from golden.networks.mlp import Mlp
+from golden.networks.parallel import Parallel
 from golden.precision import PRECISE, PRECISIONS, SIGNAL, THESIS, normalisation
 from golden.scene import FOLDER, Scene, load_scene, scene_names, thesis_figures
+from tb.report.measure.networks import scenes
 
 SCENES = scene_names()
 
@@ -33,7 +34,7 @@ def largest_means(scene, results):
 
 
 def bit_true(scene):
-    return SIGNAL.to_real(scene.design().process(scene.vectors().codes))
+    return SIGNAL.to_real(scene.twin().process(scene.vectors().codes))
 
 
 @pytest.mark.parametrize("scene", scenes(), ids=lambda s: s.name)
@@ -78,7 +79,7 @@ def test_bit_true_follows_float(seed: int, name: str, spread: float) -> None:
     shape = (4, 6, 2)
     mlp = random_mlp(shape, spread, seed)
     frames = np.random.default_rng(seed).integers(SIGNAL.low, SIGNAL.high + 1, (200, 4))
-    design = build_hybrid(mlp, PRECISIONS[name], "gradient")
+    design = Hybrid.of(mlp, PRECISIONS[name], "gradient")
     results = SIGNAL.to_real(design.process(frames))
     exact = np.clip(mlp.process(SIGNAL.to_real(frames), gradient_real), -1, SIGNAL.high / 8192)
     # One LSB of a weight, a product or q in each term, carried to the output by its weights. A q
@@ -96,7 +97,7 @@ def test_bit_true_follows_float(seed: int, name: str, spread: float) -> None:
 @pytest.mark.parametrize("precision", PRECISIONS.values(), ids=lambda p: p.name)
 def test_rails_on_all_sensors(precision) -> None:
     mlp = random_mlp((4, 6, 2), 3.0, 3)
-    design = build_hybrid(mlp, precision, "gradient")
+    design = Hybrid.of(mlp, precision, "gradient")
     rails = np.array(np.meshgrid(*[[SIGNAL.low, 0, SIGNAL.high]] * 4)).reshape(4, -1).T
     results = design.process(rails)
     assert results.min() >= SIGNAL.low
@@ -107,17 +108,15 @@ def test_rails_on_all_sensors(precision) -> None:
 def test_networks_together_do_what_each_does_alone(arrangement: str) -> None:
     mlps = [random_mlp((3 + i * (arrangement == "cascade"), 4, 1), 1.0, i) for i in range(3)]
     frames = np.random.default_rng(1).integers(SIGNAL.low, SIGNAL.high + 1, (5000, 3))
-    design = arrange(
-        arrangement, mlps, lambda m, v: build_hybrid(m, PRECISE, "gradient", variant=v)
-    )
+    design = arrange(arrangement, mlps, lambda m, v: Hybrid.of(m, PRECISE, "gradient", variant=v))
     seen, results = frames, []
     for mlp in mlps:
-        results.append(build_hybrid(mlp, PRECISE, "gradient").process(seen))
+        results.append(Hybrid.of(mlp, PRECISE, "gradient").process(seen))
         if arrangement == "cascade":
             seen = np.concatenate([seen, results[-1]], axis=1)
     assert np.array_equal(design.process(frames), np.concatenate(results, axis=1))
     for shape in ((5, 2, 1), (3, 2, 2), (4, 2, 2)):
-        odd = build_hybrid(random_mlp(shape, 1.0, 1), PRECISE, "gradient")
+        odd = Hybrid.of(random_mlp(shape, 1.0, 1), PRECISE, "gradient")
         with pytest.raises(ValueError, match="got networks of"):
             replace(design, networks=(design.networks[0], odd))
 
@@ -127,9 +126,7 @@ def test_the_parallel_form_gives_the_same_results(precision) -> None:
     frames = np.random.default_rng(1).integers(SIGNAL.low, SIGNAL.high + 1, (5000, 3))
     for spread in (0.5, 3.0):
         mlp = random_mlp((3, 4, 2), spread, 1)
-        folded, parallel = (
-            build(mlp, precision, "gradient") for build in (build_hybrid, build_parallel)
-        )
+        folded, parallel = (build(mlp, precision, "gradient") for build in (Hybrid.of, Parallel.of))
         assert np.array_equal(parallel.process(frames), folded.process(frames))
         assert parallel.activations == folded.activations
 
@@ -152,7 +149,7 @@ def test_the_parallel_form_gives_the_same_results(precision) -> None:
     ],
 )
 def test_parallel_refuses_parts_that_do_not_fit(field: str, change, message: str) -> None:
-    design = build_parallel(random_mlp((3, 4, 2), 1.0, 1), THESIS, "gradient")
+    design = Parallel.of(random_mlp((3, 4, 2), 1.0, 1), THESIS, "gradient")
     with pytest.raises(ValueError, match=f"parallel: {message}"):
         replace(design, **{field: change(getattr(design, field))})
 
@@ -160,12 +157,12 @@ def test_parallel_refuses_parts_that_do_not_fit(field: str, change, message: str
 @pytest.mark.parametrize("arrangement", ["multiple", "cascade"])
 def test_networks_together_are_folded(arrangement: str) -> None:
     mlps = [random_mlp((3, 4, 1), 1.0, i) for i in range(2)]
-    with pytest.raises(ValueError, match=f"{arrangement}: got networks parallel, expected hybrid"):
-        arrange(arrangement, mlps, lambda m, v: build_parallel(m, PRECISE, "gradient", variant=v))
+    with pytest.raises(ValueError, match=f"{arrangement}: got networks parallel, expected"):
+        arrange(arrangement, mlps, lambda m, v: Parallel.of(m, PRECISE, "gradient", variant=v))
 
 
 def test_shapes_and_chunks_change_nothing() -> None:
-    design = build_hybrid(random_mlp((3, 4, 2), 1.0, 1), PRECISE, "gradient")
+    design = Hybrid.of(random_mlp((3, 4, 2), 1.0, 1), PRECISE, "gradient")
     frames = np.random.default_rng(1).integers(SIGNAL.low, SIGNAL.high + 1, (3, 3001, 3))
     results = design.process(frames)
     assert results.shape == (3, 3001, 2)
@@ -182,7 +179,7 @@ def test_huge_weights_still_build() -> None:
     rng = np.random.default_rng(0)
     mlp = Mlp(rng.normal(0, 60, (3, 4)), rng.normal(0, 60, 3), np.ones((1, 3)) * 0.3, np.zeros(1))
     for precision in (THESIS, PRECISE):
-        design = build_hybrid(mlp, precision, "gradient")
+        design = Hybrid.of(mlp, precision, "gradient")
         frames = rng.integers(SIGNAL.low, SIGNAL.high + 1, (500, 4))
         assert np.abs(design.process(frames)).max() <= -SIGNAL.low
 
@@ -190,19 +187,19 @@ def test_huge_weights_still_build() -> None:
 def test_weights_beyond_the_format_are_refused() -> None:
     mlp = Mlp(np.full((1, 1), 2e5), np.zeros(1), np.ones((1, 1)), np.zeros(1))
     with pytest.raises(ValueError, match="layer 1 weights: largest magnitude 200000 does not fit"):
-        build_hybrid(mlp, PRECISE, "gradient")
+        Hybrid.of(mlp, PRECISE, "gradient")
 
 
 def test_a_thesis_sum_that_could_wrap_is_refused() -> None:
     mlp = Mlp(np.full((1, 2), -1.0), np.array([1.0]), np.full((1, 1), 0.3), np.zeros(1))
     with pytest.raises(ValueError, match="hidden node 0: its normalised sum needs 15 bits"):
-        build_hybrid(mlp, THESIS, "gradient")
+        Hybrid.of(mlp, THESIS, "gradient")
 
 
 def test_an_input_that_no_weight_reads_changes_nothing() -> None:
     mlp = random_mlp((3, 4, 2), 1.0, 2)
     mlp.w1[:, 1] = 0
-    design = build_hybrid(mlp, THESIS, "gradient")
+    design = Hybrid.of(mlp, THESIS, "gradient")
     frames = np.zeros((2, 3), dtype=np.int64)
     frames[1, 1] = SIGNAL.low
     assert np.array_equal(*design.process(frames))
@@ -210,7 +207,7 @@ def test_an_input_that_no_weight_reads_changes_nothing() -> None:
 
 def test_entity_names_are_unique() -> None:
     for name in SCENES:
-        entities = [block.entity for block in walk(load_scene(name).design())]
+        entities = [block.entity for block in walk(load_scene(name).twin())]
         assert len(set(entities)) == len(entities)
 
 
@@ -237,7 +234,7 @@ def test_a_node_without_weights_still_builds() -> None:
     mlp = random_mlp((2, 3, 1), 0.3, 1)
     mlp.w1[1] = 0
     mlp.b1[1] = 0
-    design = build_hybrid(mlp, PRECISE, "gradient")
+    design = Hybrid.of(mlp, PRECISE, "gradient")
     node = design.input_integral.nodes[1]
     assert node.acc_width < node.out_shift
     assert design.input_integral.process([[SIGNAL.low, SIGNAL.high]])[0, 1] == 0

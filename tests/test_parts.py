@@ -18,7 +18,7 @@ from hdl.common.delay import delay as delay_line
 from hdl.common.requantise import requantise as requantise_part
 from hdl.common.rom import rom
 from hdl.common.signals import Words, flag, signed, unsigned
-from hdl.simulate import simulate
+from tb.common.myhdl_simulation import simulate
 from tb.common.stimulus import corner_frames
 
 
@@ -101,7 +101,7 @@ def test_the_network_simulated_in_myhdl_equals_its_twin(
     mlp = random_mlp(shape, 3.0, 7)
     path = write_scene(tmp_path, "small", precision, [mlp], activation=activation)
     scene = load_scene(str(path))
-    design = scene.design()
+    design = scene.twin()
     codes = np.concatenate([scene.vectors().codes, corner_frames(Fix(14, 13), 4)])
     results, _ = simulate(design, codes)
     assert results.tolist() == design.process(codes).tolist()
@@ -117,7 +117,7 @@ def test_the_parallel_network_simulated_in_myhdl_equals_its_twin(
         tmp_path, "small", precision, [mlp], activation=activation, design="parallel"
     )
     scene = load_scene(str(path))
-    design = scene.design()
+    design = scene.twin()
     codes = np.concatenate([scene.vectors().codes, corner_frames(Fix(14, 13), 3)])
     results, _ = simulate(design, codes)
     assert results.tolist() == design.process(codes).tolist()

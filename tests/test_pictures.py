@@ -13,16 +13,16 @@ from conftest import CASES
 
 from golden.block import Block, walk
 from golden.precision import SIGNAL
-from golden.report.pictures.animation import animation
-from golden.report.pictures.datapath import datapath
-from golden.report.pictures.load import beam
-from golden.report.pictures.network import network
-from golden.report.pictures.profile import profile
-from golden.report.pictures.swing import swing
-from golden.report.pictures.waveforms import Port, waveforms
 from golden.scene import Scene, load_scene, scene_names
 from hdl.common.lookup import latency
-from tb.common.recording import record
+from tb.report.draw.animation import animation
+from tb.report.draw.datapath import datapath
+from tb.report.draw.load import beam
+from tb.report.draw.network import network
+from tb.report.draw.profile import profile
+from tb.report.draw.swing import swing
+from tb.report.draw.waveforms import Port, waveforms
+from tb.report.measure.recording import record
 
 SVG = "{http://www.w3.org/2000/svg}"
 FRAME = 40
@@ -30,7 +30,7 @@ SWINGS = ("swing-single", "swing-multiple", "swing-cascade")
 
 
 def latencies(scene: Scene) -> dict[str, int]:
-    return {block.entity: latency(block) for block in walk(scene.design())}
+    return {block.entity: latency(block) for block in walk(scene.twin())}
 
 
 def drawn_datapath(scene: Scene) -> str:
@@ -143,10 +143,10 @@ def test_the_datapath_names_every_block_of_the_design(tmp_path: Path, name: str)
     scene = CASES[name].scene(tmp_path, name) if name in CASES else load_scene(name)
     root = parse(drawn_datapath(scene))
     tips = [set(tip.split(", ")) for tip in words(root, "title")[1:]]
-    entities = {block.entity for block in walk(scene.design())}
+    entities = {block.entity for block in walk(scene.twin())}
     assert set().union(*tips) == entities
     shown = " ".join(words(root))
-    for block in walk(scene.design()):
+    for block in walk(scene.twin()):
         assert block.block in shown
 
 
@@ -156,7 +156,7 @@ def test_the_datapath_counts_and_tells_formats_and_clocks() -> None:
     for member in scene.mlps():
         assert f"{member.shape[1]} × input_node" in shown
         assert f"{member.shape[1]} × precise" in shown
-    assert f"{latency(scene.design())} clocks" in shown
+    assert f"{latency(scene.twin())} clocks" in shown
     assert "Fix(14,13) to Fix(18,14)" in shown
 
 
@@ -166,7 +166,7 @@ def test_a_part_that_no_plan_knows_is_drawn_all_the_same(monkeypatch) -> None:
 
     scene = load_scene("digit-load")
     clocks = latencies(scene) | {"novelty": 3}
-    kind = type(scene.design())
+    kind = type(scene.twin())
     parts = kind.parts
     monkeypatch.setattr(kind, "parts", lambda self: (*parts(self), Novelty()))
     assert "novelty" in words(parse(datapath(scene, clocks)))
@@ -183,7 +183,7 @@ def test_the_datapath_asks_for_every_latency() -> None:
 def test_the_recording_holds_what_the_twin_computes(recorded: list[Port]) -> None:
     scene = load_scene("digit")
     codes = scene.vectors().codes[FRAME]
-    outputs = scene.design().process(codes)
+    outputs = scene.twin().process(codes)
     assert counting(recorded, "cascade, frame in", "in_data")[: len(codes)] == codes.tolist()
     assert counting(recorded, "cascade, frame out", "out_data") == outputs.tolist()
     for n, output in enumerate(outputs):
@@ -193,7 +193,7 @@ def test_the_recording_holds_what_the_twin_computes(recorded: list[Port]) -> Non
 
 
 def test_the_recording_has_the_latency_that_the_hardware_publishes(recorded: list[Port]) -> None:
-    design = load_scene("digit").design()
+    design = load_scene("digit").twin()
     last = port(recorded, "cascade, frame in", "in_last").values.index(1)
     first = port(recorded, "cascade, frame out", "out_valid").values.index(1)
     assert first - last == latency(design)
@@ -208,7 +208,7 @@ def test_the_waveforms_show_the_recorded_values(recorded: list[Port]) -> None:
         if "data-port" in row.attrib
     }
     assert len(rows) == len(recorded)
-    outputs = load_scene("digit").design().process(load_scene("digit").vectors().codes[FRAME])
+    outputs = load_scene("digit").twin().process(load_scene("digit").vectors().codes[FRAME])
     written = [f"{value:.4f}" for value in SIGNAL.to_real(outputs)]
     assert rows["cascade, frame out: load, position, width, shape.out_data"] == written
     assert rows["hybrid_3: shape.out_data"] == written[-1:]
@@ -218,8 +218,8 @@ def test_the_waveforms_show_the_recorded_values(recorded: list[Port]) -> None:
 def test_other_designs_are_recorded_too(tmp_path: Path, name: str) -> None:
     scene = CASES[name].scene(tmp_path, name)
     ports = record(scene, 1, tmp_path)
-    outputs = scene.design().process(scene.vectors().codes[1]).tolist()
-    owner = f"{scene.design().entity}, frame out"
+    outputs = scene.twin().process(scene.vectors().codes[1]).tolist()
+    owner = f"{scene.twin().entity}, frame out"
     if name == "parallel":
         (valid,) = np.flatnonzero(port(ports, owner, "out_valid").values)
         found = [port(ports, owner, f"out_data_{n}").values[valid] for n in range(len(outputs))]
@@ -274,8 +274,8 @@ def test_the_load_is_that_of_the_twins_and_of_the_recorded_vectors() -> None:
     scene = load_scene("digit-instrument")
     known = beam(scene)
     codes = scene.vectors().codes
-    readout = scene.design().readout
-    expected = readout.profile(scene.design().process(codes))[1]
+    readout = scene.twin().readout
+    expected = readout.profile(scene.twin().process(codes))[1]
     for frame in (0, 100, 142):
         assert known.drawn(frame).tolist() == SIGNAL.to_real(expected[frame]).tolist()
         at = known.positions

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from scipy.cluster.vq import kmeans2
 
-from golden.figures.rbf import printed_figures, recorded
 from golden.networks.mlp import Mlp
 from golden.networks.operations import (
     Operations,
@@ -18,6 +17,7 @@ from golden.networks.operations import (
 )
 from golden.networks.rbf import Rbf
 from golden.training.rbf import mixture_centres, squared_distances, train_rbf
+from tb.report.measure.rbf import printed_figures, recorded
 
 
 def random_rbf(inputs: int, hidden: int, outputs: int, seed: int = 1) -> Rbf:

@@ -12,19 +12,20 @@ from pathlib import Path
 
 import pytest
 
-from golden.figures.clocks import clocks_per_frame
-from golden.figures.registry import TABLES
-from golden.figures.table import Table
-from golden.report import findings
-from golden.report.page import Page, Picture, Section
-from golden.report.plots import Plot
 from golden.scene import load_scene
 from hdl.common.lookup import latency
-from tb.common.engines import engines
 from tb.common.runner import BUILD
-from tb.report import build, store
-from tb.report.content import content
-from tb.report.steps import TIMED
+from tb.report.draw import findings
+from tb.report.draw.plots import Plot
+from tb.report.measure import store
+from tb.report.measure.clocks import clocks_per_frame
+from tb.report.measure.engines import engines
+from tb.report.measure.registry import TABLES
+from tb.report.measure.steps import TIMED
+from tb.report.measure.table import Table
+from tb.report.page import build
+from tb.report.page.content import content
+from tb.report.page.page import Page, Picture, Section
 
 SCENE = "digit-load"
 WIDTHS = {"phone": 390, "desktop": 1280}
@@ -95,7 +96,7 @@ def test_every_table_and_picture_stands_beside_it(report: Path, data: dict) -> N
 
 def test_the_first_screen_is_the_scene(report: Path, data: dict) -> None:
     scene = load_scene(SCENE)
-    design = scene.design()
+    design = scene.twin()
     text = re.sub(r"\s+", " ", report.read_text())
     assert f"<h1>tactus: {SCENE}</h1>" in text
     costs = dict(row[:2] for row in data["tables"]["costs"]["rows"])
@@ -123,7 +124,9 @@ def test_every_engine_ran_the_same_frames(data: dict) -> None:
 
 
 def test_an_engine_that_differs_fails_the_report(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tb.common.engines.simulate", lambda _, codes: (codes[:, :1] + 1, 1.0))
+    monkeypatch.setattr(
+        "tb.report.measure.engines.simulate", lambda _, codes: (codes[:, :1] + 1, 1.0)
+    )
     with pytest.raises(RuntimeError, match="MyHDL and the twin differ"):
         engines(load_scene(SCENE))
 

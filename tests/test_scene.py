@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.network_file import load_network, provenance_path, save_network
+from golden.network_files.network_file import load_network, provenance_path, save_network
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_names
 from golden.table import read_table
@@ -217,19 +217,19 @@ def test_a_network_with_faults(small_scene: Scene) -> None:
     mlp, path = small_scene.mlps()[0], small_scene.weights_paths[0]
     np.savez(path, w1=mlp.w1, b1=mlp.b1, w2=mlp.w2)
     with pytest.raises(ValueError, match=r"small.npz: no array 'b2', got w1, b1, w2"):
-        small_scene.mlps()[0]
+        small_scene.members[0].load()
     np.savez(path, w1=mlp.w1 * np.nan, b1=mlp.b1, w2=mlp.w2, b2=mlp.b2)
     with pytest.raises(ValueError, match=r"small.npz: w1: got NaN or infinity"):
-        small_scene.mlps()[0]
+        small_scene.members[0].load()
     path.unlink()
     with pytest.raises(FileNotFoundError, match="no such network; make train"):
-        small_scene.mlps()[0]
+        small_scene.members[0].load()
 
 
 def test_every_shipped_scene_builds() -> None:
     for name in scene_names():
         scene = load_scene(name)
-        assert scene.design().outputs == len(scene.outputs)
+        assert scene.twin().outputs == len(scene.outputs)
         for path in scene.weights_paths:
             provenance = tomllib.loads(provenance_path(path).read_text())
             for key in ("optimiser", "seed", "restarts", "weight_decay", "steps", "patience"):
@@ -246,7 +246,7 @@ def test_a_scene_that_names_no_activation_gets_that_of_its_precision(
     edited(small_scene, 'activation = "gradient"\n', "")
     scene = load_scene(edited(small_scene, '"precise"', f'"{precision}"'))
     assert scene.activation == activation
-    assert {a.block for a in scene.design().activations} == {activation}
+    assert {a.block for a in scene.twin().activations} == {activation}
 
 
 def test_an_activation_that_is_not_made_for_the_precision_is_refused(small_scene: Scene) -> None:

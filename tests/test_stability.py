@@ -12,15 +12,15 @@ import pytest
 from golden.activation.abs_unit import AbsUnit
 from golden.activation.comparator_bank import ComparatorBank
 from golden.activation.sign_retriever import SignRetriever
-from golden.figures.stability import activations, networks, physics, table, visualisation
-from golden.figures.stability.case import Row, accepted, largest
-from golden.figures.table import Table
 from golden.fixed import Fix
 from golden.layers import input_integral
 from golden.layers.weighted_sum import WeightedSum
 from golden.physics.plate import Plate
 from golden.scene import scene_names
 from golden.visualisation.power_fold import PowerFold
+from tb.report.measure.stability import activations, networks, physics, table, visualisation
+from tb.report.measure.stability.case import Row, accepted, largest
+from tb.report.measure.table import Table
 
 # What must be there: a model, and words that a case of it holds.
 NAMED = [

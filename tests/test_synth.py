@@ -15,7 +15,7 @@ import pytest
 from golden.block import walk
 from golden.cli import CommandError
 from golden.fingerprint import ROOT
-from golden.scene import Scene, load_scene, scene_names
+from golden.scene import load_scene, scene_names
 from hdl.synth.absorb import absorb
 from hdl.synth.budget import COLUMNS, budget_path, differences, read_budget, write_budget
 from hdl.synth.cells import DEPTH, FAMILIES, synthesise
@@ -28,10 +28,6 @@ from tb.common.runner import export
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
 RECORDED = [*scene_names(), *(f"comparison/{name}" for name in COMPARED)]
-
-
-def recorded(name: str) -> Scene:
-    return load_scene(str(ROOT / "golden" / "scenes" / f"{name}.toml"))
 
 
 def cell(kind: str, inputs: list[int], output: int, **parameters: str) -> dict:
@@ -195,20 +191,20 @@ def verilog(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The Verilog of every recorded scene."""
     folder = tmp_path_factory.mktemp("build")
     with ThreadPoolExecutor(2) as pool:
-        list(pool.map(lambda name: export(recorded(name), "verilog", folder), RECORDED))
+        list(pool.map(lambda name: export(load_scene(name), "verilog", folder), RECORDED))
     return folder
 
 
 @pytest.mark.parametrize("name", RECORDED)
 def test_the_record_is_of_this_verilog(verilog: Path, name: str) -> None:
-    scene = recorded(name)
+    scene = load_scene(name)
     timing, recorded_digest = read_timing(timing_path(scene.path))
     assert recorded_digest == digest(verilog / scene.name / "verilog"), (
         f"run: make synth RECORD=1 SCENE={scene.path}"
     )
     assert timing.clock_mhz >= scene.clock_mhz
     budget = read_budget(budget_path(scene.path))
-    entities = {part.entity for part in walk(scene.design())}
+    entities = {part.entity for part in walk(scene.twin())}
     assert {family: set(cells) for family, cells in budget.items()} == dict.fromkeys(
         FAMILIES, entities
     )
@@ -216,13 +212,13 @@ def test_the_record_is_of_this_verilog(verilog: Path, name: str) -> None:
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_the_recorded_cells_are_those_that_yosys_finds(verilog: Path, family: str) -> None:
-    scene = recorded("digit-load")
+    scene = load_scene("digit-load")
     found = {family: synthesise(verilog / "digit-load" / "verilog", "hybrid", family)}
     budget = read_budget(budget_path(scene.path))
     assert differences(found, {family: budget[family]}) == []
 
 
-def test_the_pages_hold_what_is_recorded() -> None:
+def test_the_pages_hold_what_is_load_scene() -> None:
     for page, text in pages().items():
         assert page.read_text() == text, f"{page}: run: python -m hdl.synth.datasheets"
 
@@ -254,8 +250,8 @@ def test_the_command(small_scene: Scene, tmp_path: Path) -> None:
 
 def test_counts_of_a_scene_add_up(verilog: Path) -> None:
     """A whole is not less than its parts, and its kinds are those of its cells."""
-    budget = read_budget(budget_path(recorded("digit-load").path))["xc2v"]
-    design = recorded("digit-load").design()
+    budget = read_budget(budget_path(load_scene("digit-load").path))["xc2v"]
+    design = load_scene("digit-load").twin()
     parts = Counter(part.entity for part in design.parts())
     for kind in KINDS:
         assert sum(n * budget[name][kind] for name, n in parts.items()) <= budget["hybrid"][kind]

@@ -13,7 +13,7 @@ from conftest import random_mlp
 from golden.activation.schemes import SCHEMES
 from golden.activation.segments import gradient_real
 from golden.metrics import percent_errors
-from golden.network_file import provenance_path, save_network
+from golden.network_files.network_file import provenance_path, save_network
 from golden.networks.mlp import tanh
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_names
@@ -251,7 +251,7 @@ def test_the_network_file_decides_the_hidden_nodes(small_scene: Scene) -> None:
 def test_shipped_networks_have_the_errors_of_their_provenance(name: str) -> None:
     scene = load_scene(name)
     vectors = scene.vectors()
-    results = SIGNAL.to_real(scene.design().process(vectors.codes))
+    results = SIGNAL.to_real(scene.twin().process(vectors.codes))
     errors = percent_errors(results, vectors.targets, scene.outputs, scene.full_scale)
     split = split_rows(len(vectors.inputs), scene.training.seed)
     for member in scene.members:
@@ -265,7 +265,7 @@ def test_shipped_networks_have_the_errors_of_their_provenance(name: str) -> None
 
 def test_a_network_of_a_cascade_sees_what_the_scene_says(small_cascade: Scene) -> None:
     vectors, mlps = small_cascade.vectors(), small_cascade.mlps()
-    results = small_cascade.design().process(vectors.codes)
+    results = small_cascade.twin().process(vectors.codes)
     real = small_cascade.process_real(SIGNAL.to_real(vectors.codes))
     for loop, given in (("bit-true", SIGNAL.to_real(results)), ("float", real)):
         training = replace(small_cascade.training, earlier_outputs=loop)

@@ -73,6 +73,6 @@ def test_it_exports(scene: Path, tmp_path: Path) -> None:
 def test_two_lines_make_it_an_instrument(scene: Path) -> None:
     whole = scene.with_name("whole.toml")
     whole.write_text(scene.read_text() + "\n[front_end]\n")
-    design = load_scene(str(whole)).design()
+    design = load_scene(str(whole)).twin()
     assert design.entity == "instrument"
     assert design.scan_sequencer.slots == 6

@@ -13,7 +13,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from golden.block import walk
-from golden.figures.visualisation import quotient_error
 from golden.fixed import Fix
 from golden.instruments.readout import Readout
 from golden.precision import SIGNAL
@@ -30,6 +29,7 @@ from golden.visualisation.load_profile import (
 )
 from golden.visualisation.power_fold import PowerFold
 from golden.visualisation.ramp import Ramp, ramp
+from tb.report.measure.visualisation import quotient_error
 
 APPENDIX_2 = Path(__file__).parents[1] / "golden" / "data" / "appendix2.csv"
 PROFILE = load_profile()
@@ -59,7 +59,7 @@ def test_every_recorded_frame_along_the_whole_ramp() -> None:
 def test_what_the_network_makes_of_every_recorded_frame() -> None:
     scene = load_scene("digit-single")
     assert scene.outputs == ("load", "position", "width", "shape")
-    assert units(scene.design().process(scene.vectors().codes)) < 1.82
+    assert units(scene.twin().process(scene.vectors().codes)) < 1.82
 
 
 def test_real_arithmetic_is_the_equation() -> None:
@@ -283,7 +283,7 @@ def drawn_scene(folder: Path, section: str) -> Path:
 def test_a_scene_names_what_is_drawn(tmp_path: Path) -> None:
     section = VISUALISATION.replace("y0", "y4") + "start = -0.2\nstep = 0.25\n"
     scene = load_scene(str(drawn_scene(tmp_path, section)))
-    design = scene.design()
+    design = scene.twin()
     outputs = design.process(scene.vectors().codes)
     positions, heights = design.profile(outputs)
     assert np.array_equal(SIGNAL.quantise([-0.2, 0.05, 0.3, 0.55, 0.8])[0], positions)
@@ -292,8 +292,8 @@ def test_a_scene_names_what_is_drawn(tmp_path: Path) -> None:
 
 
 def test_a_scene_without_the_section_has_no_profile(tmp_path: Path) -> None:
-    whole = load_scene(str(drawn_scene(tmp_path, VISUALISATION))).design()
-    bare = load_scene(str(drawn_scene(tmp_path, ""))).design()
+    whole = load_scene(str(drawn_scene(tmp_path, VISUALISATION))).twin()
+    bare = load_scene(str(drawn_scene(tmp_path, ""))).twin()
     assert whole.network == bare
     assert {part.block for part in walk(bare)}.isdisjoint(part.block for part in walk(PROFILE))
 
@@ -312,7 +312,11 @@ def test_a_scene_without_the_section_has_no_profile(tmp_path: Path) -> None:
             'load = "y0"\nshape_threshold = 1',
             "visualisation.shape_threshold: got 1.0",
         ),
-        ('"hybrid"', '"parallel"', "hardware.design: got 'parallel', expected hybrid, because"),
+        (
+            '"hybrid"',
+            '"parallel"',
+            "got 'parallel' with a section .visualisation., expected hybrid, because",
+        ),
         (LENGTHS, "", r"data.length_mm: got none of 'y1', expected that of .* the position"),
         ("50.8", "0.001", "visualisation: load_profile: gain=254000, expected above 0"),
     ],
@@ -327,7 +331,7 @@ def test_a_fault_of_the_section_is_named(tmp_path: Path, old: str, new: str, mes
 
 
 def test_results_are_four_outputs() -> None:
-    network = load_scene("digit-single").design()
+    network = load_scene("digit-single").twin()
     for results in ((0, 1, 2, 2), (0, 1, 2, 4)):
         with pytest.raises(ValueError, match=r"readout: got results .* expected four different"):
             Readout(network, PROFILE, results)

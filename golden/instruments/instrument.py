@@ -31,6 +31,7 @@ class Instrument(Network):
     """
 
     block = "instrument"
+    stream = "converter"
     area = "instruments"
     scan_sequencer: ScanSequencer
     readout: Readout

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden.networks.cascade import Cascade
-from golden.networks.hybrid import Hybrid
+from golden.networks.design import Design
 from golden.networks.mlp import Activation, Mlp, Real
 from golden.networks.multiple import Multiple
 from golden.networks.network import Network
@@ -45,7 +45,7 @@ def process_real(
     return np.concatenate(results, axis=-1)
 
 
-def arrange(arrangement: str, mlps: Sequence[Mlp], build: Callable[[Mlp, str], Network]) -> Network:
+def arrange(arrangement: str, mlps: Sequence[Mlp], build: Callable[[Mlp, str], Design]) -> Network:
     """The bit-true twin of all networks together; of one alone, that network's.
 
     Parameters
@@ -57,10 +57,11 @@ def arrange(arrangement: str, mlps: Sequence[Mlp], build: Callable[[Mlp, str], N
     """
     if len(mlps) == 1:
         return build(mlps[0], "")
-    built = [build(mlp, str(i)) for i, mlp in enumerate(mlps)]
-    networks = tuple(network for network in built if isinstance(network, Hybrid))
-    if len(networks) < len(built):
-        raise ValueError(f"{arrangement}: got networks {built[0].block}, expected hybrid")
+    networks = tuple(build(mlp, str(i)) for i, mlp in enumerate(mlps))
+    if arrangement not in networks[0].arrangements:
+        raise ValueError(
+            f"{arrangement}: got networks {networks[0].block}, expected a design for it"
+        )
     if arrangement == "cascade":
         return Cascade(networks)
     # One result a clock leaves; a cascade's frames are longer than that in any case.

@@ -32,6 +32,7 @@ class AxisNetwork(Network):
     """
 
     block = "axis_network"
+    stream = "axi_stream"
     network: Network
 
     @property

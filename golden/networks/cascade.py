@@ -20,7 +20,7 @@ class Cascade(Several):
 
     Parameters
     ----------
-    networks : tuple of Hybrid
+    networks : tuple of Design
         One per output, in the order of the outputs; each has one input more than the one before.
 
     Raises

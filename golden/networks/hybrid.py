@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -12,13 +13,16 @@ from golden.block import Block
 from golden.fixed import Codes
 from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
+from golden.layers.input_node import InputNode
 from golden.layers.output_controller import OutputController
 from golden.layers.output_integral import OutputIntegral
-from golden.networks.network import Network
+from golden.networks.constants import Constants
+from golden.networks.design import Design, ExactSum
+from golden.precision import SIGNAL
 
 
 @dataclass(frozen=True)
-class Hybrid(Network):
+class Hybrid(Design):
     """y = f2(activation(f1(x))) with N + M + L folded work (thesis section 5.4, Figure 5.8).
 
     Layer 1 has one multiplier per hidden node, used once per sample; each hidden node has one
@@ -30,18 +34,13 @@ class Hybrid(Network):
     activations : tuple of ActivationBlock
         One per hidden node.
     output_integral : OutputIntegral
-    min_interval : int
-        Clocks that whoever takes the outputs needs from one frame to the next.
-    useless_nodes : int
-        Hidden nodes that are not built, because no output uses them.
     """
 
     block = "hybrid"
+    arrangements = ("single", "multiple", "cascade")
     input_integral: InputIntegral
     activations: tuple[ActivationBlock, ...]
     output_integral: OutputIntegral
-    min_interval: int = 1
-    useless_nodes: int = 0
 
     def __post_init__(self) -> None:
         hidden = len(self.input_integral.nodes)
@@ -50,6 +49,49 @@ class Hybrid(Network):
                 f"{self.entity}: got {hidden} nodes, {len(self.activations)} activations and "
                 f"{self.output_integral.hidden} weights per output, expected equal numbers"
             )
+
+    @classmethod
+    def from_constants(cls, constants: Constants, variant: str = "") -> Self:
+        precision, first, second = constants.precision, constants.first, constants.second
+        prefix = f"{variant}_" if variant else ""
+        nodes = tuple(
+            InputNode(
+                SIGNAL,
+                first.fmt,
+                precision.hidden_fmt,
+                precision.product_shift,
+                weights,
+                bias,
+                variant=f"{prefix}{j}",
+            )
+            for j, (weights, bias) in enumerate(zip(first.weights, first.biases, strict=True))
+        )
+        output = OutputIntegral(
+            SIGNAL,
+            second.fmt,
+            SIGNAL,
+            precision.product_shift,
+            second.weights,
+            second.biases,
+            second.factors if precision.normalise else None,
+            variant=variant,
+        )
+        return cls(
+            InputIntegral(nodes, variant=variant),
+            constants.activations,
+            output,
+            useless_nodes=constants.useless_nodes,
+            variant=variant,
+        )
+
+    @property
+    def exact_layers(self) -> tuple[list[ExactSum], list[ExactSum]]:
+        last = self.output_integral
+        factors = last.factors or (1,) * last.outputs
+        return (
+            [ExactSum(n, n.weights, n.bias) for n in self.input_integral.nodes],
+            [ExactSum(last, *row) for row in zip(last.weights, last.biases, factors, strict=True)],
+        )
 
     @property
     def inputs(self) -> int:

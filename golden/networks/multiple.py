@@ -18,7 +18,7 @@ class Multiple(Several):
 
     Parameters
     ----------
-    networks : tuple of Hybrid
+    networks : tuple of Design
         One per output, in the order of the outputs, all of the same number of inputs.
     """
 

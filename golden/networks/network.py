@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,6 +21,10 @@ class Network(Block):
     """From frames of sample codes to frames of output codes, one frame at a time or millions."""
 
     area = "networks"
+    # How frames come and go: "serial", an element a clock; "words", all at once; "axi_stream",
+    # with a handshake; "converter", codes of an analogue-to-digital converter in, a serial frame
+    # out.
+    stream: ClassVar[str] = "serial"
 
     @property
     def inputs(self) -> int:

@@ -4,19 +4,22 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
 from golden.activation.activation_block import ActivationBlock
 from golden.block import Block
-from golden.fixed import Codes
+from golden.fixed import Codes, Fix
 from golden.layers.input_controller import InputController
 from golden.layers.neuron import Neuron
-from golden.networks.network import Network
+from golden.networks.constants import Constants, Layer
+from golden.networks.design import Design, ExactSum
+from golden.precision import SIGNAL
 
 
 @dataclass(frozen=True)
-class Parallel(Network):
+class Parallel(Design):
     """y = f2(activation(f1(x))), all samples of a frame in one clock (thesis section 5.2).
 
     A multiplier for every weight of both layers, N M + M L of them, and one activation per hidden
@@ -28,15 +31,14 @@ class Parallel(Network):
     activations : tuple of ActivationBlock
         One per hidden node.
     output_neurons : tuple of Neuron
-    useless_nodes : int
-        Hidden nodes that are not built, because no output uses them.
     """
 
     block = "parallel"
+    arrangements = ("single",)
+    stream = "words"
     hidden_neurons: tuple[Neuron, ...]
     activations: tuple[ActivationBlock, ...]
     output_neurons: tuple[Neuron, ...]
-    useless_nodes: int = 0
 
     def __post_init__(self) -> None:
         hidden = len(self.hidden_neurons)
@@ -52,6 +54,42 @@ class Parallel(Network):
         if len({neuron.factor is None for neuron in self.output_neurons}) != 1:
             raise ValueError(f"{self.entity}: got factors of some outputs, expected all or none")
 
+    @classmethod
+    def from_constants(cls, constants: Constants, variant: str = "") -> Self:
+        precision = constants.precision
+        prefix = f"{variant}_" if variant else ""
+
+        def neurons(layer: Layer, out_fmt: Fix, symbol: str, scaled: bool) -> tuple[Neuron, ...]:
+            return tuple(
+                Neuron(
+                    SIGNAL,
+                    layer.fmt,
+                    out_fmt,
+                    precision.product_shift,
+                    weights,
+                    layer.biases[i],
+                    layer.factors[i] if scaled else None,
+                    variant=f"{prefix}{symbol}{i}",
+                )
+                for i, weights in enumerate(layer.weights)
+            )
+
+        return cls(
+            neurons(constants.first, precision.hidden_fmt, "q", scaled=False),
+            constants.activations,
+            neurons(constants.second, SIGNAL, "y", scaled=precision.normalise),
+            useless_nodes=constants.useless_nodes,
+            variant=variant,
+        )
+
+    @property
+    def exact_layers(self) -> tuple[list[ExactSum], list[ExactSum]]:
+        hidden, outputs = (
+            [ExactSum(n, n.weights, n.bias, n.factor or 1) for n in neurons]
+            for neurons in (self.hidden_neurons, self.output_neurons)
+        )
+        return hidden, outputs
+
     @property
     def inputs(self) -> int:
         return len(self.hidden_neurons[0].weights)
@@ -62,7 +100,7 @@ class Parallel(Network):
 
     @property
     def interval(self) -> int:
-        return max(activation.interval for activation in self.activations)
+        return max(self.min_interval, *(activation.interval for activation in self.activations))
 
     @property
     def input_controller(self) -> InputController:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from golden.layers.output_collector import OutputCollector
-from golden.networks.hybrid import Hybrid
+from golden.networks.design import Design
 from golden.networks.network import Network
 from golden.precision import SIGNAL
 
@@ -16,7 +16,7 @@ class Several(Network):
 
     Parameters
     ----------
-    networks : tuple of Hybrid
+    networks : tuple of Design
         One per output, in the order of the outputs.
 
     Raises
@@ -26,7 +26,7 @@ class Several(Network):
         asks for.
     """
 
-    networks: tuple[Hybrid, ...]
+    networks: tuple[Design, ...]
 
     def _inputs_of(self, number: int) -> int:
         """How many inputs network ``number`` must have."""

@@ -16,7 +16,7 @@ from joblib import parallel_config
 
 from golden.cli import run
 from golden.fingerprint import fingerprint, sources
-from golden.network_file import provenance_path, save_network
+from golden.network_files.network_file import provenance_path, save_network
 from golden.networks.mlp import Mlp
 from golden.scene import Scene, load_scene
 from golden.training.search import Result, candidates, search, train

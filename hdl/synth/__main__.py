@@ -20,8 +20,8 @@ from golden.files import replace_folder
 from golden.networks.network import Network
 from golden.scene import Scene, load_scene
 from hdl.common.lookup import latency
-from hdl.export import export
-from hdl.repeatable import run_repeatable
+from hdl.export.exporter import export
+from hdl.export.repeatable import run_repeatable
 from hdl.synth.budget import Cells, budget_path, by_block, differences, read_budget, write_budget
 from hdl.synth.cells import DEPTH, FAMILIES, synthesise
 from hdl.synth.netlist import KINDS
@@ -64,7 +64,7 @@ def main() -> None:
     parser.add_argument("--record", action="store_true", help="write the budget beside the scene")
     arguments = parser.parse_args()
     scene = load_scene(arguments.scene)
-    design = scene.design()
+    design = scene.twin()
     with replace_folder(arguments.build / scene.name / "synth") as folder:
         verilog = folder / "verilog"
         export(scene, "verilog", verilog)

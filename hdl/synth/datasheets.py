@@ -13,9 +13,9 @@ from golden.block import walk
 from golden.cli import CommandError
 from golden.files import replace_file
 from golden.fingerprint import ROOT
-from golden.scene import FOLDER, Scene, load_scene, scene_names
+from golden.scene import Scene, load_scene, scene_names
 from hdl.common.lookup import latency
-from hdl.repeatable import run_repeatable
+from hdl.export.repeatable import run_repeatable
 from hdl.synth.budget import Cells, budget_path, read_budget
 from hdl.synth.cells import DEPTH, FAMILIES
 from hdl.synth.netlist import KINDS
@@ -31,7 +31,7 @@ COLUMNS = [*KINDS, DEPTH]
 
 def recorded() -> Iterator[tuple[Scene, Cells]]:
     """Every scene with a budget, and its budget."""
-    names = [*scene_names(), *(str(FOLDER / "comparison" / f"{n}.toml") for n in COMPARED)]
+    names = [*scene_names(), *(f"comparison/{n}" for n in COMPARED)]
     for name in names:
         scene = load_scene(name)
         yield scene, read_budget(budget_path(scene.path))
@@ -41,7 +41,7 @@ def block_tables() -> dict[str, str]:
     """By block the lines for its datasheet: in each family the entity with the most LUTs."""
     largest: dict[str, dict[str, tuple[int, str, str, dict[str, int]]]] = {}
     for scene, cells in recorded():
-        for part in walk(scene.design()):
+        for part in walk(scene.twin()):
             for family in FAMILIES:
                 found = cells[family][part.entity]
                 candidate = (found["LUT"], scene.name, part.entity, found)
@@ -73,7 +73,7 @@ def scene_table() -> str:
         "|" + "---|" * 10,
     ]
     for scene, cells in recorded():
-        design = scene.design()
+        design = scene.twin()
         top = cells["xc2v"][design.entity]
         share = shares(scene, design, cells)
         printed = share.get("thesis", {})

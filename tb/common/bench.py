@@ -73,7 +73,7 @@ class Bench:
         self.dut = dut
         self.configuration = json.loads(os.environ[CONFIGURATION])
         self.scene = load_scene(self.configuration["scene"])
-        self.design = self.scene.design()
+        self.design = self.scene.twin()
         entity = self.configuration["entity"]
         self.twin = next(block for block in walk(self.design) if block.entity == entity)
         self.latency = self.latency_of(entity)

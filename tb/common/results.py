@@ -40,7 +40,7 @@ def simulate(scene: Scene) -> dict:
     results = stored_results(scene)
     if results is not None:
         return results | {"fresh": False}
-    top = scene.design().entity
+    top = scene.twin().entity
     outcomes = run_jobs(jobs, _progress(scene))
     results = {
         "state": state(scene),

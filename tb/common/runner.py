@@ -19,9 +19,9 @@ from pathlib import Path
 
 from golden.block import Block, walk
 from golden.cli import CommandError
-from golden.scene import FOLDER, Scene, load_scene, scene_names
+from golden.scene import Scene, load_scene, scene_names, scene_path
 from golden.table import suggest
-from hdl.export import MANIFEST, ORDER
+from hdl.export.exporter import MANIFEST, ORDER
 from tb.common.bench import CONFIGURATION
 from tb.common.tools import SIMULATORS, check_simulator, language
 
@@ -132,7 +132,7 @@ def plan(
     if block is not None:
         _check_block(scene, block)
     jobs = []
-    parts = {part.entity: part for part in walk(scene.design())}
+    parts = {part.entity: part for part in walk(scene.twin())}
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         list(pool.map(lambda name: export(scene, language(name), build), simulators))
     for simulator in simulators:
@@ -168,13 +168,13 @@ def _needed(order: list[str], manifest: list[dict], part: Block) -> tuple[str, .
 
 
 def _check_block(scene: Scene, block: str) -> None:
-    present = sorted({part.block for part in walk(scene.design())})
+    present = sorted({part.block for part in walk(scene.twin())})
     if block in present:
         return
     elsewhere = [
         name
         for name in scene_names()
-        if name != scene.name and block in {p.block for p in walk(load_scene(name).design())}
+        if name != scene.name and block in {p.block for p in walk(load_scene(name).twin())}
     ]
     hint = f"; scene {elsewhere[0]} contains it" if elsewhere else suggest(block, present)
     raise CommandError(
@@ -242,7 +242,7 @@ def run_job(job: Job) -> Outcome:
 
 
 def _scene_argument(scene: Scene) -> str:
-    return scene.name if scene.path.parent == FOLDER else str(scene.path)
+    return scene.name if scene.path == scene_path(scene.name) else str(scene.path)
 
 
 def run_jobs(jobs: list[Job], tell: Callable[[Outcome], None]) -> list[Outcome]:

@@ -12,7 +12,7 @@ import sys
 
 from golden.cli import run
 from tb.common.runner import ready_scene
-from tb.report.build import build_report
+from tb.report.page.build import build_report
 
 
 def main() -> None:

@@ -29,7 +29,7 @@ CHUNK = 48
 def recorded():
     """Outputs of a network."""
     digit = load_scene("digit-single")
-    return digit.design().process(digit.vectors().codes)
+    return digit.twin().process(digit.vectors().codes)
 
 
 def extremes(bench):

@@ -1,1 +1,0 @@
-"""Every measured figure of the project as tables: ``make figures``."""

@@ -1,0 +1,46 @@
+"""``python -m golden.network_files.convert``: a network of a scene as .npz, .mat or .onnx."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from golden.cli import run
+from golden.network_files.network_file import write_network
+from golden.scene import Member, Scene, load_scene
+from golden.table import suggest
+
+
+def member_of(scene: Scene, output: str | None) -> Member:
+    """The network that gives ``output``; None where the scene has just one network.
+
+    Raises
+    ------
+    ValueError
+        For an output that the scene does not have, or none where it has several networks.
+    """
+    if output is None and len(scene.members) == 1:
+        return scene.members[0]
+    for member in scene.members:
+        if output in member.outputs:
+            return member
+    raise ValueError(
+        f"OUTPUT={output or ''}: scene {scene.name} has {len(scene.members)} networks, expected "
+        f"one of {', '.join(scene.outputs)}{suggest(output or '', scene.outputs)}"
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="make network", description=__doc__)
+    parser.add_argument("scene")
+    parser.add_argument("file", type=Path)
+    parser.add_argument("--output", help="which network, where the scene has several")
+    arguments = parser.parse_args()
+    mlp = member_of(load_scene(arguments.scene), arguments.output).load()
+    write_network(arguments.file, mlp)
+    print(f"wrote {arguments.file}, {':'.join(str(n) for n in mlp.shape)}")
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

@@ -1,0 +1,108 @@
+"""Trained networks on disk.
+
+The project's own form is an NPZ of w1, b1, w2 and b2 with its provenance beside it as TOML;
+networks trained elsewhere come as Netlab-style .mat or as .onnx. A scene can name any of the three.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+
+from golden.files import replace_file
+from golden.networks.mlp import Mlp
+from golden.table import suggest
+
+NAMES = ("w1", "b1", "w2", "b2")
+
+# A form's module is imported when a file asks for it: those of .mat and .onnx take half a second,
+# and every bench reads a scene at its start.
+FORMS = {f".{form}": f"golden.network_files.{form}" for form in ("npz", "mat", "onnx")}
+
+
+def provenance_path(path: Path) -> Path:
+    """Where the provenance of the network at ``path`` stands."""
+    return path.with_suffix(".provenance.toml")
+
+
+def load_network(path: Path, shape: tuple[int, int, int]) -> Mlp:
+    """The network at ``path``.
+
+    Parameters
+    ----------
+    path : Path
+    shape : tuple of int
+        Inputs, hidden nodes and outputs that the network must have; 0 hidden nodes take as many
+        as it has.
+
+    Raises
+    ------
+    FileNotFoundError
+        When there is no such file; the message says how to train one.
+    ValueError
+        When the file's ending or contents are none of the three forms, an array is missing, has
+        another shape than expected, or holds NaN; the message names file and array.
+    """
+    if not path.is_file():
+        raise FileNotFoundError(f"{path}: no such network; make train SCENE=... writes it")
+    found = _form(path).read(path)
+    inputs, hidden, outputs = shape
+    hidden = hidden or np.size(found.get("b1", 0))
+    expected = {
+        "w1": (hidden, inputs),
+        "b1": (hidden,),
+        "w2": (outputs, hidden),
+        "b2": (outputs,),
+    }
+    arrays = {}
+    for name in NAMES:
+        if name not in found:
+            raise ValueError(f"{path}: no array {name!r}, got {', '.join(found)}")
+        arrays[name] = found[name]
+    for name, array in arrays.items():
+        if array.shape != expected[name]:
+            raise ValueError(
+                f"{path}: {name}: got shape {array.shape}, expected {expected[name]} "
+                f"of a {inputs}:{hidden}:{outputs} network"
+            )
+        if not np.isfinite(array).all():
+            raise ValueError(f"{path}: {name}: got NaN or infinity, expected finite numbers")
+    return Mlp(**arrays)
+
+
+def _form(path: Path) -> ModuleType:
+    """The module that reads and writes files of this ending."""
+    if path.suffix not in FORMS:
+        known = list(FORMS)
+        raise ValueError(
+            f"{path}: got the ending {path.suffix!r}, expected one of {', '.join(known)}"
+            f"{suggest(path.suffix, known)}"
+        )
+    return import_module(FORMS[path.suffix])
+
+
+def write_network(path: Path, mlp: Mlp) -> None:
+    """Write the network in the form that the file's ending asks for; whole or not at all.
+
+    Raises
+    ------
+    ValueError
+        For another ending than .npz, .mat or .onnx.
+    """
+    form = _form(path)
+    with replace_file(path) as temporary:
+        form.write(temporary, mlp)
+
+
+def save_network(path: Path, mlp: Mlp, provenance: dict[str, str | int | float]) -> None:
+    """Write the network and its provenance; either file is whole or untouched."""
+    write_network(path, mlp)
+    lines = [
+        f'{key} = "{value}"' if isinstance(value, str) else f"{key} = {value}"
+        for key, value in provenance.items()
+    ]
+    with replace_file(provenance_path(path)) as temporary:
+        temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")

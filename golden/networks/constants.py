@@ -1,0 +1,155 @@
+"""From a trained network to the constants that every design of hardware is built from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from golden.activation.activation_block import ActivationBlock
+from golden.activation.schemes import SCHEMES
+from golden.fixed import Codes, Fix
+from golden.layers.node_sum import NodeSum
+from golden.networks.mlp import Mlp, Real
+from golden.precision import SIGNAL, Precision, normalisation
+
+
+@dataclass(frozen=True)
+class Layer:
+    """Codes of a layer's weights, shape (neurons, inputs), and biases, their format, and Q or Y."""
+
+    weights: tuple[tuple[int, ...], ...]
+    biases: tuple[int, ...]
+    fmt: Fix
+    factors: tuple[int, ...]
+
+    def of_neurons(self, kept: Sequence[int]) -> Layer:
+        """This layer with some of its neurons."""
+        return replace(
+            self,
+            weights=tuple(self.weights[j] for j in kept),
+            biases=tuple(self.biases[j] for j in kept),
+            factors=tuple(self.factors[j] for j in kept),
+        )
+
+    def of_inputs(self, kept: Sequence[int]) -> Layer:
+        """This layer on some of its inputs."""
+        return replace(self, weights=tuple(tuple(row[j] for j in kept) for row in self.weights))
+
+
+def quantised(weights: Real, biases: Real, precision: Precision, name: str) -> Layer:
+    """A layer in the formats of a precision, normalised where it asks for that.
+
+    Raises
+    ------
+    ValueError
+        When the weights do not fit their format; the message begins with ``name``.
+    """
+    factors = (
+        normalisation(weights, biases)
+        if precision.normalise
+        else np.ones(len(biases), dtype=np.int64)
+    )
+    codes, bias_codes, fmt = precision.coefficients(
+        weights / factors[:, np.newaxis], biases / factors, name
+    )
+    return Layer(tuple(map(_plain, codes)), _plain(bias_codes), fmt, _plain(factors))
+
+
+def _plain(codes: Codes) -> tuple[int, ...]:
+    return tuple(int(code) for code in codes)
+
+
+@dataclass(frozen=True)
+class Constants:
+    """A network of two layers in codes, and the activation of each hidden node.
+
+    Attributes
+    ----------
+    precision : Precision
+    first, second : Layer
+        Without the hidden nodes that are not built.
+    activations : tuple of ActivationBlock
+        One per hidden node.
+    useless_nodes : int
+        Hidden nodes that are not built, because no output uses them.
+    """
+
+    precision: Precision
+    first: Layer
+    second: Layer
+    activations: tuple[ActivationBlock, ...]
+    useless_nodes: int
+
+
+def constants_of(
+    mlp: Mlp,
+    precision: Precision,
+    activation: str,
+    options: Mapping[str, object] | None = None,
+    lean: bool = True,
+) -> Constants:
+    """Quantise a trained network and choose its activations; every design takes what comes out.
+
+    Parameters
+    ----------
+    mlp : Mlp
+    precision : Precision
+    activation : str
+        A name of ``SCHEMES``.
+    options : mapping, optional
+        What is chosen of the activation's options.
+    lean : bool
+        Leave out what the weights make useless: segments of activations, hidden nodes. Results are
+        the same either way.
+
+    Raises
+    ------
+    ValueError
+        When weights do not fit their format, or when in ``thesis`` precision a normalised sum
+        could leave its 14 bits.
+
+    Notes
+    -----
+    A weight whose code is 0 adds nothing to a sum, so a node with such weights alone changes no
+    output. One node stays, because a network has at least one.
+    """
+    first = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights")
+    second = quantised(mlp.w2, mlp.b2, precision, "layer 2 weights")
+    hidden = range(len(first.biases))
+    used = [j for j in hidden if any(row[j] for row in second.weights)] if lean else list(hidden)
+    used = used or [0]
+    first, second = first.of_neurons(used), second.of_inputs(used)
+    nodes = _sums(first, precision.hidden_fmt, precision)
+    outputs = _sums(second, SIGNAL, precision)
+    _refuse_wrapping(
+        precision,
+        [(f"hidden node {j}", node.acc_width) for j, node in enumerate(nodes)]
+        + [("output layer", node.acc_width) for node in outputs],
+    )
+    scheme = SCHEMES[activation].configured(options or {})
+    activations = tuple(
+        scheme.build(precision, q, node.reach if lean else node.out_fmt.high)
+        for q, node in zip(first.factors, nodes, strict=True)
+    )
+    return Constants(precision, first, second, activations, len(hidden) - len(used))
+
+
+def _sums(layer: Layer, out_fmt: Fix, precision: Precision) -> list[NodeSum]:
+    """The sum of each neuron of a layer, whose bounds are the same in every design."""
+    return [
+        NodeSum(SIGNAL, layer.fmt, out_fmt, precision.product_shift, weights, bias)
+        for weights, bias in zip(layer.weights, layer.biases, strict=True)
+    ]
+
+
+def _refuse_wrapping(precision: Precision, widths: Iterable[tuple[str, int]]) -> None:
+    """The thesis' adders wrap, and a wrapped sum is a wrong sum."""
+    for name, width in widths:
+        if precision.normalise and width > SIGNAL.width:
+            raise ValueError(
+                f"{name}: its normalised sum needs {width} bits and would wrap in "
+                f"{SIGNAL.width}; weights that are nearly whole numbers do this, retrain or "
+                "use the precise precision"
+            )

@@ -1,0 +1,83 @@
+"""What every design has in common: hardware that one trained network becomes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import ClassVar, Self
+
+from golden.layers.weighted_sum import WeightedSum
+from golden.networks.constants import Constants, constants_of
+from golden.networks.mlp import Mlp
+from golden.networks.network import Network
+from golden.precision import Precision
+
+
+@dataclass(frozen=True)
+class ExactSum:
+    """One neuron's sum, as integers of any width compute it.
+
+    Attributes
+    ----------
+    formats : WeightedSum
+    weights : sequence of int
+    bias : int
+    factor : int
+        What the sum is multiplied by.
+    """
+
+    formats: WeightedSum
+    weights: Sequence[int]
+    bias: int
+    factor: int = 1
+
+
+@dataclass(frozen=True)
+class Design(Network):
+    """A network of two layers in one form of hardware; a scene names it by its ``block``.
+
+    A subclass in ``golden.networks`` is found by itself (``golden.networks.designs``).
+
+    Attributes
+    ----------
+    arrangements : tuple of str
+        Those in which a scene may use it.
+    min_interval : int
+        Clocks that whoever takes the outputs needs from one frame to the next.
+    useless_nodes : int
+        Hidden nodes that are not built, because no output uses them.
+    """
+
+    arrangements: ClassVar[tuple[str, ...]] = ()
+    min_interval: int = field(default=1, kw_only=True)
+    useless_nodes: int = field(default=0, kw_only=True)
+
+    @classmethod
+    def from_constants(cls, constants: Constants, variant: str = "") -> Self:
+        """The design of a trained network.
+
+        Parameters
+        ----------
+        constants : Constants
+        variant : str
+            Tells it from other networks of the same design.
+        """
+        raise NotImplementedError
+
+    @classmethod
+    def of(
+        cls,
+        mlp: Mlp,
+        precision: Precision,
+        activation: str,
+        options: Mapping[str, object] | None = None,
+        variant: str = "",
+        lean: bool = True,
+    ) -> Self:
+        """The design of a network in real weights; see ``constants_of``."""
+        return cls.from_constants(constants_of(mlp, precision, activation, options, lean), variant)
+
+    @property
+    def exact_layers(self) -> tuple[list[ExactSum], list[ExactSum]]:
+        """The sums of the hidden nodes and of the outputs."""
+        raise NotImplementedError

@@ -1,0 +1,25 @@
+"""A scene: which sensors, which outputs, which network, in which form of hardware.
+
+A scene is one TOML file, in a folder of ``golden/scenes`` or anywhere else. Paths in it are
+relative to it.
+"""
+
+from golden.scene.reading import FOLDER, comparison_names, load_scene, scene_names, scene_path
+from golden.scene.reference import thesis_figures, thesis_table
+from golden.scene.scene import Scene
+from golden.scene.sections import Member, Training
+from golden.scene.vectors import Vectors
+
+__all__ = [
+    "FOLDER",
+    "Member",
+    "Scene",
+    "Training",
+    "Vectors",
+    "comparison_names",
+    "load_scene",
+    "scene_names",
+    "scene_path",
+    "thesis_figures",
+    "thesis_table",
+]

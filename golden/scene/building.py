@@ -1,0 +1,41 @@
+"""The bit-true twin of a scene's hardware: its networks, and what the scene puts around them."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from golden.instruments.instrument import Instrument
+from golden.instruments.readout import Readout
+from golden.networks.arrangement import arrange
+from golden.networks.axis_network import AxisNetwork
+from golden.networks.network import Network
+
+if TYPE_CHECKING:
+    from golden.scene.scene import Scene
+
+
+def build_twin(scene: Scene, lean: bool) -> Network:
+    """The networks of a scene with front end, readout or AXI4-Stream, where it names them.
+
+    ``lean`` leaves out what the weights make useless; see ``constants_of``.
+
+    Raises
+    ------
+    FileNotFoundError, ValueError
+        See ``load_network`` and ``constants_of``; also for a front end that cannot make the
+        network's frames.
+    """
+    network = arrange(scene.arrangement, scene.mlps(), partial(scene.build, lean=lean))
+    if scene.interface == "axi_stream":
+        return AxisNetwork(network)
+    drawn = scene.visualisation
+    if drawn is None and scene.front_end is None:
+        return network
+    readout = Readout(network, drawn.load_profile, drawn.results) if drawn else Readout(network)
+    if scene.front_end is None:
+        return readout
+    try:
+        return Instrument(scene.front_end.scan_sequencer(network), readout)
+    except ValueError as error:
+        raise ValueError(f"{scene.path}: front_end: {error}") from None

@@ -1,0 +1,98 @@
+"""Scenes by name or by file."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from golden.precision import PRECISIONS
+from golden.scene.front_end import front_end
+from golden.scene.scene import Scene
+from golden.scene.schema import checked
+from golden.scene.sections import (
+    beside,
+    check_activation,
+    check_data,
+    check_hardware,
+    members,
+    training,
+)
+from golden.scene.visualisation import visualisation
+from golden.table import suggest
+
+FOLDER = Path(__file__).parents[1] / "scenes"
+
+
+def scene_path(name: str) -> Path:
+    """The file of a scene that tactus ships: in a folder of its name."""
+    return FOLDER / name / f"{Path(name).name}.toml"
+
+
+def scene_names() -> list[str]:
+    """The scenes that tactus ships."""
+    return sorted(folder.name for folder in FOLDER.iterdir() if scene_path(folder.name).is_file())
+
+
+def comparison_names() -> list[str]:
+    """The scenes that are kept only to compare others with."""
+    return sorted(f"comparison/{folder.name}" for folder in (FOLDER / "comparison").iterdir())
+
+
+def load_scene(name: str) -> Scene:
+    """Read a scene by its name, or by a path that ends in ``.toml``.
+
+    Raises
+    ------
+    FileNotFoundError
+        For an unknown scene; the message lists those there are.
+    ValueError
+        For a fault in the file; the message names file, key, what was got and what was expected.
+    """
+    known = scene_names()
+    shipped = name in known or name in comparison_names()
+    path = scene_path(name) if shipped else Path(name).expanduser()
+    if not shipped and not (name.endswith(".toml") and path.is_file()):
+        raise FileNotFoundError(
+            f"scene {name!r}: no such scene, expected a path to a .toml file or one of "
+            f"{', '.join(known)}{suggest(name, known)}"
+        )
+    try:
+        raw = tomllib.loads(path.read_text(encoding="utf-8"))
+    except tomllib.TOMLDecodeError as error:
+        raise ValueError(f"{path}: not TOML: {error}") from None
+    return _scene(checked(raw, path), path)
+
+
+def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
+    data, network, hardware = values["data"], values["network"], values["hardware"]
+    check_data(data, path)
+    check_hardware(values, path)
+    activation = check_activation(hardware, path)
+    return Scene(
+        name=path.stem,
+        path=path,
+        data_path=beside(path, data["file"]),
+        sensors=tuple(data["sensors"]),
+        outputs=tuple(data["outputs"]),
+        group_by=data["group_by"],
+        where={name: float(value) for name, value in data["where"].items()},
+        full_scale={name: float(s) for name, s in data["full_scale"].items()},
+        length_mm={name: float(s) for name, s in data["length_mm"].items()},
+        reference=data["reference"],
+        arrangement=network["arrangement"],
+        members=members(data, network, path),
+        design=hardware["design"],
+        activation=activation,
+        activation_options=hardware["activation_options"],
+        precision=PRECISIONS[hardware["precision"]],
+        clock_mhz=hardware["clock_mhz"],
+        interface=hardware["interface"],
+        training=training(values["training"], path),
+        front_end=front_end(values["front_end"], path) if "front_end" in values else None,
+        visualisation=(
+            visualisation(values["visualisation"], data, path)
+            if "visualisation" in values
+            else None
+        ),
+    )

@@ -1,0 +1,34 @@
+"""Figures of the thesis that a scene is compared with."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+NUMBERS = Path(__file__).parents[1] / "data" / "thesis_numbers.toml"
+
+
+def thesis_table(key: str) -> dict[str, Any]:
+    """A table of golden/data/thesis_numbers.toml by its dotted name; empty where there is none."""
+    table: Any = tomllib.loads(NUMBERS.read_text(encoding="utf-8"))
+    for part in key.split("."):
+        table = table.get(part) if isinstance(table, dict) else None
+    return table if isinstance(table, dict) else {}
+
+
+def thesis_figures(key: str, outputs: int, path: Path) -> list[float]:
+    """The thesis' largest mean errors that a scene names, one per output, in percent.
+
+    Raises
+    ------
+    ValueError
+        When golden/data/thesis_numbers.toml has no such table, or another number of figures.
+    """
+    figures = thesis_table(key).get("simulation")
+    if figures is None or len(figures) != outputs:
+        raise ValueError(
+            f"{path}: data.reference: got {key!r}, expected a table of thesis_numbers.toml with "
+            f"{outputs} simulation figures, such as digit.hybrid"
+        )
+    return [float(figure) for figure in figures]

@@ -1,0 +1,154 @@
+"""A scene: which sensors, which outputs, which network, in which form of hardware."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from golden.activation.schemes import SCHEMES, Scheme
+from golden.networks.arrangement import process_real
+from golden.networks.design import Design
+from golden.networks.designs import DESIGNS
+from golden.networks.mlp import Mlp, Real
+from golden.networks.network import Network
+from golden.precision import Precision
+from golden.scene.building import build_twin
+from golden.scene.front_end import FrontEnd
+from golden.scene.sections import Member, Training
+from golden.scene.vectors import Vectors, read_vectors
+from golden.scene.visualisation import Visualisation
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One scene, read and checked.
+
+    Attributes
+    ----------
+    name : str
+        The file's name without its ending.
+    path : Path
+    data_path : Path
+    sensors, outputs : tuple of str
+        Columns of the recorded vectors.
+    group_by : str
+        Column of the positions over which equation 3.15 averages; empty where there are none.
+    where : dict
+        Columns and the values that they have in the rows that are used.
+    full_scale : dict
+        Outputs whose error is divided by this constant instead of by the target.
+    length_mm : dict
+        What the full scale of an output is in millimetres.
+    reference : str
+        Table of golden/data/thesis_numbers.toml to compare with, or nothing.
+    arrangement : str
+    members : tuple of Member
+        The networks, in the order of the outputs.
+    design : str
+        A name of ``DESIGNS``.
+    activation : str
+    activation_options : dict
+        What the scene chooses of the activation's options.
+    precision : Precision
+    clock_mhz : float
+    interface : str
+        ``stream``, the network's own ports, or ``axi_stream``.
+    training : Training
+    front_end : FrontEnd or None
+        How the sensors are read, where the scene has that section.
+    visualisation : Visualisation or None
+        The profile of the load, where the scene has that section.
+    """
+
+    name: str
+    path: Path
+    data_path: Path
+    sensors: tuple[str, ...]
+    outputs: tuple[str, ...]
+    group_by: str
+    where: dict[str, float]
+    full_scale: dict[str, float]
+    length_mm: dict[str, float]
+    reference: str
+    arrangement: str
+    members: tuple[Member, ...]
+    design: str
+    activation: str
+    activation_options: dict[str, Any]
+    precision: Precision
+    clock_mhz: float
+    interface: str
+    training: Training
+    front_end: FrontEnd | None
+    visualisation: Visualisation | None
+
+    @property
+    def weights_paths(self) -> list[Path]:
+        """The network files."""
+        return [member.weights_path for member in self.members]
+
+    @property
+    def files(self) -> list[Path]:
+        """Everything that the scene reads: its own file, its networks, its data."""
+        return [self.path, *self.weights_paths, self.data_path]
+
+    @property
+    def activation_text(self) -> str:
+        """The activation as a reader names it, with the options that the scene chooses."""
+        options = ", ".join(f"{name} = {value}" for name, value in self.activation_options.items())
+        return f"{self.activation} ({options})" if options else self.activation
+
+    @property
+    def scheme(self) -> Scheme:
+        """The activation with the scene's options."""
+        return SCHEMES[self.activation].configured(self.activation_options)
+
+    def vectors(self) -> Vectors:
+        """The recorded vectors of this scene, read once; see ``read_vectors``."""
+        return self._vectors
+
+    @cached_property
+    def _vectors(self) -> Vectors:
+        return read_vectors(self)
+
+    def mlps(self) -> list[Mlp]:
+        """The trained networks in floating point, read once.
+
+        Raises
+        ------
+        FileNotFoundError, ValueError
+            See ``load_network``.
+        """
+        return self._mlps
+
+    @cached_property
+    def _mlps(self) -> list[Mlp]:
+        return [member.load() for member in self.members]
+
+    def process_real(self, samples: Real) -> Real:
+        """Outputs of the trained networks with this scene's activation in floating point."""
+        return process_real(self.arrangement, self.mlps(), samples, self.scheme.real)
+
+    def build(self, mlp: Mlp, variant: str = "", lean: bool = True) -> Design:
+        """The bit-true network of ``mlp`` in this scene's hardware; see ``constants_of``."""
+        return DESIGNS[self.design].of(
+            mlp, self.precision, self.activation, self.activation_options, variant, lean
+        )
+
+    def twin(self, lean: bool = True) -> Network:
+        """The bit-true twin of this scene's hardware, built once; see ``build_twin``."""
+        return self._lean if lean else self._whole
+
+    @cached_property
+    def _lean(self) -> Network:
+        return build_twin(self, lean=True)
+
+    @cached_property
+    def _whole(self) -> Network:
+        return build_twin(self, lean=False)
+
+    def describe(self) -> str:
+        """Inputs, hidden nodes and outputs of each network."""
+        return ", ".join(":".join(str(n) for n in mlp.shape) for mlp in self.mlps())

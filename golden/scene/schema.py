@@ -1,0 +1,118 @@
+"""Which sections and keys a scene may have, of which types, and with which choices."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from golden.activation.schemes import SCHEMES
+from golden.networks.arrangement import ARRANGEMENTS
+from golden.networks.designs import DESIGNS
+from golden.precision import PRECISIONS
+from golden.scene.front_end import KEYS as FRONT_END_KEYS
+from golden.scene.visualisation import KEYS as VISUALISATION_KEYS
+from golden.table import suggest
+
+# Section, key, type, default; None as a default makes the key required. A type in brackets is one
+# such value for all networks of the scene, or a list of one for each.
+KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
+    "data": {
+        "file": (str, None),
+        "sensors": (list, None),
+        "outputs": (list, None),
+        "group_by": (str, ""),
+        "where": (dict, {}),
+        "full_scale": (dict, {}),
+        "length_mm": (dict, {}),
+        "reference": (str, ""),
+    },
+    "network": {
+        "arrangement": (str, None),
+        "hidden": ([int], 0),
+        "weights": ([str], None),
+    },
+    "hardware": {
+        "design": (str, None),
+        "activation": (str, ""),
+        "activation_options": (dict, {}),
+        "precision": (str, None),
+        "clock_mhz": (float, 64.0),
+        "interface": (str, "stream"),
+    },
+    "training": {
+        "optimiser": (str, "levenberg-marquardt"),
+        "hidden": (list, [4, 25]),
+        "seed": (int, 1),
+        "restarts": (int, 8),
+        "weight_decay": (float, 1e-4),
+        "steps": (int, 200),
+        "patience": (int, 40),
+        "earlier_outputs": (str, "bit-true"),
+    },
+    "front_end": FRONT_END_KEYS,
+    "visualisation": VISUALISATION_KEYS,
+}
+# Sections without which a scene has no such thing; of the others the defaults stand.
+OPTIONAL = ("front_end", "visualisation")
+CHOICES = {
+    ("network", "arrangement"): ARRANGEMENTS,
+    ("hardware", "design"): tuple(DESIGNS),
+    ("hardware", "activation"): tuple(SCHEMES),
+    ("hardware", "precision"): tuple(PRECISIONS),
+    ("hardware", "interface"): ("stream", "axi_stream"),
+    ("training", "optimiser"): ("levenberg-marquardt", "scg"),
+    ("training", "earlier_outputs"): ("bit-true", "float"),
+}
+
+
+def checked(raw: dict[str, Any], path: Path) -> dict[str, dict[str, Any]]:
+    """Every section with every key, types and choices checked, defaults filled in."""
+    _refuse_unknown(raw, KEYS, f"{path}: section")
+    values: dict[str, dict[str, Any]] = {}
+    for section, keys in KEYS.items():
+        if section in OPTIONAL and section not in raw:
+            continue
+        given = raw.get(section, {})
+        if not isinstance(given, dict):
+            raise ValueError(f"{path}: {section}: got {given!r}, expected a section")
+        _refuse_unknown(given, keys, f"{path}: {section}: key")
+        values[section] = {}
+        for key, (kind, default) in keys.items():
+            value = given.get(key, default)
+            if value is None:
+                raise ValueError(f"{path}: {section}.{key}: missing, expected {_kind(kind)}")
+            if kind is float and type(value) is int:
+                value = float(value)
+            if not _is(value, kind):
+                raise ValueError(f"{path}: {section}.{key}: got {value!r}, expected {_kind(kind)}")
+            choices = CHOICES.get((section, key))
+            if choices and key in given and value not in choices:
+                raise ValueError(
+                    f"{path}: {section}.{key}: got {value!r}, expected one of "
+                    f"{', '.join(choices)}{suggest(str(value), choices)}"
+                )
+            values[section][key] = value
+    return values
+
+
+def _is(value: Any, kind: Any) -> bool:
+    if isinstance(kind, list):
+        values = value if isinstance(value, list) else [value]
+        return all(type(v) is kind[0] for v in values)
+    return type(value) is kind
+
+
+def _kind(kind: Any) -> str:
+    if isinstance(kind, list):
+        return f"{_kind(kind[0])}, or a list with one for each network"
+    names = {str: "text", int: "a whole number", float: "a number", list: "a list", dict: "a table"}
+    return names[kind]
+
+
+def _refuse_unknown(given: dict[str, Any], known: dict[str, Any], place: str) -> None:
+    for name in given:
+        if name not in known:
+            raise ValueError(
+                f"{place} {name!r} is not known, expected {', '.join(known)}"
+                f"{suggest(name, list(known))}"
+            )

@@ -1,0 +1,213 @@
+"""The sections of a scene, checked, as what they mean."""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from golden.activation.schemes import SCHEMES
+from golden.network_files.network_file import load_network
+from golden.networks.designs import DESIGNS
+from golden.networks.mlp import Mlp
+from golden.precision import PRECISIONS
+from golden.scene.reference import thesis_figures
+from golden.table import suggest
+
+
+@dataclass(frozen=True)
+class Training:
+    """How a scene's networks are trained; see ``golden.training``.
+
+    ``earlier_outputs`` tells what a network of a cascade trains on: the outputs that the networks
+    before it give in floating point (the thesis' cascade A) or bit-true (cascade B).
+    """
+
+    optimiser: str
+    hidden: tuple[int, int]
+    seed: int
+    restarts: int
+    weight_decay: float
+    steps: int
+    patience: int
+    earlier_outputs: str
+
+
+@dataclass(frozen=True)
+class Member:
+    """One network of a scene.
+
+    Attributes
+    ----------
+    inputs : int
+        Sensors and, in a cascade, the outputs of the networks before it.
+    hidden : int
+        0 takes as many as the network file has; training then searches ``training.hidden``.
+    outputs : tuple of str
+    weights_path : Path
+    """
+
+    inputs: int
+    hidden: int
+    outputs: tuple[str, ...]
+    weights_path: Path
+
+    def load(self) -> Mlp:
+        """The trained network.
+
+        Raises
+        ------
+        FileNotFoundError, ValueError
+            See ``load_network``.
+        """
+        return load_network(self.weights_path, (self.inputs, self.hidden, len(self.outputs)))
+
+
+def beside(path: Path, name: str) -> Path:
+    """The file that a scene names relative to itself, without ``..`` on the way."""
+    return Path(os.path.normpath(path.parent / name))
+
+
+def check_data(data: dict[str, Any], path: Path) -> None:
+    """Refuse columns, scales, lengths and a reference that cannot be.
+
+    Raises
+    ------
+    ValueError
+    """
+    for key in ("sensors", "outputs"):
+        names = data[key]
+        if not names or any(type(n) is not str for n in names) or len(set(names)) < len(names):
+            raise ValueError(f"{path}: data.{key}: got {names!r}, expected column names, each once")
+    for key, known in (("full_scale", data["outputs"]), ("length_mm", list(data["full_scale"]))):
+        for name, scale in data[key].items():
+            if name not in known:
+                what = "output" if key == "full_scale" else "output with a full_scale"
+                raise ValueError(
+                    f"{path}: data.{key}: {name!r} is no {what}, expected one of "
+                    f"{', '.join(known)}{suggest(name, known)}"
+                )
+            if type(scale) not in (int, float) or not 0 < scale < math.inf:
+                raise ValueError(
+                    f"{path}: data.{key}.{name}: got {scale!r}, expected a number above 0"
+                )
+    for name, value in data["where"].items():
+        if type(value) not in (int, float) or not math.isfinite(value):
+            raise ValueError(f"{path}: data.where.{name}: got {value!r}, expected a number")
+    if data["reference"]:
+        thesis_figures(data["reference"], len(data["outputs"]), path)
+
+
+def training(values: dict[str, Any], path: Path) -> Training:
+    """The section ``[training]``.
+
+    Raises
+    ------
+    ValueError
+        For a number that cannot be.
+    """
+    span = values["hidden"]
+    if [type(n) for n in span] != [int, int] or not 1 <= span[0] <= span[1]:
+        raise ValueError(
+            f"{path}: training.hidden: got {span!r}, expected the least and the largest number of "
+            "hidden nodes, such as [4, 25]"
+        )
+    for key in ("restarts", "steps", "patience"):
+        if not 0 < values[key] < math.inf:
+            raise ValueError(f"{path}: training.{key}: got {values[key]!r}, expected above 0")
+    for key in ("weight_decay", "seed"):
+        if not 0 <= values[key] < math.inf:
+            raise ValueError(f"{path}: training.{key}: got {values[key]!r}, expected 0 or more")
+    return Training(**(values | {"hidden": (span[0], span[1])}))
+
+
+def check_hardware(values: dict[str, dict[str, Any]], path: Path) -> None:
+    """Refuse what does not go together: design, arrangement, interface and what stands around.
+
+    Raises
+    ------
+    ValueError
+    """
+    hardware, arrangement = values["hardware"], values["network"]["arrangement"]
+    design = DESIGNS[hardware["design"]]
+    if arrangement not in design.arrangements:
+        raise ValueError(
+            f"{path}: network.arrangement: got {arrangement!r} with design {design.block!r}, "
+            f"expected {' or '.join(design.arrangements)}"
+        )
+    if not 0 < hardware["clock_mhz"] < math.inf:
+        raise ValueError(
+            f"{path}: hardware.clock_mhz: got {hardware['clock_mhz']!r}, expected above 0"
+        )
+    framed = hardware["interface"] == "axi_stream"
+    around = [section for section in ("front_end", "visualisation") if section in values]
+    if framed and around:
+        raise ValueError(
+            f"{path}: hardware.interface: got 'axi_stream' with a section [{around[0]}], "
+            "expected stream"
+        )
+    if design.stream == "serial":
+        return
+    serial = " or ".join(name for name, other in DESIGNS.items() if other.stream == "serial")
+    reasons = {
+        "front_end": "because the front end sends a stream of samples",
+        "visualisation": "because the visualisation takes a stream of outputs",
+    }
+    wanted = ["with interface 'axi_stream'"] if framed else []
+    wanted += [f"with a section [{section}]" for section in around]
+    if wanted:
+        reason = f", {reasons[around[0]]}" if around else ""
+        raise ValueError(
+            f"{path}: hardware.design: got {design.block!r} {wanted[0]}, expected {serial}{reason}"
+        )
+
+
+def check_activation(hardware: dict[str, Any], path: Path) -> str:
+    """The activation's name, that of the precision where the scene names none.
+
+    Raises
+    ------
+    ValueError
+        For options that the activation has not, or a precision that it is not made for.
+    """
+    precision = PRECISIONS[hardware["precision"]]
+    activation: str = hardware["activation"] or precision.activation
+    place = f"{path}: hardware.activation_options"
+    scheme = SCHEMES[activation].configured(hardware["activation_options"], place)
+    if precision not in scheme.precisions:
+        fitting = ", ".join(name for name, s in SCHEMES.items() if precision in s.precisions)
+        raise ValueError(
+            f"{path}: hardware.activation: got {activation!r} with precision {precision.name!r}, "
+            f"expected one of {fitting}"
+        )
+    return activation
+
+
+def members(data: dict[str, Any], network: dict[str, Any], path: Path) -> tuple[Member, ...]:
+    """The networks: one for all outputs, or one for each."""
+    outputs, sensors = data["outputs"], len(data["sensors"])
+    single = network["arrangement"] == "single"
+    groups = [outputs] if single else [[name] for name in outputs]
+    count = len(groups)
+    hidden, weights = (
+        value if isinstance(value, list) else [value]
+        for value in (network["hidden"], network["weights"])
+    )
+    if len(hidden) == 1:
+        hidden = hidden * count
+    for key, values in (("hidden", hidden), ("weights", weights)):
+        if len(values) != count or (key == "weights" and len(set(values)) < count):
+            one = "one for all outputs" if single else "one for each output"
+            raise ValueError(
+                f"{path}: network.{key}: got {network[key]!r}, expected {count}: "
+                f"{network['arrangement']} has {one}"
+            )
+    if min(hidden) < 0:
+        raise ValueError(f"{path}: network.hidden: got {network['hidden']}, expected 0 or more")
+    cascade = network["arrangement"] == "cascade"
+    return tuple(
+        Member(sensors + i * cascade, hidden[i], tuple(groups[i]), beside(path, weights[i]))
+        for i in range(count)
+    )

@@ -1,0 +1,91 @@
+"""The section ``[visualisation]`` of a scene: which outputs are drawn, and where."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from golden.table import suggest
+from golden.visualisation.load_profile import SHAPE_THRESHOLD, LoadProfile, load_profile, width_gain
+
+RESULTS = ("load", "position", "width", "shape")
+
+# Key, type, default; see ``golden.scene``.
+KEYS: dict[str, tuple[Any, Any]] = {
+    **{name: (str, name) for name in RESULTS},
+    "start": (float, 0.0),
+    "stop": (float, 0.8),
+    "step": (float, 0.05),
+    "shape_threshold": (float, SHAPE_THRESHOLD),
+}
+
+
+@dataclass(frozen=True)
+class Visualisation:
+    """What a scene says of its profile.
+
+    Attributes
+    ----------
+    load_profile : LoadProfile
+    results : tuple of int
+        Which outputs of the scene are load, position, width and shape.
+    """
+
+    load_profile: LoadProfile
+    results: tuple[int, int, int, int]
+
+
+def visualisation(values: dict[str, Any], data: dict[str, Any], path: Path) -> Visualisation:
+    """The section's values, types checked and defaults filled in, as blocks.
+
+    Parameters
+    ----------
+    values : dict
+        The keys of ``KEYS``.
+    data : dict
+        The checked section ``[data]``; the lengths of position and width set C.
+    path : Path
+        The scene's file, for messages.
+
+    Raises
+    ------
+    ValueError
+        For an output that the scene has not or that is named twice, an output whose length in
+        millimetres is not known, a ramp or a threshold outside the format, or a C too large.
+    """
+    outputs = data["outputs"]
+    names = [values[key] for key in RESULTS]
+    for key, name in zip(RESULTS, names, strict=True):
+        if name not in outputs:
+            raise ValueError(
+                f"{path}: visualisation.{key}: got {name!r}, expected one of the outputs "
+                f"{', '.join(outputs)}{suggest(name, outputs)}"
+            )
+        if names.count(name) > 1:
+            raise ValueError(
+                f"{path}: visualisation.{key}: got {name!r}, expected four different outputs"
+            )
+    threshold = values["shape_threshold"]
+    if not -1 <= threshold < 1:
+        raise ValueError(
+            f"{path}: visualisation.shape_threshold: got {threshold!r}, expected -1 to below 1"
+        )
+    units = []
+    for key in ("position", "width"):
+        name = values[key]
+        if name not in data["length_mm"]:
+            raise ValueError(
+                f"{path}: data.length_mm: got none of {name!r}, expected that of the output which "
+                f"is the {key} of the visualisation"
+            )
+        length, scale = (Fraction(str(data[k][name])) for k in ("length_mm", "full_scale"))
+        units.append(length / scale)
+    ramp = {key: values[key] for key in ("start", "stop", "step")}
+    try:
+        profile = load_profile(gain=width_gain(*units), shape_threshold=threshold, **ramp)
+    except ValueError as error:
+        raise ValueError(f"{path}: visualisation: {error}") from None
+    first, second, third, fourth = (outputs.index(name) for name in names)
+    return Visualisation(profile, (first, second, third, fourth))

@@ -1,0 +1,1 @@
+"""From a scene's twin to files of VHDL or Verilog."""

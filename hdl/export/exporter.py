@@ -1,0 +1,70 @@
+"""A scene as VHDL or Verilog, one file an entity."""
+
+from __future__ import annotations
+
+import json
+import warnings
+from pathlib import Path
+
+from myhdl import ToVerilogWarning, ToVHDLWarning
+
+from golden.files import replace_folder
+from golden.scene import Scene
+from hdl.common.lookup import latency
+from hdl.export.elaborate import elaborate
+from hdl.export.handover.write import write_handover
+from hdl.export.hierarchy import SUFFIX, convert_hierarchy
+
+# Functions that MyHDL's VHDL calls (stdl, bool); MyHDL writes the package beside its output.
+VHDL_PACKAGE = "pck_myhdl_011"
+ORDER = "compile_order.txt"
+MANIFEST = "manifest.json"
+
+
+def export(scene: Scene, language: str, folder: Path) -> list[str]:
+    """Write the scene's network into ``folder``, replacing it as a whole.
+
+    Parameters
+    ----------
+    scene : Scene
+    language : str
+        "vhdl" or "verilog".
+    folder : Path
+        Beside the entities it gets ``compile_order.txt``, the files in compile order, and
+        ``manifest.json``, which names block, file and latency of every entity, and what
+        ``hdl.export.handover`` writes.
+
+    Returns
+    -------
+    list of str
+        File names in compile order.
+
+    Raises
+    ------
+    FileNotFoundError, ValueError
+        For a fault of the scene, its data or its network; nothing is written then.
+    """
+    design = scene.twin()
+    with replace_folder(folder) as temporary, warnings.catch_warnings():
+        # A conversion that MyHDL is not sure of is a fault.
+        warnings.simplefilter("error", ToVHDLWarning)
+        warnings.simplefilter("error", ToVerilogWarning)
+        specs = convert_hierarchy(elaborate(design), temporary, language)
+        suffix = SUFFIX[language]
+        files = [f"{spec.entity}{suffix}" for spec in specs]
+        if language == "vhdl":
+            files.insert(0, f"{VHDL_PACKAGE}{suffix}")
+        (temporary / ORDER).write_text("".join(f"{name}\n" for name in files))
+        manifest = [
+            {
+                "entity": spec.entity,
+                "block": spec.block,
+                "area": spec.area,
+                "file": f"{spec.entity}{suffix}",
+                "latency": latency(spec),
+            }
+            for spec in specs
+        ]
+        (temporary / MANIFEST).write_text(json.dumps(manifest, indent=1) + "\n")
+        write_handover(scene, design, temporary, ORDER, files, language)
+    return files

@@ -1,0 +1,139 @@
+"""A VHDL-93 test bench that needs nothing but a simulator."""
+
+from __future__ import annotations
+
+from string import Template
+
+from golden.networks.network import Network
+from hdl.common.lookup import latency
+from hdl.export.handover.example import vhdl_map, vhdl_signals
+from hdl.export.handover.styles import STYLES
+from hdl.export.ports import Port
+
+_TEXT = Template("""\
+-- Plays the recorded frames of scene $scene into $top, $first and again
+-- $second, and compares every output.
+-- Says how many frames match; ends with an assertion of severity failure where one does not. Inputs
+-- change and outputs are read at the falling edge.
+
+library ieee;
+use ieee.std_logic_1164.all;
+use ieee.numeric_std.all;
+
+use work.${top}_vectors.all;
+
+entity ${top}_tb is
+end entity ${top}_tb;
+
+architecture self_check of ${top}_tb is
+
+    constant half_period: time := 5 ns;
+    -- Clocks from the last element of a frame until all outputs have left, slowly, and some more.
+    constant settle: positive := $settle;
+
+$signals
+    signal running: boolean := true;
+
+begin
+
+    dut: entity work.$top
+        port map (
+$map
+        );
+
+    clock: process
+    begin
+        while running loop
+            clk <= '0';
+            wait for half_period;
+            clk <= '1';
+            wait for half_period;
+        end loop;
+        wait;
+    end process clock;
+
+    play: process
+        variable complete: boolean := true;
+        -- Frames that came out, that match, and that were refused.
+        variable received, matched, refused: natural := 0;
+$variables
+        -- One clock: looks at what stands on the outputs.
+        procedure tick is
+        begin
+            wait until falling_edge(clk);
+$refused$check
+        end procedure tick;
+
+        procedure idle(clocks: natural) is
+        begin
+            for count in 1 to clocks loop
+                tick;
+            end loop;
+        end procedure idle;
+
+        procedure tell(how: string) is
+        begin
+            idle(settle);
+            report natural'image(matched) & " of " & natural'image(frames) & " frames match, "
+                & how severity note;
+            complete := complete and matched = frames and received = frames and refused = 0;
+            received := 0;
+            matched := 0;
+        end procedure tell;
+
+        procedure send_frame(frame: natural; gaps: boolean) is
+            variable pause: natural := 0;
+        begin
+$send
+        end procedure send_frame;
+
+        procedure send_all(gaps: boolean) is
+        begin
+            rst <= '1';
+            idle(2);
+            rst <= '0';
+            for frame in 0 to frames - 1 loop
+                send_frame(frame, gaps);
+            end loop;
+        end procedure send_all;
+    begin
+        send_all(false);
+        tell("$first");
+        send_all(true);
+        tell("$second");
+        running <= false;
+        assert complete
+            report "$top does not give the recorded results" severity failure;
+        wait;
+    end process play;
+
+end architecture self_check;
+""")
+
+_REFUSED = """\
+            if frame_error = '1' then
+                refused := refused + 1;
+            end if;
+"""
+
+
+def test_bench(scene: str, design: Network, ports: list[Port]) -> str:
+    """Text of the entity ``<top>_tb``."""
+    style = STYLES[design.stream]
+    clocks = latency(design)
+    # What is held is on the stream too; the profile is not recorded.
+    used = [port for port in ports if not port.name.startswith(("held_", "profile_"))]
+    left_open = tuple(port.name for port in ports if port not in used)
+    return _TEXT.substitute(
+        scene=scene,
+        top=design.entity,
+        settle=clocks + 3 * design.outputs * (clocks // design.interval + 2),
+        signals=vhdl_signals(used),
+        map=vhdl_map(ports, left_open),
+        variables=style.variables,
+        refused=_REFUSED if "frame_error" in {port.name for port in ports} else "",
+        check=style.check(design),
+        first=style.passes[0],
+        second=style.passes[1],
+        send=style.send(design),
+    )

@@ -1,0 +1,54 @@
+"""Writes everything that a user of an export starts from, beside its entities."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from golden.networks.network import Network
+from golden.scene import Scene
+from hdl.export.handover.constraints import constraints
+from hdl.export.handover.core import core, plain_name
+from hdl.export.handover.example import example
+from hdl.export.handover.test_bench import test_bench
+from hdl.export.handover.vectors import CLOCKS, FRAMES, vectors
+from hdl.export.hierarchy import SUFFIX
+from hdl.export.ports import read_ports
+
+
+def write_handover(
+    scene: Scene, design: Network, folder: Path, order: str, files: list[str], language: str
+) -> None:
+    """Core file, example, constraints and, in VHDL, the test bench, into the export's folder.
+
+    Parameters
+    ----------
+    scene, design : Scene, Network
+        The scene and its design.
+    folder : Path
+        Holds ``files``, in compile order; the last one is the top.
+    order : str
+        Name of the file with that order.
+    language : str
+
+    Raises
+    ------
+    FileNotFoundError, ValueError
+        For a fault of the recorded vectors, see ``Scene.vectors``.
+    """
+    name, top, suffix = plain_name(scene.name), design.entity, SUFFIX[language]
+    ports = read_ports((folder / files[-1]).read_text(), language)
+    texts = constraints(name, top, scene.clock_mhz)
+    texts[f"{top}_example{suffix}"] = example(name, top, ports, language)
+    benches = []
+    if language == "vhdl":
+        samples = scene.vectors().codes[: min(FRAMES, CLOCKS // design.interval)]
+        benches = [f"{top}_vectors{suffix}", f"{top}_tb{suffix}"]
+        texts[benches[0]] = vectors(name, top, samples, design.process(samples))
+        texts[benches[1]] = test_bench(name, design, ports)
+    description = (
+        f"{scene.describe()} {scene.arrangement} network, {', '.join(scene.sensors)} to "
+        f"{', '.join(scene.outputs)}"
+    )
+    texts[f"{name}.core"] = core(name, description, order, files, benches, language)
+    for file, text in texts.items():
+        (folder / file).write_text(text)

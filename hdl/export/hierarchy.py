@@ -1,0 +1,188 @@
+"""Hierarchical conversion: one VHDL entity or Verilog module per block.
+
+MyHDL 0.11 flattens a design on conversion, and its own hooks for sub-modules call a function that
+Python 3.11 no longer has. Here every block that takes a ``spec`` is converted by itself, leaves
+first, and its parent gets a port map in its place; everything else (the parts of ``hdl/common``
+and the private parts of a block) is inlined. The MyHDL version is pinned, because attributes are
+set that MyHDL does not document.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from myhdl import _block as myhdl_block
+from myhdl._block import _Block
+from myhdl._extractHierarchy import _UserVerilogCode, _UserVhdlCode
+from myhdl._Signal import _Signal
+
+from golden.block import Block
+from hdl.common.signals import Words
+from hdl.export.ports import read_ports
+
+LANGUAGES = {"vhdl": "VHDL", "verilog": "Verilog"}
+SUFFIX = {"vhdl": ".vhd", "verilog": ".v"}
+
+
+class _VhdlInstance(_UserVhdlCode):
+    """A port map; the names of the actual signals are known only when it is written."""
+
+    def __init__(self, label, entity, ports):
+        self.label, self.entity, self.ports = label, entity, ports
+
+    def __str__(self):
+        ports = ",\n".join(f"        {formal} => {s._name}" for formal, s in self.ports.items())
+        return f"\n{self.label}: entity work.{self.entity}\n    port map (\n{ports}\n    );\n"
+
+
+class _VerilogInstance(_UserVerilogCode):
+    """A module instance."""
+
+    def __init__(self, label, entity, ports):
+        self.label, self.entity, self.ports = label, entity, ports
+
+    def __str__(self):
+        ports = ",\n".join(f"    .{formal}({s._name})" for formal, s in self.ports.items())
+        return f"\n{self.entity} {self.label} (\n{ports}\n);\n"
+
+
+_INSTANCE = {"vhdl": _VhdlInstance, "verilog": _VerilogInstance}
+
+
+def convert_hierarchy(top: _Block, folder: Path, language: str) -> list[Block]:
+    """Convert ``top`` and every block under it, one file an entity, into ``folder``.
+
+    Parameters
+    ----------
+    top : block instance with a ``spec``
+    folder : Path
+        An existing folder; each file is named after its entity.
+    language : str
+        "vhdl" or "verilog".
+
+    Returns
+    -------
+    list of Block
+        The specs in compile order.
+
+    Raises
+    ------
+    ValueError
+        When two blocks share an entity name but not their constants.
+    """
+    done: dict[str, tuple[Block, dict[str, str]]] = {}
+    _convert(top, folder, language, done)
+    return [spec for spec, _ in done.values()]
+
+
+def _convert(instance: _Block, folder: Path, language: str, done: dict) -> None:
+    spec = instance.kwargs["spec"]
+    if spec.entity in done:
+        if done[spec.entity][0] != spec:
+            raise ValueError(f"{spec.entity}: two different blocks want this entity name")
+        return
+    children = list(_entities(instance))
+    for child in children:
+        _convert(child, folder, language, done)
+    with _replaced(instance, children, language, done):
+        instance.convert(
+            hdl=LANGUAGES[language],
+            path=str(folder),
+            name=spec.entity,
+            no_myhdl_header=True,
+            initial_values=False,
+            **({"testbench": False} if language == "verilog" else {}),
+        )
+    file = folder / f"{spec.entity}{SUFFIX[language]}"
+    text = _tidy(file.read_text(), language)
+    file.write_text(text)
+    done[spec.entity] = (spec, port_directions(text, language))
+
+
+def _entities(instance: _Block) -> Iterator[_Block]:
+    """The blocks below ``instance`` that become entities, not looking inside them.
+
+    On the way the inlined parts get names that do not depend on what was elaborated before.
+    """
+    count: Counter[str] = Counter()
+
+    def visit(parent: _Block) -> Iterator[_Block]:
+        for sub in parent.subs:
+            if not isinstance(sub, _Block):
+                continue
+            if "spec" in sub.kwargs:
+                yield sub
+                continue
+            name = sub.func.__name__
+            sub.name = sub.__name__ = f"{name}{count[name]}"
+            count[name] += 1
+            yield from visit(sub)
+
+    yield from visit(instance)
+
+
+@contextmanager
+def _replaced(instance: _Block, children: list[_Block], language: str, done: dict):
+    """Let ``children`` convert as instances of their entities."""
+    attribute = f"{language}_code"
+    count: Counter[str] = Counter()
+    hidden = []
+    _name_grouped_signals(instance)
+    for child in children:
+        spec = child.kwargs["spec"]
+        child._inferInterface()
+        ports = {name: child.argdict[name] for name in child.argnames}
+        if len({id(signal) for signal in ports.values()}) < len(ports):
+            raise ValueError(f"{spec.entity}: two ports share a signal; its file would read one")
+        label = f"u_{spec.block}_{count[spec.block]}"
+        count[spec.block] += 1
+        setattr(child, attribute, _INSTANCE[language](label, spec.entity, ports))
+        for name, signal in ports.items():
+            # _inferInterface names the members of Words after the child's port, and MyHDL only
+            # declares what has no name yet.
+            signal._name = None
+            signal._markUsed()
+            # Marks outputs too: a parent may leave an output of a child open.
+            signal.read = True
+            if done[spec.entity][1][name] == "out":
+                signal.driven = "wire"
+        hidden.append((child, child.subs, child.sigdict, child.memdict))
+        child.subs, child.sigdict, child.memdict = [], {}, {}
+    myhdl_block._name_set.clear()
+    try:
+        yield
+    finally:
+        for child, subs, sigdict, memdict in hidden:
+            setattr(child, attribute, None)
+            child.subs, child.sigdict, child.memdict = subs, sigdict, memdict
+
+
+def _name_grouped_signals(instance: _Block) -> None:
+    """MyHDL declares signals that are local variables; declare the members of ``Words`` too."""
+    for name, value in list(instance.symdict.items()):
+        if isinstance(value, Words):
+            for index in range(len(value)):
+                instance.sigdict.setdefault(f"{name}_{index}", value[index])
+        elif isinstance(value, _Signal):
+            instance.sigdict.setdefault(name, value)
+
+
+def port_directions(text: str, language: str) -> dict[str, str]:
+    """Direction of each port, read from the converted header."""
+    return {port.name: port.direction for port in read_ports(text, language)}
+
+
+def _tidy(text: str, language: str) -> str:
+    """Strict VHDL-93, no trailing blanks, no runs of empty lines.
+
+    ``0 to 9-1`` is written ``0 to 8``, because strict 93 wants literals as universal bounds.
+    """
+    if language == "vhdl":
+        text = re.sub(r"\b0 to (\d+)-1\b", lambda m: f"0 to {int(m[1]) - 1}", text)
+        text = re.sub(r"\b(\d+)-1 downto (\d+)\b", lambda m: f"{int(m[1]) - 1} downto {m[2]}", text)
+    text = re.sub(r"[ \t]+$", "", text, flags=re.M)
+    return re.sub(r"\n{3,}", "\n\n", text).strip() + "\n"

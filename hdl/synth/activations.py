@@ -1,0 +1,44 @@
+"""``python -m hdl.synth.activations``: what each activation costs, with no segment left out."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+from golden.activation.activation_block import ActivationBlock
+from golden.activation.schemes import forms
+from golden.networks.network import Network
+from golden.precision import PRECISE
+from hdl.export.elaborate import elaborate, elaborate_activation
+from hdl.export.hierarchy import convert_hierarchy
+from hdl.export.repeatable import run_repeatable
+from hdl.synth.cells import FAMILIES, synthesise
+from hdl.synth.netlist import KINDS
+
+
+def cells(spec: ActivationBlock | Network, family: str) -> dict[str, int]:
+    """Cells of an activation or a network, with its parts, after ``synth_xilinx``.
+
+    Raises
+    ------
+    CommandError
+        See ``hdl.synth.cells.synthesise``.
+    """
+    elaborated = elaborate(spec) if isinstance(spec, Network) else elaborate_activation(spec)
+    with tempfile.TemporaryDirectory() as name:
+        convert_hierarchy(elaborated, Path(name), "verilog")
+        return synthesise(Path(name), spec.entity, family)[spec.entity]
+
+
+def main() -> None:
+    for family, meaning in FAMILIES.items():
+        print(f"\n{meaning} (synth_xilinx -family {family})")
+        print(f"{'':18}" + "".join(f"{kind:>12}" for kind in KINDS))
+        for name, scheme in forms().items():
+            spec = scheme.build(PRECISE, 1, PRECISE.hidden_fmt.high)
+            found = cells(spec, family)
+            print(f"{name:18}" + "".join(f"{found[kind]:12}" for kind in KINDS), flush=True)
+
+
+if __name__ == "__main__":
+    run_repeatable("hdl.synth.activations", main)

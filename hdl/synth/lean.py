@@ -1,0 +1,44 @@
+"""``python -m hdl.synth.lean SCENE [SCENE ...]``: what a scene leaves out, and what that saves.
+
+The first scene is built twice: whole, with every segment of every activation and every hidden node,
+and as it is. Further scenes are built as they are, to compare with.
+"""
+
+from __future__ import annotations
+
+import argparse
+
+from golden.scene import load_scene
+from hdl.export.repeatable import run_repeatable
+from hdl.synth.activations import cells
+from hdl.synth.cells import FAMILIES
+from hdl.synth.netlist import KINDS
+
+FAMILY = "xc2v"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="make lean", description=__doc__)
+    parser.add_argument("scenes", nargs="+", metavar="SCENE")
+    scenes = [load_scene(name) for name in parser.parse_args().scenes]
+    first = scenes[0]
+    print(f"scene {first.name} leaves out:")
+    for text in first.twin().left_out():
+        print(f"  {text}")
+    print(f"\n{FAMILIES[FAMILY]} (synth_xilinx -family {FAMILY})")
+    print(f"{'':32}" + "".join(f"{kind:>12}" for kind in KINDS))
+    whole = cells(first.twin(lean=False), FAMILY)
+    _line(f"{first.name}, whole", whole)
+    for scene in scenes:
+        found = cells(scene.twin(), FAMILY)
+        _line(scene.name, found)
+        if scene is first:
+            _line("saved", {kind: whole[kind] - found[kind] for kind in KINDS})
+
+
+def _line(name: str, found: dict[str, int]) -> None:
+    print(f"{name:32}" + "".join(f"{found[kind]:12}" for kind in KINDS), flush=True)
+
+
+if __name__ == "__main__":
+    run_repeatable("hdl.synth.lean", main)

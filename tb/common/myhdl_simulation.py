@@ -1,0 +1,100 @@
+"""A network simulated in MyHDL itself, before any conversion: the third engine beside VHDL and
+Verilog, and the only one that checks the bounds of every signal."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+
+import numpy as np
+from myhdl import Simulation, StopSimulation, delay, instance
+
+from golden.fixed import Codes
+from golden.networks.network import Network
+from hdl.common.lookup import hardware, latency
+from hdl.export.quick_inspect import install
+
+install()
+
+# What one clock brings: the input data, one code or a frame of them, and whether a frame ends.
+Clock = tuple[Codes, bool] | None
+
+
+def simulate(design: Network, frames: Codes) -> tuple[Codes, float]:
+    """Play frames as close as the design takes them.
+
+    Parameters
+    ----------
+    design : Network
+        A network whose ``stream`` is ``serial`` or ``words``.
+    frames : Codes
+        Sample codes, shape (frames, inputs). Slots of a cascade behind them carry zeros.
+
+    Returns
+    -------
+    results : Codes
+        Shape (frames, outputs), in the order in which they came out.
+    seconds : float
+        What the simulation took, elaboration left out.
+
+    Raises
+    ------
+    ValueError
+        When a signal leaves its bounds.
+    RuntimeError
+        When the design refuses a frame, or gives another number of results.
+    """
+    block = hardware(design)
+    ports = block.ports(design)
+    whole = design.stream == "words"
+    clk, rst, valid, data = ports[:4]
+    last = None if whole else ports[4]
+    out_valid, out_data = ports[4:6] if whole else ports[5:7]
+    error = ports[-1]
+    clocks = [None, *_clocks(design, frames, whole)]
+    clocks += [None] * (latency(design) + design.outputs + 1)
+    seen: list[int] = []
+
+    @instance
+    def drive():
+        for t, clock in enumerate(clocks):
+            rst.next = t == 0
+            valid.next = clock is not None
+            if clock is not None and whole:
+                for k, code in enumerate(clock[0]):
+                    data[k].next = int(code)
+            elif clock is not None:
+                data.next, last.next = int(clock[0]), clock[1]
+            yield delay(1)
+            if t and error:
+                raise RuntimeError(f"{design.entity}: a frame was refused in clock {t}")
+            if t and out_valid:
+                seen.extend(int(word) for word in (out_data if whole else [out_data]))
+            clk.next = True
+            yield delay(1)
+            clk.next = False
+            yield delay(1)
+        raise StopSimulation
+
+    simulation = Simulation(drive, block(*ports, spec=design))
+    started = time.perf_counter()
+    simulation.run(quiet=1)
+    seconds = time.perf_counter() - started
+    if len(seen) != len(frames) * design.outputs:
+        raise RuntimeError(
+            f"{design.entity}: got {len(seen)} results, expected {len(frames) * design.outputs}"
+        )
+    return np.array(seen, dtype=np.int64).reshape(len(frames), design.outputs), seconds
+
+
+def _clocks(design: Network, frames: Codes, whole: bool) -> Iterator[Clock]:
+    """The input clock by clock."""
+    elements = 1 if whole else design.input_controller.inputs
+    for frame in frames:
+        if whole:
+            yield frame, True
+        else:
+            slots = np.zeros(elements - len(frame), dtype=np.int64)
+            yield from ((code, False) for code in [*frame, *slots][:-1])
+            yield [*frame, *slots][-1], True
+        yield from [None] * (design.interval - elements)

@@ -1,0 +1,132 @@
+"""The load along the beam: what a scene's hardware draws of it, and what was recorded."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from golden.fixed import Codes
+from golden.networks.mlp import Real
+from golden.scene import Scene
+from golden.scene.visualisation import KEYS, RESULTS, Visualisation, visualisation
+from golden.visualisation.functions import power_load
+from golden.visualisation.load_profile import RECTANGLE, TRIANGLE, LoadProfile
+
+# The first recorded frames have the widest load; this one stands in the middle of the ramp.
+FRAME = 4
+
+
+@dataclass(frozen=True)
+class Beam:
+    """A scene as its profile sees it.
+
+    Attributes
+    ----------
+    shown : Visualisation
+        That of the scene, or the defaults where it has none.
+    frames : int64 array, shape (frames, 4)
+        Bit-true load, position, width and shape of every recorded frame.
+    targets : float array, shape (frames, 4)
+        The recorded ones.
+    sensors : float array, shape (frames, sensors)
+    mm : float
+        Millimetres of a coded position of 1.
+    width_unit : float
+        What a coded width of 1 is in the unit of the position.
+    """
+
+    shown: Visualisation
+    frames: Codes
+    targets: Real
+    sensors: Real
+    mm: float
+    width_unit: float
+
+    @property
+    def profile(self) -> LoadProfile:
+        return self.shown.load_profile
+
+    @property
+    def positions(self) -> Real:
+        """Millimetres of the points that the hardware draws."""
+        return self.mm * self.profile.fmt.to_real(self.profile.ramp.process())
+
+    def drawn(self, frame: int) -> Real:
+        """The profile of a frame, bit-true, one value a point."""
+        return self.profile.fmt.to_real(self.profile.process(self.frames[frame])[1])
+
+    def exact(self, frame: int, millimetres: Real) -> Real:
+        """Equation 3.18 in real arithmetic for the same outputs, at any positions."""
+        load, centre, width, _ = self.profile.fmt.to_real(self.frames[frame])
+        gain = self.profile.divider.gain / 2**self.profile.divider.gain_frac
+        steepness = gain / max(width, self.profile.fmt.to_real(1))
+        triangle = self.frames[frame, 3] > self.profile.shape_threshold
+        power = TRIANGLE if triangle else RECTANGLE
+        return power_load(millimetres / self.mm, load, centre, steepness, power)
+
+    def check(self, frame: int, path: Path) -> None:
+        """Refuse a frame that the vectors of the scene at ``path`` do not have."""
+        if not 0 <= frame < len(self.frames):
+            raise ValueError(f"{path}: frame: got {frame}, expected 0 to {len(self.frames) - 1}")
+
+    def true(self, frame: int) -> tuple[Real, Real]:
+        """Corners of the recorded load: millimetres and heights."""
+        load, centre, width, shape = self.targets[frame]
+        half = width * self.width_unit / 2
+        left, right = centre - half, centre + half
+        if shape > self.profile.fmt.to_real(self.profile.shape_threshold):
+            corners = [(left, 0.0), (centre, load), (right, 0.0)]
+        else:
+            corners = [(left, 0.0), (left, load), (right, load), (right, 0.0)]
+        at, height = np.array(corners).T
+        return self.mm * at, height
+
+
+def has_load(scene: Scene) -> bool:
+    """Whether a scene tells enough to draw the load along the beam."""
+    return scene.visualisation is not None or set(RESULTS) <= set(scene.outputs)
+
+
+def beam(scene: Scene) -> Beam:
+    """The recorded frames of a scene and what its networks make of them.
+
+    Parameters
+    ----------
+    scene : Scene
+        One that has load, position, width and shape among its outputs.
+
+    Raises
+    ------
+    FileNotFoundError, ValueError
+        See ``Scene.vectors``, ``Scene.twin`` and ``visualisation``; also for a scene without one
+        of the four outputs.
+    """
+    if not has_load(scene):
+        raise ValueError(
+            f"{scene.path}: data.outputs: got {', '.join(scene.outputs)}, expected "
+            f"{', '.join(RESULTS)} among them, or a section [visualisation], to draw the load"
+        )
+    shown = scene.visualisation
+    if shown is None:
+        data = {
+            "outputs": list(scene.outputs),
+            "length_mm": scene.length_mm,
+            "full_scale": scene.full_scale,
+        }
+        defaults = {key: default for key, (_, default) in KEYS.items()}
+        shown = visualisation(defaults, data, scene.path)
+    vectors, results = scene.vectors(), list(shown.results)
+    position, width = (
+        scene.length_mm[name] / scene.full_scale[name]
+        for name in (scene.outputs[shown.results[1]], scene.outputs[shown.results[2]])
+    )
+    return Beam(
+        shown,
+        scene.twin().process(vectors.codes)[:, results],
+        vectors.targets[:, results],
+        vectors.inputs,
+        position,
+        width / position,
+    )

@@ -1,0 +1,155 @@
+"""The networks of a scene: what each of them sees, its nodes, and where its outputs go."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from golden.scene import Scene
+from tb.report.draw.drawing import (
+    ACCENT,
+    FAINT,
+    INK,
+    Point,
+    arrow_head,
+    dot,
+    group,
+    line,
+    picture,
+    text,
+    text_width,
+)
+
+LANE, ROW, NODE, TERMINAL = 8.0, 16.0, 9.0, 14.0
+# From the inputs to the hidden nodes, and from those to the outputs.
+SPAN = 62.0
+# Above a network's nodes its heading, below them a line that takes its output back.
+HEADING, BELOW = 22.0, 22.0
+# More hidden nodes than this are not drawn one by one; their number is written in any case.
+MOST_NODES = 40
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where the nodes of one network stand."""
+
+    top: float
+    inputs: list[Point]
+    hidden: list[Point]
+    outputs: list[Point]
+    bottom: float
+
+
+def network(scene: Scene) -> str:
+    """Sensors at the left, one row a network, outputs at the right.
+
+    In a cascade a coloured line takes each output back to the networks behind it.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    str
+        One ``<svg>`` element.
+
+    Raises
+    ------
+    FileNotFoundError, ValueError
+        See ``Scene.mlps``.
+    """
+    shapes = [mlp.shape for mlp in scene.mlps()]
+    sensors = len(scene.sensors)
+    fed = scene.outputs[:-1] if scene.arrangement == "cascade" else ()
+    names = 4 + max(text_width(name) for name in scene.sensors)
+    # The first sensor's line turns down farthest to the right, so that no two of them cross.
+    lanes = [names + 12 + LANE * n for n in range(sensors)][::-1]
+    lanes += [names + 12 + LANE * (sensors + n) for n in range(len(fed))]
+    left = max(lanes) + 16
+    heading = _heading(scene)
+    places = []
+    top = max(ROW * sensors + 8, 24 + 15.0 * (len(heading) - 1))
+    for shape in shapes:
+        places.append(_place(shape, left, top))
+        top = places[-1].bottom + BELOW
+    body = [text((left, 16), heading[0], 13, font_weight="bold")]
+    body += [text((left, 17 + 15 * n), words) for n, words in enumerate(heading[1:], 1)]
+    for k, name in enumerate(scene.sensors):
+        at = 12 + ROW * k
+        body.append(text((names, at + 4), name, text_anchor="end"))
+        body.append(line([(names + 4, at), (lanes[k], at), (lanes[k], places[-1].inputs[k][1])]))
+    for n in range(len(fed)):
+        (x, y), turn, lane = places[n].outputs[0], places[n].bottom + 8, lanes[sensors + n]
+        end = places[-1].inputs[sensors + n][1]
+        body.append(line([(x, y), (x, turn), (lane, turn), (lane, end)], stroke=ACCENT))
+    for place in places:
+        for (x, y), lane in zip(place.inputs, lanes, strict=False):
+            colour = INK if lane in lanes[:sensors] else ACCENT
+            body.append(line([(lane, y), (x, y)], stroke=colour))
+            if place is not places[-1]:
+                body.append(dot((lane, y), 1.8, fill=colour))
+    for place, shape, member in zip(places, shapes, scene.members, strict=True):
+        body += _nodes(place, shape[1], member.outputs)
+    width = max(
+        left + 2 * SPAN + 24 + max(text_width(name, 12) for name in scene.outputs),
+        left + max(text_width(words, 12) for words in heading),
+    )
+    ends = f"{', '.join(scene.sensors)} to {', '.join(scene.outputs)}"
+    told = f"{heading[0]} of scene {scene.name}, {scene.describe()}: {ends}"
+    return picture(told, (width, top - BELOW + 8), body, widest=460)
+
+
+def _heading(scene: Scene) -> list[str]:
+    count = len(scene.members)
+    words = {
+        "single": "One network",
+        "multiple": f"{count} independent networks",
+        "cascade": f"{count} networks in cascade",
+    }
+    return [words[scene.arrangement], f"activation: {scene.activation_text}"]
+
+
+def _place(shape: tuple[int, int, int], left: float, top: float) -> Place:
+    """The nodes of a network, in three columns about one middle."""
+    inputs, hidden, outputs = shape
+    heights = [(inputs - 1) * TERMINAL, (min(hidden, MOST_NODES) - 1) * NODE, (outputs - 1) * ROW]
+    middle = top + HEADING + max(heights) / 2
+
+    def column(count: int, pitch: float, x: float) -> list[Point]:
+        return [(x, middle + pitch * (n - (count - 1) / 2)) for n in range(count)]
+
+    return Place(
+        top,
+        column(inputs, TERMINAL, left),
+        column(min(hidden, MOST_NODES), NODE, left + SPAN),
+        column(outputs, ROW, left + 2 * SPAN),
+        top + HEADING + max(heights) + NODE / 2,
+    )
+
+
+def _nodes(place: Place, hidden: int, names: tuple[str, ...]) -> list[str]:
+    """Weights as thin lines, hidden nodes as circles, outputs with their names."""
+    nodes = place.hidden
+    if hidden > len(nodes):
+        # Three dots stand for the nodes in the middle.
+        middle = len(nodes) // 2
+        dots = nodes[middle - 1 : middle + 2]
+        nodes = [node for node in nodes if node not in dots]
+    else:
+        dots = []
+    weights = [line([a, b], stroke=FAINT, stroke_width=0.4) for a in place.inputs for b in nodes]
+    weights += [line([a, b], stroke=FAINT, stroke_width=0.4) for a in nodes for b in place.outputs]
+    body = [group(weights)]
+    circles = [dot(node, 3.4, fill="#fff", stroke=INK) for node in nodes]
+    body.append(group([*circles, *(dot(node, 1) for node in dots)], f"{hidden} hidden nodes"))
+    count = f"{hidden} hidden node{'s' if hidden > 1 else ''}"
+    body.append(text((place.hidden[0][0], place.top + 12), count, text_anchor="middle"))
+    body += [dot(point, 2.4) for point in place.inputs]
+    for (x, y), name in zip(place.outputs, names, strict=True):
+        body += [
+            line([(x, y), (x + 16, y)]),
+            arrow_head((x + 18, y), (1, 0)),
+            dot((x, y), 4.4, fill="#fff", stroke=INK),
+            text((x + 22, y + 4), name, 12),
+        ]
+    return body

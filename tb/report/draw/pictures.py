@@ -1,0 +1,94 @@
+"""The pictures of a scene, and which of them it has no use for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from golden.block import walk
+from golden.scene import Scene
+from golden.scene.visualisation import RESULTS
+from hdl.common.lookup import latency
+from tb.report.draw.animation import animation
+from tb.report.draw.datapath import datapath
+from tb.report.draw.load import has_load
+from tb.report.draw.network import network
+from tb.report.draw.profile import profile
+from tb.report.draw.swing import COORDINATES, moves, swing
+from tb.report.draw.waveforms import waveforms
+from tb.report.measure.recording import record
+from tb.report.page.page import Picture
+
+
+@dataclass(frozen=True)
+class Skipped:
+    """A picture that is not drawn, and why."""
+
+    title: str
+    why: str
+
+
+def draw(scene: Scene) -> dict[str, list[Any]]:
+    """The pictures as the store holds them: those drawn, and title and reason of the others."""
+    found = list(pictures(scene))
+    return {
+        "drawn": [vars(part) for part in found if isinstance(part, Picture)],
+        "skipped": [(part.title, part.why) for part in found if isinstance(part, Skipped)],
+    }
+
+
+def pictures(scene: Scene) -> Iterator[Picture | Skipped]:
+    """Everything that can be drawn of the scene."""
+    design = scene.twin()
+    blocks = list(walk(design))
+    hidden = sum(mlp.shape[1] for mlp in scene.mlps())
+    yield Picture(
+        "network",
+        "Networks",
+        network(scene),
+        f"{hidden} hidden nodes in all; drawn from the weights that the hardware holds.",
+    )
+    yield Picture(
+        "datapath",
+        "Datapath",
+        datapath(scene, {block.entity: latency(block) for block in blocks}),
+        f"{len(blocks)} entities, drawn from the design that is exported.",
+        wide=True,
+    )
+    title = "One recorded frame, clock by clock"
+    if design.stream == "converter":
+        yield Skipped(title, f"a scan takes {design.interval} clocks")
+    elif design.stream == "axi_stream":
+        yield Skipped(title, "its stream may pause at any clock")
+    else:
+        text = "The exported Verilog in Icarus; the first recorded frame, codes as real values."
+        drawn = waveforms(record(scene), f"{scene.name}: {title[0].lower()}{title[1:]}")
+        yield Picture("waveforms", title, drawn, text, wide=True)
+    if has_load(scene):
+        yield Picture(
+            "load_profile",
+            "Load profile of a recorded frame",
+            profile(scene),
+            "As the hardware computes it, beside equation 3.18 in real arithmetic for the same "
+            "outputs, and the load that was recorded.",
+        )
+        yield Picture(
+            "load_moves",
+            "A recorded load along the beam",
+            animation(scene),
+            "Each step is a recorded frame: what the sensors read, and the bit-true profile.",
+        )
+    else:
+        yield Skipped("Load profile", f"it needs the outputs {', '.join(RESULTS)}")
+    if moves(scene):
+        yield Picture(
+            "motion",
+            "Motion of the swing and its estimates",
+            swing(scene),
+            "A run that the networks were not trained on: the motion, the bit-true estimate, and "
+            "below each the difference.",
+            wide=True,
+        )
+    else:
+        yield Skipped("Motion", f"it needs the outputs {', '.join(COORDINATES)} with lengths")

@@ -1,0 +1,129 @@
+"""Plots of error against what it costs: groups of points on logarithmic axes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from matplotlib.axis import Axis
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+
+from tb.report.draw.svg import PLOT_INCHES, style, svg
+
+Points = Sequence[tuple[float, float]]
+# Told apart by colour on a screen, by marker and line in a print without colour.
+_COLOURS = (
+    *("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9"),
+    *("#e69f00", "#000000", "#999999", "#8c510a", "#762a83"),
+)
+_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*", "<", ">")
+# A ratio of the ends of an axis below which powers of ten alone are too few numbers.
+FEW = 300
+_LINES = ("-", "--", ":", "-.")
+
+
+@dataclass(frozen=True)
+class Plot:
+    """One plot and the sentence that its figures support.
+
+    Parameters
+    ----------
+    name : str
+        File name without suffix; letters, digits and ``_``.
+    title, across, up : str
+        Heading and axes, with units.
+    groups : mapping of str to sequence of (x, y)
+        By label; a value of 0 cannot stand on a logarithmic axis and is drawn at ``floor``.
+    sentence : str
+        What the figures say.
+    joined : bool
+        Whether the points of a group are joined by a line, in their order.
+    linear : str
+        Axes that are linear: any of "x" and "y"; a linear y begins at 0.
+    levels : mapping of str to float
+        Horizontal lines: what is compared with.
+    tables : sequence of str
+        The tables that hold every number of the plot.
+    hollow : str
+        Ending of labels that are drawn hollow, otherwise as the label with another ending.
+    floor : float
+        Where an error of 0 is drawn.
+
+    Raises
+    ------
+    ValueError
+        When there is nothing to draw.
+    """
+
+    name: str
+    title: str
+    across: str
+    up: str
+    groups: Mapping[str, Points]
+    sentence: str
+    tables: Sequence[str]
+    joined: bool = True
+    linear: str = ""
+    levels: Mapping[str, float] = field(default_factory=dict)
+    hollow: str = ""
+    floor: float = 1e-17
+
+    def __post_init__(self) -> None:
+        empty = [label for label, points in self.groups.items() if not points]
+        if not self.groups or empty:
+            raise ValueError(f"plot {self.name}: no points for {', '.join(empty) or 'any group'}")
+
+    def draw(self) -> str:
+        """The plot as an ``<svg>`` element."""
+        with style():
+            figure = Figure(figsize=PLOT_INCHES, layout="constrained")
+            axes = figure.add_subplot()
+            families: dict[str, int] = {}
+            for label, points in self.groups.items():
+                hollow = bool(self.hollow) and label.endswith(self.hollow)
+                family = label.rpartition(", ")[0] if self.hollow else label
+                i = families.setdefault(family, len(families))
+                axes.plot(
+                    [x for x, _ in points],
+                    [y if "y" in self.linear else max(y, self.floor) for _, y in points],
+                    marker=_MARKERS[i % len(_MARKERS)],
+                    color=_COLOURS[i % len(_COLOURS)],
+                    markerfacecolor="white" if hollow else None,
+                    linestyle=_LINES[i // 2 % len(_LINES)] if self.joined else "none",
+                    label=label,
+                )
+            for i, (label, height) in enumerate(self.levels.items()):
+                axes.axhline(height, color="black", linewidth=0.8, linestyle=_LINES[1 + i % 3])
+                axes.annotate(
+                    label,
+                    (1, height),
+                    xycoords=("axes fraction", "data"),
+                    xytext=(0, 2),
+                    textcoords="offset points",
+                    ha="right",
+                    fontsize=8,
+                )
+            if "x" not in self.linear:
+                axes.set_xscale("log")
+                _label(axes.xaxis)
+            if "y" in self.linear:
+                axes.set_ylim(bottom=0)
+            else:
+                axes.set_yscale("log")
+                _label(axes.yaxis)
+            axes.set_xlabel(self.across)
+            axes.set_ylabel(self.up)
+            if len(self.groups) > 1:
+                columns = 2 if len(self.groups) > 3 else len(self.groups)
+                figure.legend(loc="outside lower center", ncols=columns)
+            return svg(figure, self.name)
+
+
+def _label(axis: Axis) -> None:
+    """Numbers at 1, 2 and 5 of every decade where there are few decades."""
+    low, high = axis.get_view_interval()
+    if high / low < FEW:
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axis.set_minor_formatter(NullFormatter())

@@ -1,0 +1,64 @@
+"""The load profile of one recorded frame."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from golden.scene import Scene
+from tb.report.draw.drawing import identifier
+from tb.report.draw.load import FRAME, beam
+from tb.report.draw.plot import plotted
+from tb.report.draw.svg import PLOT_INCHES, style
+
+POINTS = 400
+
+
+def profile(scene: Scene, frame: int = FRAME) -> str:
+    """The bit-true profile, equation 3.18 in real arithmetic, and the load that was recorded.
+
+    Parameters
+    ----------
+    scene : Scene
+        One that has load, position, width and shape among its outputs; without a section
+        ``[visualisation]`` its defaults stand.
+    frame : int
+        Row of the scene's recorded vectors.
+
+    Returns
+    -------
+    str
+        One ``<svg>`` element.
+
+    Raises
+    ------
+    FileNotFoundError, ValueError
+        See ``beam``; also for a frame that the vectors do not have.
+    """
+    known = beam(scene)
+    known.check(frame, scene.path)
+    at, height = known.true(frame)
+    left = min(known.positions[0], at[0])
+    right = max(known.positions[-1], at[-1])
+    fine = np.linspace(left, right, POINTS)
+    with style():
+        figure = Figure(figsize=PLOT_INCHES, layout="constrained")
+        axes = figure.add_subplot()
+        ends = np.array([left]), np.array([right])
+        axes.plot(
+            np.concatenate([ends[0], at, ends[1]]),
+            np.concatenate([[0.0], height, [0.0]]),
+            color="0.45",
+            linewidth=0.8,
+            label="recorded load",
+        )
+        axes.plot(fine, known.exact(frame, fine), color="C0", label="equation 3.18, real")
+        axes.plot(
+            known.positions, known.drawn(frame), "o", color="k", label="equation 3.18, bit-true"
+        )
+        axes.set_xlabel("position along the beam, mm")
+        axes.set_ylabel("load, coded")
+        axes.set_ylim(bottom=min(0.0, float(known.drawn(frame).min())) - 0.02)
+        axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
+        title = f"Load profile of recorded frame {frame} of scene {scene.name}"
+        return plotted(figure, identifier("profile", scene.name), title)

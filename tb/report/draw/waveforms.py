@@ -1,0 +1,178 @@
+"""What stands on the ports of a design clock by clock, as a timing diagram."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import groupby
+
+from golden.fixed import Fix
+from tb.report.draw.drawing import (
+    FAINT,
+    INK,
+    Point,
+    group,
+    line,
+    number,
+    picture,
+    text,
+    text_width,
+)
+
+# Pixels of a clock: enough for a value, or for one that is turned to stand upright.
+WIDE, MIDDLE, NARROW, PAGE = 44.0, 20.0, 12.0, 1000.0
+SLANT = 2.5
+FLAG, UPRIGHT, LEVEL = 17.0, 42.0, 22.0
+HEADING, SCALE = 22.0, 20.0
+VALUE = 9.0
+# Keeps the lines of the clocks out of the letters.
+_EDGE: dict[str, str | float] = {"stroke": "#fff", "stroke_width": 4.0, "paint_order": "stroke"}
+
+
+@dataclass(frozen=True)
+class Port:
+    """One port of a design during a recording.
+
+    Attributes
+    ----------
+    owner : str
+        Whose port it is: neighbours with one owner stand together under this heading.
+    name : str
+    values : tuple of int or None
+        What stands on it just before the rising edge of each clock; None where it is undefined.
+    fmt : Fix or None
+        Format of the codes; None for a flag.
+    valid : str
+        The flag, a port of the same owner, that tells in which clocks the codes count.
+    """
+
+    owner: str
+    name: str
+    values: tuple[int | None, ...]
+    fmt: Fix | None = None
+    valid: str = ""
+
+
+def waveforms(ports: Sequence[Port], title: str) -> str:
+    """One row a port, one column a clock, counted from the first element of the frame.
+
+    Flags are lines; codes are written as real values, where they count.
+
+    Parameters
+    ----------
+    ports : sequence of Port
+        Of equally many clocks; clock 0 is the first in which a flag is high.
+    title : str
+
+    Returns
+    -------
+    str
+        One ``<svg>`` element, wider than a phone.
+
+    Raises
+    ------
+    ValueError
+        Without ports, for ports of unequal length, or for one whose ``valid`` is no flag of its
+        owner.
+    """
+    clocks = {len(port.values) for port in ports}
+    if len(clocks) != 1:
+        raise ValueError(
+            f"waveforms: got ports of {sorted(clocks)} clocks, expected one number of clocks"
+        )
+    (count,) = clocks
+    flags = {(port.owner, port.name): port.values for port in ports if port.fmt is None}
+    names = 8 + max(text_width(port.name, 10) for port in ports)
+    pitch = WIDE if count * WIDE <= PAGE else MIDDLE if count * MIDDLE <= PAGE else NARROW
+    tall = LEVEL if pitch == WIDE else UPRIGHT
+    zero = min(values.index(1) for values in flags.values() if 1 in values)
+    body, y = [], SCALE + 8
+    for owner, rows in groupby(ports, key=lambda port: port.owner):
+        body.append(text((4, y + 13), owner, 11, font_weight="bold", **_EDGE))
+        y += HEADING
+        for port in rows:
+            height = FLAG if port.fmt is None else tall
+            body.append(text((names - 4, y + height / 2 + 3), port.name, 10, text_anchor="end"))
+            if port.fmt is None:
+                drawn = [_flag(port.values, (names, y), pitch)]
+            else:
+                if (port.owner, port.valid) not in flags:
+                    raise ValueError(
+                        f"waveforms: {port.owner}.{port.name}: got valid={port.valid!r}, expected "
+                        "a flag of the same owner"
+                    )
+                counts = flags[port.owner, port.valid]
+                drawn = _codes(port, counts, (names, y), pitch, tall)
+            body.append(group(drawn, data_port=f"{port.owner}.{port.name}"))
+            y += height + 3
+        y += 4
+    width = names + pitch * count + 8
+    grid = _grid(count, zero, (names, SCALE), y - 4, pitch)
+    return picture(title, (width, y), [*grid, *body], width, width * 1.1)
+
+
+def _grid(count: int, zero: int, at: Point, bottom: float, pitch: float) -> list[str]:
+    """A line at every fifth clock, or at every clock where there is room, with its number."""
+    x, y = at
+    every = 5 if pitch == NARROW else 1
+    body = [text((x - 4, y - 4), "clock", 10, text_anchor="end")]
+    for clock in range(count):
+        if (clock - zero) % every == 0:
+            left = x + pitch * clock
+            body.append(line([(left, y), (left, bottom)], stroke=FAINT, stroke_width=0.4))
+            middle = left + pitch / 2
+            body.append(text((middle, y - 4), str(clock - zero), VALUE, text_anchor="middle"))
+    return body
+
+
+def _flag(values: Sequence[int | None], at: Point, pitch: float) -> str:
+    """A line that is high or low, and between the two where the flag is undefined."""
+    x, y = at
+    level = {0: y + FLAG - 2, 1: y + 3, None: y + FLAG / 2}
+    points = []
+    for clock, value in enumerate(values):
+        points += [(x + pitch * clock, level[value]), (x + pitch * (clock + 1), level[value])]
+    kept = [
+        point
+        for n, point in enumerate(points)
+        if not 0 < n < len(points) - 1 or not points[n - 1][1] == point[1] == points[n + 1][1]
+    ]
+    return line(kept, stroke_width=1.2)
+
+
+def _codes(
+    port: Port, counts: Sequence[int | None], at: Point, pitch: float, height: float
+) -> list[str]:
+    """A hexagon with its value in each clock that counts; a line in the others."""
+    x, y = at
+    top, middle, bottom = y + 1, y + height / 2, y + height - 1
+    body = []
+    for high, clocks in groupby(range(len(counts)), key=lambda clock: counts[clock] == 1):
+        run = list(clocks)
+        if not high:
+            ends = [(x + pitch * run[0], middle), (x + pitch * (run[-1] + 1), middle)]
+            body.append(line(ends, stroke=FAINT, stroke_width=0.8))
+            continue
+        for clock in run:
+            a, b = x + pitch * clock, x + pitch * (clock + 1)
+            corners = [
+                (a, middle),
+                (a + SLANT, top),
+                (b - SLANT, top),
+                (b, middle),
+                (b - SLANT, bottom),
+                (a + SLANT, bottom),
+                (a, middle),
+            ]
+            body.append(line(corners, stroke_width=0.8))
+            body.append(_value(port, port.values[clock], ((a + b) / 2, middle), pitch))
+    return body
+
+
+def _value(port: Port, code: int | None, at: Point, pitch: float) -> str:
+    words = "undefined" if code is None or port.fmt is None else f"{port.fmt.to_real(code):.4f}"
+    x, y = at
+    if pitch == WIDE:
+        return text((x, y + 3), words, VALUE, text_anchor="middle")
+    turned = f"rotate(-90 {number(x)} {number(y)})"
+    return text((x, y + 3), words, VALUE, text_anchor="middle", transform=turned, fill=INK)

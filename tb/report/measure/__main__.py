@@ -1,0 +1,75 @@
+"""``python -m tb.report.measure [TABLE ...]``: measures, prints and writes every table.
+
+``build/figures`` holds what the last call measured: a CSV a table, and figures.json with all of
+them, the seed and the versions of everything that took part. The same versions and seed give the
+same bytes. Run times do not: tables that hold some stand in full in times.json, with the machine,
+and without them in the other files.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import platform
+import sys
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from golden.cli import CommandError, run
+from golden.files import replace_folder
+from golden.fingerprint import ROOT, fingerprint, sources
+from golden.table import suggest
+from tb.report.measure.registry import TABLES
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="make figures", description=__doc__)
+    parser.add_argument("tables", nargs="*", metavar="TABLE")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--build", type=Path, default=Path("build"))
+    arguments = parser.parse_args()
+    names = arguments.tables or list(TABLES)
+    for name in names:
+        if name not in TABLES:
+            raise CommandError(
+                f"TABLE={name}: no such table, expected one of {', '.join(TABLES)}"
+                f"{suggest(name, list(TABLES))}"
+            )
+    if arguments.seed < 0:
+        raise CommandError(f"SEED={arguments.seed}: expected 0 or more")
+    folder = arguments.build / "figures"
+    with replace_folder(folder) as temporary:
+        data = {
+            "seed": arguments.seed,
+            "versions": {
+                "tactus": version("tactus"),
+                "python": platform.python_version(),
+                "numpy": version("numpy"),
+                "scipy": version("scipy"),
+            },
+            "sources": fingerprint([*sources("golden"), ROOT / "golden" / "data"]),
+            "tables": {},
+        }
+        times: dict[str, Any] = {}
+        for name in names:
+            table = TABLES[name](arguments.seed)
+            if table.timed:
+                times[name] = table.as_data()
+            again = table.without_times()
+            again.write_csv(temporary / f"{name}.csv")
+            data["tables"][name] = again.as_data()
+            print("\n".join(table.lines()), end="\n\n", flush=True)
+        _write_json(temporary / "figures.json", data)
+        if times:
+            machine = {"machine": platform.machine(), "system": platform.platform()}
+            _write_json(temporary / "times.json", {**machine, "tables": times})
+    print(f"wrote {folder}")
+
+
+def _write_json(path: Path, data: dict[str, Any]) -> None:
+    path.write_text(json.dumps(data, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

@@ -1,0 +1,247 @@
+"""``python -m tb.report.measure.activation_errors``: how far every activation is from tanh.
+
+Question: what does each scheme cost in accuracy, and what does its arithmetic add? Sweep: in the
+precisions that it is made for every input code, of ``thesis`` for several Q, and the same inputs in
+floating point. Reference: numpy's tanh, and beside it what the thesis prints.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import platform
+import sys
+import tomllib
+import warnings
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from golden.activation.activation_block import ActivationBlock
+from golden.activation.pade import UnsettledWarning
+from golden.activation.schemes import Scheme, forms
+from golden.cli import run
+from golden.files import replace_file
+from golden.fingerprint import ROOT
+from golden.metrics import ACTIVATION_RANGE, activation_error
+from golden.precision import PRECISE, SIGNAL, THESIS, Precision
+
+FACTORS = (1, 3, 8, 32, 128, 512)
+THESIS_FACTOR = 3
+# Options with which the thesis measured, where they are not the default; its number of iterations
+# is not printed.
+THESIS_OPTIONS: dict[str, dict[str, Any]] = {"pade": {"rho": 4.0, "iterations": 24}}
+PLOTS = ROOT / "docs" / "activations"
+
+
+@dataclass(frozen=True)
+class Row:
+    """One scheme, one arithmetic, one Q.
+
+    Attributes
+    ----------
+    scheme, options, arithmetic : str
+        ``arithmetic`` is "float" or the name of a precision.
+    factor : int
+        Q.
+    mean_percent, mean_percent_thesis : float, or None
+        Equation 4.32 in both readings, see ``ActivationError``; None where the codes do not reach
+        its range.
+    largest : float
+        The largest error over every code, in units of 2**-13.
+    thesis : float, or None
+        What the thesis prints for equation 4.32, at Q = 3.
+    """
+
+    scheme: str
+    options: str
+    arithmetic: str
+    factor: int
+    mean_percent: float | None
+    mean_percent_thesis: float | None
+    largest: float
+    thesis: float | None
+
+
+def thesis_figure(name: str) -> float | None:
+    """The mean error that the thesis prints for a scheme; none for a scheme of our own."""
+    path = ROOT / "golden" / "data" / "thesis_numbers.toml"
+    table = tomllib.loads(path.read_text())["activation"]
+    figure = table.get(name.removesuffix("_parallel"), {}).get("mean_percent_error")
+    return None if figure is None else float(figure)
+
+
+def variants() -> Iterator[tuple[str, str, Scheme]]:
+    """Every form of every scheme and, where they differ, the one with the thesis' options."""
+    for name, scheme in forms().items():
+        yield name, "", scheme
+        if name in THESIS_OPTIONS:
+            text = ", ".join(f"{key} = {value:g}" for key, value in THESIS_OPTIONS[name].items())
+            yield name, text, scheme.configured(THESIS_OPTIONS[name])
+
+
+def built(scheme: Scheme, precision: Precision, factor: int) -> ActivationBlock:
+    """The whole block; that it is not settled everywhere is what is being measured."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UnsettledWarning)
+        return scheme.build(precision, factor, precision.hidden_fmt.high)
+
+
+def measure() -> list[Row]:
+    """All rows, scheme by scheme."""
+    return [row for variant in variants() for row in measured(*variant)]
+
+
+def measured(
+    name: str, options: str, scheme: Scheme, factors: Sequence[int] = FACTORS
+) -> Iterator[Row]:
+    """The rows of one scheme in its precisions, for each Q where there is one."""
+    for precision in scheme.precisions:
+        codes = np.arange(precision.hidden_fmt.low, precision.hidden_fmt.high + 1)
+        for factor in factors if precision.normalise else (1,):
+            q = factor * precision.hidden_fmt.to_real(codes)
+            results = {
+                precision.name: SIGNAL.to_real(built(scheme, precision, factor).process(codes))
+            }
+            if precision.normalise:
+                results = {"float": scheme.real(q)[0], **results}
+            for arithmetic, values in results.items():
+                yield _row(name, options, arithmetic, factor, q, values)
+
+
+def _row(
+    name: str,
+    options: str,
+    arithmetic: str,
+    factor: int,
+    q: NDArray[np.float64],
+    values: NDArray[np.float64],
+) -> Row:
+    errors = values - np.tanh(q)
+    measured = activation_error(errors, q) if np.abs(q).max() >= ACTIVATION_RANGE else None
+    compared = arithmetic != "precise" and factor == THESIS_FACTOR
+    return Row(
+        name,
+        options,
+        arithmetic,
+        factor,
+        measured.mean_percent if measured else None,
+        measured.mean_percent_thesis if measured else None,
+        8192 * float(np.abs(errors).max()),
+        thesis_figure(name) if compared else None,
+    )
+
+
+def table(rows: list[Row]) -> list[str]:
+    """What is printed: one line for each scheme and arithmetic."""
+    lines = [
+        "equation 4.32 in % at Q = 3, and the largest error in units of 2**-13",
+        "",
+        f"{'':37}{'mean, as':>9}{'mean':>7}{'':8}  largest error at Q =",
+        f"{'scheme':<19}{'options':<9}{'':9}{'printed':>9}{'x 2':>7}{'thesis':>8}"
+        + "".join(f"{factor:>8}" for factor in FACTORS),
+    ]
+    groups: dict[tuple[str, str, str], dict[int, Row]] = {}
+    for row in rows:
+        groups.setdefault((row.scheme, row.options, row.arithmetic), {})[row.factor] = row
+    for (scheme, options, arithmetic), by_factor in groups.items():
+        chosen = by_factor.get(THESIS_FACTOR, next(iter(by_factor.values())))
+        means = "".join(
+            f"{'':{width}}" if value is None else f"{value:>{width}.{digits}f}"
+            for value, width, digits in (
+                (chosen.mean_percent, 9, 3),
+                (chosen.mean_percent_thesis, 7, 3),
+                (chosen.thesis, 8, 2),
+            )
+        )
+        marked = "as thesis" if options else ""
+        largest = "".join(
+            f"{by_factor[f].largest:>8.1f}" if f in by_factor else f"{'':8}" for f in FACTORS
+        )
+        lines.append(f"{scheme:<19}{marked:<10}{arithmetic:<8}{means}{largest}".rstrip())
+    lines += [
+        "",
+        "precise precision has no Q: its largest error is over every code of Fix(18,14), |q| to 8",
+    ]
+    lines += [f"as thesis: {name} with {text}" for name, text, _ in variants() if text]
+    return lines
+
+
+def versions() -> dict[str, str]:
+    """With what it was measured."""
+    return {
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "matplotlib": matplotlib.__version__,
+    }
+
+
+def write(rows: list[Row], folder: Path) -> None:
+    """``errors.csv`` and ``errors.json`` in ``folder``."""
+    records = [asdict(row) for row in rows]
+    with replace_file(folder / "errors.csv") as path, path.open("w", newline="") as handle:
+        writer = csv.DictWriter(handle, list(records[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(records)
+    with replace_file(folder / "errors.json") as path:
+        path.write_text(json.dumps({"versions": versions(), "rows": records}, indent=1) + "\n")
+
+
+def plot_file(name: str) -> str:
+    """The file of a form's plot."""
+    return f"{name.replace(' ', '_')}.svg"
+
+
+def plot(name: str, scheme: Scheme, path: Path) -> None:
+    """Error over q as SVG, the same bytes on every run.
+
+    All schemes are odd, so q runs from 0. In ``thesis`` precision Q is 8: its steps are as coarse
+    as 2**-10 in q, and it reaches past the end of every scheme.
+    """
+    # Without a salt the ids in the file are random.
+    with matplotlib.rc_context({"svg.hashsalt": "tactus", "svg.fonttype": "none"}):
+        figure = Figure(figsize=(7, 2.6), layout="constrained")
+        axes = figure.add_subplot()
+        for precision, factor, step, colour in (
+            (THESIS, 8, 4, "tab:orange"),
+            (PRECISE, 1, 64, "tab:blue"),
+        ):
+            if precision not in scheme.precisions:
+                continue
+            codes = np.arange(0, 5 * (1 << precision.hidden_fmt.frac) // factor + 1, step)
+            q = factor * precision.hidden_fmt.to_real(codes)
+            results = SIGNAL.to_real(built(scheme, precision, factor).process(codes))
+            label = f"{precision.name}, Q = {factor}" if precision.normalise else precision.name
+            axes.plot(q, 8192 * (results - np.tanh(q)), label=label, color=colour, linewidth=0.9)
+        axes.set_xlabel("q")
+        axes.set_ylabel("error in $2^{-13}$")
+        axes.set_xlim(0, 5)
+        axes.grid(linewidth=0.3)
+        axes.legend(title=name, fontsize="small", title_fontsize="small")
+        with replace_file(path) as temporary:
+            figure.savefig(temporary, format="svg", metadata={"Date": None, "Creator": None})
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="make activations", description=__doc__)
+    parser.add_argument("--build", type=Path, default=Path("build"))
+    parser.add_argument("--plots", type=Path, default=PLOTS)
+    arguments = parser.parse_args()
+    rows = measure()
+    print("\n".join(table(rows)))
+    folder = arguments.build / "activations"
+    write(rows, folder)
+    for name, scheme in forms().items():
+        plot(name, scheme, arguments.plots / plot_file(name))
+    print(f"\nwrote {folder}/errors.csv and errors.json; plots in {arguments.plots}")
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

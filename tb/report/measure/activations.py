@@ -1,0 +1,78 @@
+"""Activations: error against clocks, and of Pade against the iterations of its regression."""
+
+from __future__ import annotations
+
+from golden.activation.reference import stable_below
+from golden.activation.schemes import SCHEMES
+from golden.precision import PRECISIONS
+from tb.report.measure.activation_errors import THESIS_FACTOR, built, measured, variants
+from tb.report.measure.latency import latencies
+from tb.report.measure.table import Cell, Table
+
+RHOS = (1.0, 2.0, 3.0, 4.0, 4.5, 5.0, 6.0, 8.0)
+ITERATIONS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
+
+
+def activations(_: int) -> Table:
+    """Every scheme in every precision: equation 4.32, the largest error, and clocks."""
+    clocks = latencies("activation")
+    rows: list[list[Cell]] = []
+    for name, options, scheme in variants():
+        full = f"{name}, {options}" if options else name
+        for row in measured(name, options, scheme, (THESIS_FACTOR,)):
+            timing: list[Cell] = [None, None]
+            if row.arithmetic in PRECISIONS:
+                block = built(scheme, PRECISIONS[row.arithmetic], row.factor)
+                timing = [clocks[full, row.arithmetic], block.interval]
+            rows.append(
+                [
+                    full,
+                    row.arithmetic,
+                    row.factor,
+                    row.mean_percent,
+                    row.mean_percent_thesis,
+                    row.thesis,
+                    row.largest,
+                    *timing,
+                ]
+            )
+    return Table(
+        "activations",
+        [
+            "scheme",
+            "arithmetic",
+            "Q",
+            "mean %",
+            "mean x 2 %",
+            "printed %",
+            "largest units",
+            "latency clocks",
+            "interval clocks",
+        ],
+        rows,
+        "Against tanh: equation 4.32 as printed, and twice that, as the thesis' figures need it; "
+        "the largest error in units of 2^-13 over every input code, |q| to 3 in floating point and "
+        "in thesis precision, to 8 in precise. Latency from a code to its result, interval from "
+        "one code to the next; with fewer iterations pade needs fewer of both.",
+    )
+
+
+def iterations(_: int) -> Table:
+    """Error of Pade for more and more iterations, for each rho."""
+    rows: list[list[Cell]] = []
+    for rho in RHOS:
+        stable = stable_below(rho)
+        for count in ITERATIONS:
+            scheme = SCHEMES["pade"].configured({"rho": rho, "iterations": count})
+            for row in measured("pade", "", scheme, (THESIS_FACTOR,)):
+                rows.append([rho, stable, count, row.arithmetic, row.mean_percent, row.largest])
+    return Table(
+        "iterations",
+        ["rho", "stable below |q|", "iterations", "arithmetic", "mean %", "largest units"],
+        rows,
+        "The regression of equation 4.12 with the gate at 3.3, against tanh: equation 4.32 as "
+        "printed, and the largest error in units of 2^-13 over every input code, |q| to 3 in "
+        "floating point and in thesis precision (Q = 3), to 8 in precise, where the step at the "
+        "gate counts. A rho that is stable below less than 3.3 only diverges before the gate, "
+        "and saturates.",
+    )

@@ -1,0 +1,63 @@
+"""``python -m tb.report.measure.benchmark SCENE``: the speed and the memory of the twin.
+
+The recorded frames are repeated to one large batch, computed bit-true on one core, and timed beside
+the same network in floating point. Speed depends on the machine; the ratio of the two hardly does.
+"""
+
+from __future__ import annotations
+
+import argparse
+import resource
+import sys
+import time
+
+import numpy as np
+
+from golden.cli import run
+from golden.networks.arrangement import process_real
+from golden.precision import SIGNAL
+from golden.scene import load_scene
+
+FLOAT_CHUNK = 4096
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="make bench", description=__doc__)
+    parser.add_argument("scene")
+    parser.add_argument("--frames", type=int, default=1_000_000)
+    arguments = parser.parse_args()
+    if arguments.frames < 1:
+        raise ValueError(f"frames: got {arguments.frames}, expected 1 or more")
+    scene = load_scene(arguments.scene)
+    design = scene.twin()
+    recorded = scene.vectors().codes
+    frames = np.resize(recorded, (arguments.frames, recorded.shape[1]))
+    design.process(recorded)  # fills the tables of activations, which later calls share
+
+    before = _peak_megabytes()
+    started = time.perf_counter()
+    results = design.process(frames)
+    bit_true = len(frames) / (time.perf_counter() - started)
+    grown = _peak_megabytes() - before - results.nbytes / 2**20
+
+    mlps, activation = scene.mlps(), scene.scheme.real
+    started = time.perf_counter()
+    for start in range(0, len(frames), FLOAT_CHUNK):
+        samples = SIGNAL.to_real(frames[start : start + FLOAT_CHUNK])
+        process_real(scene.arrangement, mlps, samples, activation)
+    real = len(frames) / (time.perf_counter() - started)
+
+    print(
+        f"{scene.name} {scene.describe()} {scene.precision.name}: {len(frames)} frames, bit-true "
+        f"{bit_true:,.0f} a second, float {real:,.0f} a second, ratio {bit_true / real:.2f}; "
+        f"memory beside frames and results {max(grown, 0):.0f} MiB"
+    )
+
+
+def _peak_megabytes() -> float:
+    """The most memory that this process has held so far."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

@@ -1,0 +1,86 @@
+"""Errors of networks against the clocks that they take for a frame."""
+
+from __future__ import annotations
+
+from golden.errors import scene_errors
+from golden.instruments.instrument import Instrument
+from golden.networks.network import Network
+from tb.report.measure.latency import latencies
+from tb.report.measure.networks import scenes
+from tb.report.measure.table import Cell, Table
+
+
+def clocks_per_frame(design: Network, latency: int) -> int:
+    """Clocks from a frame's first sample, that clock included, to its last output.
+
+    Parameters
+    ----------
+    design : Network
+    latency : int
+        Clocks from the last sample to the first output, which the hardware publishes.
+
+    Notes
+    -----
+    The elements of a frame come in one a clock, and its outputs leave one a clock; of a parallel
+    network either all at once. An instrument's frame begins with its scan.
+    """
+    outputs = 1 if design.stream == "words" else design.outputs
+    samples = design.input_controller.inputs
+    if isinstance(design, Instrument):
+        samples = int(design.scan_sequencer.sample_clocks[-1]) + 1
+    return samples + latency + outputs - 1
+
+
+def clocks(_: int) -> Table:
+    """Every shipped scene and those for comparison; the seeds are those of their training."""
+    published = latencies("scene")
+    rows: list[list[Cell]] = []
+    for scene in scenes():
+        design = scene.twin()
+        found = scene_errors(scene)["bit-true"]
+        worst = max(range(len(found)), key=lambda c: found[c].largest_mean)
+        mlps = scene.mlps()
+        rows.append(
+            [
+                scene.name,
+                scene.data_path.stem,
+                scene.arrangement,
+                scene.design,
+                scene.activation_text,
+                scene.precision.name,
+                " ".join(str(mlp.shape[1]) for mlp in mlps),
+                sum(mlp.shape[1] for mlp in mlps),
+                len(scene.outputs),
+                scene.outputs[worst],
+                found[worst].largest_mean,
+                found[worst].mean,
+                clocks_per_frame(design, published[scene.name, scene.precision.name]),
+                design.interval,
+            ]
+        )
+    return Table(
+        "clocks",
+        [
+            "scene",
+            "data",
+            "arrangement",
+            "design",
+            "activation",
+            "precision",
+            "hidden",
+            "hidden nodes",
+            "outputs",
+            "worst output",
+            "largest %",
+            "mean %",
+            "clocks a frame",
+            "interval clocks",
+        ],
+        rows,
+        "The output with the largest error of each scene, bit-true, on all of its recorded "
+        "vectors: the largest mean over the positions (equation 3.15) and the mean. Those of "
+        "appendix2 are percent of the target, or of 0.9 for position and width; those of "
+        "swing-train percent of 1.4, from end to end, without positions, so the two do not "
+        "compare. Clocks from the first sample to the last output, and from one frame to the "
+        "next; digit-instrument waits for its sensors.",
+    )

@@ -1,0 +1,130 @@
+"""What scenes cost, from the figures that ``make synth`` recorded beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from golden.activation.schemes import SCHEMES
+from golden.block import walk
+from golden.networks.network import Network
+from golden.scene import Scene
+from hdl.common.lookup import latency
+from hdl.synth.budget import Cells, budget_path, by_block, read_budget
+from hdl.synth.cells import DEPTH, FAMILIES
+from hdl.synth.netlist import KINDS
+from hdl.synth.shares import shares
+from hdl.synth.timing import Timing, read_timing, timing_path
+from hdl.synth.tools import digest
+from tb.common.runner import BUILD, export
+from tb.report.measure.networks import scenes
+from tb.report.measure.table import Cell, Table
+
+FAMILY = "xc2v"
+COST = ("LUT", "multiplier", "block RAM")
+
+
+@dataclass(frozen=True)
+class Costs:
+    """What was recorded for one scene.
+
+    Attributes
+    ----------
+    cells : Cells
+    timing : Timing
+    share : dict
+        See ``shares``.
+    latency_us, frames_per_second : float
+        At the clock that was reached.
+    current : bool
+        Whether it was recorded for the Verilog that the scene exports now.
+    """
+
+    cells: Cells
+    timing: Timing
+    share: dict[str, Any]
+    latency_us: float
+    frames_per_second: float
+    current: bool
+
+
+def costs(scene: Scene, design: Network) -> Costs | None:
+    """The recorded costs of a scene; None where none are recorded."""
+    if not budget_path(scene.path).is_file() or not timing_path(scene.path).is_file():
+        return None
+    cells = read_budget(budget_path(scene.path))
+    timing, verilog = read_timing(timing_path(scene.path))
+    export(scene, "verilog")
+    return Costs(
+        cells,
+        timing,
+        shares(scene, design, cells),
+        latency(design) / timing.clock_mhz,
+        1e6 * timing.clock_mhz / design.interval,
+        verilog == digest(BUILD / scene.name / "verilog"),
+    )
+
+
+def blocks(scene: Scene, design: Network, found: Costs) -> Table:
+    """The cells of every block of the scene."""
+    columns = [*KINDS, DEPTH]
+    rows: list[list[Cell]] = [
+        [family, name, count, *(cells[column] for column in columns)]
+        for family in FAMILIES
+        for name, count, cells in by_block(design, found.cells, family)
+    ]
+    meaning = "; ".join(f"{family} is {text}" for family, text in FAMILIES.items())
+    return Table(
+        "blocks",
+        ["family", "largest entity", "entities", *columns],
+        rows,
+        f"Of each block of scene {scene.name} the entity with the most LUTs, with all that it "
+        f"contains, and how many entities there are. Yosys, hierarchy kept; {meaning}.",
+    )
+
+
+def with_activation_cells(table: Table) -> Table:
+    """The table of activations with Virtex-II cells, of those that a recorded scene contains."""
+    found = _activation_cells()
+    return _joined(
+        table,
+        lambda row: found.get((str(row[0]).split(",")[0].replace(" ", "_"), str(row[1]))),
+        "Cells of the largest entity in the recorded scenes.",
+    )
+
+
+def with_network_cells(table: Table) -> Table:
+    """The table of clocks with Virtex-II cells, of those scenes that are recorded."""
+    found = {
+        scene.name: read_budget(budget_path(scene.path))[FAMILY].get(scene.twin().entity)
+        for scene in scenes()
+        if budget_path(scene.path).is_file()
+    }
+    return _joined(table, lambda row: found.get(str(row[0])), "Cells as recorded by make synth.")
+
+
+def _joined(
+    table: Table, cells: Callable[[Sequence[Cell]], dict[str, int] | None], note: str
+) -> Table:
+    rows = []
+    for row in table.rows:
+        found = cells(row)
+        rows.append([*row, *(found[name] if found else None for name in COST)])
+    return Table(table.name, [*table.columns, *COST], rows, f"{table.note} {note}", table.timed)
+
+
+def _activation_cells() -> dict[tuple[str, str], dict[str, int]]:
+    """By block and precision the cells of the entity with the most LUTs."""
+    found: dict[tuple[str, str], dict[str, int]] = {}
+    for scene in scenes():
+        path = budget_path(scene.path)
+        if not path.is_file():
+            continue
+        cells = read_budget(path)[FAMILY]
+        for part in walk(scene.twin()):
+            key = part.block, scene.precision.name
+            new = cells.get(part.entity)
+            if new and part.block in SCHEMES and new["LUT"] > found.get(key, {"LUT": -1})["LUT"]:
+                found[key] = new
+    return found

@@ -1,0 +1,191 @@
+"""Physics of the two rigs: fitted sensors, and error against work for plate and swing."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from golden.networks.mlp import Real
+from golden.physics.beam import Beam
+from golden.physics.digit_data import RECORDED, SENSORS
+from golden.physics.plate import Plate
+from golden.physics.plate_grid import grid_influence
+from golden.physics.strain_sensor import COLUMNS, fit_sensors, loads_from_codes, read_sensors
+from golden.physics.swing import LIGHT, METHODS, STRONG, Swing, swing_motion, undamped_angle
+from golden.table import read_table
+from tb.report.measure.table import Cell, Table
+from tb.report.measure.timing import timed
+
+TERMS = (1, 3, 10, 30, 100, 200, 300, 1000, 3000, 10_000)
+LIMIT_TERMS = 1_000_000
+CELLS = (10, 20, 40, 80)
+# Load and point in parts of length and width; both are nodes of every grid.
+PLACES = {"at the load": ((0.5, 0.5), (0.5, 0.5)), "beside it": ((0.3, 0.2), (0.5, 0.5))}
+
+TOLERANCES = (1e-3, 1e-6, 1e-8, 1e-10, 1e-12)
+REFERENCE_TOLERANCE = 1e-13
+SWING_SECONDS, SWING_RATE = 4.0, 200.0
+MOST_EVALUATIONS = 15_000
+DAMPING_RATIOS = (0.1, 1, 2, 3, 10, 30, 100, 1000)
+DAMPING_TOLERANCE = 1e-8
+
+
+def beam(_: int) -> Table:
+    """The sensor model of equation 3.9, fitted to the recorded vectors."""
+    rig = Beam()
+    table = read_table(RECORDED, [*SENSORS, *COLUMNS])
+    loads = loads_from_codes(table[:, len(SENSORS) :], rig)
+    spans = np.ptp(table[:, : len(SENSORS)], axis=0)
+    rows: list[list[Cell]] = []
+    for kind, spread in (("at a point", False), ("of its width", True)):
+        sensors = fit_sensors(table, rig, spread)
+        used = loads if spread else loads.at_points()
+        residuals = read_sensors(sensors, used) - table[:, : len(SENSORS)]
+        for name, sensor, residual, span in zip(SENSORS, sensors, residuals.T, spans, strict=True):
+            rms = float(np.sqrt((residual**2).mean()))
+            rows.append(
+                [
+                    name,
+                    kind,
+                    sensor.gain,
+                    sensor.offset,
+                    1e3 * sensor.position,
+                    1e3 * rms,
+                    float(100 * rms / span),
+                    float(1e3 * np.abs(residual).max()),
+                ]
+            )
+    return Table(
+        "beam",
+        [
+            "sensor",
+            "load",
+            "gain V per strain",
+            "offset V",
+            "position mm",
+            "rms mV",
+            "rms % of span",
+            "largest mV",
+        ],
+        rows,
+        "Equation 3.9 fitted to the 143 recorded vectors, for loads at a point (equation 3.5) and "
+        "spread over their width. Position is from the root of the beam of 228.6 mm. That of "
+        "sensor 4 is the end of the search, a hundred lengths outside: its reading grows with the "
+        "load and hardly with its position, as no bending moment on this beam does.",
+    )
+
+
+def plate(_: int) -> Table:
+    """The plate's deflection by the series and by finite differences, against work."""
+    rig = Plate()
+    size = np.array([rig.length, rig.width])
+    rows: list[list[Cell]] = []
+    for case, (load, point) in PLACES.items():
+        points, loads = [np.multiply(point, size)], [np.multiply(load, size)]
+        limit = rig.influence(points, loads, LIMIT_TERMS)[0, 0]
+        for terms in TERMS:
+            found, ms = timed(rig.influence, points, loads, terms)
+            miss = abs(found[0, 0] / limit - 1)
+            bound = rig.tail(points, loads, terms)[0, 0] / limit
+            rows.append([case, "series", terms, ms, float(miss), float(bound)])
+        for cells in CELLS:
+            found, ms = timed(grid_influence, rig, loads[0], cells, cells)
+            at = round(point[1] * cells) - 1, round(point[0] * cells) - 1
+            rows.append([case, "grid", (cells - 1) ** 2, ms, abs(found[at] / limit - 1), None])
+    return Table(
+        "plate",
+        ["point", "method", "terms, nodes", "ms", "error", "bound"],
+        rows,
+        f"Deflection of the clamped plate of section 6.2.1 for one load and one point, as a part "
+        f"of what {LIMIT_TERMS} terms give. The grid solves the plate equation with equal numbers "
+        "of cells along both sides and gives all nodes at once.",
+        timed=["ms"],
+    )
+
+
+@dataclass(frozen=True)
+class Case:
+    """A swing to be solved, and what is right."""
+
+    swing: Swing
+    start: float
+    reference: Real
+
+
+def _times() -> Real:
+    return np.arange(round(SWING_SECONDS * SWING_RATE)) / SWING_RATE
+
+
+def _case(damping_rate: float, start_degrees: float) -> Case:
+    swing, start = Swing(damping=damping_rate * Swing().arm), math.radians(start_degrees)
+    if damping_rate == 0:
+        return Case(swing, start, undamped_angle(swing, start, _times()))
+    exact = swing_motion(
+        swing, start, SWING_SECONDS, SWING_RATE, method="DOP853", tolerance=REFERENCE_TOLERANCE
+    )
+    return Case(swing, start, exact.angle)
+
+
+def _solved(case: Case, method: str, tolerance: float) -> list[Cell]:
+    """Evaluations, ms and error; none where the work goes beyond the limit."""
+    try:
+        motion, ms = timed(
+            swing_motion,
+            case.swing,
+            case.start,
+            SWING_SECONDS,
+            SWING_RATE,
+            method=method,
+            tolerance=tolerance,
+            most_evaluations=MOST_EVALUATIONS,
+        )
+    except ArithmeticError:
+        return [None, None, None]
+    return [motion.evaluations, ms, float(np.abs(motion.angle - case.reference).max())]
+
+
+def swing(_: int) -> Table:
+    """Six integrators on three swings, against work."""
+    damping = Swing().damping_rate
+    cases = {
+        "plain": _case(damping, 30),
+        "strongly damped": _case(1e3, 30),
+        "179.9 degrees": _case(0, 179.9),
+    }
+    return Table(
+        "swing",
+        ["case", "method", "tolerance", "evaluations", "ms", "error rad"],
+        [
+            [name, method, tolerance, *_solved(case, method, tolerance)]
+            for name, case in cases.items()
+            for method in METHODS
+            for tolerance in TOLERANCES
+        ],
+        f"Appendix 7, equation 2, over {SWING_SECONDS:g} s: damped at {damping:.2g} 1/s from 30 "
+        "degrees, at 1000 1/s from 30 degrees, and undamped from 179.9 degrees. Largest error of "
+        f"the angle at {SWING_RATE:g} samples per second against DOP853 at tolerance "
+        f"{REFERENCE_TOLERANCE:g}, in the last case against Jacobi's closed form. Left out where a "
+        f"method needs more than {MOST_EVALUATIONS} evaluations.",
+        timed=["ms"],
+    )
+
+
+def swing_damping(_: int) -> Table:
+    """From what damping on an implicit method pays."""
+    natural = Swing().natural_frequency
+    rows: list[list[Cell]] = []
+    for ratio in DAMPING_RATIOS:
+        case = _case(ratio * natural, 30)
+        for method in (LIGHT, STRONG):
+            rows.append([ratio, method, *_solved(case, method, DAMPING_TOLERANCE)])
+    return Table(
+        "swing_damping",
+        ["rate / natural frequency", "method", "evaluations", "ms", "error rad"],
+        rows,
+        f"The swing of section 6.2.2 from 30 degrees at tolerance {DAMPING_TOLERANCE:g}, damped "
+        f"more and more: kappa / I'_p over {natural:.3g} rad/s. Reference and limit of work as in "
+        "table swing.",
+        timed=["ms"],
+    )

@@ -1,0 +1,173 @@
+"""One recorded frame through the exported Verilog of a scene, for the report's timing diagram.
+
+No bench: nothing is compared here. Icarus plays the frame into the top and prints the streams of
+the top and of the networks in it, clock by clock.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from golden.cli import CommandError
+from golden.instruments.readout import Readout
+from golden.networks.network import Network
+from golden.networks.several import Several
+from golden.precision import SIGNAL
+from golden.scene import Scene
+from hdl.common.lookup import latency
+from hdl.export.exporter import ORDER
+from hdl.export.ports import read_ports
+from tb.common.runner import BUILD, export
+from tb.common.tools import check_simulator
+from tb.report.draw.waveforms import Port
+
+# Clocks before the first element and behind the last output.
+BEFORE, BEHIND = 1, 2
+MEMBER = ("in_valid", "in_data", "in_last", "out_valid", "out_data")
+
+
+@dataclass(frozen=True)
+class Watched:
+    """A port that is recorded: where it stands in the simulation, and as the picture names it."""
+
+    path: str
+    owner: str
+    name: str
+
+
+def record(scene: Scene, frame: int = 0, build: Path = BUILD) -> list[Port]:
+    """The streams of the scene's top, and of the networks of a cascade, during one frame.
+
+    Parameters
+    ----------
+    scene : Scene
+        One whose design takes a stream of samples, or all of them at once.
+    frame : int
+        Row of the scene's recorded vectors.
+    build : Path
+        Where the export is, or goes.
+
+    Raises
+    ------
+    CommandError
+        When Icarus is not there or refuses the design, or the scene cannot be exported.
+    ValueError
+        For a frame that the vectors do not have, or a design that is driven in another way.
+    """
+    check_simulator("icarus")
+    design = scene.twin()
+    if design.stream not in ("serial", "words"):
+        raise ValueError(
+            f"{scene.path}: waveforms: got the design {design.entity}, whose frames have pauses "
+            "of any length, expected a network or a readout"
+        )
+    codes = scene.vectors().codes
+    if not 0 <= frame < len(codes):
+        raise ValueError(f"{scene.path}: frame: got {frame}, expected 0 to {len(codes) - 1}")
+    export(scene, "verilog", build)
+    folder = build / scene.name / "verilog"
+    watched = list(_watched(scene, design, folder))
+    drive = _drive(design, [int(code) for code in codes[frame]])
+    rows = _simulate(folder, design.entity, drive, [port.path for port in watched])
+    columns = list(zip(*rows, strict=True))
+    return [_port(port, bits) for port, bits in zip(watched, columns, strict=True)]
+
+
+def _drive(design: Network, samples: list[int]) -> list[dict[str, int]]:
+    """The input ports in every clock, from the first after the reset."""
+    if design.stream == "words":
+        busy = [{"in_valid": 1} | {f"in_data_{k}": code for k, code in enumerate(samples)}]
+        outputs = 1
+    else:
+        # In the slots of a cascade the thesis scans the first sensors again.
+        length, outputs = design.input_controller.inputs, design.outputs
+        elements = [samples[n % len(samples)] for n in range(length)]
+        busy = [
+            {"in_valid": 1, "in_data": code, "in_last": int(n == length - 1)}
+            for n, code in enumerate(elements)
+        ]
+    idle = dict.fromkeys(busy[0], 0)
+    return [idle] * BEFORE + busy + [idle] * (latency(design) + outputs - 1 + BEHIND)
+
+
+def _watched(scene: Scene, design: Network, folder: Path) -> Iterator[Watched]:
+    """The ports of the top's input, those of the networks in it, and those of its output."""
+    names = [port.name for port in read_ports(_text(folder, design.entity), "verilog")]
+    entering = f"{design.entity}, frame in: {', '.join(scene.sensors)}"
+    leaving = f"{design.entity}, frame out: {', '.join(scene.outputs)}"
+    for name in names:
+        if name.startswith("in_"):
+            yield Watched(f"dut.{name}", entering, name)
+    inner, path = design, "dut"
+    if isinstance(design, Readout):
+        inner = design.network
+        path = f"dut.{_instance(folder, design.entity, inner.entity)}"
+    if isinstance(inner, Several):
+        for network, output in zip(inner.networks, scene.outputs, strict=True):
+            place = f"{path}.{_instance(folder, inner.entity, network.entity)}"
+            for name in MEMBER:
+                yield Watched(f"{place}.{name}", f"{network.entity}: {output}", name)
+    for name in names:
+        if name.startswith("out_"):
+            yield Watched(f"dut.{name}", leaving, name)
+
+
+def _text(folder: Path, entity: str) -> str:
+    return (folder / f"{entity}.v").read_text()
+
+
+def _instance(folder: Path, parent: str, entity: str) -> str:
+    """The name of an entity's instance in its parent."""
+    found = re.search(rf"^{re.escape(entity)} (\w+) \(", _text(folder, parent), re.M)
+    if found is None:
+        raise CommandError(f"{folder / parent}.v: expected an instance of {entity}, found none")
+    return found[1]
+
+
+def _simulate(
+    folder: Path, top: str, drive: list[dict[str, int]], watched: list[str]
+) -> list[list[str]]:
+    """One row a clock: the watched signals as bits, just before its rising edge."""
+    ports = {port.name: port for port in read_ports(_text(folder, top), "verilog")}
+    inputs = ["clk", "rst", *drive[0]]
+    regs = [f"    reg {ports[name].verilog}{name} = 0;" for name in inputs]
+    wires = ", ".join(f".{name}({name})" for name in inputs)
+    show = f'$display("{" ".join(["row", *["%b"] * len(watched)])}", {", ".join(watched)});'
+    tick = ["#5;", "clk = 1;", "#5;", "clk = 0;"]
+    play = ["rst = 1;", *tick, *tick, "rst = 0;"]
+    for values in drive:
+        play += [f"{name} = {value};" for name, value in values.items()]
+        play += [tick[0], show, *tick[1:]]
+    lines = ["`timescale 1ns/1ps", "module recorder;", *regs, f"    {top} dut({wires});"]
+    lines += ["    initial begin", *(f"        {words}" for words in play), "    end", "endmodule"]
+    files = [str(folder / name) for name in (folder / ORDER).read_text().split()]
+    with tempfile.TemporaryDirectory() as work:
+        source, program = Path(work) / "recorder.v", Path(work) / "recorder"
+        source.write_text("\n".join([*lines, ""]))
+        compiled = ["iverilog", "-g2012", "-s", "recorder", "-o", str(program), *files, str(source)]
+        _run(compiled)
+        printed = _run(["vvp", "-n", str(program)])
+    return [words.split()[1:] for words in printed.splitlines() if words.startswith("row ")]
+
+
+def _run(command: list[str]) -> str:
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    if result.returncode:
+        raise CommandError(f"{command[0]}: {(result.stdout + result.stderr).strip()}")
+    return result.stdout
+
+
+def _port(watched: Watched, bits: tuple[str, ...]) -> Port:
+    """A flag where the name says no data; of data the code."""
+    known = [int(word, 2) if set(word) <= {"0", "1"} else None for word in bits]
+    if "_data" not in watched.name:
+        return Port(watched.owner, watched.name, tuple(known))
+    sign = 1 << (SIGNAL.width - 1)
+    codes = tuple(None if code is None else (code ^ sign) - sign for code in known)
+    direction = watched.name.split("_", 1)[0]
+    return Port(watched.owner, watched.name, codes, SIGNAL, f"{direction}_valid")

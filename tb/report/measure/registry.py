@@ -1,0 +1,41 @@
+"""The tables of ``make figures``. To add one, write a function of the seed and name it here."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from tb.report.measure import (
+    activations,
+    clocks,
+    motions,
+    networks,
+    parallel,
+    physics,
+    rbf,
+    recordings,
+    training,
+    visualisation,
+)
+from tb.report.measure.stability.table import stability
+from tb.report.measure.table import Table
+
+# By name, in the order printed; the name is that of the table.
+TABLES: dict[str, Callable[[int], Table]] = {
+    "networks": networks.networks,
+    "clocks": clocks.clocks,
+    "activations": activations.activations,
+    "iterations": activations.iterations,
+    "training": training.training,
+    "parallel": parallel.parallel,
+    "motions": motions.motions,
+    "classes": rbf.classes,
+    "operations": rbf.operations,
+    "series": visualisation.series,
+    "profile": visualisation.profile,
+    "beam": physics.beam,
+    "plate": physics.plate,
+    "swing": physics.swing,
+    "swing_damping": physics.swing_damping,
+    "recordings": recordings.recordings,
+    "stability": stability,
+}

@@ -1,0 +1,172 @@
+"""Extreme cases of the networks: readings, rails, huge weights, full accumulators."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator
+from functools import partial
+
+import numpy as np
+
+from golden.activation.schemes import SCHEMES
+from golden.fixed import Codes, Fix, signed_width
+from golden.layers.input_controller import InputController
+from golden.layers.input_node import InputNode
+from golden.layers.neuron import Neuron
+from golden.layers.output_integral import OutputIntegral
+from golden.networks.arrangement import seen
+from golden.networks.hybrid import Hybrid
+from golden.networks.mlp import Mlp
+from golden.precision import PRECISE, SIGNAL, THESIS, normalisation
+from golden.scene import Scene, load_scene, scene_names
+from tb.report.measure.stability.case import Row, accepted, largest
+from tb.report.measure.stability.exact import exact_network, exact_sum
+from tb.report.measure.stability.real import real_error
+
+LOW, HIGH = SIGNAL.low, SIGNAL.high
+FACTOR = 512  # a Y_i larger than any shipped network has
+EXACT = "equal exact integers"
+BOUNDED = "err by no more than rounding can cause"
+
+
+def _combinations(values: tuple[int, ...], inputs: int) -> Codes:
+    """Every frame of some codes."""
+    return np.array(list(itertools.product(values, repeat=inputs)))
+
+
+def _alternating(inputs: int) -> Codes:
+    """Rail against rail from sensor to sensor, and the other way round."""
+    # Rows of an odd length, so that the second begins with the other rail.
+    return np.resize([LOW, HIGH], (2, inputs + inputs % 2 + 1))[:, :inputs]
+
+
+def readings() -> Iterator[Row]:
+    """What no sensor should give."""
+    network = load_scene("digit-single").twin()
+    bad = [np.nan, np.inf, -np.inf]
+    count = accepted([partial(SIGNAL.quantise, [0.0, value]) for value in bad])
+    yield Row("readings", "NaN and infinity", "refuse them", "accepted of 3", count, 0)
+    codes, saturated = SIGNAL.quantise([1.0, 1e300, -1.1, -1e300])
+    off = largest(codes - np.array([HIGH, HIGH, LOW, LOW]))
+    yield Row("readings", "beyond the range", "stop at the rails", "codes off", off, 0)
+    yield Row("readings", "beyond the range", "count them", "not counted", 4 - saturated, 0)
+    outside = [[0, 0, 0, code] for code in (LOW - 1, HIGH + 1, 2**62)]
+    calls: list[Callable[[], object]] = [partial(network.process, [frame]) for frame in outside]
+    calls += [partial(network.process, [[0] * 3]), partial(network.process, [[0.5] * 4])]
+    must, figure = "refuse them", "accepted of 5"
+    yield Row("readings", "no codes, or too few", must, figure, accepted(calls), 0)
+    one = np.ones((1, 1))
+    weights = [partial(Mlp, one * value, one[0], one, one[0]) for value in bad]
+    count = accepted(weights)
+    yield Row("weights", "NaN and infinity", "refuse them", "accepted of 3", count, 0)
+    # Three samples, four, six and four again, for a network of four.
+    last = np.zeros(17, dtype=bool)
+    last[[2, 6, 12, 16]] = True
+    scan = InputController(4, 0).process(last, np.arange(17))
+    good = np.isin(np.arange(17), [6, 16])
+    off = int((scan.done != good).sum()) + abs(int(scan.error.sum()) - 2)
+    must = "refuse two, take the others"
+    yield Row("frames", "too short, good, too long, good", must, "decisions off", off, 0)
+
+
+def rails() -> Iterator[Row]:
+    """The networks of every shipped scene with their sensors at the rails."""
+    for name in scene_names():
+        scene = load_scene(name)
+        network, inputs = scene.twin(), len(scene.sensors)
+        cases = {
+            "all sensors at rails or 0": _combinations((LOW, 0, HIGH), inputs),
+            "alternating rails": _alternating(inputs),
+        }
+        for case, frames in cases.items():
+            found = network.process(frames)
+            off = largest(found - exact_network(network, scene.arrangement, frames))
+            yield Row(name, case, EXACT, "codes off", off, 0)
+            yield Row(name, case, BOUNDED, "error in 2^-13", *_worst(scene, frames, found))
+
+
+def _worst(scene: Scene, frames: Codes, found: Codes) -> tuple[float, float]:
+    """Error and bound, in units of 2^-13, of the output that comes nearest to its bound.
+
+    Each network is compared on the codes that it sees, so that in a cascade the errors of the
+    earlier ones do not count twice.
+    """
+    columns = [found[:, [i]] for i in range(found.shape[1])]
+    pairs: list[tuple[float, float]] = []
+    for i, mlp in enumerate(scene.mlps()):
+        codes = seen(scene.arrangement, frames, columns[:i])
+        given = found if scene.arrangement == "single" else columns[i]
+        pairs += real_error(mlp, scene.precision, scene.build(mlp, lean=False), codes, given)
+    return max(pairs, key=lambda pair: pair[0] / pair[1])
+
+
+def huge_weights() -> Iterator[Row]:
+    """Weights that make Q_j huge, up to where a format can no longer hold them."""
+    rng = np.random.default_rng(0)
+    mlp = Mlp(rng.normal(0, 60, (3, 4)), rng.normal(0, 60, 3), np.full((1, 3), 0.3), np.zeros(1))
+    most = int(normalisation(mlp.w1, mlp.b1).max())
+    frames = np.concatenate(
+        [_combinations((LOW, 0, HIGH), 4), rng.integers(LOW, HIGH + 1, (500, 4))]
+    )
+    for precision in (THESIS, PRECISE):
+        network = Hybrid.of(mlp, precision, precision.activation)
+        found = network.process(frames)
+        case = f"weights of 60, Q_j to {most}, {precision.name}"
+        off = largest(found - exact_network(network, "single", frames))
+        yield Row("hybrid", case, EXACT, "codes off", off, 0)
+        ((error, bound),) = real_error(mlp, precision, network, frames, found)
+        yield Row("hybrid", case, BOUNDED, "error in 2^-13", error, bound)
+    one, none = np.ones((1, 1)), np.zeros(1)
+    beyond = Mlp(2e5 * one, none, one, none)
+    kinds = [name for name, scheme in SCHEMES.items() if THESIS in scheme.precisions]
+    count = accepted([partial(Hybrid.of, beyond, THESIS, name) for name in kinds])
+    must, figure = "refuse them", f"accepted of {len(kinds)}"
+    yield Row("hybrid", "Q_j of 200000, thesis, every activation", must, figure, count, 0)
+    count = accepted([partial(Hybrid.of, beyond, PRECISE, "precise")])
+    yield Row("hybrid", "weights of 200000, precise", must, "accepted of 1", count, 0)
+    whole = Mlp(np.full((1, 2), -1.0), np.ones(1), 0.3 * one, none)
+    count = accepted([partial(Hybrid.of, whole, THESIS, "gradient")])
+    must = "refuse them: the sum would wrap"
+    yield Row("hybrid", "weights of whole numbers, thesis", must, "accepted of 1", count, 0)
+
+
+def accumulators() -> Iterator[Row]:
+    """Every weight, bias and sample at an end of its format."""
+    wide = Fix(PRECISE.coeff_width, PRECISE.coeff_width - 1)
+    for precision, fmt in ((THESIS, SIGNAL), (PRECISE, wide)):
+        shift, hidden = precision.product_shift, precision.hidden_fmt
+        blocks: dict[str, list[InputNode | Neuron | OutputIntegral]] = {}
+        # A weight and a bias fill 31 bits or the 32nd, where the twin changes its integers.
+        for count, bias, weight in itertools.product(
+            (1, 2, 25), (fmt.low, fmt.high), (fmt.low, fmt.high)
+        ):
+            weights = (weight,) * count
+            for block in (
+                InputNode(SIGNAL, fmt, hidden, shift, weights, bias),
+                Neuron(SIGNAL, fmt, SIGNAL, shift, weights, bias, factor=FACTOR),
+                OutputIntegral(SIGNAL, fmt, SIGNAL, shift, (weights,), (bias,), (FACTOR,)),
+            ):
+                blocks.setdefault(block.block, []).append(block)
+        case = f"1 to 25 weights, bias and samples at their ends, {precision.name}"
+        for name, alike in blocks.items():
+            found = [_filled(block) for block in alike]
+            off = max(pair[0] for pair in found)
+            yield Row(name, case, EXACT, "codes off", off, 0)
+            bits, width = max((pair[1:] for pair in found), key=lambda pair: pair[0] / pair[1])
+            must = "keep inside its accumulator"
+            yield Row(name, case, must, "bits of the sum", bits, width)
+
+
+def _filled(block: InputNode | Neuron | OutputIntegral) -> tuple[float, int, int]:
+    """Codes off Python's integers, bits of the largest sum, and those that the hardware has."""
+    if isinstance(block, OutputIntegral):
+        weights, bias, factor = block.weights[0], block.biases[0], FACTOR
+    else:
+        weights, bias = block.weights, block.bias
+        factor = FACTOR if isinstance(block, Neuron) else 1
+    count = len(weights)
+    frames = np.concatenate([np.full((1, count), LOW), np.full((1, count), HIGH)])
+    frames = np.concatenate([frames, _alternating(count)])
+    exact = [exact_sum(block, weights, bias, frame, factor) for frame in frames.tolist()]
+    off = largest(np.ravel(block.process(frames)) - [result for _, result in exact])
+    return off, signed_width(total for total, _ in exact), block.acc_width

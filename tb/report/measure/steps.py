@@ -1,0 +1,49 @@
+"""The tables of ``make figures`` for the report: those that are still right from the store."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Any
+
+from joblib import Parallel, delayed
+
+from golden.fingerprint import ROOT, fingerprint, sources
+from tb.report.measure.registry import TABLES
+from tb.report.measure.store import Progress, keep, kept, once, packed, unpacked
+from tb.report.measure.table import Table
+
+# Tables with run times have the machine for themselves.
+TIMED = ("series", "plate", "swing", "swing_damping", "training")
+SEED = 1
+
+
+def measuring(*rooms: str) -> list[Path]:
+    """The sources of some rooms without those that only draw and write the report."""
+    return [path for path in sources(*rooms) if "report" not in path.parent.parts]
+
+
+def measured(tell: Progress) -> dict[str, Table]:
+    """Every table, those without run times side by side."""
+    state = fingerprint([*measuring("golden"), ROOT / "golden" / "data"], str(SEED))
+    together = [n for n in TABLES if n not in TIMED and kept(n, state) is None]
+    answers: dict[str, Any] = {}
+    if together:
+        pool = Parallel(n_jobs=-1, return_as="generator_unordered")
+        for name, answer, seconds in pool(delayed(_timed)(name) for name in together):
+            keep(name, state, answer)
+            tell(name, seconds, False)
+            answers[name] = answer
+    for name in TABLES:
+        if name not in answers:
+            answers[name] = once(name, state, tell, lambda name=name: _measure(name))
+    return {name: unpacked(answers[name]) for name in TABLES}
+
+
+def _measure(name: str) -> dict[str, Any]:
+    return packed(TABLES[name](SEED))
+
+
+def _timed(name: str) -> tuple[str, dict[str, Any], float]:
+    started = time.perf_counter()
+    return name, _measure(name), time.perf_counter() - started

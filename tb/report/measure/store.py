@@ -1,0 +1,54 @@
+"""What earlier reports found, by name and by the state of all that it depends on."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable
+from typing import Any
+
+from golden.files import replace_file
+from tb.common.runner import BUILD
+from tb.report.measure.table import Table
+
+STORE = BUILD / "report"
+# Hears the name of a part, the seconds that it took, and whether it was kept from before.
+Progress = Callable[[str, float, bool], None]
+
+
+def kept(name: str, state: str) -> Any:
+    """What was kept under that name in the same state; None where nothing was."""
+    path = STORE / f"{name}.json"
+    if not path.is_file():
+        return None
+    found = json.loads(path.read_text())
+    return found["answer"] if found["state"] == state else None
+
+
+def keep(name: str, state: str, answer: Any) -> None:
+    """Keep what JSON can hold for the next report."""
+    with replace_file(STORE / f"{name}.json") as path:
+        path.write_text(json.dumps({"state": state, "answer": answer}, allow_nan=False))
+
+
+def once(name: str, state: str, tell: Progress, work: Callable[[], Any]) -> Any:
+    """What ``work`` answers, from the store where the state is the same."""
+    answer = kept(name, state)
+    if answer is not None:
+        tell(name, 0.0, True)
+        return answer
+    started = time.perf_counter()
+    answer = work()
+    keep(name, state, answer)
+    tell(name, time.perf_counter() - started, False)
+    return answer
+
+
+def packed(table: Table) -> dict[str, Any]:
+    """A table as the store holds it."""
+    return {"name": table.name, **table.as_data(), "timed": list(table.timed)}
+
+
+def unpacked(answer: dict[str, Any]) -> Table:
+    """The table that was packed."""
+    return Table(**answer)

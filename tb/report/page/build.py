@@ -1,0 +1,71 @@
+"""Writes a report: the page, and beside it every picture and table."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import platform
+import time
+from importlib.metadata import version
+
+from golden.files import replace_file, replace_folder
+from golden.scene import Scene
+from tb.common.runner import BUILD
+from tb.report.measure.table import Table
+from tb.report.page.content import content
+from tb.report.page.page import Page, Picture
+
+PACKAGES = ("tactus", "numpy", "scipy", "matplotlib", "myhdl", "cocotb")
+
+
+def tell(name: str, seconds: float, kept: bool) -> None:
+    """One line for each part of the report that is ready."""
+    print(f"report: {name:24} {'as before' if kept else f'{seconds:6.1f} s'}", flush=True)
+
+
+def write(scene: Scene, page: Page) -> None:
+    """Write the page, and beside it pictures and tables, each whole or not at all."""
+    tables: dict[str, Table] = {"errors": page.errors, "costs": page.costs}
+    pictures: dict[str, Picture] = {}
+    for section in page.sections:
+        for table in (*section.tables, *section.folded):
+            tables[table.name] = table
+        for picture in section.pictures:
+            pictures[picture.name] = picture
+    data = {
+        "title": page.title,
+        "built": list(page.built),
+        "left_out": list(page.left_out),
+        "made": list(page.made),
+        "pictures": {name: {"title": p.title, "says": p.sentence} for name, p in pictures.items()},
+        "tables": {name: table.as_data() for name, table in tables.items()},
+    }
+    with replace_folder(BUILD / scene.name / "report") as folder:
+        for name, picture in pictures.items():
+            (folder / f"{name}.svg").write_text(picture.svg, encoding="utf-8")
+        for name, table in tables.items():
+            table.write_csv(folder / f"{name}.csv")
+        text = json.dumps(data, indent=1, allow_nan=False) + "\n"
+        (folder / "report.json").write_text(text, encoding="utf-8")
+    with replace_file(BUILD / scene.name / "report.html") as path:
+        path.write_text(page.render(), encoding="utf-8")
+
+
+def made(seconds: float) -> list[str]:
+    """With what the report was made."""
+    packages = ", ".join(f"{name} {version(name)}" for name in PACKAGES)
+    return [
+        f"Made by make report in {seconds:.0f} s on {platform.machine()}, Python "
+        f"{platform.python_version()}, {packages}.",
+        "Run times are those of this machine; every other figure comes out the same again. Each "
+        "plot is an SVG and each table a CSV in the folder beside this file; report.json holds "
+        "all of them.",
+    ]
+
+
+def build_report(scene: Scene) -> None:
+    """Build the report of a scene."""
+    started = time.perf_counter()
+    page = content(scene, tell)
+    write(scene, dataclasses.replace(page, made=made(time.perf_counter() - started)))
+    print(f"wrote {BUILD / scene.name / 'report.html'}")

@@ -1,0 +1,104 @@
+"""The report as one HTML file that needs nothing beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+
+from tb.report.measure.table import Cell, Table, shown
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A drawing with the sentence under it.
+
+    Parameters
+    ----------
+    name : str
+        File name without suffix.
+    title : str
+    svg : str
+        An ``<svg>`` element.
+    sentence : str
+        What it shows, or what its figures support.
+    wide : bool
+        Takes the whole width of a desktop; on a phone it scrolls sideways.
+    """
+
+    name: str
+    title: str
+    svg: str
+    sentence: str
+    wide: bool = False
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of the page.
+
+    Parameters
+    ----------
+    name : str
+        The anchor.
+    title : str
+    text : sequence of str
+        Paragraphs.
+    pictures : sequence of Picture
+    tables : sequence of Table
+        Shown in full.
+    folded : sequence of Table
+        Shown when the reader opens them, and in print.
+    """
+
+    name: str
+    title: str
+    text: Sequence[str] = ()
+    pictures: Sequence[Picture] = ()
+    tables: Sequence[Table] = ()
+    folded: Sequence[Table] = ()
+
+
+@dataclass(frozen=True)
+class Page:
+    """The whole report.
+
+    Parameters
+    ----------
+    title : str
+    built : sequence of str
+        What was built, a line each.
+    errors, costs : Table
+        The first screen's tables.
+    left_out : sequence of str
+    sections : sequence of Section
+    made : sequence of str
+        With what it was made, a line each.
+    """
+
+    title: str
+    built: Sequence[str]
+    errors: Table
+    costs: Table
+    left_out: Sequence[str]
+    sections: Sequence[Section]
+    made: Sequence[str] = ()
+
+    def render(self) -> str:
+        """The page as HTML."""
+        environment = Environment(
+            loader=PackageLoader("tb.report.page", "."),
+            autoescape=select_autoescape(["jinja"]),
+            undefined=StrictUndefined,
+            trim_blocks=True,
+            lstrip_blocks=True,
+            keep_trailing_newline=True,
+        )
+        environment.filters["shown"] = _cell
+        return environment.get_template("page.html.jinja").render(page=self)
+
+
+def _cell(cell: Cell) -> str:
+    """As in print, with whole numbers in groups of three digits."""
+    return f"{cell:,}" if isinstance(cell, int) else shown(cell)
