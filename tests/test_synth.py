@@ -15,7 +15,7 @@ import pytest
 from golden.block import walk
 from golden.cli import CommandError
 from golden.fingerprint import ROOT
-from golden.scene import load_scene, scene_names
+from golden.scene import Scene, load_scene, scene_names
 from hdl.synth.absorb import absorb
 from hdl.synth.budget import COLUMNS, budget_path, differences, read_budget, write_budget
 from hdl.synth.cells import DEPTH, FAMILIES, synthesise
@@ -218,7 +218,7 @@ def test_the_recorded_cells_are_those_that_yosys_finds(verilog: Path, family: st
     assert differences(found, {family: budget[family]}) == []
 
 
-def test_the_pages_hold_what_is_load_scene() -> None:
+def test_the_pages_hold_what_is_recorded() -> None:
     for page, text in pages().items():
         assert page.read_text() == text, f"{page}: run: python -m hdl.synth.datasheets"
 
