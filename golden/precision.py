@@ -1,7 +1,7 @@
 """The two precisions: how real weights become a bit-true network.
 
 ``thesis`` normalises every neuron by Q_j and every output by Y_i (equations 4.16 and 4.17) and
-keeps 14 bits throughout. ``precise`` keeps the weights as they are in 18 bits, computes exactly
+keeps 14 bits throughout. ``exact`` keeps the weights as they are in 18 bits, computes exactly
 and rounds once a layer.
 """
 
@@ -93,8 +93,8 @@ THESIS = Precision(
     rounding=Rounding.TRUNCATE,
     activation="gradient",
 )
-PRECISE = Precision(
-    name="precise",
+EXACT = Precision(
+    name="exact",
     normalise=False,
     coeff_width=18,
     coeff_frac=None,
@@ -105,4 +105,4 @@ PRECISE = Precision(
     rounding=Rounding.ROUND,
     activation="precise",
 )
-PRECISIONS = {p.name: p for p in (THESIS, PRECISE)}
+PRECISIONS = {p.name: p for p in (THESIS, EXACT)}

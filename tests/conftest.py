@@ -175,10 +175,10 @@ PROFILE = (
 )
 INSTRUMENT = ("instrument", "scan_sequencer")
 FRONT_END = "\n[front_end]\n"
-AXIS = Case(("axis_network",), [(2, 3, 5)], "precise", interface="axi_stream")
-GRADIENT = Case(("gradient", *FOLDED), [(1, 1, 1)], "precise")
+AXIS = Case(("axis_network",), [(2, 3, 5)], "exact", interface="axi_stream")
+GRADIENT = Case(("gradient", *FOLDED), [(1, 1, 1)], "exact")
 PARALLEL = Case(("parallel", "neuron"), [(2, 3, 2)], "thesis", design="parallel")
-PRECISE = Case(("precise", "hybrid"), [(2, 3, 2)], "precise", activation="precise")
+PRECISE = Case(("precise", "hybrid"), [(2, 3, 2)], "exact", activation="precise")
 BLOCK_RAM = '{ coefficients = "block_ram" }'
 
 
@@ -219,55 +219,55 @@ shape_threshold = -0.25
 CASES = scheme_cases() | {
     "lut-short": Case(("lut",), [(2, 1, 2)], "thesis", spread=2.0, activation="lut"),
     "polynomial-short": Case(
-        ("polynomial",), [(2, 1, 2)], "precise", spread=2.0, activation="polynomial"
+        ("polynomial",), [(2, 1, 2)], "exact", spread=2.0, activation="polynomial"
     ),
     "least": GRADIENT,
     "least-thesis": replace(GRADIENT, shapes=[(1, 2, 1)], precision="thesis"),
     "wide": replace(GRADIENT, shapes=[(2, 3, 5)]),
     "wide-thesis": replace(GRADIENT, shapes=[(3, 5, 4)], precision="thesis"),
     "huge": replace(GRADIENT, shapes=[(4, 3, 2)], precision="thesis", spread=100.0),
-    "huge-precise": replace(GRADIENT, shapes=[(4, 3, 2)], spread=100.0),
+    "huge-exact": replace(GRADIENT, shapes=[(4, 3, 2)], spread=100.0),
     "logic": replace(PRECISE, spread=0.5),
     "logic-huge": replace(PRECISE, shapes=[(2, 2, 1)], spread=100.0),
     "block-ram": replace(PRECISE, options=BLOCK_RAM, spread=0.5),
     "block-ram-huge": replace(PRECISE, options=BLOCK_RAM, shapes=[(2, 2, 1)], spread=100.0),
     "parallel": PARALLEL,
-    "least-parallel": replace(PARALLEL, shapes=[(1, 1, 1)], precision="precise"),
-    "wide-parallel": replace(PARALLEL, shapes=[(5, 4, 3)], precision="precise"),
+    "least-parallel": replace(PARALLEL, shapes=[(1, 1, 1)], precision="exact"),
+    "wide-parallel": replace(PARALLEL, shapes=[(5, 4, 3)], precision="exact"),
     "huge-parallel": replace(PARALLEL, shapes=[(4, 3, 2)], spread=100.0),
     "pade-parallel": replace(PARALLEL, activation="pade"),
-    "precise-parallel": replace(PARALLEL, precision="precise", activation="precise"),
-    "least-cascade": Case(CASCADE, [(1, 1, 1), (2, 2, 1)], "precise", arrangement="cascade"),
+    "precise-parallel": replace(PARALLEL, precision="exact", activation="precise"),
+    "least-cascade": Case(CASCADE, [(1, 1, 1), (2, 2, 1)], "exact", arrangement="cascade"),
     "deep-cascade": Case(
         CASCADE, [(2, 1, 1), (3, 9, 1), (4, 2, 1), (5, 5, 1)], "thesis", arrangement="cascade"
     ),
     "least-multiple": Case(MULTIPLE, [(1, 2, 1), (1, 1, 1)], "thesis", arrangement="multiple"),
     "wide-multiple": Case(
-        MULTIPLE, [(2, 9, 1), (2, 1, 1), (2, 4, 1)], "precise", arrangement="multiple"
+        MULTIPLE, [(2, 9, 1), (2, 1, 1), (2, 4, 1)], "exact", arrangement="multiple"
     ),
     "axis": AXIS,
     "least-axis": replace(AXIS, shapes=[(1, 2, 1)], precision="thesis"),
     "pade-axis": replace(AXIS, shapes=[(2, 2, 2)], activation="pade"),
     "axis-cascade": replace(AXIS, shapes=[(2, 3, 1), (3, 2, 1), (4, 2, 1)], arrangement="cascade"),
     "axis-multiple": replace(AXIS, shapes=[(2, 2, 1), (2, 4, 1)], arrangement="multiple"),
-    "profile": Case(PROFILE, [(4, 3, 4)], "precise", sections=VISUALISATION),
+    "profile": Case(PROFILE, [(4, 3, 4)], "exact", sections=VISUALISATION),
     "other-profile": Case(
         ("readout", "ramp", "divider"),
         [(2, 1, 1), (3, 2, 1), (4, 1, 1), (5, 2, 1), (6, 1, 1)],
-        "precise",
+        "exact",
         arrangement="cascade",
         sections=OTHER_PROFILE,
     ),
     "instrument": Case(
         INSTRUMENT,
         [(4, 3, 1), (5, 2, 1), (6, 1, 1), (7, 3, 1)],
-        "precise",
+        "exact",
         arrangement="cascade",
         sections=f"{VISUALISATION}{FRONT_END}counter_width = 10\n",
     ),
     # No profile; the narrowest counter, one clock after the address is there.
     "least-instrument": Case(
-        INSTRUMENT, [(3, 2, 3)], "precise", sections=f"{FRONT_END}counter_width = 3\n"
+        INSTRUMENT, [(3, 2, 3)], "exact", sections=f"{FRONT_END}counter_width = 3\n"
     ),
     "one-sensor": Case(
         INSTRUMENT, [(1, 2, 4)], "thesis", sections=f"{FRONT_END}counter_width = 4\n"
@@ -284,13 +284,13 @@ def every_design(folder: Path) -> list[Network]:
 
 @pytest.fixture
 def small_scene(tmp_path: Path) -> Scene:
-    """A 3:5:2 scene in precise precision."""
+    """A 3:5:2 scene in exact precision."""
     mlp = random_mlp((3, 5, 2), 1.0, 1)
-    return load_scene(str(write_scene(tmp_path, "small", "precise", [mlp])))
+    return load_scene(str(write_scene(tmp_path, "small", "exact", [mlp])))
 
 
 @pytest.fixture
 def small_cascade(tmp_path: Path) -> Scene:
-    """Networks 3:4:1, 4:3:1 and 5:2:1 in a cascade, precise precision."""
+    """Networks 3:4:1, 4:3:1 and 5:2:1 in a cascade, exact precision."""
     mlps = [random_mlp((3 + i, 4 - i, 1), 1.0, i) for i in range(3)]
-    return load_scene(str(write_scene(tmp_path, "chain", "precise", mlps, "cascade")))
+    return load_scene(str(write_scene(tmp_path, "chain", "exact", mlps, "cascade")))

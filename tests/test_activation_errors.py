@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from golden.activation import errors
 from golden.activation.schemes import forms
+from tb.report.measure import activation_errors as errors
 from tb.report.measure.activation_errors import FACTORS, PLOTS, Row, measure, plot, plot_file, table
 
 ROOT = Path(__file__).parents[1]
@@ -36,7 +36,7 @@ def test_every_form_is_measured_in_all_its_precisions(rows: list[Row]) -> None:
             (arithmetic, factor)
             for precision in scheme.precisions
             for factor in (FACTORS if precision.normalise else (1,))
-            for arithmetic in ((precision.name, "float") if precision.normalise else ("precise",))
+            for arithmetic in ((precision.name, "float") if precision.normalise else ("exact",))
         }
         found = [(r.arithmetic, r.factor) for r in rows if (r.scheme, r.options) == (name, "")]
         assert set(found) == expected

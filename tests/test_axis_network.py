@@ -82,7 +82,7 @@ def test_a_scene_that_does_not_ask_for_it_has_nothing_of_it(small_scene) -> None
     ],
 )
 def test_what_cannot_be_built_is_refused(tmp_path: Path, old: str, new: str, message: str) -> None:
-    path = write_scene(tmp_path, "odd", "precise", CASES["axis"].networks(), interface="axi_stream")
+    path = write_scene(tmp_path, "odd", "exact", CASES["axis"].networks(), interface="axi_stream")
     path.write_text(path.read_text().replace(old, new))
     with pytest.raises(ValueError, match=re.escape(f"{path}: {message}")):
         load_scene(str(path))

@@ -107,7 +107,7 @@ def test_the_cases_differ_as_meant(tmp_path: Path) -> None:
         if CASES[name].shapes == [(2, 1, 2)]:
             (activation,) = designs[name].activations
             assert bool(activation.left_out()) == name.endswith("short"), name
-    assert designs["pade-precise"].input_controller.spacing == 3
+    assert designs["pade-exact"].input_controller.spacing == 3
     assert designs["profile"].load_profile.divider.gain_frac == 0
     assert designs["other-profile"].load_profile.divider.gain_frac == 15
     assert designs["other-profile"].load_profile.ramp.start < 0

@@ -126,12 +126,12 @@ def jobs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Job]:
     """One job per block under Icarus; the single networks' sums reach their rails."""
     folder = tmp_path_factory.mktemp("faults")
     single = [random_mlp((3, 4, 3), 20.0, 2)]
-    designs = [("single", activation, single, "hybrid", "precise") for activation in SCHEMES]
+    designs = [("single", activation, single, "hybrid", "exact") for activation in SCHEMES]
     designs.append(("single", "gradient", single, "parallel", "thesis"))
     cascade = [random_mlp((2 + i, 3, 1), 1.0, i) for i in range(3)]
     multiple = [random_mlp((2, 4 - i, 1), 1.0, i) for i in range(3)]
-    designs += [("cascade", "gradient", cascade, "hybrid", "precise")]
-    designs += [("multiple", "gradient", multiple, "hybrid", "precise")]
+    designs += [("cascade", "gradient", cascade, "hybrid", "exact")]
+    designs += [("multiple", "gradient", multiple, "hybrid", "exact")]
     found: dict[str, Job] = {}
     paths = [
         write_scene(
@@ -147,12 +147,12 @@ def jobs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Job]:
     ]
     # Samples and slots: the blocks inside are those of the cascade above.
     paths.append(
-        write_scene(folder, "faulty-axis", "precise", cascade, "cascade", interface="axi_stream")
+        write_scene(folder, "faulty-axis", "exact", cascade, "cascade", interface="axi_stream")
     )
     # A short ramp, because every fault costs all tests of its bench.
     section = f"{VISUALISATION}stop = 0.9\nstep = 0.3\n{FRONT_END}counter_width = 6\n"
     drawn = [random_mlp((2, 3, 4), 1.0, 2)]
-    paths.append(write_scene(folder, "faulty-profile", "precise", drawn, sections=section))
+    paths.append(write_scene(folder, "faulty-profile", "exact", drawn, sections=section))
     for path in paths:
         for job in plan(load_scene(str(path)), ["icarus"], build=folder):
             found.setdefault(job.block, job)

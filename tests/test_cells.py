@@ -5,13 +5,13 @@ from __future__ import annotations
 import pytest
 
 from golden.activation.schemes import forms
-from golden.precision import PRECISE
+from golden.precision import EXACT
 from hdl.synth.activations import cells
 from hdl.synth.cells import FAMILIES
 
 
 def count(name: str, family: str) -> dict[str, int]:
-    return cells(forms()[name].build(PRECISE, 1, PRECISE.hidden_fmt.high), family)
+    return cells(forms()[name].build(EXACT, 1, EXACT.hidden_fmt.high), family)
 
 
 @pytest.mark.parametrize("family", FAMILIES)

@@ -106,7 +106,7 @@ def test_a_missing_simulator_is_named_with_its_package(tmp_path: Path) -> None:
 
 def test_one_bench_by_its_command(tmp_path: Path) -> None:
     shape = (2, 3, 1)
-    path = write_scene(tmp_path, "mine", "precise", [random_mlp(shape, 1.0, 1)])
+    path = write_scene(tmp_path, "mine", "exact", [random_mlp(shape, 1.0, 1)])
     try:
         result = make("sim", "BLOCK=abs_unit", "SIM=icarus", f"SCENE={path}", "SEED=7", "WAVES=1")
         assert result.returncode == 0, result.stdout + result.stderr
@@ -122,7 +122,7 @@ def test_one_bench_by_its_command(tmp_path: Path) -> None:
 def test_the_benchmark_reports_a_ratio() -> None:
     result = make("bench", "FRAMES=2000", "SCENE=digit-single")
     assert result.returncode == 0, result.stderr
-    assert re.search(r"4:16:4 precise: 2000 frames, .* ratio \d+\.\d+; memory", result.stdout)
+    assert re.search(r"4:16:4 exact: 2000 frames, .* ratio \d+\.\d+; memory", result.stdout)
     assert "frames: got 0, expected 1 or more" in make("bench", "FRAMES=0").stderr
 
 
@@ -151,7 +151,7 @@ def test_a_network_of_several_is_named_by_its_output(tmp_path: Path, small_casca
 
 def test_a_broken_scene_writes_nothing(tmp_path: Path) -> None:
     shape = (2, 3, 1)
-    path = write_scene(tmp_path, "bad", "precise", [random_mlp(shape, 1.0, 1)])
+    path = write_scene(tmp_path, "bad", "exact", [random_mlp(shape, 1.0, 1)])
     lines = (tmp_path / "bad.csv").read_text().splitlines()
     (tmp_path / "bad.csv").write_text("\n".join([*lines[:3], "0.1,text,0.3", *lines[4:]]))
     before = fingerprint([tmp_path])
@@ -165,7 +165,7 @@ def test_a_broken_scene_writes_nothing(tmp_path: Path) -> None:
 
 def test_train_writes_network_and_provenance(tmp_path: Path) -> None:
     shape = (2, 3, 1)
-    path = write_scene(tmp_path, "mine", "precise", [random_mlp(shape, 1.0, 1)])
+    path = write_scene(tmp_path, "mine", "exact", [random_mlp(shape, 1.0, 1)])
     contents = []
     try:
         for _ in range(2):
@@ -176,7 +176,7 @@ def test_train_writes_network_and_provenance(tmp_path: Path) -> None:
     finally:
         shutil.rmtree(ROOT / "build" / "mine", ignore_errors=True)
     assert contents[0] == contents[1]
-    assert 'precision = "precise"' in (tmp_path / "mine.provenance.toml").read_text()
+    assert 'precision = "exact"' in (tmp_path / "mine.provenance.toml").read_text()
 
 
 def test_train_writes_all_networks_of_a_cascade(small_cascade: Scene) -> None:
@@ -195,7 +195,7 @@ def test_train_writes_all_networks_of_a_cascade(small_cascade: Scene) -> None:
 
 def test_train_refuses_too_few_rows(tmp_path: Path) -> None:
     shape = (2, 3, 1)
-    path = write_scene(tmp_path, "few", "precise", [random_mlp(shape, 1.0, 1)], rows=5)
+    path = write_scene(tmp_path, "few", "exact", [random_mlp(shape, 1.0, 1)], rows=5)
     before = (tmp_path / "few.npz").read_bytes()
     result = make("train", f"SCENE={path}")
     assert result.returncode == 2

@@ -192,7 +192,7 @@ def test_a_reader_finds_every_block_by_name(build: Path, scene: str) -> None:
 
 def test_a_failed_export_leaves_the_old_one_alone(tmp_path: Path) -> None:
     shape = (2, 3, 1)
-    path = write_scene(tmp_path, "one", "precise", [random_mlp(shape, 1.0, 1)])
+    path = write_scene(tmp_path, "one", "exact", [random_mlp(shape, 1.0, 1)])
     export(load_scene(str(path)), "vhdl", tmp_path)
     before = fingerprint([tmp_path / "one" / "vhdl"])
     (tmp_path / "one.npz").write_bytes(b"broken")
@@ -213,7 +213,7 @@ def test_a_failed_export_leaves_the_old_one_alone(tmp_path: Path) -> None:
 
 def test_an_edited_file_is_exported_again(tmp_path: Path) -> None:
     shape = (2, 3, 1)
-    scene = load_scene(str(write_scene(tmp_path, "one", "precise", [random_mlp(shape, 1.0, 1)])))
+    scene = load_scene(str(write_scene(tmp_path, "one", "exact", [random_mlp(shape, 1.0, 1)])))
     export(scene, "verilog", tmp_path)
     file = tmp_path / "one" / "verilog" / "hybrid.v"
     text = file.read_text()

@@ -43,7 +43,7 @@ def test_the_errors_are_those_of_make_activations(schemes: Table) -> None:
             r.largest,
         )
         for r in measure()
-        if r.factor == THESIS_FACTOR or r.arithmetic == "precise"
+        if r.factor == THESIS_FACTOR or r.arithmetic == "exact"
     }
     names = ("scheme", "arithmetic", "mean %", "largest units")
     assert {(n, a): (mean, most) for n, a, mean, most in columns(schemes, *names)} == known
@@ -81,17 +81,17 @@ def test_a_rho_settles_where_it_is_stable_up_to_the_gate(steps: Table) -> None:
         assert stable == stable_below(rho)
         if count == last and stable > GATE:
             assert mean < 0.06
-            assert arithmetic == "precise" or largest < 20
+            assert arithmetic == "exact" or largest < 20
         elif count == last:
             assert mean > 2
             assert largest > 8000
 
 
 def test_the_default_is_the_rho_that_settles_first_up_to_the_gate(steps: Table) -> None:
-    """In precise precision, which alone passes the gate here; 24 would do for 4.5, with 32 the mean
+    """In exact precision, which alone passes the gate here; 24 would do for 4.5, with 32 the mean
     error halves."""
     names = ("rho", "iterations", "arithmetic", "mean %", "largest units")
-    rows = [row for row in columns(steps, *names) if row[2] == "precise"]
+    rows = [row for row in columns(steps, *names) if row[2] == "exact"]
     needed = {rho: count for rho, count, _, _, largest in reversed(rows) if largest < 21.5}
     assert min(needed, key=lambda rho: (needed[rho], rho)) == RHO
     means = {count: mean for rho, count, _, mean, _ in rows if rho == RHO}
@@ -102,7 +102,7 @@ def test_the_default_is_the_rho_that_settles_first_up_to_the_gate(steps: Table) 
 def test_the_page_shows_where_each_rho_reaches_the_step(steps: Table) -> None:
     page = (Path(__file__).parents[1] / "docs" / "figures.md").read_text()
     names = ("rho", "stable below |q|", "iterations", "mean %", "largest units", "arithmetic")
-    rows = [row for row in columns(steps, *names) if row[-1] == "precise"]
+    rows = [row for row in columns(steps, *names) if row[-1] == "exact"]
     for rho in activations.RHOS:
         own = [row for row in rows if row[0] == rho]
         stable = own[0][1]

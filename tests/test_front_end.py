@@ -61,7 +61,7 @@ def test_parameters_out_of_range_are_refused(parameters, message) -> None:
 
 def scene_with(tmp_path, section: str, shape=(2, 3, 4), design="hybrid"):
     mlp = random_mlp(shape, 1.0, 1)
-    path = write_scene(tmp_path, "rig", "precise", [mlp], design=design, sections=section)
+    path = write_scene(tmp_path, "rig", "exact", [mlp], design=design, sections=section)
     return load_scene(str(path))
 
 

@@ -7,9 +7,9 @@ import pytest
 
 from golden.activation.schemes import SCHEMES, gradient_for
 from golden.activation.segments import gradient_real
-from golden.precision import PRECISE, SIGNAL, THESIS
+from golden.precision import EXACT, SIGNAL, THESIS
 
-CASES = [(THESIS, q) for q in (1, 2, 3, 8, 16, 32, 77, 100, 128, 511, 512)] + [(PRECISE, 1)]
+CASES = [(THESIS, q) for q in (1, 2, 3, 8, 16, 32, 77, 100, 128, 511, 512)] + [(EXACT, 1)]
 IDS = [f"{p.name}-q{q}" for p, q in CASES]
 
 

@@ -167,7 +167,7 @@ def test_both_languages_have_the_same_ports(scenes, build, name: str) -> None:
 
 
 def test_the_constraints_name_the_clock(tmp_path: Path) -> None:
-    path = write_scene(tmp_path, "slow", "precise", [random_mlp((2, 3, 1), 1.0, 1)])
+    path = write_scene(tmp_path, "slow", "exact", [random_mlp((2, 3, 1), 1.0, 1)])
     path.write_text(path.read_text().replace("[hardware]", "[hardware]\nclock_mhz = 12.5"))
     export(load_scene(str(path)), "verilog", tmp_path)
     folder = tmp_path / "slow" / "verilog"
@@ -186,7 +186,7 @@ def test_a_long_recording_is_cut(scenes, tmp_path: Path, monkeypatch) -> None:
 
 
 def test_a_name_that_vhdl_does_not_take(tmp_path: Path) -> None:
-    path = write_scene(tmp_path, "größe 1", "precise", [random_mlp((2, 3, 1), 1.0, 1)])
+    path = write_scene(tmp_path, "größe 1", "exact", [random_mlp((2, 3, 1), 1.0, 1)])
     export(load_scene(str(path)), "vhdl", tmp_path)
     # GHDL itself takes no such folder.
     folder = (tmp_path / "größe 1" / "vhdl").rename(tmp_path / "vhdl")
@@ -196,7 +196,7 @@ def test_a_name_that_vhdl_does_not_take(tmp_path: Path) -> None:
 
 
 def test_new_recordings_are_exported_again(tmp_path: Path) -> None:
-    path = write_scene(tmp_path, "one", "precise", [random_mlp((2, 3, 1), 1.0, 1)])
+    path = write_scene(tmp_path, "one", "exact", [random_mlp((2, 3, 1), 1.0, 1)])
     export(load_scene(str(path)), "vhdl", tmp_path)
     before = fingerprint([tmp_path / "one" / "vhdl"])
     table = tmp_path / "one.csv"

@@ -13,7 +13,7 @@ def test_the_file_is_what_the_hardware_publishes() -> None:
 
 
 def test_the_file_is_read_by_name_and_precision() -> None:
-    assert latencies("scene")["digit", "precise"] == latency(load_scene("digit").twin())
+    assert latencies("scene")["digit", "exact"] == latency(load_scene("digit").twin())
     assert latencies("activation")["pade, rho = 4, iterations = 24", "thesis"] == 31
     assert latencies("activation").keys().isdisjoint(latencies("scene"))
 

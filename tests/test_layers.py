@@ -14,7 +14,7 @@ from golden.layers.input_controller import InputController
 from golden.layers.input_node import InputNode
 from golden.layers.neuron import Neuron
 from golden.layers.output_integral import OutputIntegral
-from golden.precision import PRECISE, SIGNAL
+from golden.precision import EXACT, SIGNAL
 
 COEFF = Fix(18, 14)
 codes = st.integers(COEFF.low, COEFF.high)
@@ -22,7 +22,7 @@ samples = st.integers(SIGNAL.low, SIGNAL.high)
 
 
 def node(weights, bias, shift=0) -> InputNode:
-    return InputNode(SIGNAL, COEFF, PRECISE.hidden_fmt, shift, tuple(weights), bias)
+    return InputNode(SIGNAL, COEFF, EXACT.hidden_fmt, shift, tuple(weights), bias)
 
 
 @given(st.lists(st.tuples(codes, samples), min_size=1, max_size=6), codes, st.integers(0, 13))

@@ -48,7 +48,7 @@ def test_results_are_those_of_the_whole(name: str) -> None:
 
 
 def test_segments_that_no_neuron_reaches(tmp_path: Path) -> None:
-    path = write_scene(tmp_path, "few", "precise", [random_mlp((2, 2, 1), 0.2, 1)])
+    path = write_scene(tmp_path, "few", "exact", [random_mlp((2, 2, 1), 0.2, 1)])
     scene = load_scene(str(path))
     same_results(scene)
     whole, lean = scene.twin(lean=False).activations[0], scene.twin().activations[0]
@@ -60,7 +60,7 @@ def test_segments_that_no_neuron_reaches(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("design", ["hybrid", "parallel"])
 def test_hidden_nodes_that_no_output_uses(tmp_path: Path, design: str) -> None:
-    path = write_scene(tmp_path, "idle", "precise", [with_zeros()], design=design)
+    path = write_scene(tmp_path, "idle", "exact", [with_zeros()], design=design)
     scene = load_scene(str(path))
     same_results(scene)
     assert len(scene.twin().activations) == 3
@@ -73,13 +73,13 @@ def test_hidden_nodes_that_no_output_uses(tmp_path: Path, design: str) -> None:
 def test_a_network_of_zeros_keeps_a_node(tmp_path: Path) -> None:
     mlp = random_mlp((2, 3, 1), 1.0, 3)
     mlp.w2[:] = 0
-    scene = load_scene(str(write_scene(tmp_path, "none", "precise", [mlp])))
+    scene = load_scene(str(write_scene(tmp_path, "none", "exact", [mlp])))
     same_results(scene)
     assert len(scene.twin().activations) == 1
 
 
 def test_multipliers_of_weights_that_are_0(tmp_path: Path) -> None:
-    path = write_scene(tmp_path, "zeros", "precise", [with_zeros()], design="parallel")
+    path = write_scene(tmp_path, "zeros", "exact", [with_zeros()], design="parallel")
     scene = load_scene(str(path))
     same_results(scene)
     design = scene.twin()
@@ -105,7 +105,7 @@ def test_front_end_and_profile_that_the_scene_does_not_name(tmp_path: Path) -> N
     mlp = random_mlp((2, 3, 4), 1.0, 1)
     found = {}
     for name, sections in (("bare", ""), ("full", VISUALISATION + FRONT_END)):
-        path = write_scene(tmp_path, name, "precise", [mlp], sections=sections)
+        path = write_scene(tmp_path, name, "exact", [mlp], sections=sections)
         scene = load_scene(str(path))
         found[name] = exported(scene, tmp_path)[0], scene.twin().process(np.full((1, 2), 99))
     bare, full = found["bare"][0], found["full"][0]
@@ -120,7 +120,7 @@ def test_a_slot_that_nobody_reads(tmp_path: Path) -> None:
     """A cascade's scan has slots for its earlier outputs; independent networks need none."""
     for arrangement, more, slots in (("cascade", 1, 4), ("multiple", 0, 2)):
         mlps = [random_mlp((2 + more * i, 2, 1), 1.0, i) for i in range(3)]
-        path = write_scene(tmp_path, arrangement, "precise", mlps, arrangement, sections=FRONT_END)
+        path = write_scene(tmp_path, arrangement, "exact", mlps, arrangement, sections=FRONT_END)
         scene = load_scene(str(path))
         assert scene.twin().scan_sequencer.slots == slots
         _, text = exported(scene, tmp_path)
@@ -128,7 +128,7 @@ def test_a_slot_that_nobody_reads(tmp_path: Path) -> None:
 
 
 def test_the_savings_are_those_of_two_builds(tmp_path: Path, monkeypatch, capsys) -> None:
-    path = write_scene(tmp_path, "idle", "precise", [with_zeros()], activation="precise")
+    path = write_scene(tmp_path, "idle", "exact", [with_zeros()], activation="precise")
     monkeypatch.setattr(sys, "argv", ["make lean", str(path)])
     lean.main()
     rows = [line.split() for line in capsys.readouterr().out.splitlines()[-3:]]

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from golden.activation.lut import lut_for
-from golden.precision import PRECISE, SIGNAL, THESIS
+from golden.precision import EXACT, SIGNAL, THESIS
 
-CASES = [(THESIS, q) for q in (1, 2, 3, 7, 12, 77, 100, 511, 512, 3000)] + [(PRECISE, 1)]
+CASES = [(THESIS, q) for q in (1, 2, 3, 7, 12, 77, 100, 511, 512, 3000)] + [(EXACT, 1)]
 
 
 @pytest.mark.parametrize(("precision", "factor"), CASES, ids=lambda v: getattr(v, "name", v))

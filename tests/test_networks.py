@@ -20,7 +20,7 @@ from golden.networks.arrangement import arrange
 from golden.networks.hybrid import Hybrid
 from golden.networks.mlp import Mlp
 from golden.networks.parallel import Parallel
-from golden.precision import PRECISE, PRECISIONS, SIGNAL, THESIS, normalisation
+from golden.precision import EXACT, PRECISIONS, SIGNAL, THESIS, normalisation
 from golden.scene import FOLDER, Scene, load_scene, scene_names, thesis_figures
 from tb.report.measure.networks import scenes
 
@@ -60,8 +60,8 @@ def test_the_cascade_holds_on_rows_that_it_never_saw() -> None:
     assert max(error.mean for error in held_out) <= 1.0
 
 
-@pytest.mark.parametrize("name", [n for n in scene_names() if load_scene(n).precision is PRECISE])
-def test_precise_costs_next_to_nothing(name: str) -> None:
+@pytest.mark.parametrize("name", [n for n in scene_names() if load_scene(n).precision is EXACT])
+def test_exact_costs_next_to_nothing(name: str) -> None:
     """Against the same networks with the same activation in real arithmetic."""
     scene = load_scene(name)
     real = scene.process_real(scene.vectors().inputs)
@@ -85,7 +85,7 @@ def test_bit_true_follows_float(seed: int, name: str, spread: float) -> None:
     # One LSB of a weight, a product or q in each term, carried to the output by its weights. A q
     # that falls on the other side of a border adds the scheme's step there: 126 LSB at 0, where
     # the first intercept changes its sign, and 44 at the most elsewhere.
-    if name == "precise":
+    if name == "exact":
         bound = (3 + np.abs(mlp.w2).sum(axis=1) * 130) / 8192
     else:
         y = normalisation(mlp.w2, mlp.b2)
@@ -108,15 +108,15 @@ def test_rails_on_all_sensors(precision) -> None:
 def test_networks_together_do_what_each_does_alone(arrangement: str) -> None:
     mlps = [random_mlp((3 + i * (arrangement == "cascade"), 4, 1), 1.0, i) for i in range(3)]
     frames = np.random.default_rng(1).integers(SIGNAL.low, SIGNAL.high + 1, (5000, 3))
-    design = arrange(arrangement, mlps, lambda m, v: Hybrid.of(m, PRECISE, "gradient", variant=v))
+    design = arrange(arrangement, mlps, lambda m, v: Hybrid.of(m, EXACT, "gradient", variant=v))
     seen, results = frames, []
     for mlp in mlps:
-        results.append(Hybrid.of(mlp, PRECISE, "gradient").process(seen))
+        results.append(Hybrid.of(mlp, EXACT, "gradient").process(seen))
         if arrangement == "cascade":
             seen = np.concatenate([seen, results[-1]], axis=1)
     assert np.array_equal(design.process(frames), np.concatenate(results, axis=1))
     for shape in ((5, 2, 1), (3, 2, 2), (4, 2, 2)):
-        odd = Hybrid.of(random_mlp(shape, 1.0, 1), PRECISE, "gradient")
+        odd = Hybrid.of(random_mlp(shape, 1.0, 1), EXACT, "gradient")
         with pytest.raises(ValueError, match="got networks of"):
             replace(design, networks=(design.networks[0], odd))
 
@@ -158,11 +158,11 @@ def test_parallel_refuses_parts_that_do_not_fit(field: str, change, message: str
 def test_networks_together_are_folded(arrangement: str) -> None:
     mlps = [random_mlp((3, 4, 1), 1.0, i) for i in range(2)]
     with pytest.raises(ValueError, match=f"{arrangement}: got networks parallel, expected"):
-        arrange(arrangement, mlps, lambda m, v: Parallel.of(m, PRECISE, "gradient", variant=v))
+        arrange(arrangement, mlps, lambda m, v: Parallel.of(m, EXACT, "gradient", variant=v))
 
 
 def test_shapes_and_chunks_change_nothing() -> None:
-    design = Hybrid.of(random_mlp((3, 4, 2), 1.0, 1), PRECISE, "gradient")
+    design = Hybrid.of(random_mlp((3, 4, 2), 1.0, 1), EXACT, "gradient")
     frames = np.random.default_rng(1).integers(SIGNAL.low, SIGNAL.high + 1, (3, 3001, 3))
     results = design.process(frames)
     assert results.shape == (3, 3001, 2)
@@ -178,7 +178,7 @@ def test_huge_weights_still_build() -> None:
     """Q_j of several hundred, and weights that leave 18 bits few fraction bits."""
     rng = np.random.default_rng(0)
     mlp = Mlp(rng.normal(0, 60, (3, 4)), rng.normal(0, 60, 3), np.ones((1, 3)) * 0.3, np.zeros(1))
-    for precision in (THESIS, PRECISE):
+    for precision in (THESIS, EXACT):
         design = Hybrid.of(mlp, precision, "gradient")
         frames = rng.integers(SIGNAL.low, SIGNAL.high + 1, (500, 4))
         assert np.abs(design.process(frames)).max() <= -SIGNAL.low
@@ -187,7 +187,7 @@ def test_huge_weights_still_build() -> None:
 def test_weights_beyond_the_format_are_refused() -> None:
     mlp = Mlp(np.full((1, 1), 2e5), np.zeros(1), np.ones((1, 1)), np.zeros(1))
     with pytest.raises(ValueError, match="layer 1 weights: largest magnitude 200000 does not fit"):
-        Hybrid.of(mlp, PRECISE, "gradient")
+        Hybrid.of(mlp, EXACT, "gradient")
 
 
 def test_a_thesis_sum_that_could_wrap_is_refused() -> None:
@@ -234,7 +234,7 @@ def test_a_node_without_weights_still_builds() -> None:
     mlp = random_mlp((2, 3, 1), 0.3, 1)
     mlp.w1[1] = 0
     mlp.b1[1] = 0
-    design = Hybrid.of(mlp, PRECISE, "gradient")
+    design = Hybrid.of(mlp, EXACT, "gradient")
     node = design.input_integral.nodes[1]
     assert node.acc_width < node.out_shift
     assert design.input_integral.process([[SIGNAL.low, SIGNAL.high]])[0, 1] == 0

@@ -12,7 +12,7 @@ import pytest
 
 from golden.activation import pade
 from golden.activation.pade import UnsettledWarning, distance, pade_for, pade_real
-from golden.precision import PRECISE, SIGNAL, THESIS
+from golden.precision import EXACT, SIGNAL, THESIS
 
 DATA = Path(pade.__file__).parents[1] / "data" / "thesis_numbers.toml"
 THESIS_TABLE = tomllib.loads(DATA.read_text())["activation"]["pade"]
@@ -34,7 +34,7 @@ def test_normalised_constants_of_4_5_2_3_3_with_the_misprint_mended() -> None:
         assert np.array([1, *coefficients]) * powers == pytest.approx(right, abs=6e-5)
 
 
-@pytest.mark.parametrize("precision", [THESIS, PRECISE], ids=lambda p: p.name)
+@pytest.mark.parametrize("precision", [THESIS, EXACT], ids=lambda p: p.name)
 @pytest.mark.parametrize("factor", [1, 3, 5, 33, 330, 4000])
 def test_the_gate_is_at_3_3(precision, factor: int) -> None:
     fmt = precision.hidden_fmt
@@ -50,7 +50,7 @@ def test_the_gate_is_at_3_3(precision, factor: int) -> None:
 @pytest.mark.parametrize("rho", [1.0, 2.5, 4.0, 4.5, 8.0])
 @pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 def test_nothing_wraps_up_to_the_gate(factor: int, rho: float) -> None:
-    for precision in (THESIS, PRECISE) if factor == 1 else (THESIS,):
+    for precision in (THESIS, EXACT) if factor == 1 else (THESIS,):
         block = pade_for(precision, factor, precision.hidden_fmt.high, rho=rho, iterations=3)
         mags = np.arange(block.last // factor + 1)
         found = block.polynomials(mags * factor)
@@ -70,7 +70,7 @@ def test_nothing_wraps_up_to_the_gate(factor: int, rho: float) -> None:
 def test_precise_multiplies_18_bits_at_most(rho: float) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UnsettledWarning)
-        block = pade_for(PRECISE, 1, PRECISE.hidden_fmt.high, rho=rho)
+        block = pade_for(EXACT, 1, EXACT.hidden_fmt.high, rho=rho)
     widths = block.widths(block.last)
     assert max(widths.values()) <= 18
     assert block.formats.reciprocal.width == 18
@@ -110,13 +110,13 @@ def test_an_unsettled_regression_warns_with_its_distance() -> None:
     with pytest.warns(UnsettledWarning, match=missing):
         pade_for(THESIS, 5, SIGNAL.high, rho=4.0, iterations=24)
     with pytest.warns(UnsettledWarning, match="rho = 2 with 99 iterations is divergent at .* 2.37"):
-        pade_for(PRECISE, 1, PRECISE.hidden_fmt.high, rho=2.0, iterations=99)
+        pade_for(EXACT, 1, EXACT.hidden_fmt.high, rho=2.0, iterations=99)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         pade_for(THESIS, 3, SIGNAL.high, rho=4.0, iterations=24)
-        pade_for(PRECISE, 1, PRECISE.hidden_fmt.high)
+        pade_for(EXACT, 1, EXACT.hidden_fmt.high)
         # What the neuron cannot reach does not matter.
-        pade_for(PRECISE, 1, 2 << 14, rho=2.0, iterations=60)
+        pade_for(EXACT, 1, 2 << 14, rho=2.0, iterations=60)
 
 
 def test_the_distance_is_what_is_missing() -> None:
@@ -132,7 +132,7 @@ def test_the_distance_is_what_is_missing() -> None:
 @pytest.mark.parametrize("iterations", [1, 2, 3, 10, 41])
 def test_beyond_its_stable_range_it_stays_inside_the_format(iterations: int) -> None:
     """It diverges there; the gate holds, and so does the sign."""
-    for precision, factor in ((THESIS, 5), (PRECISE, 1)):
+    for precision, factor in ((THESIS, 5), (EXACT, 1)):
         fmt = precision.hidden_fmt
         block = pade_for(precision, factor, fmt.high, rho=1.0, iterations=iterations)
         codes = np.arange(fmt.low, fmt.high + 1)

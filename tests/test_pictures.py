@@ -131,7 +131,7 @@ def test_the_network_diagram_shows_every_node_and_name(name: str) -> None:
 
 def test_very_many_hidden_nodes_are_counted_and_not_all_drawn(tmp_path: Path) -> None:
     wide = CASES["wide"]
-    scene = wide.__class__(wide.blocks, [(2, 90, 1)], "precise").scene(tmp_path, "many")
+    scene = wide.__class__(wide.blocks, [(2, 90, 1)], "exact").scene(tmp_path, "many")
     root = parse(network(scene))
     assert "90 hidden nodes" in words(root)
     assert len(list(root.iter(f"{SVG}circle"))) < 90

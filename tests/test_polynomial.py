@@ -11,7 +11,7 @@ import pytest
 from golden.activation import polynomial
 from golden.activation.polynomial import normalised, polynomial_for
 from golden.fixed import cut
-from golden.precision import PRECISE, SIGNAL, THESIS
+from golden.precision import EXACT, SIGNAL, THESIS
 
 DATA = Path(polynomial.__file__).parents[1] / "data" / "thesis_numbers.toml"
 TABLE_4_2 = tomllib.loads(DATA.read_text())["activation"]["polynomial"]
@@ -44,7 +44,7 @@ def test_constants_of_table_4_4_with_the_misprints_mended() -> None:
 @pytest.mark.parametrize("factor", [1, 2, 3, 4, 5, 8, 16, 77, 128, 512, 4000])
 def test_square_and_sum_fit_their_widths(factor: int) -> None:
     """For every magnitude that a quadratic serves."""
-    for precision in (THESIS, PRECISE) if factor == 1 else (THESIS,):
+    for precision in (THESIS, EXACT) if factor == 1 else (THESIS,):
         fmt = precision.hidden_fmt
         twin = polynomial_for(precision, factor, fmt.high)
         last = twin.thresholds[-1] if twin.saturates else fmt.high
@@ -63,7 +63,7 @@ def test_square_and_sum_fit_their_widths(factor: int) -> None:
         assert total.max() < half
 
 
-@pytest.mark.parametrize("precision", [THESIS, PRECISE], ids=lambda p: p.name)
+@pytest.mark.parametrize("precision", [THESIS, EXACT], ids=lambda p: p.name)
 def test_zero_is_zero(precision) -> None:
     """The first quadratic is -0.00139 there; a magnitude has no sign."""
     assert polynomial_for(precision, 1, precision.hidden_fmt.high).process(0) == 0

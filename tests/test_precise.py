@@ -10,9 +10,9 @@ import pytest
 from golden.activation.precise import Precise
 from golden.activation.precise_table import BLOCK_RAM, LOGIC, curve_table
 from golden.activation.schemes import SCHEMES, forms
-from golden.precision import PRECISE, SIGNAL, THESIS
+from golden.precision import EXACT, SIGNAL, THESIS
 
-FMT = PRECISE.hidden_fmt
+FMT = EXACT.hidden_fmt
 CODES = np.arange(FMT.low, FMT.high + 1)
 # Where the coefficients stand, words of the whole table, codes that are not the correctly rounded
 # tanh, and the largest error in units of 2**-13 where the result is below the largest code.
@@ -23,7 +23,7 @@ FORMS = {
 
 
 def build(name: str, reach: int = FMT.high) -> Precise:
-    block = forms()[name].build(PRECISE, 1, reach)
+    block = forms()[name].build(EXACT, 1, reach)
     assert isinstance(block, Precise)
     return block
 
@@ -135,7 +135,7 @@ def test_other_formats_are_refused() -> None:
     with pytest.raises(ValueError, match=r"got q in Fix\(14,13\), normalised by 3, of .*'thesis'"):
         SCHEMES["precise"].build(THESIS, 3, 8191)
     with pytest.raises(ValueError, match=r"normalised by 2"):
-        SCHEMES["precise"].build(PRECISE, 2, 8191)
+        SCHEMES["precise"].build(EXACT, 2, 8191)
 
 
 def test_formats_too_coarse_name_the_segment() -> None:

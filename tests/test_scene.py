@@ -48,7 +48,7 @@ def edited(scene: Scene, old: str, new: str) -> str:
         ("hidden = 5", "hidden = true", "network.hidden: got True, expected a whole number"),
         ("hidden = 5", "hiden = 5", "network: key 'hiden' is not known, .*did you mean 'hidden'"),
         ("[hardware]", "[hardwear]", "section 'hardwear' is not known, .*did you mean 'hardware'"),
-        ('"precise"', '"preciss"', "hardware.precision: got 'preciss', .*did you mean 'precise'"),
+        ('"exact"', '"exatc"', "hardware.precision: got 'exatc', .*did you mean 'exact'"),
         ('"gradient"', '"precis"', "hardware.activation: got 'precis', .*did you mean 'precise'"),
         (
             "[network]",
@@ -237,20 +237,20 @@ def test_every_shipped_scene_builds() -> None:
 
 
 @pytest.mark.parametrize(
-    ("precision", "activation"), [("precise", "precise"), ("thesis", "gradient")]
+    ("precision", "activation"), [("exact", "precise"), ("thesis", "gradient")]
 )
 def test_a_scene_that_names_no_activation_gets_that_of_its_precision(
     small_scene: Scene, precision: str, activation: str
 ) -> None:
     assert small_scene.activation == "gradient"
     edited(small_scene, 'activation = "gradient"\n', "")
-    scene = load_scene(edited(small_scene, '"precise"', f'"{precision}"'))
+    scene = load_scene(edited(small_scene, '"exact"', f'"{precision}"'))
     assert scene.activation == activation
     assert {a.block for a in scene.twin().activations} == {activation}
 
 
 def test_an_activation_that_is_not_made_for_the_precision_is_refused(small_scene: Scene) -> None:
-    edited(small_scene, '"precise"', '"thesis"')
+    edited(small_scene, '"exact"', '"thesis"')
     path = edited(small_scene, '"gradient"', '"precise"')
     message = "small.toml: hardware.activation: got 'precise' with precision 'thesis', expected one"
     with pytest.raises(ValueError, match=f"{message} of gradient, .*, polynomial$"):

@@ -11,7 +11,7 @@ import pytest
 from golden.activation import segments
 from golden.activation.schemes import gradient_for
 from golden.activation.segments import COEFF_WIDTH_LIMIT, coefficient_codes, gradient_real
-from golden.precision import PRECISE, SIGNAL, THESIS
+from golden.precision import EXACT, SIGNAL, THESIS
 
 DATA = Path(segments.__file__).parents[1] / "data" / "thesis_numbers.toml"
 THESIS_TABLE = tomllib.loads(DATA.read_text())["activation"]["gradient"]
@@ -78,7 +78,7 @@ def test_too_large_a_factor_names_segment_and_format() -> None:
         gradient_for(THESIS, 8000, SIGNAL.high)
 
 
-@pytest.mark.parametrize("precision", [THESIS, PRECISE], ids=lambda p: p.name)
+@pytest.mark.parametrize("precision", [THESIS, EXACT], ids=lambda p: p.name)
 @pytest.mark.parametrize("reach", [0.2, 0.55, 0.9])
 def test_segments_out_of_reach_are_left_out_and_change_nothing(precision, reach) -> None:
     factor = 5 if precision is THESIS else 1

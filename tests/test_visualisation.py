@@ -277,7 +277,7 @@ def test_what_does_not_fit_is_refused(call, message: str) -> None:
 
 def drawn_scene(folder: Path, section: str) -> Path:
     mlp = random_mlp((2, 3, 5), 1.0, 1)
-    return write_scene(folder, "drawn", "precise", [mlp], sections=section)
+    return write_scene(folder, "drawn", "exact", [mlp], sections=section)
 
 
 def test_a_scene_names_what_is_drawn(tmp_path: Path) -> None:

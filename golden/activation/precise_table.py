@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden.fixed import Codes
-from golden.precision import PRECISE, SIGNAL
+from golden.precision import EXACT, SIGNAL
 
 # How far around the least-squares fit the search looks, in units of the last place.
 _NEAR_GRADIENT = 5
@@ -54,7 +54,7 @@ class CurveFormat:
     @property
     def distance_width(self) -> int:
         """w, bits of the distance from the start of a segment."""
-        return PRECISE.hidden_fmt.frac - self.segment_frac
+        return EXACT.hidden_fmt.frac - self.segment_frac
 
     @property
     def gradient_shift(self) -> int:
@@ -64,7 +64,7 @@ class CurveFormat:
     @property
     def product_frac(self) -> int:
         """Fraction bits of x * slope and of the exact sum."""
-        return PRECISE.hidden_fmt.frac + self.slope_frac
+        return EXACT.hidden_fmt.frac + self.slope_frac
 
     @property
     def intercept_shift(self) -> int:
@@ -127,7 +127,7 @@ def curve_table(fmt: CurveFormat) -> CurveTable:
     """
     words: list[tuple[int, int, int]] = []
     last = 0
-    segments = 1 << (PRECISE.hidden_fmt.width - 1 - fmt.distance_width)
+    segments = 1 << (EXACT.hidden_fmt.width - 1 - fmt.distance_width)
     for segment in range(segments):
         word, results = _fit(fmt, segment, last)
         words.append(word)
@@ -143,7 +143,7 @@ def _fit(fmt: CurveFormat, segment: int, last: int) -> tuple[tuple[int, int, int
     width = fmt.distance_width
     mag = (segment << width) + np.arange(1 << width)
     _, x, top = fmt.split(mag)
-    exact = np.tanh(PRECISE.hidden_fmt.to_real(mag)) * 2**SIGNAL.frac
+    exact = np.tanh(EXACT.hidden_fmt.to_real(mag)) * 2**SIGNAL.frac
     rounded = np.minimum(np.floor(exact + 0.5).astype(np.int64), SIGNAL.high)
     # Zero has no sign, so its result must be zero for the function to be odd.
     lowest = np.maximum(np.ceil(exact - 1).astype(np.int64), 0)

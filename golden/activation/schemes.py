@@ -18,7 +18,7 @@ from golden.activation.precise import Precise
 from golden.activation.precise_table import FORMATS, curve_table
 from golden.activation.segments import gradient_real, segment_table
 from golden.networks.mlp import Activation, tanh
-from golden.precision import PRECISE, PRECISIONS, SIGNAL, Precision
+from golden.precision import EXACT, PRECISIONS, SIGNAL, Precision
 from golden.table import suggest
 
 # Where the coefficients of ``precise`` stand by default.
@@ -69,11 +69,11 @@ def precise_for(
         When the precision's q has another format than the one the segments are made for, or is
         normalised.
     """
-    if precision.hidden_fmt != PRECISE.hidden_fmt or factor != 1:
+    if precision.hidden_fmt != EXACT.hidden_fmt or factor != 1:
         raise ValueError(
             f"activation precise: got q in {precision.hidden_fmt}, normalised by {factor}, of "
-            f"precision {precision.name!r}, expected {PRECISE.hidden_fmt} as it is, of precision "
-            f"{PRECISE.name!r}"
+            f"precision {precision.name!r}, expected {EXACT.hidden_fmt} as it is, of precision "
+            f"{EXACT.name!r}"
         )
     fmt = FORMATS[coefficients]
     most = len(curve_table(fmt).intercepts)
@@ -188,7 +188,7 @@ SCHEMES = {
         tanh,
         precise_for,
         {"coefficients": Option(COEFFICIENTS, tuple(FORMATS))},
-        precisions=(PRECISE,),
+        precisions=(EXACT,),
     ),
 }
 

@@ -20,7 +20,7 @@ class WeightedSum(Block):
         Formats of sample, weight and result.
     product_shift : int
         Fraction bits cut (floor) from each product before it is added: 13 in ``thesis``
-        precision, 0 in ``precise``.
+        precision, 0 in ``exact``.
 
     Raises
     ------

@@ -151,5 +151,5 @@ def _refuse_wrapping(precision: Precision, widths: Iterable[tuple[str, int]]) ->
             raise ValueError(
                 f"{name}: its normalised sum needs {width} bits and would wrap in "
                 f"{SIGNAL.width}; weights that are nearly whole numbers do this, retrain or "
-                "use the precise precision"
+                "use the exact precision"
             )

@@ -8,7 +8,7 @@ from pathlib import Path
 from golden.activation.activation_block import ActivationBlock
 from golden.activation.schemes import forms
 from golden.networks.network import Network
-from golden.precision import PRECISE
+from golden.precision import EXACT
 from hdl.export.elaborate import elaborate, elaborate_activation
 from hdl.export.hierarchy import convert_hierarchy
 from hdl.export.repeatable import run_repeatable
@@ -35,7 +35,7 @@ def main() -> None:
         print(f"\n{meaning} (synth_xilinx -family {family})")
         print(f"{'':18}" + "".join(f"{kind:>12}" for kind in KINDS))
         for name, scheme in forms().items():
-            spec = scheme.build(PRECISE, 1, PRECISE.hidden_fmt.high)
+            spec = scheme.build(EXACT, 1, EXACT.hidden_fmt.high)
             found = cells(spec, family)
             print(f"{name:18}" + "".join(f"{found[kind]:12}" for kind in KINDS), flush=True)
 

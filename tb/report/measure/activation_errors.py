@@ -31,7 +31,7 @@ from golden.cli import run
 from golden.files import replace_file
 from golden.fingerprint import ROOT
 from golden.metrics import ACTIVATION_RANGE, activation_error
-from golden.precision import PRECISE, SIGNAL, THESIS, Precision
+from golden.precision import EXACT, SIGNAL, THESIS, Precision
 
 FACTORS = (1, 3, 8, 32, 128, 512)
 THESIS_FACTOR = 3
@@ -126,7 +126,7 @@ def _row(
 ) -> Row:
     errors = values - np.tanh(q)
     measured = activation_error(errors, q) if np.abs(q).max() >= ACTIVATION_RANGE else None
-    compared = arithmetic != "precise" and factor == THESIS_FACTOR
+    compared = arithmetic != "exact" and factor == THESIS_FACTOR
     return Row(
         name,
         options,
@@ -168,7 +168,7 @@ def table(rows: list[Row]) -> list[str]:
         lines.append(f"{scheme:<19}{marked:<10}{arithmetic:<8}{means}{largest}".rstrip())
     lines += [
         "",
-        "precise precision has no Q: its largest error is over every code of Fix(18,14), |q| to 8",
+        "exact precision has no Q: its largest error is over every code of Fix(18,14), |q| to 8",
     ]
     lines += [f"as thesis: {name} with {text}" for name, text, _ in variants() if text]
     return lines
@@ -211,7 +211,7 @@ def plot(name: str, scheme: Scheme, path: Path) -> None:
         axes = figure.add_subplot()
         for precision, factor, step, colour in (
             (THESIS, 8, 4, "tab:orange"),
-            (PRECISE, 1, 64, "tab:blue"),
+            (EXACT, 1, 64, "tab:blue"),
         ):
             if precision not in scheme.precisions:
                 continue

@@ -52,7 +52,7 @@ def activations(_: int) -> Table:
         rows,
         "Against tanh: equation 4.32 as printed, and twice that, as the thesis' figures need it; "
         "the largest error in units of 2^-13 over every input code, |q| to 3 in floating point and "
-        "in thesis precision, to 8 in precise. Latency from a code to its result, interval from "
+        "in thesis precision, to 8 in exact. Latency from a code to its result, interval from "
         "one code to the next; with fewer iterations pade needs fewer of both.",
     )
 
@@ -72,7 +72,7 @@ def iterations(_: int) -> Table:
         rows,
         "The regression of equation 4.12 with the gate at 3.3, against tanh: equation 4.32 as "
         "printed, and the largest error in units of 2^-13 over every input code, |q| to 3 in "
-        "floating point and in thesis precision (Q = 3), to 8 in precise, where the step at the "
+        "floating point and in thesis precision (Q = 3), to 8 in exact, where the step at the "
         "gate counts. A rho that is stable below less than 3.3 only diverges before the gate, "
         "and saturates.",
     )

@@ -11,7 +11,7 @@ from golden.activation.pade import GATE, pade_real
 from golden.activation.reference import rho_regression, stable_below
 from golden.activation.schemes import SCHEMES, forms
 from golden.fixed import Codes, Fix
-from golden.precision import PRECISE, SIGNAL, THESIS
+from golden.precision import EXACT, SIGNAL, THESIS
 from tb.report.measure.activation_errors import built
 from tb.report.measure.stability.case import Row, largest
 
@@ -27,7 +27,7 @@ def _every_code(fmt: Fix) -> Codes:
 
 def most_negative() -> Iterator[Row]:
     """-1 through ABS, and through every activation."""
-    for precision in (THESIS, PRECISE):
+    for precision in (THESIS, EXACT):
         fmt = precision.hidden_fmt
         mag, negative = AbsUnit(fmt).process(_every_code(fmt))
         off = largest(mag[0] - fmt.high, not negative[0])
@@ -53,7 +53,7 @@ def most_negative() -> Iterator[Row]:
 
 def divergence() -> Iterator[Row]:
     """Pade with a rho so small that its regression diverges below the gate."""
-    for precision, factor in ((THESIS, 5), (PRECISE, 1)):
+    for precision, factor in ((THESIS, 5), (EXACT, 1)):
         fmt = precision.hidden_fmt
         codes = _every_code(fmt)
         q = factor * fmt.to_real(codes)

@@ -17,7 +17,7 @@ from golden.layers.output_integral import OutputIntegral
 from golden.networks.arrangement import seen
 from golden.networks.hybrid import Hybrid
 from golden.networks.mlp import Mlp
-from golden.precision import PRECISE, SIGNAL, THESIS, normalisation
+from golden.precision import EXACT, SIGNAL, THESIS, normalisation
 from golden.scene import Scene, load_scene, scene_names
 from tb.report.measure.stability.case import Row, accepted, largest
 from tb.report.measure.stability.exact import exact_network, exact_sum
@@ -25,7 +25,7 @@ from tb.report.measure.stability.real import real_error
 
 LOW, HIGH = SIGNAL.low, SIGNAL.high
 FACTOR = 512  # a Y_i larger than any shipped network has
-EXACT = "equal exact integers"
+EQUAL = "equal exact integers"
 BOUNDED = "err by no more than rounding can cause"
 
 
@@ -81,7 +81,7 @@ def rails() -> Iterator[Row]:
         for case, frames in cases.items():
             found = network.process(frames)
             off = largest(found - exact_network(network, scene.arrangement, frames))
-            yield Row(name, case, EXACT, "codes off", off, 0)
+            yield Row(name, case, EQUAL, "codes off", off, 0)
             yield Row(name, case, BOUNDED, "error in 2^-13", *_worst(scene, frames, found))
 
 
@@ -108,12 +108,12 @@ def huge_weights() -> Iterator[Row]:
     frames = np.concatenate(
         [_combinations((LOW, 0, HIGH), 4), rng.integers(LOW, HIGH + 1, (500, 4))]
     )
-    for precision in (THESIS, PRECISE):
+    for precision in (THESIS, EXACT):
         network = Hybrid.of(mlp, precision, precision.activation)
         found = network.process(frames)
         case = f"weights of 60, Q_j to {most}, {precision.name}"
         off = largest(found - exact_network(network, "single", frames))
-        yield Row("hybrid", case, EXACT, "codes off", off, 0)
+        yield Row("hybrid", case, EQUAL, "codes off", off, 0)
         ((error, bound),) = real_error(mlp, precision, network, frames, found)
         yield Row("hybrid", case, BOUNDED, "error in 2^-13", error, bound)
     one, none = np.ones((1, 1)), np.zeros(1)
@@ -122,8 +122,8 @@ def huge_weights() -> Iterator[Row]:
     count = accepted([partial(Hybrid.of, beyond, THESIS, name) for name in kinds])
     must, figure = "refuse them", f"accepted of {len(kinds)}"
     yield Row("hybrid", "Q_j of 200000, thesis, every activation", must, figure, count, 0)
-    count = accepted([partial(Hybrid.of, beyond, PRECISE, "precise")])
-    yield Row("hybrid", "weights of 200000, precise", must, "accepted of 1", count, 0)
+    count = accepted([partial(Hybrid.of, beyond, EXACT, "precise")])
+    yield Row("hybrid", "weights of 200000, exact", must, "accepted of 1", count, 0)
     whole = Mlp(np.full((1, 2), -1.0), np.ones(1), 0.3 * one, none)
     count = accepted([partial(Hybrid.of, whole, THESIS, "gradient")])
     must = "refuse them: the sum would wrap"
@@ -132,8 +132,8 @@ def huge_weights() -> Iterator[Row]:
 
 def accumulators() -> Iterator[Row]:
     """Every weight, bias and sample at an end of its format."""
-    wide = Fix(PRECISE.coeff_width, PRECISE.coeff_width - 1)
-    for precision, fmt in ((THESIS, SIGNAL), (PRECISE, wide)):
+    wide = Fix(EXACT.coeff_width, EXACT.coeff_width - 1)
+    for precision, fmt in ((THESIS, SIGNAL), (EXACT, wide)):
         shift, hidden = precision.product_shift, precision.hidden_fmt
         blocks: dict[str, list[InputNode | Neuron | OutputIntegral]] = {}
         # A weight and a bias fill 31 bits or the 32nd, where the twin changes its integers.
@@ -151,7 +151,7 @@ def accumulators() -> Iterator[Row]:
         for name, alike in blocks.items():
             found = [_filled(block) for block in alike]
             off = max(pair[0] for pair in found)
-            yield Row(name, case, EXACT, "codes off", off, 0)
+            yield Row(name, case, EQUAL, "codes off", off, 0)
             bits, width = max((pair[1:] for pair in found), key=lambda pair: pair[0] / pair[1])
             must = "keep inside its accumulator"
             yield Row(name, case, must, "bits of the sum", bits, width)
