@@ -6,11 +6,12 @@ from myhdl._block import _Block
 
 from golden.activation.activation_block import ActivationBlock
 from golden.networks.network import Network
+from hdl import literal_size, quick_inspect
 from hdl.common.lookup import hardware
 from hdl.common.signals import fixed, flag, reset
-from hdl.quick_inspect import install
 
-install()
+quick_inspect.install()
+literal_size.install()
 
 
 def elaborate(spec: Network) -> _Block:

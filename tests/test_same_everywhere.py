@@ -14,7 +14,9 @@ from pathlib import Path
 import exported_constants
 import mpmath
 import pytest
+from myhdl.conversion import _toVerilog
 
+import hdl.elaborate
 from golden import transcendental
 from golden.activation.lut import lut_for
 from golden.activation.pade import pade_for
@@ -39,6 +41,8 @@ SETTINGS = {
     "OpenBLAS of SkylakeX": {"OPENBLAS_CORETYPE": "SkylakeX"},
     "glibc without AVX and FMA": {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-AVX512F"},
 }
+
+IN_TESTS = {"PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests")])}
 
 
 def run(setting: dict[str, str], *arguments: str) -> list[str]:
@@ -71,6 +75,30 @@ def test_no_function_with_a_last_bit_of_its_own_is_called() -> None:
     assert run({}, exported_constants.__file__, "--defined-only") == here()
 
 
+def test_an_export_calls_none_either(tmp_path: Path) -> None:
+    """MyHDL included. The words of this scene are beyond 2**30, where it sizes literals."""
+    program = f"""
+import myhdl, exported_constants
+exported_constants.refuse_undefined()
+from pathlib import Path
+from golden.scene import load_scene
+from hdl.export import export
+for language in ("vhdl", "verilog"):
+    print(len(export(load_scene("digit-load"), language, Path({str(tmp_path)!r}) / language)) > 10)
+"""
+    assert run(IN_TESTS, "-c", program) == ["True", "True"]
+
+
+@pytest.mark.parametrize("bits", range(31, 63))
+def test_a_large_literal_is_sized_by_its_bits(bits: int) -> None:
+    """A sign besides. By a logarithm 2**31 - 1 gets a bit more, and with another last bit not."""
+    assert hdl.elaborate
+    ones = (1 << bits) - 1
+    assert _toVerilog._intRepr(ones) == f"{bits + 1}'h{ones:x}"
+    assert _toVerilog._intRepr(ones - 1) == f"{bits + 1}'h{ones - 1:x}"
+    assert _toVerilog._intRepr(ones + 1) == f"{bits + 2}'h{ones + 1:x}"
+
+
 def test_such_a_function_is_refused() -> None:
     program = """
 import exported_constants
@@ -84,8 +112,7 @@ for call in (lambda: numpy.tanh(1.0), lambda: math.log2(8), lambda: numpy.linalg
         print("refused")
 print(numpy.floor(1.5), math.ldexp(1.0, 3))
 """
-    path = {"PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests")])}
-    assert run(path, "-c", program) == ["refused"] * 4 + ["1.0 8.0"]
+    assert run(IN_TESTS, "-c", program) == ["refused"] * 4 + ["1.0 8.0"]
 
 
 def test_the_settings_do_change_last_bits() -> None:
