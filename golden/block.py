@@ -12,7 +12,8 @@ class Block:
     """Elaboration constants of one block together with its bit-true function.
 
     A subclass sets ``block``, the name that is the block's address in every room, holds its
-    constants as fields, and computes values (never cycles) in ``process``.
+    constants as fields, computes values (never cycles) in ``process``, and publishes the clocks of
+    its hardware, which a bench holds it to.
 
     Parameters
     ----------
@@ -28,6 +29,16 @@ class Block:
     def entity(self) -> str:
         """Name of the VHDL entity and Verilog module."""
         return f"{self.block}_{self.variant}" if self.variant else self.block
+
+    @property
+    def latency(self) -> int:
+        """Clocks from a result's cause to the result; docs/streams.md says what is counted."""
+        raise NotImplementedError(f"{self.entity}: its twin publishes no latency")
+
+    @property
+    def interval(self) -> int:
+        """Least clocks from one input to the next."""
+        return 1
 
     def parts(self) -> tuple[Block, ...]:
         """The blocks this one is assembled from."""

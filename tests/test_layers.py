@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from golden.block import Block
 from golden.fixed import Fix
 from golden.layers.input_controller import InputController
 from golden.layers.input_node import InputNode
@@ -145,3 +146,11 @@ def test_a_frame_that_comes_too_early_is_an_error() -> None:
 def test_controller_parameters_are_checked(inputs, spacing) -> None:
     with pytest.raises(ValueError, match=f"got inputs={inputs}, spacing={spacing}"):
         InputController(inputs, spacing)
+
+
+def test_a_twin_that_publishes_no_latency_is_named() -> None:
+    class Novelty(Block):
+        block = "novelty"
+
+    with pytest.raises(NotImplementedError, match="novelty: its twin publishes no latency"):
+        _ = Novelty().latency

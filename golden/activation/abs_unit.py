@@ -35,6 +35,10 @@ class AbsUnit(Block):
         """Bits of the unsigned magnitude."""
         return self.fmt.width - 1
 
+    @property
+    def latency(self) -> int:
+        return 1
+
     def process(self, data: ArrayLike) -> tuple[Codes, NDArray[np.bool_]]:
         """Magnitudes and the flags of negative codes, each the shape of ``data``.
 

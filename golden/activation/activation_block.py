@@ -30,11 +30,6 @@ class ActivationBlock(Block):
     in_fmt: Fix
     out_fmt: Fix
 
-    @property
-    def interval(self) -> int:
-        """Least clocks from one code to the next."""
-        return 1
-
     def process(self, data: ArrayLike) -> Codes:
         """Activation codes in ``out_fmt``, the shape of ``data``.
 

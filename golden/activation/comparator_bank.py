@@ -54,6 +54,10 @@ class ComparatorBank(Block):
         """Bits of the address: it counts from 0 to the number of thresholds."""
         return max(1, len(self.thresholds).bit_length())
 
+    @property
+    def latency(self) -> int:
+        return 1
+
     def process(self, mag: ArrayLike) -> Codes:
         """Number of thresholds each magnitude exceeds, which is the segment's address.
 

@@ -71,6 +71,11 @@ class GradEqn(Block):
         """Fraction bits dropped at the end."""
         return self.product_frac - self.out_fmt.frac
 
+    @property
+    def latency(self) -> int:
+        # Operands, product, sum.
+        return 3
+
     def process(self, mag: ArrayLike, coeff: ArrayLike, intercept: ArrayLike) -> Codes:
         """Result codes, 0 to ``out_fmt.high``; the arguments broadcast.
 

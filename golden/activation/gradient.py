@@ -79,6 +79,15 @@ class Gradient(ActivationBlock):
     def sign_retriever(self) -> SignRetriever:
         return SignRetriever(self.out_fmt)
 
+    @property
+    def latency(self) -> int:
+        return (
+            self.abs_unit.latency
+            + self.comparator_bank.latency
+            + self.grad_eqn.latency
+            + self.sign_retriever.latency
+        )
+
     def parts(self) -> tuple[Block, ...]:
         return (
             self.abs_unit,

@@ -91,6 +91,13 @@ class Lut(ActivationBlock):
         """Bits of the table's address."""
         return max(1, (len(self.words) - 1).bit_length())
 
+    @property
+    def latency(self) -> int:
+        # The address beside the comparator bank, then the word.
+        return (
+            self.abs_unit.latency + self.comparator_bank.latency + 1 + self.sign_retriever.latency
+        )
+
     def parts(self) -> tuple[Block, ...]:
         return self.abs_unit, self.comparator_bank, self.sign_retriever
 

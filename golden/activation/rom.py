@@ -44,6 +44,10 @@ class Rom(Block):
         """Bits of the address."""
         return max(1, (len(self.words) - 1).bit_length())
 
+    @property
+    def latency(self) -> int:
+        return 0
+
     def process(self, addr: ArrayLike) -> Codes:
         """The word at each address.
 

@@ -29,6 +29,10 @@ class SignRetriever(Block):
     area = "activation"
     fmt: Fix
 
+    @property
+    def latency(self) -> int:
+        return 1
+
     def process(self, mag: ArrayLike, negative: ArrayLike) -> Codes:
         """Signed codes in ``fmt``.
 

@@ -64,6 +64,10 @@ class Instrument(Network):
         return self.scan_sequencer.scan_clocks
 
     @property
+    def latency(self) -> int:
+        return self.scan_sequencer.latency + self.readout.latency
+
+    @property
     def input_controller(self) -> InputController:
         return self.readout.input_controller
 

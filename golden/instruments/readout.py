@@ -66,6 +66,10 @@ class Readout(Network):
         return self.network.interval
 
     @property
+    def latency(self) -> int:
+        return self.network.latency
+
+    @property
     def input_controller(self) -> InputController:
         return self.network.input_controller
 

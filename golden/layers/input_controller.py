@@ -70,6 +70,11 @@ class InputController(Block):
         """Bits of the weight address."""
         return max(1, (self.inputs - 1).bit_length())
 
+    @property
+    def latency(self) -> int:
+        # Operands, product, accumulator, output of the nodes that it steers.
+        return 4
+
     def process(self, last: ArrayLike, clock: ArrayLike) -> FrameScan:
         """Decisions for samples that arrive after a reset.
 

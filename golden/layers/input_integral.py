@@ -38,6 +38,10 @@ class InputIntegral(Block):
         """Samples of one frame."""
         return len(self.nodes[0].weights)
 
+    @property
+    def latency(self) -> int:
+        return self.nodes[0].latency
+
     def parts(self) -> tuple[Block, ...]:
         return self.nodes
 

@@ -19,3 +19,8 @@ class InputNode(NodeSum):
     """
 
     block = "input_node"
+
+    @property
+    def latency(self) -> int:
+        # Operands, product, accumulator, output.
+        return 4

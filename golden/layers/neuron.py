@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from golden.fixed import Codes
 from golden.layers.node_sum import NodeSum
+from golden.layers.weighted_sum import tree_depth
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,11 @@ class Neuron(NodeSum):
         super().__post_init__()
         if self.factor is not None and self.factor < 1:
             raise ValueError(f"{self.entity}: got factor={self.factor}, expected 1 or more")
+
+    @property
+    def latency(self) -> int:
+        # Product, adder tree, product with the factor, rounding.
+        return 1 + tree_depth(len(self.weights) + 1) + (self.factor is not None) + 1
 
     @property
     def scaled_width(self) -> int:

@@ -37,9 +37,17 @@ class OutputCollector(Block):
             raise ValueError(f"{self.entity}: got outputs={self.outputs}, expected 1 or more")
 
     @property
+    def interval(self) -> int:
+        return self.outputs
+
+    @property
     def count_width(self) -> int:
         """Bits of the number of results still to leave."""
         return self.outputs.bit_length()
+
+    @property
+    def latency(self) -> int:
+        return 1
 
     def process(self, results: ArrayLike) -> Codes:
         """The elements that leave, in order, for results of shape (frames, outputs).

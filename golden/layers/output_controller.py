@@ -29,9 +29,17 @@ class OutputController(Block):
             raise ValueError(f"{self.entity}: got outputs={self.outputs}, expected 1 or more")
 
     @property
+    def interval(self) -> int:
+        return self.outputs
+
+    @property
     def addr_width(self) -> int:
         """Bits of the row address."""
         return max(1, (self.outputs - 1).bit_length())
+
+    @property
+    def latency(self) -> int:
+        return 0
 
     def process(self, frames: int) -> Codes:
         """Row addresses of ``frames`` frames, shape (frames, outputs)."""

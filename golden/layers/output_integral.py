@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.fixed import Codes, Overflow, Rounding, requantise, signed_width
-from golden.layers.weighted_sum import WeightedSum
+from golden.layers.weighted_sum import WeightedSum, tree_depth
 
 
 @dataclass(frozen=True)
@@ -47,6 +47,11 @@ class OutputIntegral(WeightedSum):
             raise ValueError(
                 f"{self.entity}: got factors {self.factors}, expected {self.outputs} of 1 or more"
             )
+
+    @property
+    def latency(self) -> int:
+        # Operands, product, adder tree, product with the factor, rounding.
+        return 2 + tree_depth(self.hidden + 1) + (self.factors is not None) + 1
 
     @property
     def outputs(self) -> int:

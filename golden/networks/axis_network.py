@@ -17,6 +17,9 @@ from golden.precision import SIGNAL
 BYTES = (SIGNAL.width + 7) // 8
 TDATA = Fix(8 * BYTES, SIGNAL.frac)
 
+# From a result to its place on the output: into the memory, and out of it.
+FIFO_CLOCKS = 2
+
 
 @dataclass(frozen=True)
 class AxisNetwork(Network):
@@ -46,6 +49,21 @@ class AxisNetwork(Network):
     @property
     def interval(self) -> int:
         return self.network.interval
+
+    @property
+    def latency(self) -> int:
+        return self.slots + self.network.latency + FIFO_CLOCKS
+
+    @property
+    def frames_under_way(self) -> int:
+        """Frames that may be between the last sample and the last output taken.
+
+        As many as keep the network busy while nobody waits: from a frame's last sample until the
+        clock in which another may take its place there are ``slots``, the latency, the outputs and
+        1 clock.
+        """
+        clocks = self.slots + self.network.latency + self.outputs + 1
+        return -(-clocks // self.interval)
 
     @property
     def slots(self) -> int:

@@ -67,6 +67,12 @@ class Cascade(Several):
             for slot in range(self.inputs, self.networks[-1].inputs)
         )
 
+    @property
+    def latency(self) -> int:
+        return sum(
+            part.latency for part in (*self.networks, *self.multiplexers, self.output_collector)
+        )
+
     def parts(self) -> tuple[Block, ...]:
         return (
             self.input_controller,

@@ -35,6 +35,10 @@ class Multiple(Several):
     def interval(self) -> int:
         return max(network.interval for network in self.networks)
 
+    @property
+    def latency(self) -> int:
+        return max(network.latency for network in self.networks) + self.output_collector.latency
+
     def parts(self) -> tuple[Block, ...]:
         return (*self.networks, self.output_collector)
 

@@ -90,6 +90,11 @@ class ScanSequencer(Block):
         return 1 << self.counter_width
 
     @property
+    def interval(self) -> int:
+        """Clocks from one code that is taken to the next."""
+        return self.slot_clocks
+
+    @property
     def addresses(self) -> tuple[int, ...]:
         """The sensor that is selected in each slot, idle ones included; those settle the first."""
         idle = (1 << self.slot_width) - self.slots
@@ -99,6 +104,10 @@ class ScanSequencer(Block):
     def sample_clocks(self) -> Codes:
         """Clocks of a scan in which a code is taken, in order."""
         return np.arange(self.slots) * self.slot_clocks + self.sample_clock
+
+    @property
+    def latency(self) -> int:
+        return 1
 
     def process(self, scans: ArrayLike) -> Codes:
         """Frames, shape (scans, slots), for the codes on the converter in every clock of scans.

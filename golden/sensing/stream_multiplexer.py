@@ -42,6 +42,10 @@ class StreamMultiplexer(Block):
         """Bits of the position; it stops one past the slot."""
         return (self.slot + 1).bit_length()
 
+    @property
+    def latency(self) -> int:
+        return 1
+
     def process(
         self,
         data: ArrayLike,

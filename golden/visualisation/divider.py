@@ -74,6 +74,11 @@ class Divider(Block):
         return self.out_width + 1
 
     @property
+    def latency(self) -> int:
+        # Product with the gain, start of the remainder, a clock for each bit.
+        return 2 + self.out_width
+
+    @property
     def numerator_width(self) -> int:
         """Bits of distance * gain, before the zeros that become the quotient's fraction."""
         return (((1 << self.distance_width) - 1) * self.gain).bit_length()

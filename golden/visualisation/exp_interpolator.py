@@ -44,6 +44,10 @@ class ExpInterpolator(Block):
         """Bits of the unsigned 1 - delta, which lies just above 1 at the most."""
         return self.frac + 1
 
+    @property
+    def latency(self) -> int:
+        return 2
+
     def process(self, word: ArrayLike, offset: ArrayLike) -> Codes:
         """exp(-x) in the word's format; the arguments broadcast.
 

@@ -16,6 +16,10 @@ class ExpMemory(Rom):
     block = "exp_memory"
     area = "visualisation"
 
+    @property
+    def latency(self) -> int:
+        return 1
+
 
 def exp_memory(addr_width: int, interval_frac: int, width: int) -> ExpMemory:
     """The memory of 2**addr_width words, each for an interval of 2**-interval_frac.

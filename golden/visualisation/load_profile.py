@@ -31,6 +31,11 @@ WORD = 17
 T_FRAC, POWER_FRAC = 15, 13
 ADDR_WIDTH = 10
 
+# Difference and magnitude.
+DISTANCE_CLOCKS = 2
+# Product with the load, and the register of the point.
+END_CLOCKS = 2
+
 
 @dataclass(frozen=True)
 class LoadProfile(Block):
@@ -76,6 +81,26 @@ class LoadProfile(Block):
     exp_memory: ExpMemory
     exp_interpolator: ExpInterpolator
     shape_threshold: int
+
+    @property
+    def latency(self) -> int:
+        """From the results to the first point, and from one point to the next."""
+        # One clock from a result, or from the point before, to the ramp.
+        return (
+            1
+            + self.ramp.latency
+            + DISTANCE_CLOCKS
+            + self.divider.latency
+            + self.power_fold.latency
+            + self.exp_memory.latency
+            + self.exp_interpolator.latency
+            + END_CLOCKS
+        )
+
+    @property
+    def interval(self) -> int:
+        """Least clocks from one frame's results to the next for both to be drawn."""
+        return self.ramp.points * self.latency
 
     def parts(self) -> tuple[Block, ...]:
         return (

@@ -65,6 +65,10 @@ class PowerFold(Block):
         return 2 * (self.max_power - 1) + 1
 
     @property
+    def latency(self) -> int:
+        return self.interval
+
+    @property
     def power_width(self) -> int:
         """Bits of the unsigned P."""
         return self.max_power.bit_length()

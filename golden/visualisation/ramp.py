@@ -86,6 +86,10 @@ class Ramp(Block):
         """Bits of the signed accumulator: a position of ``fmt`` and the guard."""
         return self.fmt.width + self.guard
 
+    @property
+    def latency(self) -> int:
+        return 1
+
     def process(self) -> Codes:
         """Codes of all positions, shape (points,), rising."""
         acc = self.acc_low + np.arange(self.points, dtype=np.int64) * self.step

@@ -80,11 +80,3 @@ def lut(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Lut):
             spec=spec.sign_retriever,
         ),
     )
-
-
-lut.latency = lambda spec: (
-    abs_unit.latency(spec.abs_unit)
-    + comparator_bank.latency(spec.comparator_bank)
-    + 1
-    + sign_retriever.latency(spec.sign_retriever)
-)

@@ -14,7 +14,6 @@ from golden.cli import CommandError
 from golden.files import replace_file
 from golden.fingerprint import ROOT
 from golden.scene import Scene, load_scene, scene_names
-from hdl.common.lookup import latency
 from hdl.export.repeatable import run_repeatable
 from hdl.synth.budget import Cells, budget_path, read_budget
 from hdl.synth.cells import DEPTH, FAMILIES
@@ -87,7 +86,7 @@ def scene_table() -> str:
             *(top[kind] for kind in ("LUT", "flip-flop", "multiplier", DEPTH)),
             *percents,
             timing.clock_mhz,
-            f"{latency(design) / timing.clock_mhz:.2f}",
+            f"{design.latency / timing.clock_mhz:.2f}",
             f"{timing.clock_mhz * 1e6 / design.interval:,.0f}",
         ]
         lines.append(f"| {' | '.join(map(str, row))} |")
