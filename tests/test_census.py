@@ -51,7 +51,9 @@ def test_the_name_is_the_name_inside_the_files(area: str, block: str) -> None:
     assert len(twins) == 1, f"golden/{area}/{block}.py holds no twin with block = {block!r}"
     twin = twins[0]
     assert twin.area == area
-    assert twin.latency is not Block.latency, f"the twin of {block} publishes no latency"
+    for what in ("latency", "ports"):
+        published = getattr(twin, what) is not getattr(Block, what)
+        assert published, f"the twin of {block} publishes no {what}"
 
 
 def test_no_bench_and_no_datasheet_without_a_block() -> None:

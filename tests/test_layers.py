@@ -148,9 +148,19 @@ def test_controller_parameters_are_checked(inputs, spacing) -> None:
         InputController(inputs, spacing)
 
 
-def test_a_twin_that_publishes_no_latency_is_named() -> None:
+@pytest.mark.parametrize("what", ["latency", "ports"])
+def test_a_twin_that_does_not_publish_itself_is_named(what: str) -> None:
     class Novelty(Block):
         block = "novelty"
 
-    with pytest.raises(NotImplementedError, match="novelty: its twin publishes no latency"):
-        _ = Novelty().latency
+    with pytest.raises(NotImplementedError, match=f"novelty: its twin publishes no {what}"):
+        getattr(Novelty(), what)
+
+
+def test_a_port_says_what_it_carries_in_one_line() -> None:
+    twin = OutputIntegral(SIGNAL, COEFF, SIGNAL, 0, ((1, 2), (3, 4), (5, 6)), (0, 0, 0), None)
+    ports = {port.name: port for port in twin.ports}
+    assert ports["in_r_1"].row == "in_r_*"
+    assert ports["in_r_1"].comment == "signed Fix(14,13): r of hidden node 1"
+    assert ports["in_addr"].comment == "2 bits: row, 0 to outputs - 1"
+    assert ports["out_valid"].comment == "out_data holds an output"

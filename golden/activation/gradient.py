@@ -40,6 +40,7 @@ class Gradient(ActivationBlock):
     """
 
     block = "gradient"
+    section = "5.4.3"
     table: SegmentTable
     intercept_width: int
     intercept_frac: int

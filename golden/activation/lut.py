@@ -1,4 +1,4 @@
-"""The look-up table activation: 128 values of tanh."""
+"""The look-up table activation: tanh from a table of 128 values."""
 
 from __future__ import annotations
 
@@ -69,6 +69,7 @@ class Lut(ActivationBlock):
     """
 
     block = "lut"
+    section = "4.5.2.3.4"
     words: tuple[int, ...]
     scale: int
     scale_shift: int

@@ -184,6 +184,7 @@ class Pade(ActivationBlock):
     """
 
     block = "pade"
+    section = "4.5.2.3.3"
     factor: int
     thresholds: tuple[int, ...]
     iterations: int

@@ -98,6 +98,7 @@ class Polynomial(ActivationBlock):
     """
 
     block = "polynomial"
+    section = "4.5.2.3.2"
     thresholds: tuple[int, ...]
     coeffs: tuple[tuple[int, int, int], ...]
     factor: int | None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from golden.block import Block
 from golden.fixed import Codes, Fix
 from golden.layers.input_controller import InputController
-from golden.networks.network import Network
+from golden.networks.network import Network, frame_error
+from golden.port import CLOCK, RESET, Port, given, taken
 from golden.precision import SIGNAL
 
 # AXI4-Stream carries whole bytes.
@@ -49,6 +50,26 @@ class AxisNetwork(Network):
     @property
     def interval(self) -> int:
         return self.network.interval
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            replace(CLOCK, meaning=f"{CLOCK.meaning}: ACLK"),
+            replace(RESET, meaning=f"{RESET.meaning}: ARESETn the other way round"),
+            taken("s_axis_tvalid", "`s_axis_tdata` holds a sample"),
+            given("s_axis_tready", "it is taken in this clock"),
+            taken(
+                "s_axis_tdata",
+                f"sample x, {SIGNAL}, in the lower {SIGNAL.width} bits; the upper ones are ignored",
+                TDATA,
+            ),
+            taken("s_axis_tlast", "it is the last sample of the frame"),
+            given("m_axis_tvalid", "`m_axis_tdata` holds an output, until it is taken"),
+            taken("m_axis_tready", "it is taken in this clock"),
+            given("m_axis_tdata", f"output y, {SIGNAL}, sign-extended", TDATA),
+            given("m_axis_tlast", "it is the last output of the frame"),
+            frame_error("of the wrong length"),
+        )
 
     @property
     def latency(self) -> int:

@@ -37,6 +37,7 @@ class Hybrid(Design):
     """
 
     block = "hybrid"
+    section = "5.4"
     arrangements = ("single", "multiple", "cascade")
     input_integral: InputIntegral
     activations: tuple[ActivationBlock, ...]

@@ -23,6 +23,7 @@ class Multiple(Several):
     """
 
     block = "multiple"
+    section = "3.12, 6.5"
 
     def _inputs_of(self, number: int) -> int:
         return self.inputs

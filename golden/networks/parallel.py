@@ -34,6 +34,7 @@ class Parallel(Design):
     """
 
     block = "parallel"
+    section = "5.2"
     arrangements = ("single",)
     stream = "words"
     hidden_neurons: tuple[Neuron, ...]

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from golden.block import Block
 from golden.fixed import Codes, Fix, Overflow, Rounding, requantise
 from golden.networks.mlp import Real
+from golden.port import CLOCKED, Port, given, taken
 from golden.precision import SIGNAL
 from golden.units import POSITION_MM, WIDTH_MM
 from golden.visualisation.divider import Divider
@@ -73,6 +74,7 @@ class LoadProfile(Block):
     """
 
     block = "load_profile"
+    section = "5.8"
     area = "visualisation"
     fmt: Fix
     ramp: Ramp
@@ -81,6 +83,21 @@ class LoadProfile(Block):
     exp_memory: ExpMemory
     exp_interpolator: ExpInterpolator
     shape_threshold: int
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            *CLOCKED,
+            taken("in_valid", "the results of a frame are there, for this clock"),
+            taken("in_load", "load d", self.fmt, "fmt"),
+            taken("in_position", "position i_m", self.fmt, "fmt"),
+            taken("in_width", "width w", self.fmt, "fmt"),
+            taken("in_shape", "shape s", self.fmt, "fmt"),
+            given("out_valid", "`out_x` and `out_y` hold a new point"),
+            given("out_x", "i_p, which stays until the next point", self.fmt, "fmt"),
+            given("out_y", "f(i_p), which stays until the next point", self.fmt, "fmt"),
+            given("out_last", "it is the last point of the ramp, for this clock"),
+        )
 
     @property
     def latency(self) -> int:

@@ -1,4 +1,4 @@
-"""The Gradient activation as first drawn: a multiplier for every segment."""
+"""The Gradient activation as first drawn: tanh by segments, a multiplier for each."""
 
 from myhdl import always_comb, block
 

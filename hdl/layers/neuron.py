@@ -1,4 +1,4 @@
-"""A neuron that takes all of its samples at once."""
+"""Neuron: a weighted sum of samples that come all at once."""
 
 from myhdl import always, always_comb, block
 
