@@ -9,7 +9,9 @@ import numpy as np
 from golden.block import Block
 from golden.fixed import Codes
 from golden.layers.input_controller import InputController
+from golden.networks.network import serial_ports
 from golden.networks.several import Several
+from golden.port import Port
 from golden.precision import SIGNAL
 from golden.sensing.stream_multiplexer import StreamMultiplexer
 
@@ -36,6 +38,7 @@ class Cascade(Several):
     """
 
     block = "cascade"
+    section = "5.5"
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -65,6 +68,21 @@ class Cascade(Several):
         return tuple(
             StreamMultiplexer(SIGNAL, slot, variant=str(slot))
             for slot in range(self.inputs, self.networks[-1].inputs)
+        )
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return serial_ports(
+            "an element",
+            "samples x, in the order of the scene's sensors, then one element, whatever it holds, "
+            "for each output but the last",
+            "of the wrong length",
+        )
+
+    @property
+    def latency(self) -> int:
+        return sum(
+            part.latency for part in (*self.networks, *self.multiplexers, self.output_collector)
         )
 
     def parts(self) -> tuple[Block, ...]:

@@ -23,6 +23,7 @@ class Multiple(Several):
     """
 
     block = "multiple"
+    section = "3.12, 6.5"
 
     def _inputs_of(self, number: int) -> int:
         return self.inputs
@@ -34,6 +35,10 @@ class Multiple(Several):
     @property
     def interval(self) -> int:
         return max(network.interval for network in self.networks)
+
+    @property
+    def latency(self) -> int:
+        return max(network.latency for network in self.networks) + self.output_collector.latency
 
     def parts(self) -> tuple[Block, ...]:
         return (*self.networks, self.output_collector)

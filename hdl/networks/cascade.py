@@ -5,7 +5,6 @@ from myhdl import block
 from golden.networks.cascade import Cascade
 from golden.precision import SIGNAL
 from hdl.common.delay import delay
-from hdl.common.lookup import latency
 from hdl.common.signals import Words, fixed, flag, unsigned
 from hdl.common.stream import catch, stream_ports, window
 from hdl.layers.input_controller import input_controller
@@ -29,7 +28,7 @@ def stage(
     multiplexer,
 ):
     """One network and the stream that the next one sees, with the result in its slot."""
-    clocks = latency(network)
+    clocks = network.latency
     seen_valid, seen_last = flag(), flag()
     result_valid, result = flag(), fixed(SIGNAL)
     late_valid, late_data, late_last = flag(), fixed(SIGNAL), flag()
@@ -121,7 +120,7 @@ def cascade(
     Network i works on the first ``spec.inputs + i`` elements of its stream. That stream is then
     delayed by the network's latency, so that the result is there when its slot comes, however
     long the sender pauses between elements, and is put into the slot: the next network's stream.
-    Latency from the last element to the first output: ``cascade.latency(spec)`` clocks; frames may
+    Latency from the last element to the first output: ``spec.latency`` clocks; frames may
     follow without a gap. Reset clears every flag and counter.
     """
     final = spec.outputs - 1
@@ -134,7 +133,7 @@ def cascade(
     final_last, broken = flag(), flag()
     # The earlier outputs pass by in the last network's stream. One clock short of its latency,
     # because a word caught is there a clock later.
-    wait = latency(spec.networks[final]) - 1
+    wait = spec.networks[final].latency - 1
 
     return (
         judge(clk, rst, in_valid, in_last, frame_error, controller=spec.input_controller),
@@ -191,7 +190,4 @@ def cascade(
     )
 
 
-cascade.latency = lambda spec: sum(
-    latency(part) for part in (*spec.networks, *spec.multiplexers, spec.output_collector)
-)
 cascade.ports = stream_ports
