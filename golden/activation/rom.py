@@ -44,6 +44,9 @@ class Rom(Block):
         """Bits of the address."""
         return max(1, (len(self.words) - 1).bit_length())
 
+    def facts(self) -> tuple[str, ...]:
+        return (f"{len(self.words)} words of {self.width} bits",)
+
     def process(self, addr: ArrayLike) -> Codes:
         """The word at each address.
 

@@ -6,9 +6,11 @@ from dataclasses import dataclass
 
 from golden.block import Block
 from golden.fixed import Codes
+from golden.flow import Carried, Flow
 from golden.instruments.readout import Readout
 from golden.layers.input_controller import InputController
 from golden.networks.network import Network
+from golden.precision import SIGNAL
 from golden.sensing.scan_sequencer import ScanSequencer
 
 
@@ -69,6 +71,10 @@ class Instrument(Network):
 
     def parts(self) -> tuple[Block, ...]:
         return (self.scan_sequencer, self.readout)
+
+    def flow(self) -> Flow:
+        given = Carried("codes of the converter", SIGNAL)
+        return Flow((given, self.scan_sequencer, None, self.readout))
 
     def left_out(self) -> list[str]:
         return self.readout.left_out()

@@ -70,6 +70,9 @@ class InputController(Block):
         """Bits of the weight address."""
         return max(1, (self.inputs - 1).bit_length())
 
+    def facts(self) -> tuple[str, ...]:
+        return (f"{self.inputs} element{'s' if self.inputs > 1 else ''} a frame",)
+
     def process(self, last: ArrayLike, clock: ArrayLike) -> FrameScan:
         """Decisions for samples that arrive after a reset.
 

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from golden.block import Block
 from golden.fixed import Codes, Fix
+from golden.flow import Carried, Flow
 from golden.layers.input_controller import InputController
 from golden.networks.network import Network
 from golden.precision import SIGNAL
@@ -64,6 +65,9 @@ class AxisNetwork(Network):
 
     def parts(self) -> tuple[Block, ...]:
         return (self.network,)
+
+    def flow(self) -> Flow:
+        return Flow((Carried("s_axis", TDATA), self.network, Carried("m_axis", TDATA)))
 
     def left_out(self) -> list[str]:
         texts = self.network.left_out()

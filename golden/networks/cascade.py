@@ -8,6 +8,7 @@ import numpy as np
 
 from golden.block import Block
 from golden.fixed import Codes
+from golden.flow import Carried, Flow, Step
 from golden.layers.input_controller import InputController
 from golden.networks.several import Several
 from golden.precision import SIGNAL
@@ -74,6 +75,14 @@ class Cascade(Several):
             *self.multiplexers,
             self.output_collector,
         )
+
+    def flow(self) -> Flow:
+        steps: list[Step] = [Carried(f"frames of {self.input_controller.inputs} elements", SIGNAL)]
+        for network, multiplexer in zip(self.networks, self.multiplexers, strict=False):
+            steps += [network, None, multiplexer, Carried(f"y in slot {multiplexer.slot}", SIGNAL)]
+        steps += [self.networks[-1], Carried("every y", SIGNAL)]
+        steps += [self.output_collector, Carried("outputs", SIGNAL)]
+        return Flow(tuple(steps), watcher=self.input_controller)
 
     def compute(self, frames: Codes) -> Codes:
         seen = frames

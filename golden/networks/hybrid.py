@@ -11,6 +11,7 @@ import numpy as np
 from golden.activation.activation_block import ActivationBlock
 from golden.block import Block
 from golden.fixed import Codes
+from golden.flow import Alike, Carried, Controlled, Flow
 from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
 from golden.layers.input_node import InputNode
@@ -122,6 +123,21 @@ class Hybrid(Design):
             *self.activations,
             self.output_controller,
             self.output_integral,
+        )
+
+    def flow(self) -> Flow:
+        hidden, node = len(self.activations), self.input_integral.nodes[0]
+        return Flow(
+            (
+                Carried(f"{self.inputs} x", node.in_fmt),
+                Controlled(self.input_controller, self.input_integral),
+                Carried(f"{hidden} q", node.out_fmt),
+                Alike(self.activations),
+                Carried(f"{hidden} r", self.activations[0].out_fmt),
+                Controlled(self.output_controller, self.output_integral),
+                Carried(f"{self.outputs} y", self.output_integral.out_fmt),
+            ),
+            across=True,
         )
 
     def left_out(self) -> list[str]:

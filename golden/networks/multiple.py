@@ -8,8 +8,10 @@ import numpy as np
 
 from golden.block import Block
 from golden.fixed import Codes
+from golden.flow import Beside, Carried, Flow
 from golden.layers.input_controller import InputController
 from golden.networks.several import Several
+from golden.precision import SIGNAL
 
 
 @dataclass(frozen=True)
@@ -37,6 +39,17 @@ class Multiple(Several):
 
     def parts(self) -> tuple[Block, ...]:
         return (*self.networks, self.output_collector)
+
+    def flow(self) -> Flow:
+        return Flow(
+            (
+                Carried("samples", SIGNAL),
+                Beside(self.networks),
+                Carried("every y", SIGNAL),
+                self.output_collector,
+                Carried("outputs", SIGNAL),
+            )
+        )
 
     def compute(self, frames: Codes) -> Codes:
         return np.concatenate([network.compute(frames) for network in self.networks], axis=-1)

@@ -11,6 +11,7 @@ import numpy as np
 from golden.activation.activation_block import ActivationBlock
 from golden.block import Block
 from golden.fixed import Codes, Fix
+from golden.flow import Alike, Carried, Flow
 from golden.layers.input_controller import InputController
 from golden.layers.neuron import Neuron
 from golden.networks.constants import Constants, Layer
@@ -114,6 +115,22 @@ class Parallel(Design):
             *self.hidden_neurons,
             *self.activations,
             *self.output_neurons,
+        )
+
+    def flow(self) -> Flow:
+        first, last = self.hidden_neurons, self.output_neurons
+        return Flow(
+            (
+                Carried(f"{self.inputs} x", first[0].in_fmt),
+                Alike(first),
+                Carried(f"{len(first)} q", first[0].out_fmt),
+                Alike(self.activations),
+                Carried(f"{len(first)} r", self.activations[0].out_fmt),
+                Alike(last),
+                Carried(f"{self.outputs} y", last[0].out_fmt),
+            ),
+            across=True,
+            watcher=self.input_controller,
         )
 
     def left_out(self) -> list[str]:
