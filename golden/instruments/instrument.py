@@ -69,6 +69,19 @@ class Instrument(Network):
     def input_controller(self) -> InputController:
         return self.readout.input_controller
 
+    @property
+    def frame_clocks(self) -> int:
+        """A frame begins with its scan."""
+        return int(self.scan_sequencer.sample_clocks[-1]) + 1
+
+    @property
+    def scanner(self) -> ScanSequencer:
+        return self.scan_sequencer
+
+    @property
+    def core(self) -> Network:
+        return self.readout.core
+
     def parts(self) -> tuple[Block, ...]:
         return (self.scan_sequencer, self.readout)
 

@@ -71,6 +71,10 @@ class Readout(Network):
     def input_controller(self) -> InputController:
         return self.network.input_controller
 
+    @property
+    def core(self) -> Network:
+        return self.network.core
+
     def parts(self) -> tuple[Block, ...]:
         return (self.network, *([self.load_profile] if self.load_profile else []))
 

@@ -63,6 +63,10 @@ class AxisNetwork(Network):
         """Judges frames as they are sent; it is no part, and no frame comes too close."""
         return InputController(self.inputs, 0)
 
+    @property
+    def core(self) -> Network:
+        return self.network.core
+
     def parts(self) -> tuple[Block, ...]:
         return (self.network,)
 

@@ -18,7 +18,7 @@ from golden.layers.input_node import InputNode
 from golden.layers.output_controller import OutputController
 from golden.layers.output_integral import OutputIntegral
 from golden.networks.constants import Constants
-from golden.networks.design import Design, ExactSum
+from golden.networks.design import Design, ExactLayers, ExactSum
 from golden.precision import SIGNAL
 
 
@@ -86,11 +86,12 @@ class Hybrid(Design):
         )
 
     @property
-    def exact_layers(self) -> tuple[list[ExactSum], list[ExactSum]]:
+    def exact_layers(self) -> ExactLayers:
         last = self.output_integral
         factors = last.factors or (1,) * last.outputs
-        return (
+        return ExactLayers(
             [ExactSum(n, n.weights, n.bias) for n in self.input_integral.nodes],
+            self.activations,
             [ExactSum(last, *row) for row in zip(last.weights, last.biases, factors, strict=True)],
         )
 

@@ -15,7 +15,7 @@ from golden.flow import Alike, Carried, Flow
 from golden.layers.input_controller import InputController
 from golden.layers.neuron import Neuron
 from golden.networks.constants import Constants, Layer
-from golden.networks.design import Design, ExactSum
+from golden.networks.design import Design, ExactLayers, ExactSum
 from golden.precision import SIGNAL
 
 
@@ -84,12 +84,12 @@ class Parallel(Design):
         )
 
     @property
-    def exact_layers(self) -> tuple[list[ExactSum], list[ExactSum]]:
+    def exact_layers(self) -> ExactLayers:
         hidden, outputs = (
             [ExactSum(n, n.weights, n.bias, n.factor or 1) for n in neurons]
             for neurons in (self.hidden_neurons, self.output_neurons)
         )
-        return hidden, outputs
+        return ExactLayers(hidden, self.activations, outputs)
 
     @property
     def inputs(self) -> int:

@@ -5,12 +5,11 @@ from myhdl import block
 from golden.networks.cascade import Cascade
 from golden.precision import SIGNAL
 from hdl.common.delay import delay
-from hdl.common.lookup import latency
+from hdl.common.lookup import hardware, latency
 from hdl.common.signals import Words, fixed, flag, unsigned
 from hdl.common.stream import catch, stream_ports, window
 from hdl.layers.input_controller import input_controller
 from hdl.layers.output_collector import output_collector
-from hdl.networks.hybrid import hybrid
 from hdl.sensing.stream_multiplexer import stream_multiplexer
 
 
@@ -38,7 +37,7 @@ def stage(
 
     return (
         window(clk, rst, valid, last, seen_valid, seen_last, elements=network.inputs),
-        hybrid(
+        hardware(network)(
             clk,
             rst,
             seen_valid,
@@ -153,7 +152,7 @@ def cascade(
             )
             for i in range(final)
         ],
-        hybrid(
+        hardware(spec.networks[final])(
             clk,
             rst,
             valid[final - 1],

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from golden.errors import scene_errors
-from golden.instruments.instrument import Instrument
 from golden.networks.network import Network
 from tb.report.measure.latency import latencies
 from tb.report.measure.networks import scenes
@@ -25,10 +24,7 @@ def clocks_per_frame(design: Network, latency: int) -> int:
     network either all at once. An instrument's frame begins with its scan.
     """
     outputs = 1 if design.stream == "words" else design.outputs
-    samples = design.input_controller.inputs
-    if isinstance(design, Instrument):
-        samples = int(design.scan_sequencer.sample_clocks[-1]) + 1
-    return samples + latency + outputs - 1
+    return design.frame_clocks + latency + outputs - 1
 
 
 def clocks(_: int) -> Table:
