@@ -18,7 +18,7 @@ from hdl.common.lookup import latency
 from hdl.common.signals import flag, reset, signed
 from hdl.networks.axis_network import frames_under_way
 
-AXIS = ("axis", "least-axis", "axis-cascade", "axis-multiple")
+AXIS = ("axis", "least-axis", "axis-cascade", "slow-axis-cascade", "axis-multiple")
 
 
 @pytest.mark.parametrize("name", AXIS)

@@ -22,9 +22,21 @@ class Multiple(Several):
     ----------
     networks : tuple of Design
         One per output, in the order of the outputs, all of the same number of inputs.
+
+    Raises
+    ------
+    ValueError
+        See ``Several``; also for networks of unequal intervals.
     """
 
     block = "multiple"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        # Each judges the frames by itself: one would refuse a frame that another takes.
+        intervals = [network.interval for network in self.networks]
+        if len(set(intervals)) > 1:
+            raise ValueError(f"{self.entity}: got intervals of {intervals}, expected one interval")
 
     def _inputs_of(self, number: int) -> int:
         return self.inputs
@@ -35,7 +47,7 @@ class Multiple(Several):
 
     @property
     def interval(self) -> int:
-        return max(network.interval for network in self.networks)
+        return self.networks[0].interval
 
     def parts(self) -> tuple[Block, ...]:
         return (*self.networks, self.output_collector)

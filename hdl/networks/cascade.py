@@ -89,6 +89,59 @@ def judge(clk, rst, valid, last, frame_error, *, controller):
 
 
 @block
+def store(
+    clk,
+    rst,
+    valid,
+    data,
+    last,
+    good_valid,
+    good_data,
+    good_last,
+    frame_error,
+    *,
+    controller,
+    collector,
+):
+    """Good frames, an element a clock; of others only their error.
+
+    The controller tells of a good frame some clocks after its last element. The words of a frame
+    are caught as much later less one, so that they are complete just then and the next frame has
+    not yet replaced the first.
+    """
+    elements = collector.outputs
+    clocks = latency(controller) - 1
+    late_valid, late_data, late_last = flag(), fixed(SIGNAL), flag()
+    words = Words(elements, lambda: fixed(SIGNAL))
+    addr = unsigned(controller.addr_width)
+    # Left open, but for the last.
+    preset, accumulate, capture, complete = flag(), flag(), flag(), flag()
+
+    return (
+        input_controller(
+            clk,
+            rst,
+            valid,
+            last,
+            addr,
+            preset,
+            accumulate,
+            capture,
+            complete,
+            frame_error,
+            spec=controller,
+        ),
+        delay(clk, rst, valid, late_valid, clocks=clocks),
+        delay(clk, None, data, late_data, clocks=clocks),
+        delay(clk, rst, last, late_last, clocks=clocks),
+        catch(clk, rst, late_valid, late_data, late_last, words, first=0, slots=elements),
+        output_collector(
+            clk, rst, complete, words, good_valid, good_data, good_last, spec=collector
+        ),
+    )
+
+
+@block
 def cascade(
     clk,
     rst,
@@ -135,15 +188,35 @@ def cascade(
     # because a word caught is there a clock later.
     wait = latency(spec.networks[final]) - 1
 
+    controller, collector = spec.input_controller, spec.frame_store
+    if collector is None:
+        first_valid, first_data, first_last = in_valid, in_data, in_last
+        front = judge(clk, rst, in_valid, in_last, frame_error, controller=controller)
+    else:
+        first_valid, first_data, first_last = flag(), fixed(SIGNAL), flag()
+        front = store(
+            clk,
+            rst,
+            in_valid,
+            in_data,
+            in_last,
+            first_valid,
+            first_data,
+            first_last,
+            frame_error,
+            controller=controller,
+            collector=collector,
+        )
+
     return (
-        judge(clk, rst, in_valid, in_last, frame_error, controller=spec.input_controller),
+        front,
         [
             stage(
                 clk,
                 rst,
-                valid[i - 1] if i else in_valid,
-                data[i - 1] if i else in_data,
-                last[i - 1] if i else in_last,
+                valid[i - 1] if i else first_valid,
+                data[i - 1] if i else first_data,
+                last[i - 1] if i else first_last,
                 valid[i],
                 data[i],
                 last[i],
@@ -190,7 +263,14 @@ def cascade(
     )
 
 
-cascade.latency = lambda spec: sum(
-    latency(part) for part in (*spec.networks, *spec.multiplexers, spec.output_collector)
-)
+def _clocks(spec: Cascade) -> int:
+    """With a frame store the last element leaves it as many clocks later as a frame has others."""
+    parts = [*spec.networks, *spec.multiplexers, spec.output_collector]
+    if spec.frame_store is None:
+        return sum(map(latency, parts))
+    parts += [spec.input_controller, spec.frame_store]
+    return sum(map(latency, parts)) + spec.frame_store.outputs - 1
+
+
+cascade.latency = _clocks
 cascade.ports = stream_ports
