@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
+
+if TYPE_CHECKING:
+    from golden.flow import Flow
 
 from golden.port import Port
 
@@ -51,6 +54,14 @@ class Block:
 
     def parts(self) -> tuple[Block, ...]:
         """The blocks this one is assembled from."""
+        return ()
+
+    def flow(self) -> Flow | None:
+        """How data goes through the parts, where there is more to tell than their list."""
+        return None
+
+    def facts(self) -> tuple[str, ...]:
+        """What a picture tells of the block beside its formats."""
         return ()
 
 

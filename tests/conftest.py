@@ -179,6 +179,9 @@ AXIS = Case(("axis_network",), [(2, 3, 5)], "exact", interface="axi_stream")
 GRADIENT = Case(("gradient", *FOLDED), [(1, 1, 1)], "exact")
 PARALLEL = Case(("parallel", "neuron"), [(2, 3, 2)], "thesis", design="parallel")
 PRECISE = Case(("precise", "hybrid"), [(2, 3, 2)], "exact", activation="precise")
+SLOW = Case(
+    CASCADE, [(2, 1, 1), (3, 1, 1)], "exact", activation="pade", arrangement="cascade", spread=2.0
+)
 BLOCK_RAM = '{ coefficients = "block_ram" }'
 
 
@@ -241,6 +244,9 @@ CASES = scheme_cases() | {
     "deep-cascade": Case(
         CASCADE, [(2, 1, 1), (3, 9, 1), (4, 2, 1), (5, 5, 1)], "thesis", arrangement="cascade"
     ),
+    # Networks that need more clocks than they see elements: as many as a frame has, and more.
+    "slow-cascade": SLOW,
+    "slower-cascade": replace(SLOW, options="{ rho = 1.5, iterations = 11 }"),
     "least-multiple": Case(MULTIPLE, [(1, 2, 1), (1, 1, 1)], "thesis", arrangement="multiple"),
     "wide-multiple": Case(
         MULTIPLE, [(2, 9, 1), (2, 1, 1), (2, 4, 1)], "exact", arrangement="multiple"
@@ -249,6 +255,12 @@ CASES = scheme_cases() | {
     "least-axis": replace(AXIS, shapes=[(1, 2, 1)], precision="thesis"),
     "pade-axis": replace(AXIS, shapes=[(2, 2, 2)], activation="pade"),
     "axis-cascade": replace(AXIS, shapes=[(2, 3, 1), (3, 2, 1), (4, 2, 1)], arrangement="cascade"),
+    "slow-axis-cascade": replace(
+        SLOW,
+        blocks=("axis_network",),
+        interface="axi_stream",
+        options="{ rho = 1.5, iterations = 11 }",
+    ),
     "axis-multiple": replace(AXIS, shapes=[(2, 2, 1), (2, 4, 1)], arrangement="multiple"),
     "profile": Case(PROFILE, [(4, 3, 4)], "exact", sections=VISUALISATION),
     "other-profile": Case(

@@ -16,7 +16,7 @@ from golden.scene import load_scene
 from hdl.common.fifo import fifo
 from hdl.common.signals import flag, reset, signed
 
-AXIS = ("axis", "least-axis", "axis-cascade", "axis-multiple")
+AXIS = ("axis", "least-axis", "axis-cascade", "slow-axis-cascade", "axis-multiple")
 
 
 @pytest.mark.parametrize("name", AXIS)

@@ -98,6 +98,11 @@ def test_the_cases_differ_as_meant(tmp_path: Path) -> None:
     assert designs["parallel"].interval == 1
     assert designs["axis"].spacing == 5
     assert designs["axis-cascade"].slots == 2
+    for name, interval in (("slow-cascade", 3), ("slower-cascade", 11)):
+        assert designs[name].interval == interval
+        assert designs[name].frame_store.outputs == 3
+    assert designs["slow-axis-cascade"].spacing == 11
+    assert designs["deep-cascade"].frame_store is None
     for form in ("logic", "block-ram"):
         few = max(a.words for a in designs[form].activations)
         assert few < designs[f"{form}-huge"].activations[0].words

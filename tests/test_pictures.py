@@ -12,6 +12,7 @@ import pytest
 from conftest import CASES
 
 from golden.block import Block, walk
+from golden.flow import Carried
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_names
 from tb.report.draw.animation import animation
@@ -151,7 +152,23 @@ def test_the_datapath_counts_and_tells_formats_and_clocks() -> None:
     assert "Fix(14,13) to Fix(18,14)" in shown
 
 
-def test_a_part_that_no_plan_knows_is_drawn_all_the_same(monkeypatch) -> None:
+def test_the_datapath_draws_the_flow_of_each_block(tmp_path: Path) -> None:
+    drawn = set()
+    for name in ("digit-instrument", "digit-parallel", "axis-multiple"):
+        scene = CASES[name].scene(tmp_path, name) if name in CASES else load_scene(name)
+        shown = words(parse(datapath(scene)))
+        for block in walk(scene.twin()):
+            flow = block.flow()
+            if flow:
+                drawn.add(block.block)
+                carried = [step.what for step in flow.steps if isinstance(step, Carried)]
+                assert carried
+                assert set(carried) <= set(shown)
+    networks = {"hybrid", "parallel", "cascade", "multiple", "axis_network"}
+    assert drawn == networks | {"instrument", "readout", "load_profile"}
+
+
+def test_a_part_that_no_flow_names_is_drawn_all_the_same(monkeypatch) -> None:
     class Novelty(Block):
         block = "novelty"
         latency = 3

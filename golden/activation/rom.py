@@ -65,6 +65,9 @@ class Rom(Block):
     def latency(self) -> int:
         return 0
 
+    def facts(self) -> tuple[str, ...]:
+        return (f"{len(self.words)} words of {self.width} bits",)
+
     def process(self, addr: ArrayLike) -> Codes:
         """The word at each address.
 

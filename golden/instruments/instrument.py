@@ -6,10 +6,12 @@ from dataclasses import dataclass
 
 from golden.block import Block
 from golden.fixed import Codes
+from golden.flow import Carried, Flow
 from golden.instruments.readout import Readout
 from golden.layers.input_controller import InputController
 from golden.networks.network import Network
 from golden.port import CLOCKED, Port
+from golden.precision import SIGNAL
 from golden.sensing.scan_sequencer import ScanSequencer
 
 
@@ -84,8 +86,25 @@ class Instrument(Network):
     def input_controller(self) -> InputController:
         return self.readout.input_controller
 
+    @property
+    def frame_clocks(self) -> int:
+        """A frame begins with its scan."""
+        return int(self.scan_sequencer.sample_clocks[-1]) + 1
+
+    @property
+    def scanner(self) -> ScanSequencer:
+        return self.scan_sequencer
+
+    @property
+    def core(self) -> Network:
+        return self.readout.core
+
     def parts(self) -> tuple[Block, ...]:
         return (self.scan_sequencer, self.readout)
+
+    def flow(self) -> Flow:
+        given = Carried("codes of the converter", SIGNAL)
+        return Flow((given, self.scan_sequencer, None, self.readout))
 
     def left_out(self) -> list[str]:
         return self.readout.left_out()

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.fixed import Codes
+from golden.flow import Carried, Flow, Step
 from golden.layers.input_controller import InputController
 from golden.networks.network import Network, serial_ports
 from golden.port import Port, given, group
@@ -97,8 +98,18 @@ class Readout(Network):
     def input_controller(self) -> InputController:
         return self.network.input_controller
 
+    @property
+    def core(self) -> Network:
+        return self.network.core
+
     def parts(self) -> tuple[Block, ...]:
         return (self.network, *([self.load_profile] if self.load_profile else []))
+
+    def flow(self) -> Flow:
+        steps: list[Step] = [Carried("samples", SIGNAL), self.network, Carried("outputs", SIGNAL)]
+        if self.load_profile:
+            steps += [self.load_profile, Carried("profile", SIGNAL)]
+        return Flow(tuple(steps))
 
     def left_out(self) -> list[str]:
         return self.network.left_out()

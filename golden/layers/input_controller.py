@@ -96,6 +96,9 @@ class InputController(Block):
         # Operands, product, accumulator, output of the nodes that it steers.
         return 4
 
+    def facts(self) -> tuple[str, ...]:
+        return (f"{self.inputs} element{'s' if self.inputs > 1 else ''} a frame",)
+
     def process(self, last: ArrayLike, clock: ArrayLike) -> FrameScan:
         """Decisions for samples that arrive after a reset.
 

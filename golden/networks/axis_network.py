@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from golden.block import Block
 from golden.fixed import Codes, Fix
+from golden.flow import Carried, Flow
 from golden.layers.input_controller import InputController
 from golden.networks.network import Network, frame_error
 from golden.port import CLOCK, RESET, Port, given, taken
@@ -101,8 +102,15 @@ class AxisNetwork(Network):
         """Judges frames as they are sent; it is no part, and no frame comes too close."""
         return InputController(self.inputs, 0)
 
+    @property
+    def core(self) -> Network:
+        return self.network.core
+
     def parts(self) -> tuple[Block, ...]:
         return (self.network,)
+
+    def flow(self) -> Flow:
+        return Flow((Carried("s_axis", TDATA), self.network, Carried("m_axis", TDATA)))
 
     def left_out(self) -> list[str]:
         texts = self.network.left_out()

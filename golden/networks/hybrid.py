@@ -11,13 +11,14 @@ import numpy as np
 from golden.activation.activation_block import ActivationBlock
 from golden.block import Block
 from golden.fixed import Codes
+from golden.flow import Alike, Carried, Controlled, Flow
 from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
 from golden.layers.input_node import InputNode
 from golden.layers.output_controller import OutputController
 from golden.layers.output_integral import OutputIntegral
 from golden.networks.constants import Constants
-from golden.networks.design import Design, ExactSum
+from golden.networks.design import Design, ExactLayers, ExactSum
 from golden.precision import SIGNAL
 
 
@@ -92,11 +93,12 @@ class Hybrid(Design):
         )
 
     @property
-    def exact_layers(self) -> tuple[list[ExactSum], list[ExactSum]]:
+    def exact_layers(self) -> ExactLayers:
         last = self.output_integral
         factors = last.factors or (1,) * last.outputs
-        return (
+        return ExactLayers(
             [ExactSum(n, n.weights, n.bias) for n in self.input_integral.nodes],
+            self.activations,
             [ExactSum(last, *row) for row in zip(last.weights, last.biases, factors, strict=True)],
         )
 
@@ -138,6 +140,21 @@ class Hybrid(Design):
             *self.activations,
             self.output_controller,
             self.output_integral,
+        )
+
+    def flow(self) -> Flow:
+        hidden, node = len(self.activations), self.input_integral.nodes[0]
+        return Flow(
+            (
+                Carried(f"{self.inputs} x", node.in_fmt),
+                Controlled(self.input_controller, self.input_integral),
+                Carried(f"{hidden} q", node.out_fmt),
+                Alike(self.activations),
+                Carried(f"{hidden} r", self.activations[0].out_fmt),
+                Controlled(self.output_controller, self.output_integral),
+                Carried(f"{self.outputs} y", self.output_integral.out_fmt),
+            ),
+            across=True,
         )
 
     def left_out(self) -> list[str]:

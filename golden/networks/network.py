@@ -13,6 +13,7 @@ from golden.fixed import Codes
 from golden.layers.input_controller import InputController
 from golden.port import CLOCKED, Port, given, group, taken
 from golden.precision import SIGNAL
+from golden.sensing.scan_sequencer import ScanSequencer
 
 # Frames computed at a time; 4096 x 16 nodes x 8 bytes fit a second-level cache.
 CHUNK = 4096
@@ -65,6 +66,26 @@ class Network(Block):
     def input_controller(self) -> InputController:
         """The controller that judges frames; its ``inputs`` are the elements of the stream."""
         raise NotImplementedError
+
+    @property
+    def frame_clocks(self) -> int:
+        """Least clocks from the first element of a frame to its last, both included."""
+        return self.input_controller.inputs
+
+    @property
+    def members(self) -> tuple[Network, ...]:
+        """The networks that this one is arranged of, in the order of the outputs."""
+        return ()
+
+    @property
+    def core(self) -> Network:
+        """The network without front end, readout or another interface around it."""
+        return self
+
+    @property
+    def scanner(self) -> ScanSequencer | None:
+        """What makes the frames, where ``stream`` is ``converter``."""
+        return None
 
     def compute(self, frames: Codes) -> Codes:
         """Output codes, shape (frames, outputs), of a few frames, shape (frames, inputs)."""

@@ -11,10 +11,11 @@ import numpy as np
 from golden.activation.activation_block import ActivationBlock
 from golden.block import Block
 from golden.fixed import Codes, Fix
+from golden.flow import Alike, Carried, Flow
 from golden.layers.input_controller import InputController
 from golden.layers.neuron import Neuron
 from golden.networks.constants import Constants, Layer
-from golden.networks.design import Design, ExactSum
+from golden.networks.design import Design, ExactLayers, ExactSum
 from golden.precision import SIGNAL
 
 
@@ -90,12 +91,12 @@ class Parallel(Design):
         )
 
     @property
-    def exact_layers(self) -> tuple[list[ExactSum], list[ExactSum]]:
+    def exact_layers(self) -> ExactLayers:
         hidden, outputs = (
             [ExactSum(n, n.weights, n.bias, n.factor or 1) for n in neurons]
             for neurons in (self.hidden_neurons, self.output_neurons)
         )
-        return hidden, outputs
+        return ExactLayers(hidden, self.activations, outputs)
 
     @property
     def inputs(self) -> int:
@@ -129,6 +130,22 @@ class Parallel(Design):
             *self.hidden_neurons,
             *self.activations,
             *self.output_neurons,
+        )
+
+    def flow(self) -> Flow:
+        first, last = self.hidden_neurons, self.output_neurons
+        return Flow(
+            (
+                Carried(f"{self.inputs} x", first[0].in_fmt),
+                Alike(first),
+                Carried(f"{len(first)} q", first[0].out_fmt),
+                Alike(self.activations),
+                Carried(f"{len(first)} r", self.activations[0].out_fmt),
+                Alike(last),
+                Carried(f"{self.outputs} y", last[0].out_fmt),
+            ),
+            across=True,
+            watcher=self.input_controller,
         )
 
     def left_out(self) -> list[str]:

@@ -5,11 +5,11 @@ from myhdl import block
 from golden.networks.cascade import Cascade
 from golden.precision import SIGNAL
 from hdl.common.delay import delay
+from hdl.common.lookup import hardware
 from hdl.common.signals import Words, fixed, flag, unsigned
 from hdl.common.stream import catch, stream_ports, window
 from hdl.layers.input_controller import input_controller
 from hdl.layers.output_collector import output_collector
-from hdl.networks.hybrid import hybrid
 from hdl.sensing.stream_multiplexer import stream_multiplexer
 
 
@@ -37,7 +37,7 @@ def stage(
 
     return (
         window(clk, rst, valid, last, seen_valid, seen_last, elements=network.inputs),
-        hybrid(
+        hardware(network)(
             clk,
             rst,
             seen_valid,
@@ -89,6 +89,59 @@ def judge(clk, rst, valid, last, frame_error, *, controller):
 
 
 @block
+def store(
+    clk,
+    rst,
+    valid,
+    data,
+    last,
+    good_valid,
+    good_data,
+    good_last,
+    frame_error,
+    *,
+    controller,
+    collector,
+):
+    """Good frames, an element a clock; of others only their error.
+
+    The controller tells of a good frame some clocks after its last element. The words of a frame
+    are caught as much later less one, so that they are complete just then and the next frame has
+    not yet replaced the first.
+    """
+    elements = collector.outputs
+    clocks = controller.latency - 1
+    late_valid, late_data, late_last = flag(), fixed(SIGNAL), flag()
+    words = Words(elements, lambda: fixed(SIGNAL))
+    addr = unsigned(controller.addr_width)
+    # Left open, but for the last.
+    preset, accumulate, capture, complete = flag(), flag(), flag(), flag()
+
+    return (
+        input_controller(
+            clk,
+            rst,
+            valid,
+            last,
+            addr,
+            preset,
+            accumulate,
+            capture,
+            complete,
+            frame_error,
+            spec=controller,
+        ),
+        delay(clk, rst, valid, late_valid, clocks=clocks),
+        delay(clk, None, data, late_data, clocks=clocks),
+        delay(clk, rst, last, late_last, clocks=clocks),
+        catch(clk, rst, late_valid, late_data, late_last, words, first=0, slots=elements),
+        output_collector(
+            clk, rst, complete, words, good_valid, good_data, good_last, spec=collector
+        ),
+    )
+
+
+@block
 def cascade(
     clk,
     rst,
@@ -135,15 +188,35 @@ def cascade(
     # because a word caught is there a clock later.
     wait = spec.networks[final].latency - 1
 
+    controller, collector = spec.input_controller, spec.frame_store
+    if collector is None:
+        first_valid, first_data, first_last = in_valid, in_data, in_last
+        front = judge(clk, rst, in_valid, in_last, frame_error, controller=controller)
+    else:
+        first_valid, first_data, first_last = flag(), fixed(SIGNAL), flag()
+        front = store(
+            clk,
+            rst,
+            in_valid,
+            in_data,
+            in_last,
+            first_valid,
+            first_data,
+            first_last,
+            frame_error,
+            controller=controller,
+            collector=collector,
+        )
+
     return (
-        judge(clk, rst, in_valid, in_last, frame_error, controller=spec.input_controller),
+        front,
         [
             stage(
                 clk,
                 rst,
-                valid[i - 1] if i else in_valid,
-                data[i - 1] if i else in_data,
-                last[i - 1] if i else in_last,
+                valid[i - 1] if i else first_valid,
+                data[i - 1] if i else first_data,
+                last[i - 1] if i else first_last,
                 valid[i],
                 data[i],
                 last[i],
@@ -152,7 +225,7 @@ def cascade(
             )
             for i in range(final)
         ],
-        hybrid(
+        hardware(spec.networks[final])(
             clk,
             rst,
             valid[final - 1],

@@ -5,10 +5,10 @@ from myhdl import block
 from golden.networks.multiple import Multiple
 from golden.precision import SIGNAL
 from hdl.common.delay import delay
+from hdl.common.lookup import hardware
 from hdl.common.signals import Words, fixed, flag
 from hdl.common.stream import stream_ports
 from hdl.layers.output_collector import output_collector
-from hdl.networks.hybrid import hybrid
 
 
 @block
@@ -56,7 +56,7 @@ def multiple(
         return result[i] if clocks[i] < clocks[slowest] else aligned[i]
 
     networks = [
-        hybrid(
+        hardware(network)(
             clk,
             rst,
             in_valid,

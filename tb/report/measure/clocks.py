@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from golden.errors import scene_errors
-from golden.instruments.instrument import Instrument
 from golden.networks.network import Network
 from tb.report.measure.networks import scenes
 from tb.report.measure.table import Cell, Table
@@ -16,10 +15,7 @@ def clocks_per_frame(design: Network) -> int:
     network either all at once. An instrument's frame begins with its scan.
     """
     outputs = 1 if design.stream == "words" else design.outputs
-    samples = design.input_controller.inputs
-    if isinstance(design, Instrument):
-        samples = int(design.scan_sequencer.sample_clocks[-1]) + 1
-    return samples + design.latency + outputs - 1
+    return design.frame_clocks + design.latency + outputs - 1
 
 
 def clocks(_: int) -> Table:

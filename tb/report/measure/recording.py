@@ -14,9 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from golden.cli import CommandError
-from golden.instruments.readout import Readout
 from golden.networks.network import Network
-from golden.networks.several import Several
 from golden.precision import SIGNAL
 from golden.scene import Scene
 from hdl.export.exporter import ORDER
@@ -102,15 +100,13 @@ def _watched(scene: Scene, design: Network, folder: Path) -> Iterator[Watched]:
     for name in names:
         if name.startswith("in_"):
             yield Watched(f"dut.{name}", entering, name)
-    inner, path = design, "dut"
-    if isinstance(design, Readout):
-        inner = design.network
-        path = f"dut.{_instance(folder, design.entity, inner.entity)}"
-    if isinstance(inner, Several):
-        for network, output in zip(inner.networks, scene.outputs, strict=True):
-            place = f"{path}.{_instance(folder, inner.entity, network.entity)}"
-            for name in MEMBER:
-                yield Watched(f"{place}.{name}", f"{network.entity}: {output}", name)
+    core, path = design.core, "dut"
+    if core is not design:
+        path = f"dut.{_instance(folder, design.entity, core.entity)}"
+    for network, output in zip(core.members, scene.outputs, strict=False):
+        place = f"{path}.{_instance(folder, core.entity, network.entity)}"
+        for name in MEMBER:
+            yield Watched(f"{place}.{name}", f"{network.entity}: {output}", name)
     for name in names:
         if name.startswith("out_"):
             yield Watched(f"dut.{name}", leaving, name)
