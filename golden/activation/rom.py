@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.block import Block
-from golden.fixed import Codes, check_unsigned
+from golden.fixed import Codes, check_unsigned, real_texts
 
 
 @dataclass(frozen=True)
@@ -21,6 +21,8 @@ class Rom(Block):
         The contents. An address beyond the last word reads the last word.
     width : int
         Bits of a word.
+    frac : int
+        Fraction bits of a word: it stands for ``word / 2**frac``.
 
     Raises
     ------
@@ -31,6 +33,7 @@ class Rom(Block):
     area = "activation"
     words: tuple[int, ...]
     width: int
+    frac: int
 
     def __post_init__(self) -> None:
         if not self.words or min(self.words) < 0 or max(self.words) >= 1 << self.width:
@@ -43,6 +46,11 @@ class Rom(Block):
     def addr_width(self) -> int:
         """Bits of the address."""
         return max(1, (len(self.words) - 1).bit_length())
+
+    @property
+    def meanings(self) -> list[str]:
+        """The number that each word stands for."""
+        return real_texts(self.words, self.frac)
 
     def process(self, addr: ArrayLike) -> Codes:
         """The word at each address.
