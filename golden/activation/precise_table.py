@@ -16,7 +16,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.fixed import Codes
+from golden.fixed import Codes, real_texts
 from golden.precision import EXACT, SIGNAL
 
 # How far around the least-squares fit the search looks, in units of the last place.
@@ -110,6 +110,15 @@ class CurveTable:
     intercepts: tuple[int, ...]
     gradients: tuple[int, ...]
     curves: tuple[int, ...]
+
+    def meanings(self, fmt: CurveFormat) -> list[str]:
+        """Intercept, gradient and curve of every segment as numbers."""
+        columns = (
+            real_texts(self.intercepts, fmt.intercept_frac),
+            real_texts(self.gradients, fmt.gradient_frac),
+            real_texts(self.curves, fmt.slope_frac),
+        )
+        return [", ".join(row) for row in zip(*columns, strict=True)]
 
 
 @lru_cache

@@ -36,4 +36,4 @@ def exp_memory(addr_width: int, interval_frac: int, width: int) -> ExpMemory:
     """
     middle = (np.arange(1 << addr_width) + 0.5) / (1 << interval_frac)
     words = np.floor(np.exp(-middle) * 2.0**width + 0.5).astype(np.int64)
-    return ExpMemory(tuple(int(word) for word in words), width)
+    return ExpMemory(tuple(int(word) for word in words), width, width)
