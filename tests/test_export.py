@@ -278,3 +278,14 @@ def test_ports_that_the_twin_does_not_publish_are_refused(
     monkeypatch.setattr(AbsUnit, "ports", published)
     with pytest.raises(ValueError, match=r"^abs_unit: got ports .*'out_mag', 'out', 17, False"):
         convert_hierarchy(elaborate_activation(spec), tmp_path, language)
+
+
+@pytest.mark.parametrize(("language", "sign"), [("vhdl", "--"), ("verilog", "//")])
+def test_every_port_says_what_it_carries(tmp_path: Path, language: str, sign: str) -> None:
+    spec = SCHEMES["gradient"].build(EXACT, 1, EXACT.hidden_fmt.high)
+    for block in convert_hierarchy(elaborate_activation(spec), tmp_path, language):
+        (file,) = tmp_path.glob(f"{block.entity}.*")
+        lines = [line.strip() for line in file.read_text().splitlines()]
+        for port in block.ports:
+            below = lines[lines.index(f"{sign} {port.comment}") + 1 :]
+            assert re.search(rf"\b{port.name}\b", below[0]), f"{block.entity}: {port.name}"

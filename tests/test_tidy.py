@@ -154,23 +154,19 @@ def test_a_docstring_is_resolved() -> None:
     Parameters
     ----------
     addr : unsigned ``spec.addr_width`` bits
-        A row, for ``twice(spec.outputs)`` clocks; see ``in_valid``.
+        A row, of which the line above the port tells.
     spec : OutputController
-        Constants.
 
     Notes
     -----
-    Latency 0 clocks.
+    Row ``spec.addr_width`` bits, for ``twice(spec.outputs)`` clocks; see ``in_valid``.
     """
     spec = OutputController(outputs=2)
     assert describe(docstring, spec, {"twice": lambda count: 2 * count}) == dedent(
         """\
         Row address.
 
-        addr : unsigned 1 bit
-            A row, for 4 clocks; see in_valid.
-
-        Latency 0 clocks."""
+        Row 1 bit, for 4 clocks; see in_valid."""
     )
 
 

@@ -11,8 +11,9 @@ from myhdl._block import _Block
 
 from golden.block import Block
 
-_HEADINGS = re.compile(r"^(?:Parameters|Notes)\n-+\n", re.M)
-_SPEC_ENTRY = re.compile(r"^spec : .*\n(?: +.*\n)*", re.M)
+# What the ports carry stands beside them.
+_PARAMETERS = re.compile(r"^Parameters\n-+\n(?:.*\n)*?(?=Notes\n-|\Z)", re.M)
+_NOTES = re.compile(r"^Notes\n-+\n", re.M)
 
 
 def heading(instance: _Block, origin: str | None) -> list[str]:
@@ -50,7 +51,7 @@ def describe(docstring: str, spec: Block, names: dict[str, Any]) -> str:
         code = quoted[1]
         return str(eval(code, names, {"spec": spec})) if re.search(r"\bspec\b", code) else code
 
-    text = _SPEC_ENTRY.sub("", f"{cleandoc(docstring)}\n")
-    text = re.sub(r"``([^`]+)``", value, _HEADINGS.sub("", text))
+    text = _NOTES.sub("", _PARAMETERS.sub("", f"{cleandoc(docstring)}\n"))
+    text = re.sub(r"``([^`]+)``", value, text)
     text = re.sub(r"\b1 (bit|clock)s\b", r"1 \1", text)
     return re.sub(r"\n{3,}", "\n\n", text).strip()
