@@ -59,6 +59,7 @@ def test_make_alone_lists_the_targets() -> None:
         "synth",
         "report",
         "docs",
+        "pages",
         "lint",
         "clean",
     ]

@@ -113,7 +113,7 @@ def test_the_worked_example_works(tmp_path: Path) -> None:
     """docs/new-block.md, typed in as it stands: the block trains, simulates and is found out."""
     page = (ROOT / "docs" / "new-block.md").read_text()
     copy = tmp_path / "tactus"
-    for room in ("golden", "hdl", "tb"):
+    for room in ("golden", "hdl", "tb", "docs"):
         ignore = shutil.ignore_patterns("__pycache__")
         shutil.copytree(ROOT / room, copy / room, ignore=ignore)
     named = r"^`([\w/.-]+\.(?:py|toml))`[^\n]*(?:\n[^\n]+)*:\n\n```(?:python|toml)\n(.*?)```"
@@ -122,6 +122,9 @@ def test_the_worked_example_works(tmp_path: Path) -> None:
     for name, text in files:
         (copy / name).parent.mkdir(exist_ok=True)
         (copy / name).write_text(text)
+    sheet = re.search(r"^`(docs/blocks/\w+\.md)`.*?\n````markdown\n(.*?)````$", page, re.M | re.S)
+    assert sheet
+    (copy / sheet[1]).write_text(sheet[2])
     diff = re.search(r"```diff\n(.*?)```", page, re.S)
     assert diff
     apply(diff[1], copy)
@@ -131,6 +134,10 @@ def test_the_worked_example_works(tmp_path: Path) -> None:
         command = [sys.executable, "-m", *words]
         return subprocess.run(command, cwd=copy, capture_output=True, text=True, check=False)
 
+    written = run("tb.report.page.blocks")
+    assert written.returncode == 0, written.stderr
+    assert "| `in_data` | in | signed | `in_fmt`: Fix(18,14) |" in (copy / sheet[1]).read_text()
+    assert "| [relu](blocks/relu.md) |" in (copy / "docs" / "README.md").read_text()
     trained = run("golden.training", scene)
     assert trained.returncode == 0, trained.stderr
     simulated = run("tb.sim", scene, "--block", "relu")

@@ -179,6 +179,21 @@ def test_a_broken_budget_is_refused(tmp_path: Path) -> None:
         read_budget(path)
 
 
+@pytest.mark.parametrize(
+    ("text", "same"),
+    [
+        ("// Another heading.\n\nmodule m;\n  wire a; // 0.5  \nendmodule\n", True),
+        ("module m;\n  wire b;\nendmodule\n", False),
+    ],
+)
+def test_the_digest_is_of_the_code_alone(tmp_path: Path, text: str, same: bool) -> None:
+    file = tmp_path / "m.v"
+    file.write_text("// A heading.\nmodule m;\n  wire a;\nendmodule\n")
+    before = digest(tmp_path)
+    file.write_text(text)
+    assert (digest(tmp_path) == before) is same
+
+
 @pytest.fixture(scope="module")
 def verilog(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The Verilog of every recorded scene."""

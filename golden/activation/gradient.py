@@ -56,11 +56,14 @@ class Gradient(ActivationBlock):
 
     @property
     def g_memory(self) -> GMemory:
-        return GMemory(self.table.coeffs, self.table.coeff_width, variant=self.variant)
+        table = self.table
+        return GMemory(table.coeffs, table.coeff_width, table.coeff_frac, variant=self.variant)
 
     @property
     def i_memory(self) -> IMemory:
-        return IMemory(self.table.intercepts, self.intercept_width, variant=self.variant)
+        return IMemory(
+            self.table.intercepts, self.intercept_width, self.intercept_frac, variant=self.variant
+        )
 
     @property
     def grad_eqn(self) -> GradEqn:

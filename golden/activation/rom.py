@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.block import Block
-from golden.fixed import Codes, check_unsigned
+from golden.fixed import Codes, check_unsigned, real_texts
 from golden.port import Port, Unsigned, given, taken
 
 
@@ -23,6 +23,8 @@ class Rom(Block):
         The contents. An address beyond the last word reads the last word.
     width : int
         Bits of a word.
+    frac : int
+        Fraction bits of a word: it stands for ``word / 2**frac``.
 
     Raises
     ------
@@ -35,6 +37,7 @@ class Rom(Block):
     port_meanings: ClassVar[tuple[str, str]]
     words: tuple[int, ...]
     width: int
+    frac: int
 
     def __post_init__(self) -> None:
         if not self.words or min(self.words) < 0 or max(self.words) >= 1 << self.width:
@@ -49,16 +52,11 @@ class Rom(Block):
         return max(1, (len(self.words) - 1).bit_length())
 
     @property
-    def word_frac(self) -> int | None:
-        """Fraction bits of a word, where the memory knows them: all, unless a subclass objects."""
-        return self.width
-
-    @property
     def ports(self) -> tuple[Port, ...]:
         address, word = self.port_meanings
         return (
             taken("addr", address, Unsigned(self.addr_width), "addr_width"),
-            given("word", word, Unsigned(self.width, self.word_frac), "width"),
+            given("word", word, Unsigned(self.width, self.frac), "width"),
         )
 
     @property
@@ -67,6 +65,11 @@ class Rom(Block):
 
     def facts(self) -> tuple[str, ...]:
         return (f"{len(self.words)} words of {self.width} bits",)
+
+    @property
+    def meanings(self) -> list[str]:
+        """The number that each word stands for."""
+        return real_texts(self.words, self.frac)
 
     def process(self, addr: ArrayLike) -> Codes:
         """The word at each address.

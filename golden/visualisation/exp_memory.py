@@ -38,4 +38,4 @@ def exp_memory(addr_width: int, interval_frac: int, width: int) -> ExpMemory:
     """
     interval = Fraction(1, 1 << interval_frac)
     floors = exp_floors(interval / 2, interval, 1 << addr_width, width + 1)
-    return ExpMemory(tuple(cut(floors, 1, Rounding.ROUND).tolist()), width)
+    return ExpMemory(tuple(cut(floors, 1, Rounding.ROUND).tolist()), width, width)

@@ -65,7 +65,7 @@ def lut(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Lut):
         scale(mag, product, factor=spec.scale),
         keep_product,
         address,
-        rom(addr, word, words=spec.words),
+        rom(addr, word, words=spec.words, meanings=spec.out_fmt.texts(spec.words)),
         choose,
         delay(clk, rst, segment_valid, word_valid, clocks=1),
         delay(clk, None, negative, negative_late, clocks=2),

@@ -43,7 +43,7 @@ def term(clk, addr, data, product, *, words, fmt, shift: int, rounding):
     coeff = fixed(fmt)
     exact = signed(len(x) + fmt.width)
     x_copy = widen(data, x)
-    table = rom(addr, coeff, words=words)
+    table = rom(addr, coeff, words=words, meanings=fmt.texts(words))
 
     @always(clk.posedge)
     def multiply():
@@ -58,7 +58,7 @@ def offset(clk, addr, aligned, *, words, fmt, shift: int):
     """Constant ``addr`` at the sum's binary point, one clock later."""
     coeff = fixed(fmt)
     late = signed(len(aligned))
-    table = rom(addr, coeff, words=words)
+    table = rom(addr, coeff, words=words, meanings=fmt.texts(words))
 
     @always(clk.posedge)
     def keep():

@@ -120,11 +120,14 @@ def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
 
     if spec.coefficients == "block_ram":
         memory = [
-            registered_rom(clk, addr, word, words=words),
+            registered_rom(clk, addr, word, words=words, meanings=table.meanings(fmt)),
             delay(clk, None, distance, word_distance, clocks=spec.memory_latency),
         ]
     else:
-        memory = [rom(addr, word, words=words), connect(distance, word_distance)]
+        memory = [
+            rom(addr, word, words=words, meanings=table.meanings(fmt)),
+            connect(distance, word_distance),
+        ]
 
     @always_comb
     def cut_top():

@@ -71,3 +71,15 @@ def check_ports(spec: Block, text: str, language: str) -> None:
             f"{sorted(found - published)}, expected {sorted(published - found)}, which the twin "
             "publishes"
         )
+
+
+def comment_ports(spec: Block, text: str, language: str) -> str:
+    """The text with format and meaning of every port in a line above it."""
+    comments = {port.name: port.comment for port in spec.ports}
+    sign = {"vhdl": "--", "verilog": "//"}[language]
+
+    def commented(found: re.Match[str]) -> str:
+        indent = " " * (len(found[0]) - len(found[0].lstrip()))
+        return f"{indent}{sign} {comments[found['name']]}\n{found[0]}"
+
+    return PATTERN[language].sub(commented, text)

@@ -18,7 +18,7 @@ def weigh(clk, addr, in_data, term, *, weights, coeff_fmt, shift: int):
     word, weight = fixed(coeff_fmt), fixed(coeff_fmt)
     operand = signed(len(in_data))
     product = signed(len(in_data) + coeff_fmt.width)
-    words = rom(addr, word, words=weights)
+    words = rom(addr, word, words=weights, meanings=coeff_fmt.texts(weights))
 
     @always(clk.posedge)
     def fetch():
@@ -42,7 +42,7 @@ def bias_term(clk, addr, term, *, biases, coeff_fmt, shift: int):
     word, bias = fixed(coeff_fmt), fixed(coeff_fmt)
     wide = signed(coeff_fmt.width + shift)
     moved = signed(coeff_fmt.width + shift)
-    words = rom(addr, word, words=biases)
+    words = rom(addr, word, words=biases, meanings=coeff_fmt.texts(biases))
 
     @always_comb
     def widen():
@@ -64,7 +64,7 @@ def bias_term(clk, addr, term, *, biases, coeff_fmt, shift: int):
 def scale(clk, addr, in_data, product, *, factors, width: int):
     """``in_data`` times the de-normalisation factor of row ``addr``, one clock later."""
     factor = signed(width)
-    words = rom(addr, factor, words=factors)
+    words = rom(addr, factor, words=factors, meanings=[str(f) for f in factors])
 
     @always(clk.posedge)
     def multiply():

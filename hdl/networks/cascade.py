@@ -170,7 +170,7 @@ def cascade(
 
     Notes
     -----
-    Network i works on the first ``spec.inputs + i`` elements of its stream. That stream is then
+    Network i works on the samples and the first i slots of its stream. That stream is then
     delayed by the network's latency, so that the result is there when its slot comes, however
     long the sender pauses between elements, and is put into the slot: the next network's stream.
     Latency from the last element to the first output: ``spec.latency`` clocks; frames may

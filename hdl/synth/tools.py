@@ -42,8 +42,15 @@ def run_tool(name: str, arguments: list[str], folder: Path) -> str:
 
 
 def digest(verilog: Path) -> str:
-    """A digest of the ``.v`` files of a folder."""
-    return fingerprint(sorted(verilog.glob("*.v")))
+    """A digest of the code in the ``.v`` files of a folder, whatever their comments say."""
+    files = sorted(verilog.glob("*.v"))
+    return fingerprint([], *(f"{file.name}\n{_code(file.read_text())}" for file in files))
+
+
+def _code(text: str) -> str:
+    """Verilog without comments, empty lines and blanks at line ends."""
+    lines = (line.partition("//")[0].rstrip() for line in text.splitlines())
+    return "\n".join(line for line in lines if line)
 
 
 def stored(

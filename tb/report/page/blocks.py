@@ -7,12 +7,11 @@ one network in every design, activation and precision.
 
 from __future__ import annotations
 
-import argparse
 import importlib
 import inspect
 import sys
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from golden.activation.pade import UnsettledWarning
@@ -26,7 +25,7 @@ from golden.networks.designs import DESIGNS
 from golden.networks.network import Network
 from golden.port import Port, Unsigned
 from golden.precision import PRECISIONS
-from golden.scene import Scene, load_scene
+from golden.scene import load_scene
 from tb.report.measure.networks import scenes
 from tb.report.page.markers import put, write
 
@@ -164,20 +163,12 @@ def block_table(found: dict[str, Twins]) -> str:
     return "\n".join(lines)
 
 
-def pages(others: Sequence[Scene] = ()) -> dict[Path, str]:
-    """Every page that holds what twins publish, as it must be.
-
-    Parameters
-    ----------
-    others : sequence of Scene
-        Where a block stands that neither a shipped scene nor one for comparison has.
-    """
+def pages() -> dict[Path, str]:
+    """Every page that holds what twins publish, as it must be."""
     with warnings.catch_warnings():
         # Those who run a scene are told; here it is drawn up.
         warnings.simplefilter("ignore", UnsettledWarning)
         found = blocks_of(shipped())
-        extra = blocks_of((scene.precision.name, scene.twin()) for scene in others)
-    found |= {name: twins for name, twins in extra.items() if name not in found}
     written = {README: put(README, README.read_text("utf-8"), block_table(found), COMMAND)}
     for name, twins in found.items():
         page = ROOT / "docs" / "blocks" / f"{name}.md"
@@ -187,9 +178,7 @@ def pages(others: Sequence[Scene] = ()) -> dict[Path, str]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="python -m tb.report.page.blocks", description=__doc__)
-    parser.add_argument("scene", nargs="*", help="where a block stands that no other scene has")
-    write(pages([load_scene(name) for name in parser.parse_args().scene]))
+    write(pages())
 
 
 if __name__ == "__main__":
