@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import CASES, write_scene
+from collected import CASES
 from myhdl import Simulation, StopSimulation, delay, instance
 
 from golden.block import walk
@@ -17,6 +17,7 @@ from hdl.common.fifo import fifo
 from hdl.common.lookup import latency
 from hdl.common.signals import flag, reset, signed
 from hdl.networks.axis_network import frames_under_way
+from tb.common.cases import write_scene
 
 AXIS = ("axis", "least-axis", "axis-cascade", "axis-multiple")
 

@@ -10,12 +10,11 @@ from dataclasses import fields
 from pathlib import Path
 
 import pytest
-from conftest import every_design
+from collected import CASES_OF
+from shared import Shared
 
 from golden.block import Block, walk
 from golden.scene import load_scene
-from hdl.export.elaborate import elaborate
-from hdl.export.hierarchy import convert_hierarchy
 from hdl.export.ports import Port, read_ports
 from tb.demo import error_table
 
@@ -74,31 +73,23 @@ def test_a_datasheet_has_its_headings_in_order(sheet: Path) -> None:
     assert re.findall(r"^## (.+)$", sheet.read_text(), re.M) == HEADINGS
 
 
-@pytest.fixture(scope="module")
-def blocks(
-    tmp_path_factory: pytest.TempPathFactory,
-) -> dict[str, tuple[Block, list[Port]]]:
-    """A twin and its ports by block, the ports from VHDL."""
-    found: dict[str, tuple[Block, list[Port]]] = {}
-    for design in every_design(tmp_path_factory.mktemp("scenes")):
-        if all(block.block in found for block in walk(design)):
-            continue
-        folder = tmp_path_factory.mktemp("vhdl")
-        convert_hierarchy(elaborate(design), folder, "vhdl")
-        for block in walk(design):
-            text = (folder / f"{block.entity}.vhd").read_text()
-            found[block.block] = block, read_ports(text, "vhdl")
-    return found
+def twin_and_ports(shared: Shared, block: str) -> tuple[Block, list[Port]]:
+    """A twin of a block in the first case of its bench, and its ports from that case's VHDL."""
+    case = CASES_OF[block][0]
+    twin = next(part for part in walk(shared.scene(case).twin()) if part.block == block)
+    return twin, read_ports(
+        (shared.export(case, "vhdl") / f"{twin.entity}.vhd").read_text(), "vhdl"
+    )
 
 
 @pytest.mark.parametrize("sheet", SHEETS, ids=lambda p: p.stem)
-def test_the_port_table_is_the_entity(blocks, sheet: Path) -> None:
+def test_the_port_table_is_the_entity(shared: Shared, sheet: Path) -> None:
     section = re.search(r"^## Ports\n(.*?)^## ", sheet.read_text(), re.M | re.S)
     assert section
     rows = re.findall(r"^\| *`([\w*]+)` *\| *(in|out) *\| *(\w+) *\|", section[1], re.M)
     real = {
         (re.sub(r"_\d+$", "_*", port.name), port.direction, port.vhdl.partition("(")[0])
-        for port in blocks[sheet.stem][1]
+        for port in twin_and_ports(shared, sheet.stem)[1]
     }
     assert set(rows) == real
 
@@ -160,7 +151,7 @@ def test_the_worked_example_works(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("sheet", SHEETS, ids=lambda p: p.stem)
-def test_the_parameter_table_is_the_twin(blocks, sheet: Path) -> None:
+def test_the_parameter_table_is_the_twin(shared: Shared, sheet: Path) -> None:
     section = re.search(r"^## Parameters\n(.*?)^## ", sheet.read_text(), re.M | re.S)
     assert section
     named = {
@@ -168,4 +159,4 @@ def test_the_parameter_table_is_the_twin(blocks, sheet: Path) -> None:
         for row in re.findall(r"^\| *(`[^|]*) *\|", section[1], re.M)
         for name in re.findall(r"`(\w+)`", row)
     }
-    assert named == {field.name for field in fields(blocks[sheet.stem][0])}
+    assert named == {field.name for field in fields(twin_and_ports(shared, sheet.stem)[0])}

@@ -6,13 +6,13 @@ import re
 
 import numpy as np
 import pytest
-from conftest import FRONT_END, random_mlp, write_scene
 
 from golden.fixed import Fix
 from golden.instruments.instrument import Instrument
 from golden.instruments.readout import Readout
 from golden.scene import load_scene
 from golden.sensing.scan_sequencer import ScanSequencer
+from tb.common.cases import FRONT_END, random_mlp, write_scene
 
 FMT = Fix(14, 13)
 

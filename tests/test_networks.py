@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import random_mlp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -22,6 +21,7 @@ from golden.networks.mlp import Mlp
 from golden.networks.parallel import Parallel
 from golden.precision import EXACT, PRECISIONS, SIGNAL, THESIS, normalisation
 from golden.scene import FOLDER, Scene, load_scene, scene_names, thesis_figures
+from tb.common.cases import random_mlp
 from tb.report.measure.networks import scenes
 
 SCENES = scene_names()
