@@ -16,6 +16,9 @@ from golden.networks.mlp import Real
 
 SIGNAL = Fix(14, 13)  # what ADC and DAC carry
 
+# MyHDL's conversion goes wrong from here on.
+FACTOR_LIMIT = 1 << 30
+
 
 @dataclass(frozen=True)
 class Precision:
@@ -67,7 +70,7 @@ class Precision:
         return fmt.quantise(weights, layer)[0], fmt.quantise(biases, layer)[0], fmt
 
 
-def normalisation(weights: Real, biases: Real) -> Codes:
+def normalisation(weights: Real, biases: Real, layer: str = "weights") -> Codes:
     """Q_j or Y_i: the sum of the magnitudes of a neuron's weights and bias, each rounded up.
 
     Equations 4.16 and 4.17. A neuron whose weights are all zero gets 1.
@@ -76,8 +79,21 @@ def normalisation(weights: Real, biases: Real) -> Codes:
     ----------
     weights : float array, shape (neurons, inputs)
     biases : float array, shape (neurons,)
+    layer : str
+        How the error message calls them.
+
+    Raises
+    ------
+    ValueError
+        When a sum is ``FACTOR_LIMIT`` or more.
     """
-    total = np.ceil(np.abs(weights)).sum(axis=1) + np.ceil(np.abs(biases))
+    # Whole numbers, so below 2**53 the sum is exact in any order.
+    with np.errstate(over="ignore"):
+        total = np.ceil(np.abs(weights)).sum(axis=1) + np.ceil(np.abs(biases))
+    if total.max() >= FACTOR_LIMIT:
+        raise ValueError(
+            f"{layer}: got magnitudes that add up to {total.max():g}, expected below {FACTOR_LIMIT}"
+        )
     return np.asarray(np.maximum(total, 1), dtype=np.int64)
 
 

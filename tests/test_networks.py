@@ -73,6 +73,22 @@ def test_thesis_normalisation_is_equation_4_16() -> None:
     assert normalisation(weights, np.array([2.0, 0.0])).tolist() == [5, 1]
 
 
+@pytest.mark.parametrize("weight", [2.0**30, 1e19, 1e308])
+@pytest.mark.parametrize("place", ["layer 1", "layer 2"])
+def test_a_normalisation_too_large_to_convert_is_refused(place: str, weight: float) -> None:
+    """The next smaller one is not. Beyond int64 a float becomes what the processor makes of it."""
+    small, none = np.full((1, 2), 0.3), np.zeros(1)
+    far = Mlp(weight * np.ones((1, 2)), none, np.ones((1, 1)), none)
+    if place == "layer 2":
+        far = Mlp(small, none, np.full((1, 1), weight), none)
+        largest = replace(far, w2=np.full((1, 1), 2.0**30 - 1), b1=np.full(1, 0.5))
+        assert Hybrid.of(largest, THESIS, "gradient").output_integral.factors == (2**30 - 1,)
+    with pytest.raises(
+        ValueError, match=rf"^{place} weights: got .* to .*, expected .* 1073741824"
+    ):
+        Hybrid.of(far, THESIS, "gradient")
+
+
 @settings(max_examples=200, deadline=None)
 @given(st.integers(0, 10_000), st.sampled_from(sorted(PRECISIONS)), st.floats(0.2, 2.0))
 def test_bit_true_follows_float(seed: int, name: str, spread: float) -> None:

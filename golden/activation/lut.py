@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,8 +16,9 @@ from golden.activation.comparator_bank import ComparatorBank
 from golden.activation.segments import last_below
 from golden.activation.sign_retriever import SignRetriever
 from golden.block import Block
-from golden.fixed import Codes
+from golden.fixed import Codes, Rounding, cut
 from golden.precision import SIGNAL, Precision
+from golden.transcendental import tanh_floors
 
 DEPTH = 128
 UPPER = 3.5
@@ -110,6 +112,13 @@ class Lut(ActivationBlock):
         return self.sign_retriever.process(np.where(beyond, self.out_fmt.high, word), negative)
 
 
+@cache
+def _words() -> tuple[int, ...]:
+    """The whole table, rounded to nearest."""
+    floors = tanh_floors(Fraction(UPPER) / DEPTH, DEPTH, SIGNAL.frac + 1)
+    return tuple(cut(floors, 1, Rounding.ROUND).tolist())
+
+
 def lut_for(precision: Precision, factor: int, reach: int) -> Lut:
     """The look-up table for a neuron normalised by ``factor`` with magnitudes to ``reach``.
 
@@ -137,13 +146,11 @@ def lut_for(precision: Precision, factor: int, reach: int) -> Lut:
         if last * excess < 1 << shift:
             break
         shift += 1
-    step = UPPER / DEPTH
-    words, _ = SIGNAL.quantise(np.tanh(np.arange(count) * step), "lut words")
     beyond = (end,) if end < top else ()
     return Lut(
         fmt,
         SIGNAL,
-        tuple(int(w) for w in words),
+        _words()[:count],
         scale,
         shift,
         beyond,

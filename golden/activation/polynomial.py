@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
-from math import ceil, log2
+from math import ldexp
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -229,14 +229,15 @@ def polynomial_for(precision: Precision, factor: int, reach: int) -> Polynomial:
     width = precision.coeff_width
     if precision.normalise:
         values, denormalise = normalised(factor)
-        extra = max(0, ceil(log2(factor / 3)))
+        # Doublings of 3 until it is Q or more.
+        extra = (-(-factor // 3) - 1).bit_length()
         frac = precision.gradient_frac_limit
         sum_frac = frac + 2 * extra
         # Unsigned, so that 9.681 has the binary point 10 of Table 4.4.
         factor_frac = max(
-            p for p in range(-width, width) if nearest(denormalise * 2**p) < 1 << width
+            p for p in range(-width, width) if nearest(ldexp(denormalise, p)) < 1 << width
         )
-        scale = nearest(denormalise * 2**factor_frac)
+        scale = nearest(ldexp(denormalise, factor_frac))
         formats = PolynomialFormats(
             Fix(width, frac),
             Fix(width, frac + extra),

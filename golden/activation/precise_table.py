@@ -11,17 +11,24 @@ is a parabola through the middle of the segment whose second multiplication has 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from golden.fixed import Codes
 from golden.precision import EXACT, SIGNAL
+from golden.transcendental import tanh_floors
 
 # How far around the least-squares fit the search looks, in units of the last place.
 _NEAR_GRADIENT = 5
 _NEAR_CURVE = 2
+
+# From here on tanh is within a quarter unit of 2**-13 of 1, and every result the largest code.
+_SATURATED = 6
+
+# Bits that hold how many zeros an intercept ends with.
+_ZEROS_WIDTH = 6
 
 
 @dataclass(frozen=True)
@@ -118,7 +125,9 @@ def curve_table(fmt: CurveFormat) -> CurveTable:
 
     Each segment takes, out of a window around the least-squares parabola, the coefficients that
     round the most codes correctly, among those for which every result is within one unit of
-    2**-13 of tanh and none is below the one before it. Deterministic; below a second.
+    2**-13 of tanh and none is below the one before it. Of several, the intercept with the most
+    zeros at its end, then the least curve, the least gradient, the least intercept. Integers
+    throughout, so the table is the same on every machine; about 0.1 s.
 
     Raises
     ------
@@ -127,9 +136,11 @@ def curve_table(fmt: CurveFormat) -> CurveTable:
     """
     words: list[tuple[int, int, int]] = []
     last = 0
-    segments = 1 << (EXACT.hidden_fmt.width - 1 - fmt.distance_width)
-    for segment in range(segments):
-        word, results = _fit(fmt, segment, last)
+    step = Fraction(1, 1 << EXACT.hidden_fmt.frac)
+    # In units of the exact sum, rounded down.
+    curve = tanh_floors(step, int(_SATURATED / step), fmt.product_frac)
+    for segment in range(len(curve) >> fmt.distance_width):
+        word, results = _fit(fmt, segment, last, curve)
         words.append(word)
         last = int(results[-1])
         if results[0] == SIGNAL.high:
@@ -138,75 +149,94 @@ def curve_table(fmt: CurveFormat) -> CurveTable:
     return CurveTable(intercepts, gradients, curves)
 
 
-def _fit(fmt: CurveFormat, segment: int, last: int) -> tuple[tuple[int, int, int], Codes]:
+def _fit(
+    fmt: CurveFormat, segment: int, last: int, curve: Codes
+) -> tuple[tuple[int, int, int], Codes]:
     """Coefficients of one segment, and its results; ``last`` is the result before it."""
     width = fmt.distance_width
     mag = (segment << width) + np.arange(1 << width)
     _, x, top = fmt.split(mag)
-    exact = np.tanh(EXACT.hidden_fmt.to_real(mag)) * 2**SIGNAL.frac
-    rounded = np.minimum(np.floor(exact + 0.5).astype(np.int64), SIGNAL.high)
-    # Zero has no sign, so its result must be zero for the function to be odd.
-    lowest = np.maximum(np.ceil(exact - 1).astype(np.int64), 0)
-    highest = np.where(mag == 0, 0, np.minimum(np.floor(exact + 1), SIGNAL.high).astype(np.int64))
-    gradient, curve = _candidates(fmt, segment, x, top, exact)
-    linear = x * fmt.slope(gradient[:, np.newaxis], curve[:, np.newaxis], top)
-
-    def least(result: Codes) -> Codes:
-        """Least intercept for which the sum reaches ``result``."""
-        return -((linear - (result << fmt.out_shift)) >> fmt.intercept_shift)
-
-    # Correct rounding bounds the intercept from both sides for every code; count, for each
-    # candidate, how many of these intervals hold an intercept.
-    first, behind = least(rounded), least(rounded + 1)
+    exact = curve[mag]
+    half = 1 << (fmt.out_shift - 1)
+    rounded = np.minimum((exact + half) >> fmt.out_shift, SIGNAL.high)
+    # The results within one unit of tanh, which beyond 0 is no whole number of units. Zero has no
+    # sign, so its result must be zero for the function to be odd.
+    lowest = exact >> fmt.out_shift
+    highest = np.where(mag == 0, 0, np.minimum(lowest + 1, SIGNAL.high))
+    gradients, curves = _candidates(fmt, segment, x, top, exact)
+    linear = x * fmt.slope(gradients[:, np.newaxis], curves[:, np.newaxis], top)
+    # One unit of the result, and the least intercept for which the sum reaches ``lowest``.
+    unit = 1 << (fmt.intercept_frac - SIGNAL.frac)
+    least = -((linear - (lowest << fmt.out_shift)) >> fmt.intercept_shift)
+    # A code is rounded correctly by the intercepts of one unit from the first one. Count, for each
+    # candidate, for how many codes an intercept is one of them.
+    first = least + unit * (rounded - lowest)
     base = int(first.min())
-    span = int(behind.max()) - base + 1
-    rows = np.arange(len(gradient))[:, np.newaxis] * span
-    size = len(gradient) * span
-    opened = np.bincount((rows + first - base).ravel(), minlength=size)
-    closed = np.bincount((rows + behind - base).ravel(), minlength=size)
-    correct = np.cumsum((opened - closed).reshape(-1, span), axis=1)
+    span = int(first.max()) - base + unit + 1
+    rows = np.arange(len(gradients))[:, np.newaxis] * span
+    reached = np.bincount((rows + first - base).ravel(), minlength=len(gradients) * span)
+    correct = np.cumsum(reached.reshape(-1, span), axis=1)
+    correct[:, unit:] -= correct[:, :-unit].copy()
     intercept = base + np.arange(span)
-    allowed = (intercept >= least(lowest).max(axis=1)[:, np.newaxis]) & (
-        intercept < least(highest + 1).min(axis=1)[:, np.newaxis]
+    allowed = (
+        (intercept > 0)
+        & (intercept >= least.max(axis=1)[:, np.newaxis])
+        & (intercept < (least + unit * (highest + 1 - lowest)).min(axis=1)[:, np.newaxis])
     )
     if segment >= fmt.curved:
-        guard = 1 << (fmt.intercept_frac - SIGNAL.frac)
-        allowed &= intercept % guard == guard // 2
+        allowed &= intercept % unit == unit // 2
     # Between equals, the intercept with the most zeros at its end: it takes less logic.
-    merit = np.where(allowed, correct + np.log2(intercept & -intercept) / 64, -1)
+    zeros = np.bitwise_count((intercept & -intercept) - 1)
+    merit = np.where(allowed, (correct << _ZEROS_WIDTH) + zeros, -1)
     for place in np.argsort(-merit, axis=None, kind="stable"):
         k, i = divmod(int(place), span)
         if merit[k, i] < 0:
             break
         results = ((int(intercept[i]) << fmt.intercept_shift) + linear[k]) >> fmt.out_shift
         if results[0] >= last and (np.diff(results) >= 0).all():
-            return (int(intercept[i]), int(gradient[k]), int(curve[k])), results
+            return (int(intercept[i]), int(gradients[k]), int(curves[k])), results
     raise ValueError(f"segment {segment}: {fmt} is too coarse for one unit of 2**-13")
 
 
 def _candidates(
-    fmt: CurveFormat, segment: int, x: Codes, top: Codes, exact: NDArray[np.float64]
+    fmt: CurveFormat, segment: int, x: Codes, top: Codes, exact: Codes
 ) -> tuple[Codes, Codes]:
-    """Gradients and curves around the least-squares fit to ``exact``, in units of 2**-13."""
+    """Gradients and curves around the least-squares fit to ``exact``, in units of the sum.
+
+    The fit is linear in three columns: 1, the distance from the middle, and the product that the
+    curve is multiplied by. The first two are orthogonal, so what is left of the third without them
+    gives the curve in closed form, as a quotient of whole numbers.
+    """
     if segment >= fmt.curved:
         # A slope of nothing but the filled places moves no result by as much as a unit.
         return np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64)
-    unit = 2.0 ** (SIGNAL.frac - fmt.product_frac)
-    offset = (1 << fmt.gradient_shift) - 1
-    columns = np.stack([np.ones(len(x)), x * unit, -x * top * unit], axis=1)
-    _, _, steep = np.linalg.lstsq(columns, exact, rcond=None)[0]
-    near = np.rint(steep) + np.arange(-_NEAR_CURVE, _NEAR_CURVE + 1)
-    centred = x - x.mean()
+    points = len(x)
+    # Twice the distance from the middle of the codes, which is half a code below that of the
+    # segment; its sum is 0.
+    distance = 2 * x + 1
+    bend = -x * top
+    # Each of these sums is exact: its terms are below 2**45, and there are 2**11 at most.
+    spread, along, across = (int(distance @ c) for c in (distance, exact, bend))
+    total, bent = int(exact.sum()), int(bend.sum())
+    curve = _nearest(
+        points * (spread * int(bend @ exact) - across * along) - spread * bent * total,
+        points * (spread * int(bend @ bend) - across * across) - spread * bent * bent,
+    )
+    offset = ((1 << fmt.gradient_shift) - 1) * int(distance @ x)
     gradients, curves = [], []
-    for curve in near[(near >= 0) & (near < 1 << fmt.curve_width)]:
-        straight = exact - (offset - curve * top) * x * unit
-        slope = (straight @ centred) / (centred @ centred * unit)
-        middle = np.rint(slope / (1 << fmt.gradient_shift))
-        gradients.append(middle + np.arange(-_NEAR_GRADIENT, _NEAR_GRADIENT + 1))
-        curves.append(np.full(2 * _NEAR_GRADIENT + 1, curve))
-    gradient = np.concatenate(gradients).astype(np.int64)
-    curve = np.concatenate(curves).astype(np.int64)
+    for near in range(curve - _NEAR_CURVE, curve + _NEAR_CURVE + 1):
+        if 0 <= near < 1 << fmt.curve_width:
+            straight = along - offset - near * across
+            middle = _nearest(2 * straight, spread << fmt.gradient_shift)
+            gradients.append(middle + np.arange(-_NEAR_GRADIENT, _NEAR_GRADIENT + 1))
+            curves.append(np.full(2 * _NEAR_GRADIENT + 1, near))
+    gradient, curvature = np.concatenate(gradients), np.concatenate(curves)
     # The slope is least where t is largest, and unsigned; so is the gradient, below 1.
     steepest = (1 << fmt.gradient_frac) - 1
-    fitting = (fmt.slope(gradient, curve, top.max(keepdims=True)) >= 0) & (gradient <= steepest)
-    return gradient[fitting], curve[fitting]
+    fitting = (fmt.slope(gradient, curvature, top.max(keepdims=True)) >= 0) & (gradient <= steepest)
+    return gradient[fitting], curvature[fitting]
+
+
+def _nearest(numerator: int, denominator: int) -> int:
+    """The whole number nearest to a quotient, halves up."""
+    return (2 * numerator + denominator) // (2 * denominator)

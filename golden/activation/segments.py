@@ -25,7 +25,11 @@ COEFF_WIDTH_LIMIT = 17
 
 
 def nearest(value: float) -> int:
-    """The integer nearest to a value that is not negative, halves up."""
+    """The integer nearest to a value that is not negative, halves up.
+
+    The constants that come here are single products and quotients of floats, which IEEE 754 defines
+    to the last bit.
+    """
     return int(value + 0.5)
 
 

@@ -44,10 +44,11 @@ def quantised(weights: Real, biases: Real, precision: Precision, name: str) -> L
     Raises
     ------
     ValueError
-        When the weights do not fit their format; the message begins with ``name``.
+        When the weights do not fit their format or their normalisation is too large; the message
+        begins with ``name``.
     """
     factors = (
-        normalisation(weights, biases)
+        normalisation(weights, biases, name)
         if precision.normalise
         else np.ones(len(biases), dtype=np.int64)
     )

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
+from fractions import Fraction
 
 from golden.activation.rom import Rom
+from golden.fixed import Rounding, cut
+from golden.transcendental import exp_floors
 
 
 class ExpMemory(Rom):
@@ -23,6 +25,6 @@ def exp_memory(addr_width: int, interval_frac: int, width: int) -> ExpMemory:
     Word n is exp(-(n + 1/2) / 2**interval_frac), unsigned with ``width`` fraction bits, rounded to
     nearest; it is below 1, so ``width`` bits hold it. 1024 words of 17 bits are one block RAM.
     """
-    middle = (np.arange(1 << addr_width) + 0.5) / (1 << interval_frac)
-    words = np.floor(np.exp(-middle) * 2.0**width + 0.5).astype(np.int64)
-    return ExpMemory(tuple(int(word) for word in words), width)
+    interval = Fraction(1, 1 << interval_frac)
+    floors = exp_floors(interval / 2, interval, 1 << addr_width, width + 1)
+    return ExpMemory(tuple(cut(floors, 1, Rounding.ROUND).tolist()), width)

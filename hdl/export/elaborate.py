@@ -8,9 +8,10 @@ from golden.activation.activation_block import ActivationBlock
 from golden.networks.network import Network
 from hdl.common.lookup import hardware
 from hdl.common.signals import fixed, flag, reset
-from hdl.export.quick_inspect import install
+from hdl.export import literal_size, quick_inspect
 
-install()
+quick_inspect.install()
+literal_size.install()
 
 
 def elaborate(spec: Network) -> _Block:

@@ -1,0 +1,98 @@
+"""Digests of every constant that ends in hardware; of two machines they tell where these differ.
+
+``python tests/exported_constants.py`` prints a line for every block of every shipped scene, and of
+every activation for some factors besides. With ``--defined-only``, functions of numpy and math that
+a machine may round as it likes raise.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import sys
+import warnings
+from collections.abc import Iterator
+
+import numpy as np
+
+# Normalisations of the activations that stand beside the scenes.
+FACTORS = (1, 2, 3, 5, 7, 11, 16, 30, 100, 500)
+
+# What IEEE 754 defines to the last bit for every number by itself, and what only compares or moves
+# bits.
+DEFINED = set(
+    """absolute add bitwise_and bitwise_count bitwise_or bitwise_xor ceil copysign divide equal fabs
+    floor floor_divide fmax fmin fmod frexp gcd greater greater_equal invert isfinite isinf isnan
+    lcm ldexp left_shift less less_equal logical_and logical_not logical_or logical_xor maximum
+    minimum modf multiply negative not_equal positive remainder right_shift rint sign signbit sqrt
+    square subtract trunc
+    comb factorial isclose isqrt nextafter perm ulp""".split()  # noqa: SIM905
+)
+# Sums of products and the like, in an order of their own; with them all of numpy.linalg.
+REDUCTIONS = set(
+    """average convolve correlate corrcoef cov dot einsum inner interp matvec mean nanmean nanstd
+    nanvar outer polyfit polyval std tensordot trapezoid var vdot vecdot vecmat""".split()  # noqa: SIM905
+)
+
+
+def refuse_undefined() -> None:
+    """Make functions raise that are not ``DEFINED``. The operators ``**`` and ``@`` stay."""
+    # The standard library computes its own constants with some of them when it is imported.
+    import math
+    import random  # noqa: F401
+    import tempfile  # noqa: F401
+
+    def replace(module: object, name: str) -> None:
+        def refuse(*arguments: object, **options: object) -> None:
+            raise AssertionError(f"{name} is not defined to the last bit")
+
+        setattr(module, name, refuse)
+
+    for name, value in list(vars(np).items()):
+        if (isinstance(value, np.ufunc) and value.__name__ not in DEFINED) or name in REDUCTIONS:
+            replace(np, name)
+    for module in (math, np.linalg):
+        for name, value in list(vars(module).items()):
+            if callable(value) and not isinstance(value, type) and name not in DEFINED:
+                replace(module, name)
+
+
+def exported() -> Iterator[tuple[str, object]]:
+    """A name of its own for every block, and for the codes that a scene's test bench plays."""
+    from golden.activation.schemes import forms
+    from golden.block import walk
+    from golden.scene import comparison_names, load_scene, scene_names
+
+    for name in [*scene_names(), *comparison_names()]:
+        scene = load_scene(name)
+        design = scene.twin()
+        for block in walk(design):
+            yield f"{scene.name} {block.entity}", block
+        codes = scene.vectors().codes
+        yield f"{scene.name} recorded", (codes.tolist(), design.process(codes).tolist())
+    for name, scheme in forms().items():
+        for precision in scheme.precisions:
+            for factor in FACTORS if precision.normalise else (1,):
+                reach = precision.hidden_fmt.high
+                yield f"{precision.name} {name} {factor}", scheme.build(precision, factor, reach)
+
+
+def constants(block: object) -> str:
+    """All that a block says of itself: its fields, and what follows from them."""
+    kind = type(block)
+    derived = [name for name in dir(kind) if isinstance(getattr(kind, name), property)]
+    return repr((block, [(name, getattr(block, name)) for name in derived]))
+
+
+def lines() -> list[str]:
+    """``name: digest`` for everything of ``exported``."""
+    return [
+        f"{name}: {hashlib.sha256(constants(block).encode()).hexdigest()}"
+        for name, block in exported()
+    ]
+
+
+if __name__ == "__main__":
+    warnings.simplefilter("ignore")
+    if "--defined-only" in sys.argv:
+        refuse_undefined()
+    print("\n".join(lines()))

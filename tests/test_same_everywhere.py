@@ -1,0 +1,263 @@
+"""What ends in hardware is the same on every machine; docs/formats.md says how."""
+
+from __future__ import annotations
+
+import os
+import platform
+import subprocess
+import sys
+from fractions import Fraction
+from functools import cache
+from math import floor
+from pathlib import Path
+
+import exported_constants
+import mpmath
+import pytest
+from myhdl.conversion import _toVerilog
+
+import hdl.export.elaborate
+from golden import transcendental
+from golden.activation.lut import lut_for
+from golden.activation.pade import pade_for
+from golden.activation.polynomial import COEFFICIENTS, polynomial_for
+from golden.activation.precise_table import FORMATS, curve_table
+from golden.activation.segments import COEFF_WIDTH_LIMIT, GRADIENT, coefficient_codes
+from golden.fixed import Fix
+from golden.networks.constants import quantised
+from golden.precision import EXACT, PRECISIONS, THESIS, Precision
+from golden.scene import load_scene, scene_names
+from golden.transcendental import exp_floors, tanh_floors
+from golden.visualisation.exp_memory import exp_memory
+
+ROOT = Path(__file__).parents[1]
+
+# What other machines have or lack, as environment variables that this one understands.
+SETTINGS = {
+    "numpy without AVX-512": {"NPY_DISABLE_CPU_FEATURES": "X86_V4"},
+    "numpy without AVX": {"NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4"},
+    "OpenBLAS of Prescott": {"OPENBLAS_CORETYPE": "Prescott"},
+    "OpenBLAS of Haswell": {"OPENBLAS_CORETYPE": "Haswell"},
+    "OpenBLAS of SkylakeX": {"OPENBLAS_CORETYPE": "SkylakeX"},
+    "glibc without AVX and FMA": {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-AVX512F"},
+}
+
+IN_TESTS = {"PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests")])}
+
+
+def run(setting: dict[str, str], *arguments: str) -> list[str]:
+    """The lines that a Python program prints with these of the variables of ``SETTINGS`` alone."""
+    varied = {name for one in SETTINGS.values() for name in one}
+    kept = {name: value for name, value in os.environ.items() if name not in varied}
+    done = subprocess.run(
+        [sys.executable, *arguments],
+        env={**kept, "PYTHONPATH": str(ROOT), **setting},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.splitlines()
+
+
+@cache
+def here() -> list[str]:
+    return run({}, exported_constants.__file__)
+
+
+@pytest.mark.parametrize("setting", SETTINGS)
+def test_constants_do_not_hang_on_the_processor(setting: str) -> None:
+    assert run(SETTINGS[setting], exported_constants.__file__) == here()
+
+
+def test_no_function_with_a_last_bit_of_its_own_is_called() -> None:
+    """Whether one would change a word or not."""
+    assert run({}, exported_constants.__file__, "--defined-only") == here()
+
+
+def test_an_export_calls_none_either(tmp_path: Path) -> None:
+    """MyHDL included. The words of this scene are beyond 2**30, where it sizes literals."""
+    program = f"""
+import myhdl, exported_constants
+exported_constants.refuse_undefined()
+from pathlib import Path
+from golden.scene import load_scene
+from hdl.export.exporter import export
+for language in ("vhdl", "verilog"):
+    print(len(export(load_scene("digit-load"), language, Path({str(tmp_path)!r}) / language)) > 10)
+"""
+    assert run(IN_TESTS, "-c", program) == ["True", "True"]
+
+
+@pytest.mark.parametrize("bits", range(31, 63))
+def test_a_large_literal_is_sized_by_its_bits(bits: int) -> None:
+    """A sign besides. By a logarithm 2**31 - 1 gets a bit more, and with another last bit not."""
+    assert hdl.export.elaborate
+    ones = (1 << bits) - 1
+    assert _toVerilog._intRepr(ones) == f"{bits + 1}'h{ones:x}"
+    assert _toVerilog._intRepr(ones - 1) == f"{bits + 1}'h{ones - 1:x}"
+    assert _toVerilog._intRepr(ones + 1) == f"{bits + 2}'h{ones + 1:x}"
+
+
+def test_such_a_function_is_refused() -> None:
+    program = """
+import exported_constants
+exported_constants.refuse_undefined()
+import math, numpy
+for call in (lambda: numpy.tanh(1.0), lambda: math.log2(8), lambda: numpy.linalg.lstsq([[1]], [1]),
+             lambda: numpy.mean([1.0])):
+    try:
+        call()
+    except AssertionError:
+        print("refused")
+print(numpy.floor(1.5), math.ldexp(1.0, 3))
+"""
+    assert run(IN_TESTS, "-c", program) == ["refused"] * 4 + ["1.0 8.0"]
+
+
+def test_the_settings_do_change_last_bits() -> None:
+    """Otherwise the comparison above would compare nothing."""
+    program = """
+import hashlib, math, numpy
+x = numpy.linspace(0, 4, 10001)
+matrix = x[:9000].reshape(-1, 30)
+numbers = [numpy.tanh(x), numpy.exp(x), matrix.T @ matrix, [math.exp(v) for v in x]]
+print([hashlib.sha256(numpy.asarray(n).tobytes()).hexdigest() for n in numbers])
+"""
+    found = {name: run(setting, "-c", program) for name, setting in SETTINGS.items()}
+    if len({str(lines) for lines in [*found.values(), run({}, "-c", program)]}) == 1:
+        if platform.machine() == "x86_64":
+            pytest.fail("no setting changes tanh, exp or a product of matrices")
+        pytest.skip(f"the settings are of x86-64 and change nothing on {platform.machine()}")
+
+
+def test_the_digests_hold_every_scene_and_every_table() -> None:
+    names = [line.partition(": ")[0] for line in here()]
+    assert len(set(names)) == len(names)
+    for scene in scene_names():
+        assert f"{scene} recorded" in names
+    of_block = dict(exported_constants.exported())
+    for form, fmt in FORMATS.items():
+        name = "precise" if form == "logic" else f"precise {form}"
+        assert repr(curve_table(fmt)) in exported_constants.constants(of_block[f"precise {name} 1"])
+    memory = of_block["digit-instrument exp_memory"]
+    assert repr(memory.words) in exported_constants.constants(memory)
+
+
+# Results of mpmath with this many bits are off by less than 2**-100.
+ORACLE_BITS = 120
+
+
+def test_tanh_of_every_code_is_rounded_down() -> None:
+    points, frac = 6 << EXACT.hidden_fmt.frac, 29
+    with mpmath.workprec(ORACLE_BITS):
+        q = (mpmath.mpf(m) / (1 << EXACT.hidden_fmt.frac) for m in range(points))
+        expected = [int(mpmath.floor(mpmath.tanh(x) * 2**frac)) for x in q]
+    step = Fraction(1, 1 << EXACT.hidden_fmt.frac)
+    assert tanh_floors(step, points, frac).tolist() == expected
+
+
+def test_words_of_tanh_and_exp_are_the_nearest() -> None:
+    """By far: no word is within 2**-20 of a unit of where the next one would be nearer."""
+    lut = lut_for(EXACT, 1, EXACT.hidden_fmt.high).words
+    memory = exp_memory(10, 6, 17).words
+    assert (len(lut), len(memory)) == (128, 1024)
+    with mpmath.workprec(ORACLE_BITS):
+        exact = [mpmath.tanh(mpmath.mpf(7 * n) / 256) * 2**13 for n in range(128)]
+        exact += [mpmath.exp(-mpmath.mpf(2 * n + 1) / 128) * 2**17 for n in range(1024)]
+        off = max(abs(word - value) for word, value in zip(lut + memory, exact, strict=True))
+        assert off < 0.5 - 2**-20
+
+
+def test_a_result_that_is_not_decided_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(transcendental, "BITS", 40)
+    monkeypatch.setattr(transcendental, "_ONE", 1 << 40)
+    with pytest.raises(ArithmeticError, match=r"value \d+: 40 fraction bits leave \d+ or \d+"):
+        tanh_floors(Fraction(1, 1 << 14), 6 << 14, 28)
+    with pytest.raises(ArithmeticError, match=r"value \d+: 40 fraction bits leave \d+ or \d+"):
+        exp_floors(Fraction(1, 64), Fraction(1, 64), 1024, 32)
+
+
+@pytest.mark.parametrize(
+    ("start", "step", "points"), [(0, 1, 1), (2, 1, 1), (1, 0, 1), (1, 2, 1), (1, 1, 0)]
+)
+def test_a_grid_outside_the_series_is_refused(start: int, step: int, points: int) -> None:
+    with pytest.raises(ValueError, match=f"got {points} points from {start} in steps of {step}"):
+        exp_floors(Fraction(start), Fraction(step), points, 13)
+
+
+def nearest(value: Fraction) -> int:
+    return floor(value + Fraction(1, 2))
+
+
+def code(value: Fraction, fmt: Fix) -> int:
+    """As ``Fix.quantise``, of a fraction."""
+    return min(max(nearest(value * 2**fmt.frac), fmt.low), fmt.high)
+
+
+@pytest.mark.parametrize("precision", PRECISIONS.values(), ids=lambda p: p.name)
+def test_gradients_are_those_of_exact_fractions(precision: Precision) -> None:
+    """For every Q, halves included."""
+    width, limit = precision.coeff_width, precision.gradient_frac_limit
+    for factor in range(1, 900):
+        real = [Fraction(str(g)) * factor for g in GRADIENT]
+        points = [
+            next(p for p in range(limit, -1, -1) if nearest(v * 2**p) < 2 ** (width - 1))
+            for v in real
+        ]
+        frac = max(
+            p for p in range(max(points) + 1) if nearest(max(real) * 2**p) < 2**COEFF_WIDTH_LIMIT
+        )
+        codes = [
+            nearest(v * 2 ** min(p, frac)) << (frac - min(p, frac))
+            for v, p in zip(real, points, strict=True)
+        ]
+        assert coefficient_codes(factor, width, limit) == (codes, frac)
+
+
+def test_quadratics_are_those_of_exact_fractions() -> None:
+    a11 = Fraction(str(COEFFICIENTS[0][1]))
+    for factor in range(1, 900):
+        twin = polynomial_for(THESIS, factor, THESIS.hidden_fmt.high)
+        formats = twin.formats
+        places = (formats.quadratic, formats.linear, formats.constant)
+        assert twin.coeffs == tuple(
+            tuple(
+                code(Fraction(str(a)) / a11 / factor**power, fmt)
+                for power, (a, fmt) in enumerate(zip(row, places, strict=True))
+            )
+            for row in COEFFICIENTS[: len(twin.coeffs)]
+        )
+        exact = a11 * factor**2 * Fraction(2) ** formats.factor_frac
+        assert twin.factor == nearest(exact)
+        assert nearest(exact) < 1 << THESIS.coeff_width <= nearest(2 * exact)
+        doublings = next(n for n in range(20) if factor <= 3 << n)
+        assert formats.linear.frac == THESIS.gradient_frac_limit + doublings
+
+
+@pytest.mark.parametrize("precision", PRECISIONS.values(), ids=lambda p: p.name)
+@pytest.mark.parametrize("rho", ["4.5", "1.5", "0.7", "5.125"])
+@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+def test_constants_of_pade_are_those_of_exact_fractions(precision: Precision, rho: str) -> None:
+    twin = pade_for(precision, 1, precision.hidden_fmt.high, float(rho))
+    inverse = 1 / Fraction(rho)
+    for horner, values in (
+        (twin.numerator, (Fraction(1), Fraction(1, 9), Fraction(1, 945))),
+        (twin.ratio, (inverse - 1, Fraction(4, 9) * inverse, Fraction(1, 63) * inverse)),
+    ):
+        points = (horner.out_frac, horner.inner_frac, horner.k2_frac)
+        expected = [nearest(v * 2**p) for v, p in zip(values, points, strict=True)]
+        assert [horner.k0, horner.k1, horner.k2] == expected
+    assert twin.start == nearest(inverse * 2**twin.formats.reciprocal.frac)
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_weights_are_the_nearest_codes_of_exact_quotients(name: str) -> None:
+    scene = load_scene(name)
+    for mlp in scene.mlps():
+        for weights, biases in ((mlp.w1, mlp.b1), (mlp.w2, mlp.b2)):
+            layer = quantised(weights, biases, scene.precision, name)
+            for row, (bias, factor) in enumerate(zip(biases, layer.factors, strict=True)):
+                real = [Fraction(float(v)) / factor for v in [*weights[row], bias]]
+                found = [*layer.weights[row], layer.biases[row]]
+                assert found == [code(v, layer.fmt) for v in real]
