@@ -8,10 +8,15 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import HealthCheck, settings
 from shared import Shared
 
 from golden.scene import Scene, load_scene
 from tb.common.cases import random_mlp, write_scene
+
+# Nothing hangs on how busy the cores are.
+settings.register_profile("untimed", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("untimed")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

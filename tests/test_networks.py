@@ -89,7 +89,7 @@ def test_a_normalisation_too_large_to_convert_is_refused(place: str, weight: flo
         Hybrid.of(far, THESIS, "gradient")
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(st.integers(0, 10_000), st.sampled_from(sorted(PRECISIONS)), st.floats(0.2, 2.0))
 def test_bit_true_follows_float(seed: int, name: str, spread: float) -> None:
     shape = (4, 6, 2)

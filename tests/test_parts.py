@@ -33,7 +33,7 @@ def settle(stimulus, *blocks) -> None:
     Simulation(drive, *blocks).run(quiet=1)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(
     st.integers(2, 12),
     st.integers(2, 10),
