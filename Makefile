@@ -10,7 +10,8 @@ RUN = $(VENV)/bin/python
 
 help:
 	@echo "make demo    [SCENE=]                     a scene end to end: simulate, export, table of errors"
-	@echo "make test    [TESTS=tests/test_x.py]      all tests, or some"
+	@echo "make test    [TESTS=tests/test_x.py] [ALL=1]"
+	@echo "                                          the tests of every change, or some; ALL=1 every constant and fault"
 	@echo "make sim     [BLOCK=] [SIM=ghdl|icarus] [SCENE=] [SEED=] [WAVES=1] [FRAMES=]"
 	@echo "                                          one bench, or every bench of the scene"
 	@echo "make vhdl    [SCENE=]                     export to build/<scene>/vhdl"
@@ -36,7 +37,7 @@ demo: $(VENV)/.ready tools
 	@$(RUN) -m tb.demo "$(SCENE)"
 
 test: $(VENV)/.ready tools browser
-	@$(RUN) -m pytest $(TESTS)
+	@$(RUN) -m pytest -n logical --dist worksteal $(if $(filter-out 0,$(ALL)),--all) $(TESTS)
 
 sim: $(VENV)/.ready
 	@$(RUN) -m tb.sim "$(SCENE)" --seed "$(SEED)" \

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import CASES, write_scene
+from collected import CASES
 from myhdl import Simulation, StopSimulation, delay, instance
 
 from golden.block import walk
@@ -15,6 +15,7 @@ from golden.networks.axis_network import TDATA, AxisNetwork
 from golden.scene import load_scene
 from hdl.common.fifo import fifo
 from hdl.common.signals import flag, reset, signed
+from tb.common.cases import write_scene
 
 AXIS = ("axis", "least-axis", "axis-cascade", "slow-axis-cascade", "axis-multiple")
 

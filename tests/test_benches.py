@@ -1,92 +1,121 @@
-"""Every bench, both simulators: the shipped scenes, and shapes that no shipped scene has."""
+"""Every bench, both simulators: its cases, and the shipped scenes."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 import pytest
-from conftest import CASES
+from collected import BENCHES, CASES, CASES_OF, blocks_of
+from conftest import tiered
+from shared import Shared
 
 from golden.block import walk
 from golden.scene import load_scene, scene_names
-from tb.common.runner import Job, Outcome, plan, run_jobs
+from tb.common.runner import Job, Outcome
 from tb.common.tools import SIMULATORS
 from tb.report.measure.clocks import clocks_per_frame
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
-# Every block of these scenes is simulated; of the others the network as a whole.
-WHOLE = ("digit-single", "digit-single-thesis")
-
-# The cases whose network is simulated.
-TOPS = {"hybrid", "parallel", "cascade", "multiple", "readout", "instrument", "axis_network"}
-NETWORKS = [name for name, case in CASES.items() if TOPS & set(case.blocks)]
+# The networks that every run plays all recorded frames through: one of each design, arrangement and
+# precision that is shipped, as far as they differ in more than constants.
+NETWORKS = ("digit", "digit-load", "digit-multiple", "digit-parallel", "digit-single-thesis")
 
 
-def wanted(job: Job) -> bool:
-    name = job.scene.name
-    if name in CASES:
-        return job.block in CASES[name].blocks
-    return name in WHOLE or job.entity == job.scene.twin().entity
+def one_of_each(jobs: list[Job]) -> list[Job]:
+    """The first entity of each block, which has its faults; others differ in constants alone."""
+    return list({job.block: job for job in jobs}.values())
 
 
-def chosen(jobs: list[Job]) -> list[Job]:
-    """Of the wanted jobs of a scene, the first and the last entity of each block.
+def check(outcomes: list[Outcome]) -> None:
+    """Nothing failed, and both simulators compared as much of every entity."""
+    failed = [f"{o.job.simulator}, {o.job.entity}: {o.complaint()}" for o in outcomes]
+    assert all(o.passed for o in outcomes), "\n".join(
+        line for line, o in zip(failed, outcomes, strict=True) if not o.passed
+    )
+    counts = [
+        {o.job.entity: o.compared for o in outcomes if o.job.simulator == simulator}
+        for simulator in SIMULATORS
+    ]
+    assert counts[0] == counts[1]
+    assert all(count > 0 for count in counts[0].values())
 
-    The others differ in constants alone; ``make sim`` runs every one.
-    """
-    ends: dict[tuple[str, str], list[Job]] = {}
-    for job in filter(wanted, jobs):
-        ends.setdefault((job.simulator, job.block), []).append(job)
-    return [job for same in ends.values() for job in same[:1] + same[1:][-1:]]
+
+def check_clocks(outcomes: list[Outcome]) -> None:
+    """Those of whole networks are the published ones."""
+    for outcome in outcomes:
+        design = outcome.job.scene.twin()
+        if outcome.job.entity == design.entity:
+            assert outcome.facts["interval"] == design.interval
+            assert outcome.facts["clocks_per_frame"] == clocks_per_frame(design)
 
 
-@pytest.fixture(scope="module")
-def outcomes(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], list[Outcome]]:
-    """All outcomes by scene and simulator; the jobs share the cores."""
-    folder = tmp_path_factory.mktemp("benches")
-    scenes = [load_scene(name) for name in scene_names()]
-    scenes += [case.scene(folder, name) for name, case in CASES.items()]
-    jobs = [j for scene in scenes for j in chosen(plan(scene, SIMULATORS, build=folder))]
-    found: dict[tuple[str, str], list[Outcome]] = {}
-    for outcome in run_jobs(jobs, lambda _: None):
-        found.setdefault((outcome.job.scene.name, outcome.job.simulator), []).append(outcome)
+@pytest.mark.parametrize("block", BENCHES)
+def test_a_bench_has_cases_and_faults(block: str) -> None:
+    for name in ("CASES", "FAULTS"):
+        assert getattr(BENCHES[block], name, None), f"tb_{block}.py: {name}: got none"
+    assert set(CASES_OF[block]) <= set(CASES)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_hardware_equals_twin(shared: Shared, case: str) -> None:
+    """The blocks whose benches name the case, in both simulators."""
+    blocks = blocks_of(case)
+    jobs = [
+        job for s in SIMULATORS for job in one_of_each(shared.jobs(case, s)) if job.block in blocks
+    ]
+    outcomes = shared.run(jobs)
+    check(outcomes)
+    check_clocks(outcomes)
+    assert {o.job.block for o in outcomes} == blocks
+
+
+@pytest.mark.parametrize(
+    "scene", tiered(NETWORKS, [name for name in scene_names() if name not in NETWORKS])
+)
+def test_recorded_frames_of_a_scene(shared: Shared, scene: str) -> None:
+    """The whole network of a shipped scene, in both simulators."""
+    top = load_scene(scene).twin().entity
+    outcomes = shared.run([j for s in SIMULATORS for j in shared.jobs(scene, s) if j.entity == top])
+    assert len(outcomes) == len(SIMULATORS)
+    check(outcomes)
+    check_clocks(outcomes)
+
+
+def own_entities() -> dict[str, set[str]]:
+    """Entities of each shipped scene, below the network, whose twin no scene before it holds."""
+    seen = set()
+    found: dict[str, set[str]] = {}
+    for scene in scene_names():
+        top = load_scene(scene).twin()
+        new = {part.entity: part for part in walk(top) if part is not top and part not in seen}
+        seen |= set(new.values())
+        found[scene] = set(new)
     return found
 
 
-@pytest.mark.parametrize("simulator", SIMULATORS)
-@pytest.mark.parametrize("scene", [*scene_names(), *CASES])
-def test_hardware_equals_twin(outcomes, scene: str, simulator: str) -> None:
-    results = outcomes[scene, simulator]
-    failed = [f"{o.job.entity}: {o.complaint()}" for o in results if not o.passed]
-    assert not failed, "\n".join(failed)
-    if scene in CASES:
-        assert {o.job.block for o in results} == set(CASES[scene].blocks)
-    elif scene in WHOLE:
-        parts = walk(results[0].job.scene.twin())
-        assert {o.job.block for o in results} == {part.block for part in parts}
-    assert all(o.compared > 0 for o in results)
-
-
+@pytest.mark.all_only
 @pytest.mark.parametrize("scene", scene_names())
-def test_both_simulators_compared_the_same(outcomes, scene: str) -> None:
-    counts = [
-        {o.job.entity: o.compared for o in outcomes[scene, simulator]} for simulator in SIMULATORS
-    ]
-    assert counts[0] == counts[1]
+def test_all_constants_of_a_scene(shared: Shared, scene: str) -> None:
+    """Every entity of every shipped scene once; an equal one is the same hardware."""
+    own = own_entities()[scene]
+    outcomes = shared.run([j for s in SIMULATORS for j in shared.jobs(scene, s) if j.entity in own])
+    assert {o.job.entity for o in outcomes} == own
+    if own:
+        check(outcomes)
 
 
-@pytest.mark.parametrize("scene", [*scene_names(), *NETWORKS])
-def test_clocks_are_the_same_in_both_simulators(outcomes, scene: str) -> None:
-    timing = []
+@pytest.mark.all_only
+@pytest.mark.parametrize("case", CASES)
+def test_all_constants_of_a_case(shared: Shared, case: str) -> None:
+    """The entities of its blocks that test_hardware_equals_twin leaves out."""
+    blocks = blocks_of(case)
+    left = []
     for simulator in SIMULATORS:
-        results = outcomes[scene, simulator]
-        design = results[0].job.scene.twin()
-        facts = next(o.facts for o in results if o.job.entity == design.entity)
-        timing.append((facts["clocks_per_frame"], facts["interval"]))
-        assert facts["interval"] == design.interval
-        assert facts["clocks_per_frame"] == clocks_per_frame(design)
-    assert timing[0] == timing[1]
+        jobs = [job for job in shared.jobs(case, simulator) if job.block in blocks]
+        left += [job for job in jobs if job not in one_of_each(jobs)]
+    if left:
+        check(shared.run(left))
 
 
 def test_the_cases_differ_as_meant(tmp_path: Path) -> None:

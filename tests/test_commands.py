@@ -10,13 +10,13 @@ import sys
 from pathlib import Path
 
 import pytest
-from conftest import random_mlp, write_scene
 
 from golden.fingerprint import fingerprint
 from golden.network_files.network_file import provenance_path
 from golden.scene import FOLDER, Scene
 from hdl.synth.budget import budget_path
 from hdl.synth.timing import timing_path
+from tb.common.cases import random_mlp, write_scene
 from tb.report.measure.networks import scenes
 from tb.report.page.datasheets import recorded
 
@@ -166,18 +166,18 @@ def test_a_broken_scene_writes_nothing(tmp_path: Path) -> None:
 
 def test_train_writes_network_and_provenance(tmp_path: Path) -> None:
     shape = (2, 3, 1)
-    path = write_scene(tmp_path, "mine", "exact", [random_mlp(shape, 1.0, 1)])
+    path = write_scene(tmp_path, "trained", "exact", [random_mlp(shape, 1.0, 1)])
     contents = []
     try:
         for _ in range(2):
             result = make("train", f"SCENE={path}")
             assert result.returncode == 0, result.stderr
             assert "2 of 2 candidates" in result.stdout
-            contents.append((tmp_path / "mine.npz").read_bytes())
+            contents.append((tmp_path / "trained.npz").read_bytes())
     finally:
-        shutil.rmtree(ROOT / "build" / "mine", ignore_errors=True)
+        shutil.rmtree(ROOT / "build" / "trained", ignore_errors=True)
     assert contents[0] == contents[1]
-    assert 'precision = "exact"' in (tmp_path / "mine.provenance.toml").read_text()
+    assert 'precision = "exact"' in (tmp_path / "trained.provenance.toml").read_text()
 
 
 def test_train_writes_all_networks_of_a_cascade(small_cascade: Scene) -> None:

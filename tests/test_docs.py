@@ -10,7 +10,8 @@ from dataclasses import fields
 from pathlib import Path
 
 import pytest
-from conftest import every_design
+from collected import CASES_OF
+from shared import Shared
 
 from golden.block import Block, walk
 from golden.scene import load_scene
@@ -72,11 +73,10 @@ def test_a_datasheet_has_its_headings_in_order(sheet: Path) -> None:
     assert re.findall(r"^## (.+)$", sheet.read_text(), re.M) == HEADINGS
 
 
-@pytest.fixture(scope="module")
-def twins(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Block]:
-    """A twin of every block."""
-    designs = every_design(tmp_path_factory.mktemp("scenes"))
-    return {block.block: block for design in designs for block in walk(design)}
+def twin_of(shared: Shared, block: str) -> Block:
+    """A twin of a block in the first case of its bench."""
+    case = CASES_OF[block][0]
+    return next(part for part in walk(shared.scene(case).twin()) if part.block == block)
 
 
 def test_the_pages_hold_what_the_twins_publish() -> None:
@@ -143,6 +143,10 @@ def test_the_worked_example_works(tmp_path: Path) -> None:
     simulated = run("tb.sim", scene, "--block", "relu")
     assert simulated.returncode == 0, simulated.stdout + simulated.stderr
     assert "2 benches, 0 failed" in simulated.stdout
+    verilog = (copy / "build" / "digit-relu" / "verilog" / "relu.v").read_text()
+    faults = re.findall(r'^    \(r"(.*?)", ', dict(files)["tb/activation/tb_relu.py"], re.M)
+    assert faults
+    assert all(re.search(pattern, verilog) for pattern in faults)
     hardware = copy / "hdl" / "activation" / "relu.py"
     hardware.write_text(hardware.read_text().replace("Rounding.ROUND", "Rounding.TRUNCATE"))
     broken = run("tb.sim", scene, "--block", "relu", "--sim", "icarus")
@@ -151,7 +155,7 @@ def test_the_worked_example_works(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("sheet", SHEETS, ids=lambda p: p.stem)
-def test_the_parameter_table_is_the_twin(twins, sheet: Path) -> None:
+def test_the_parameter_table_is_the_twin(shared: Shared, sheet: Path) -> None:
     section = re.search(r"^## Parameters\n(.*?)^## ", sheet.read_text(), re.M | re.S)
     assert section
     named = {
@@ -159,4 +163,4 @@ def test_the_parameter_table_is_the_twin(twins, sheet: Path) -> None:
         for row in re.findall(r"^\| *(`[^|]*) *\|", section[1], re.M)
         for name in re.findall(r"`(\w+)`", row)
     }
-    assert named == {field.name for field in fields(twins[sheet.stem])}
+    assert named == {field.name for field in fields(twin_of(shared, sheet.stem))}

@@ -11,14 +11,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import tiered
+from shared import Shared
 
 from golden.physics.plate import TERMS
 from golden.physics.swing import LIGHT, METHODS, STRONG, STRONG_DAMPING
 from golden.physics.swing_data import NOISE
-from tb.report.measure.parallel import parallel
 from tb.report.measure.rbf import printed_figures
-from tb.report.measure.recordings import FORMS, recordings
+from tb.report.measure.recordings import FORMS
 from tb.report.measure.registry import TABLES
+from tb.report.measure.steps import TIMED
 from tb.report.measure.table import Table
 
 ROOT = Path(__file__).parents[1]
@@ -29,29 +31,43 @@ def run(*words: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
 
 
+# Of every kind, one that is quick: counted, measured, and with run times.
+QUICK = ("operations", "profile", "plate")
+
+
 @pytest.fixture(scope="module")
-def measured(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+def tables(shared: Shared) -> dict[str, Table]:
+    return shared.tables()
+
+
+@pytest.fixture(
+    scope="module",
+    params=tiered([QUICK], [tuple(TABLES)]),
+    ids=["quick", "all"],
+)
+def written(request, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str, list[str]]:
+    """What a call wrote and printed, and the tables that it was asked for."""
     build = tmp_path_factory.mktemp("build")
-    result = run("--build", str(build), "--seed", "3")
+    result = run("--build", str(build), "--seed", "3", *request.param)
     assert result.returncode == 0, result.stderr
-    return build / "figures", result.stdout
+    return build / "figures", result.stdout, list(request.param)
 
 
-def columns(measured: tuple[Path, str], table: str, *names: str) -> list[list]:
-    """Some columns of a table, from the JSON."""
-    found = json.loads((measured[0] / "figures.json").read_text())["tables"][table]
-    at = [found["columns"].index(name) for name in names]
-    return [[row[c] for c in at] for row in found["rows"]]
+def columns(tables: dict[str, Table], table: str, *names: str) -> list[list]:
+    """Some columns of a table."""
+    found = tables[table]
+    at = [list(found.columns).index(name) for name in names]
+    return [[row[c] for c in at] for row in found.rows]
 
 
-def test_every_table_is_printed_and_written(measured: tuple[Path, str]) -> None:
-    folder, printed = measured
+def test_every_table_is_printed_and_written(written) -> None:
+    folder, printed, names = written
     data = json.loads((folder / "figures.json").read_text())
-    assert list(data["tables"]) == list(TABLES)
+    assert list(data["tables"]) == names
     assert {p.name for p in folder.iterdir()} == {
         "figures.json",
         "times.json",
-        *(f"{n}.csv" for n in TABLES),
+        *(f"{n}.csv" for n in names),
     }
     for name, table in data["tables"].items():
         assert re.search(rf"^{name}$", printed, re.M)
@@ -63,17 +79,25 @@ def test_every_table_is_printed_and_written(measured: tuple[Path, str]) -> None:
         assert table["note"]
 
 
-def test_the_json_says_what_took_part(measured: tuple[Path, str]) -> None:
-    data = json.loads((measured[0] / "figures.json").read_text())
+def test_every_table_is_measured(tables: dict[str, Table]) -> None:
+    assert list(tables) == list(TABLES)
+    for name, table in tables.items():
+        assert table.name == name
+        assert table.rows
+        assert table.note
+
+
+def test_the_json_says_what_took_part(written) -> None:
+    data = json.loads((written[0] / "figures.json").read_text())
     assert data["seed"] == 3
     assert list(data["versions"]) == ["tactus", "python", "numpy", "scipy"]
     assert all(re.match(r"\d+\.\d+", v) for v in data["versions"].values())
     assert len(data["sources"]) == 64
 
 
-def test_the_same_seed_gives_the_same_bytes(measured: tuple[Path, str], tmp_path: Path) -> None:
+def test_the_same_seed_gives_the_same_bytes(written, tmp_path: Path) -> None:
     """Of all but times.json, with tables that hold run times too."""
-    folder, _ = measured
+    folder, _, _ = written
     assert run("--build", str(tmp_path), "--seed", "3", "operations", "profile").returncode == 0
     again = tmp_path / "figures"
     assert {p.name for p in again.iterdir()} == {"figures.json", "operations.csv", "profile.csv"}
@@ -84,11 +108,11 @@ def test_the_same_seed_gives_the_same_bytes(measured: tuple[Path, str], tmp_path
         assert file.read_bytes() == (folder / file.name).read_bytes()
 
 
-def test_run_times_stand_apart(measured: tuple[Path, str]) -> None:
-    folder, printed = measured
+def test_run_times_stand_apart(written) -> None:
+    folder, printed, names = written
     times = json.loads((folder / "times.json").read_text())
     assert times["machine"]
-    assert set(times["tables"]) == {"series", "plate", "swing", "swing_damping", "training"}
+    assert set(times["tables"]) == set(TIMED) & set(names)
     again = json.loads((folder / "figures.json").read_text())["tables"]
     for name, table in times["tables"].items():
         heading = "CPU s" if name == "training" else "ms"
@@ -96,11 +120,11 @@ def test_run_times_stand_apart(measured: tuple[Path, str]) -> None:
         assert heading not in again[name]["columns"]
         assert [row[:at] + row[at + 1 :] for row in table["rows"]] == again[name]["rows"]
         assert all(row[at] is None or row[at] > 0 for row in table["rows"])
-    assert re.search(r"^case +method +tolerance +evaluations +ms +error rad$", printed, re.M)
+    assert re.search(r"^point +method +terms, nodes +ms +error +bound$", printed, re.M)
 
 
-def test_the_series_of_the_plate_keeps_its_bound_and_beats_the_grid(measured) -> None:
-    rows = columns(measured, "plate", "point", "method", "terms, nodes", "error", "bound")
+def test_the_series_of_the_plate_keeps_its_bound_and_beats_the_grid(tables) -> None:
+    rows = columns(tables, "plate", "point", "method", "terms, nodes", "error", "bound")
     for _, method, _, error, bound in rows:
         if method == "series":
             assert error <= bound + 1e-14
@@ -110,9 +134,9 @@ def test_the_series_of_the_plate_keeps_its_bound_and_beats_the_grid(measured) ->
         assert default[0] < 2e-6 < finest
 
 
-def test_the_default_integrators_are_those_the_tables_choose(measured) -> None:
+def test_the_default_integrators_are_those_the_tables_choose(tables) -> None:
     """By evaluations, which are the same on every machine."""
-    table = columns(measured, "swing", "case", "method", "tolerance", "evaluations", "error rad")
+    table = columns(tables, "swing", "case", "method", "tolerance", "evaluations", "error rad")
     assert len(table) == 3 * 6 * 5
 
     def work(case: str, method: str, error: float) -> float:
@@ -133,9 +157,9 @@ def test_the_default_integrators_are_those_the_tables_choose(measured) -> None:
     assert work("strongly damped", STRONG, 1e-9) < min(others)
 
 
-def test_overdamped_the_implicit_method_keeps_the_tolerance(measured) -> None:
+def test_overdamped_the_implicit_method_keeps_the_tolerance(tables) -> None:
     name = "rate / natural frequency"
-    rows = columns(measured, "swing_damping", name, "method", "evaluations", "error rad")
+    rows = columns(tables, "swing_damping", name, "method", "evaluations", "error rad")
     for ratio, method, evaluations, error in rows:
         if method == STRONG and ratio >= STRONG_DAMPING:
             assert error <= 1e-8
@@ -143,22 +167,22 @@ def test_overdamped_the_implicit_method_keeps_the_tolerance(measured) -> None:
             assert light is None or evaluations < light
 
 
-def test_the_recordings_are_as_hard_as_the_thesis_found_them(measured) -> None:
+def test_the_recordings_are_as_hard_as_the_thesis_found_them(tables) -> None:
     """With the noise of the shipped ones: between the best and the worst of Table 6.2, and the page
     shows the figures of its seed."""
     names = ("noise uV", "output", "error %", *(f"printed {form}" for form in FORMS))
-    for noise, output, error, *printed in columns(measured, "recordings", *names):
+    for noise, output, error, *printed in columns(tables, "recordings", *names):
         if noise == pytest.approx(1e6 * NOISE):
             assert min(printed) < error < 1.15 * max(printed), output
     found: dict[str, list[str]] = {}
-    for row in recordings(1).rows:
+    for row in tables["recordings"].rows:
         found.setdefault(str(row[1]), []).append(f"{row[4]:.1f}")
     page = (ROOT / "docs" / "physics.md").read_text()
     for output, errors in found.items():
         assert f"| {output} | {' | '.join(errors)} |" in page
 
 
-def test_the_work_of_the_page_is_that_measured(measured) -> None:
+def test_the_work_of_the_page_is_that_measured(tables) -> None:
     page = (ROOT / "docs" / "physics.md").read_text()
     lines = {
         "plain": "plain, 30 degrees",
@@ -167,7 +191,7 @@ def test_the_work_of_the_page_is_that_measured(measured) -> None:
     }
     found: dict[tuple[str, str], int] = {}
     for case, method, evaluations, error in columns(
-        measured, "swing", "case", "method", "evaluations", "error rad"
+        tables, "swing", "case", "method", "evaluations", "error rad"
     ):
         if error is not None and error <= 1e-9:
             found.setdefault((case, method), evaluations)
@@ -177,10 +201,10 @@ def test_the_work_of_the_page_is_that_measured(measured) -> None:
         assert cells == [str(found.get((case, method), "")) for method in METHODS]
 
 
-def test_the_sensors_of_the_page_are_those_fitted(measured) -> None:
+def test_the_sensors_of_the_page_are_those_fitted(tables) -> None:
     page = (ROOT / "docs" / "physics.md").read_text()
     rows = columns(
-        measured, "beam", "sensor", "load", "position mm", "gain V per strain", "rms % of span"
+        tables, "beam", "sensor", "load", "position mm", "gain V per strain", "rms % of span"
     )
     for sensor, load, position, gain, percent in rows:
         if load == "of its width":
@@ -205,13 +229,13 @@ def test_bad_input_leaves_what_was_there(tmp_path: Path, words: list[str], messa
     assert [p.name for p in (tmp_path / "figures").iterdir()] == ["old"]
 
 
-def test_the_mlp_is_better_than_the_rbf_and_of_the_printed_size(measured) -> None:
+def test_the_mlp_is_better_than_the_rbf_and_of_the_printed_size(tables) -> None:
     """What section 3.11.3 concludes, on the rows there are; which rows train moves an RBF's largest
     error by a factor of three."""
     found = {
         (network, output): (difference, worst)
         for network, output, difference, worst in columns(
-            measured, "classes", "network", "output", "largest difference", "worst start"
+            tables, "classes", "network", "output", "largest difference", "worst start"
         )
     }
     for output, margin in (("load", 1.0), ("position", 1.2)):
@@ -223,10 +247,12 @@ def test_the_mlp_is_better_than_the_rbf_and_of_the_printed_size(measured) -> Non
             assert chosen < 4 * printed_figures(network)[f"{output}_error_max"]
 
 
-def test_the_page_shows_the_parallel_networks() -> None:
+def test_the_page_shows_the_parallel_networks(tables) -> None:
     """With the activations of the thesis, each better than what section 5.2.2 prints."""
-    table = parallel(1)
-    at = [table.columns.index(f"{kind} largest %") for kind in ("float", "bit-true", "printed")]
+    table = tables["parallel"]
+    at = [
+        list(table.columns).index(f"{kind} largest %") for kind in ("float", "bit-true", "printed")
+    ]
     found: dict[str, list[float]] = {}
     for row in table.rows:
         found.setdefault(str(row[0]), []).extend(float(row[c]) for c in at)
@@ -238,17 +264,15 @@ def test_the_page_shows_the_parallel_networks() -> None:
         assert figures[4] < figures[5]
 
 
-def test_the_series_converges_but_for_gibbs(measured) -> None:
-    for error, bound in columns(measured, "series", "error / d", "bound / d"):
+def test_the_series_converges_but_for_gibbs(tables) -> None:
+    for error, bound in columns(tables, "series", "error / d", "bound / d"):
         assert error <= bound
-    last = [
-        row for row in columns(measured, "series", "terms", "overshoot / d") if row[0] == 100_000
-    ]
+    last = [row for row in columns(tables, "series", "terms", "overshoot / d") if row[0] == 100_000]
     assert [overshoot for _, overshoot in last] == pytest.approx([0.08949, 0.08949], abs=2e-5)
 
 
-def test_the_profile_keeps_its_bound(measured) -> None:
-    table = columns(measured, "profile", "frames", "largest units")
+def test_the_profile_keeps_its_bound(tables) -> None:
+    table = columns(tables, "profile", "frames", "largest units")
     assert len(table) == 12
     bound = max(units for frames, units in table if frames == "every quotient")
     assert bound < 1.81

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from shared import Shared
 
 from golden.activation.pade import GATE, ITERATIONS, RHO
 from golden.activation.reference import stable_below
@@ -20,13 +21,13 @@ def columns(table: Table, *names: str) -> list[tuple]:
 
 
 @pytest.fixture(scope="module")
-def schemes() -> Table:
-    return activations.activations(1)
+def schemes(shared: Shared) -> Table:
+    return shared.tables()["activations"]
 
 
 @pytest.fixture(scope="module")
-def steps() -> Table:
-    return activations.iterations(1)
+def steps(shared: Shared) -> Table:
+    return shared.tables()["iterations"]
 
 
 def test_every_scheme_in_every_precision(schemes: Table) -> None:

@@ -6,10 +6,11 @@ import re
 from pathlib import Path
 
 import pytest
+from shared import Shared
 
 from golden.errors import scene_errors
 from golden.scene import load_scene
-from tb.report.measure.clocks import clocks, clocks_per_frame
+from tb.report.measure.clocks import clocks_per_frame
 from tb.report.measure.networks import scenes
 from tb.report.measure.table import Table
 
@@ -17,8 +18,8 @@ ROOT = Path(__file__).parents[1]
 
 
 @pytest.fixture(scope="module")
-def table() -> Table:
-    return clocks(1)
+def table(shared: Shared) -> Table:
+    return shared.tables()["clocks"]
 
 
 def by_scene(table: Table, name: str) -> dict[str, object]:

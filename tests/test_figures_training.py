@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from shared import Shared
 
 from golden.networks.mlp import tanh
 from golden.scene import load_scene
@@ -19,8 +20,8 @@ ROOT = Path(__file__).parents[1]
 
 
 @pytest.fixture(scope="module")
-def table() -> Table:
-    return training.training(1)
+def table(shared: Shared) -> Table:
+    return shared.tables()["training"]
 
 
 def rows_of(table: Table, method: str) -> list[tuple]:

@@ -7,13 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import CASES, FRONT_END, random_mlp, write_scene
+from collected import CASES
 
 from golden.fixed import Fix
 from golden.instruments.instrument import Instrument
 from golden.instruments.readout import Readout
 from golden.scene import load_scene
 from golden.sensing.scan_sequencer import ScanSequencer
+from tb.common.cases import FRONT_END, random_mlp, write_scene
 
 FMT = Fix(14, 13)
 

@@ -42,7 +42,7 @@ def test_figure_3_27(case: str) -> None:
         assert harmonic_load(centre, load, centre, width, terms) == pytest.approx(top, abs=2e-3)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(FRACTIONS, st.floats(-1, 1), FRACTIONS, FRACTIONS, st.integers(1, 300))
 def test_the_tail_is_bounded(position, load, centre, width, terms) -> None:
     found = harmonic_load(position, load, centre, width, terms)

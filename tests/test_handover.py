@@ -11,13 +11,14 @@ from pathlib import Path
 
 import pytest
 import yaml
-from conftest import CASES, random_mlp, write_scene
+from shared import Shared
 
 from golden.fingerprint import fingerprint
 from golden.scene import Scene, load_scene
 from hdl.export.exporter import ORDER
 from hdl.export.exporter import export as export_here
 from hdl.export.ports import read_ports
+from tb.common.cases import random_mlp, write_scene
 from tb.common.runner import export
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
@@ -33,19 +34,32 @@ OTHERS = (
 
 
 @pytest.fixture(scope="module")
-def build(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("handover")
+def build(shared: Shared) -> Path:
+    return shared.build
 
 
 @pytest.fixture(scope="module")
-def scenes(build: Path) -> dict[str, Scene]:
+def scenes(shared: Shared) -> dict[str, Scene]:
     """The scenes above, exported in both languages into ``build``."""
-    found = {name: load_scene(name) for name in SHIPPED}
-    found |= {name: CASES[name].scene(build, name) for name in OTHERS}
-    for scene in found.values():
+    for name in (*SHIPPED, *OTHERS):
         for language in ("vhdl", "verilog"):
-            export(scene, language, build)
-    return found
+            shared.export(name, language)
+    return {name: shared.scene(name) for name in (*SHIPPED, *OTHERS)}
+
+
+@pytest.fixture
+def library(shared: Shared, scenes, build: Path, name: str) -> Path:
+    """A scene's VHDL, its test bench and its example, analysed once for all tests."""
+    work = shared.folder / "libraries" / name
+    top = scenes[name].twin().entity
+
+    def make() -> None:
+        work.mkdir(parents=True)
+        more = [f"{top}_{part}.vhd" for part in ("vectors", "tb", "example")]
+        analyse(build / name / "vhdl", work, *more)
+
+    shared.once(f"library {name}", make)
+    return work
 
 
 def order(folder: Path) -> list[str]:
@@ -56,17 +70,24 @@ def ghdl(work: Path, *words: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(["ghdl", *words], cwd=work, capture_output=True, text=True, check=False)
 
 
-def analyse(folder: Path, work: Path, *more: str) -> None:
-    """As a user types it: every file in order, then the others."""
-    for name in [*order(folder), *more]:
-        result = ghdl(work, "-a", "--std=93", str(folder / name))
-        assert result.returncode == 0, result.stderr
-        assert not result.stderr
+def analyse(folder: Path, work: Path, *more: str, start: str = "") -> None:
+    """As a user types it: every file in order, then the others; or from ``start`` on."""
+    names = [*order(folder), *more]
+    names = names[names.index(start) if start else 0 :]
+    # The library says that it had the changed ones from elsewhere.
+    options = ["--std=93", *(["-Wno-library"] if start else [])]
+    result = ghdl(work, "-a", *options, *(str(folder / name) for name in names))
+    assert result.returncode == 0, result.stderr
+    assert not result.stderr
 
 
 def run(folder: Path, work: Path, top: str) -> subprocess.CompletedProcess[str]:
     """The test bench, as docs/handover.md says."""
     analyse(folder, work, f"{top}_vectors.vhd", f"{top}_tb.vhd")
+    return simulate(work, top)
+
+
+def simulate(work: Path, top: str) -> subprocess.CompletedProcess[str]:
     assert ghdl(work, "-e", "--std=93", f"{top}_tb").returncode == 0
     return ghdl(work, "-r", "--std=93", f"{top}_tb", "--ieee-asserts=disable")
 
@@ -77,10 +98,9 @@ def counts(result: subprocess.CompletedProcess[str]) -> list[tuple[int, int]]:
 
 
 @pytest.mark.parametrize("name", [*SHIPPED, *OTHERS])
-def test_every_recorded_frame_matches(scenes, build, tmp_path: Path, name: str) -> None:
+def test_every_recorded_frame_matches(scenes, library: Path, name: str) -> None:
     scene = scenes[name]
-    top = scene.twin().entity
-    result = run(build / name / "vhdl", tmp_path, top)
+    result = simulate(library, scene.twin().entity)
     frames = len(scene.vectors().codes)
     assert counts(result) == [(frames, frames)] * 2, result.stdout + result.stderr
     assert result.returncode == 0
@@ -106,13 +126,18 @@ def test_every_recorded_frame_matches(scenes, build, tmp_path: Path, name: str) 
         ("wide", "input_controller.vhd", r"frame_error <= broken", "frame_error <= done"),
     ],
 )
-def test_a_fault_in_an_entity_fails(scenes, build, tmp_path, name, file, pattern, text) -> None:
-    copy = tmp_path / "vhdl"
+def test_a_fault_in_an_entity_fails(
+    scenes, build, library, tmp_path, name, file, pattern, text
+) -> None:
+    copy, work = tmp_path / "vhdl", tmp_path / "work"
     shutil.copytree(build / name / "vhdl", copy)
+    shutil.copytree(library, work)
     source, count = re.subn(pattern, text, (copy / file).read_text(), count=1)
     assert count == 1, f"{pattern} is not in {file}"
     (copy / file).write_text(source)
-    result = run(copy, tmp_path, scenes[name].twin().entity)
+    top = scenes[name].twin().entity
+    analyse(copy, work, f"{top}_vectors.vhd", f"{top}_tb.vhd", start=file)
+    result = simulate(work, top)
     assert result.returncode != 0
     assert "does not give the recorded results" in result.stdout + result.stderr
 
@@ -140,10 +165,9 @@ def test_the_core_file_lists_exactly_the_files(scenes, build, name: str, languag
 
 
 @pytest.mark.parametrize("name", [*SHIPPED, *OTHERS])
-def test_the_examples_compile(scenes, build, tmp_path: Path, name: str) -> None:
+def test_the_examples_compile(scenes, build, library: Path, tmp_path: Path, name: str) -> None:
     top = scenes[name].twin().entity
-    analyse(build / name / "vhdl", tmp_path, f"{top}_example.vhd")
-    assert ghdl(tmp_path, "-e", "--std=93", f"{top}_example").returncode == 0
+    assert ghdl(library, "-e", "--std=93", f"{top}_example").returncode == 0
     folder = build / name / "verilog"
     result = subprocess.run(
         ["iverilog", "-Wall", "-o", str(tmp_path / "a.out"), "-s", f"{top}_example"]

@@ -9,13 +9,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import FRONT_END, VISUALISATION, random_mlp, write_scene
 
 from golden.networks.mlp import Mlp
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_names
 from hdl.export.exporter import MANIFEST, export
 from hdl.synth import lean
+from tb.common.cases import FRONT_END, VISUALISATION, random_mlp, write_scene
 
 
 def exported(scene: Scene, folder: Path) -> tuple[set[str], str]:

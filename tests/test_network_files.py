@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import onnx
 import pytest
-from conftest import random_mlp
 from onnx import TensorProto, helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
 from scipy.io import savemat
@@ -16,6 +15,7 @@ from golden.network_files.convert import main as convert
 from golden.network_files.network_file import load_network, write_network
 from golden.networks.mlp import Mlp
 from golden.scene import Scene, load_scene
+from tb.common.cases import random_mlp
 
 SHAPE = (3, 5, 2)
 DATA = Path(__file__).parent / "data"

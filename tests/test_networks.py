@@ -9,7 +9,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import random_mlp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -23,6 +22,7 @@ from golden.networks.mlp import Mlp
 from golden.networks.parallel import Parallel
 from golden.precision import EXACT, PRECISIONS, SIGNAL, THESIS, normalisation
 from golden.scene import FOLDER, Scene, load_scene, scene_names, thesis_figures
+from tb.common.cases import random_mlp
 from tb.report.measure.networks import scenes
 
 SCENES = scene_names()
@@ -90,7 +90,7 @@ def test_a_normalisation_too_large_to_convert_is_refused(place: str, weight: flo
         Hybrid.of(far, THESIS, "gradient")
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(st.integers(0, 10_000), st.sampled_from(sorted(PRECISIONS)), st.floats(0.2, 2.0))
 def test_bit_true_follows_float(seed: int, name: str, spread: float) -> None:
     shape = (4, 6, 2)

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import random_mlp, write_scene
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from myhdl import Simulation, StopSimulation, delay, instance
@@ -18,6 +17,7 @@ from hdl.common.delay import delay as delay_line
 from hdl.common.requantise import requantise as requantise_part
 from hdl.common.rom import rom
 from hdl.common.signals import Words, flag, signed, unsigned
+from tb.common.cases import random_mlp, write_scene
 from tb.common.myhdl_simulation import simulate
 from tb.common.stimulus import corner_frames
 
@@ -33,7 +33,7 @@ def settle(stimulus, *blocks) -> None:
     Simulation(drive, *blocks).run(quiet=1)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(
     st.integers(2, 12),
     st.integers(2, 10),

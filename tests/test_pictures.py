@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from conftest import CASES
+from collected import CASES
 
 from golden.block import Block, walk
 from golden.flow import Carried

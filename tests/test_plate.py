@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.special import zeta
 
@@ -152,7 +152,6 @@ def test_what_a_load_does_elsewhere_it_suffers_from_there(p: tuple, q: tuple, cl
     assert both[0, 1] == pytest.approx(both[1, 0], rel=1e-9, abs=1e-17)
 
 
-@settings(deadline=None)
 @given(PLACES, PLACES, st.integers(1, 300), st.booleans(), st.floats(0.05, 20))
 def test_the_tail_bounds_what_is_left_out(
     p: tuple, q: tuple, terms: int, clamped: bool, ratio: float

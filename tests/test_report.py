@@ -11,6 +11,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+from shared import Shared
 
 from golden.scene import load_scene
 from tb.common.runner import BUILD
@@ -31,9 +32,10 @@ WIDTHS = {"phone": 390, "desktop": 1280}
 
 
 @pytest.fixture(scope="module")
-def report() -> Path:
-    """The report of the smallest scene."""
-    build.build_report(load_scene(SCENE))
+def report(shared: Shared) -> Path:
+    """The report of the smallest scene, with the tables that the run has measured."""
+    shared.tables()
+    shared.once("report", lambda: build.build_report(load_scene(SCENE)))
     return BUILD / SCENE / "report.html"
 
 

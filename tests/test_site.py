@@ -13,6 +13,7 @@ from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 import pytest
+from shared import Shared
 from test_census import BLOCKS, ROOT
 from test_commands import make, run
 from test_docs import HEADINGS, SHEETS
@@ -53,12 +54,16 @@ def broken_links(site: Path) -> list[str]:
 
 
 @pytest.fixture(scope="module")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def site(shared: Shared) -> Path:
     (Path(sys.prefix) / ".ready").touch()
-    folder = tmp_path_factory.mktemp("docs") / "site"
-    result = make("docs", f"SITE={folder}")
-    assert result.returncode == 0, result.stderr
-    assert [path.name for path in folder.parent.iterdir()] == ["site"]
+    folder = shared.folder / "docs" / "site"
+
+    def make_docs() -> None:
+        result = make("docs", f"SITE={folder}")
+        assert result.returncode == 0, result.stderr
+        assert [path.name for path in folder.parent.iterdir()] == ["site"]
+
+    shared.once("site", make_docs)
     return folder
 
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from shared import Shared
 
 from golden.activation.abs_unit import AbsUnit
 from golden.activation.comparator_bank import ComparatorBank
@@ -58,8 +59,8 @@ NAMED = [
 
 
 @pytest.fixture(scope="module")
-def found() -> Table:
-    return table.stability(1)
+def found(shared: Shared) -> Table:
+    return shared.tables()["stability"]
 
 
 def test_the_columns(found: Table) -> None:

@@ -6,11 +6,11 @@ import json
 import subprocess
 import sys
 from collections import Counter
-from concurrent.futures import ThreadPoolExecutor
 from graphlib import CycleError
 from pathlib import Path
 
 import pytest
+from shared import Shared
 
 from golden.block import walk
 from golden.cli import CommandError
@@ -22,7 +22,6 @@ from hdl.synth.cells import DEPTH, FAMILIES, synthesise
 from hdl.synth.netlist import KINDS, count, depth, total
 from hdl.synth.timing import read_timing, timing_path
 from hdl.synth.tools import digest, run_tool
-from tb.common.runner import export
 from tb.report.page.datasheets import COMPARED, pages
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
@@ -194,20 +193,11 @@ def test_the_digest_is_of_the_code_alone(tmp_path: Path, text: str, same: bool) 
     assert (digest(tmp_path) == before) is same
 
 
-@pytest.fixture(scope="module")
-def verilog(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The Verilog of every recorded scene."""
-    folder = tmp_path_factory.mktemp("build")
-    with ThreadPoolExecutor(2) as pool:
-        list(pool.map(lambda name: export(load_scene(name), "verilog", folder), RECORDED))
-    return folder
-
-
 @pytest.mark.parametrize("name", RECORDED)
-def test_the_record_is_of_this_verilog(verilog: Path, name: str) -> None:
+def test_the_record_is_of_this_verilog(shared: Shared, name: str) -> None:
     scene = load_scene(name)
     timing, recorded_digest = read_timing(timing_path(scene.path))
-    assert recorded_digest == digest(verilog / scene.name / "verilog"), (
+    assert recorded_digest == digest(shared.export(name, "verilog")), (
         f"run: make synth RECORD=1 SCENE={scene.path}"
     )
     assert timing.clock_mhz >= scene.clock_mhz
@@ -219,9 +209,9 @@ def test_the_record_is_of_this_verilog(verilog: Path, name: str) -> None:
 
 
 @pytest.mark.parametrize("family", FAMILIES)
-def test_the_recorded_cells_are_those_that_yosys_finds(verilog: Path, family: str) -> None:
+def test_the_recorded_cells_are_those_that_yosys_finds(shared: Shared, family: str) -> None:
     scene = load_scene("digit-load")
-    found = {family: synthesise(verilog / "digit-load" / "verilog", "hybrid", family)}
+    found = {family: synthesise(shared.export("digit-load", "verilog"), "hybrid", family)}
     budget = read_budget(budget_path(scene.path))
     assert differences(found, {family: budget[family]}) == []
 
@@ -256,7 +246,7 @@ def test_the_command(small_scene: Scene, tmp_path: Path) -> None:
     assert f"xc2v, {entity}: LUT: got {cells[0]}, recorded {int(cells[0]) + 1}" in again.stderr
 
 
-def test_counts_of_a_scene_add_up(verilog: Path) -> None:
+def test_counts_of_a_scene_add_up() -> None:
     """A whole is not less than its parts, and its kinds are those of its cells."""
     budget = read_budget(budget_path(load_scene("digit-load").path))["xc2v"]
     design = load_scene("digit-load").twin()

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import random_mlp
 
 from golden.activation.schemes import SCHEMES
 from golden.activation.segments import gradient_real
@@ -22,6 +21,7 @@ from golden.training.objective import Objective, Rows, pack, unpack
 from golden.training.scg import minimise
 from golden.training.search import OPTIMISERS, Result, search, train
 from golden.training.task import Task, split_rows, task_for
+from tb.common.cases import random_mlp
 
 SHAPE = (3, 4, 2)
 

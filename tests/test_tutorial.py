@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from shared import Shared
 
 from golden.errors import scene_errors
 from golden.scene import load_scene
@@ -24,12 +25,16 @@ def run(*words: str) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.fixture(scope="module")
-def scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def scene(shared: Shared) -> Path:
     """The trained scene."""
-    folder = tmp_path_factory.mktemp("own") / "rig"
-    shutil.copytree(FILES, folder)
-    trained = run("golden.training", str(folder / "rig.toml"))
-    assert trained.returncode == 0, trained.stderr
+    folder = shared.folder / "own" / "rig"
+
+    def train() -> None:
+        shutil.copytree(FILES, folder)
+        trained = run("golden.training", str(folder / "rig.toml"))
+        assert trained.returncode == 0, trained.stderr
+
+    shared.once("rig", train)
     return folder / "rig.toml"
 
 

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import LENGTHS, VISUALISATION, random_mlp, write_scene
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -29,6 +28,7 @@ from golden.visualisation.load_profile import (
 )
 from golden.visualisation.power_fold import PowerFold
 from golden.visualisation.ramp import Ramp, ramp
+from tb.common.cases import LENGTHS, VISUALISATION, random_mlp, write_scene
 from tb.report.measure.visualisation import quotient_error
 
 APPENDIX_2 = Path(__file__).parents[1] / "golden" / "data" / "appendix2.csv"

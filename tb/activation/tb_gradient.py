@@ -11,8 +11,14 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
+from tb.common.small import FOLDED
 from tb.common.stimulus import all_codes
 from tb.common.stream import SIGNED, check_gaps_and_resets, check_stream
+
+CASES = FOLDED
+FAULTS = [
+    (r"negative_late <= \w+", "negative_late <= negative"),
+]
 
 INPUTS, OUTPUTS = {"in_data": SIGNED}, {"out_data": SIGNED}
 

@@ -11,8 +11,16 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
+from tb.common.small import both_precisions, rails
 from tb.common.stimulus import all_codes
 from tb.common.stream import SIGNED, check_gaps_and_resets, check_stream
+
+CASES = rails("gradient_parallel") | both_precisions("gradient_parallel")
+FAULTS = [
+    (r"addr == 0", "addr <= 1"),
+    (r"(coeff\S*) = (\d{2,})", r"\1 = \2 ^ 1"),
+    (r"negative_late <= \w+", "negative_late <= negative"),
+]
 
 INPUTS, OUTPUTS = {"in_data": SIGNED}, {"out_data": SIGNED}
 

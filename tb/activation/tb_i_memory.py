@@ -10,6 +10,12 @@ import cocotb
 
 from tb.common.bench import Bench
 from tb.common.memory import check_memory
+from tb.common.small import PARTS
+
+CASES = PARTS
+FAULTS = [
+    (r"default: word = (\d+)", r"default: word = \1 - 1"),
+]
 
 
 @cocotb.test()

@@ -12,8 +12,21 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
+from tb.common.cases import Case
+from tb.common.small import both_precisions, rails
 from tb.common.stimulus import all_codes
 from tb.common.stream import SIGNED, check_gaps_and_resets, check_stream
+
+CASES = {
+    **rails("lut"),
+    **both_precisions("lut"),
+    "lut-short": Case([(2, 1, 2)], "thesis", spread=2.0, activation="lut"),
+}
+FAULTS = [
+    (r"word = (\d+)", r"word = \1 ^ 1"),
+    (r"beyond == 1", "beyond == 2"),
+    (r"negative_late <= \w+", "negative_late <= negative"),
+]
 
 INPUTS, OUTPUTS = {"in_data": SIGNED}, {"out_data": SIGNED}
 

@@ -11,8 +11,22 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
+from tb.common.cases import Case
+from tb.common.small import both_precisions, rails
 from tb.common.stimulus import all_codes
 from tb.common.stream import SIGNED, check_gaps_and_resets, check_stream
+
+CASES = {
+    **rails("polynomial"),
+    **both_precisions("polynomial"),
+    "polynomial-short": Case([(2, 1, 2)], "exact", spread=2.0, activation="polynomial"),
+}
+FAULTS = [
+    (r"products \+ aligned", "products - aligned"),
+    (r"kept < 0", "kept < -9000"),
+    (r"segment_late == (\d+)", r"segment_late == \1 + 1"),
+    (r"negative_late <= \w+", "negative_late <= negative"),
+]
 
 INPUTS, OUTPUTS = {"in_data": SIGNED}, {"out_data": SIGNED}
 

@@ -11,8 +11,21 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
+from tb.common.small import PRECISE, rails
 from tb.common.stimulus import all_codes
 from tb.common.stream import SIGNED, check_gaps_and_resets, check_stream
+
+CASES = rails("precise") | PRECISE
+FAULTS = [
+    (r"(0): word = (\S+);", r"\1: word = \2 ^ 1;"),
+    (r"default: word = (\S+);", r"default: word = \1 ^ 4096;"),
+    (r"gated_row0_row <= 0", "gated_row0_row <= top"),
+    (r"row_adder1_rest \+ gated_row2_row", "row_adder1_rest"),
+    (r"low \^ (\d+)", "low"),
+    (r"wide_gradient - wide_high", "wide_gradient"),
+    (r"wide_distance - (\d+)", "wide_distance"),
+    (r"negative_late <= \w+", "negative_late <= negative"),
+]
 
 INPUTS, OUTPUTS = {"in_data": SIGNED}, {"out_data": SIGNED}
 

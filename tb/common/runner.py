@@ -131,33 +131,47 @@ def plan(
         check_simulator(simulator)
     if block is not None:
         _check_block(scene, block)
-    jobs = []
-    parts = {part.entity: part for part in walk(scene.twin())}
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         list(pool.map(lambda name: export(scene, language(name), build), simulators))
-    for simulator in simulators:
-        tongue = language(simulator)
-        folder = build / scene.name / tongue
-        manifest = json.loads((folder / MANIFEST).read_text())
-        order = (folder / ORDER).read_text().split()
-        jobs += [
-            Job(
-                scene,
-                entry["entity"],
-                entry["block"],
-                entry["area"],
-                _needed(order, manifest, parts[entry["entity"]]),
-                simulator,
-                seed,
-                waves,
-                build,
-                frames,
-            )
-            for entry in manifest
-            if block in (None, entry["block"])
-        ]
-    # The largest first, so that the last one to finish is a small one.
-    return jobs[::-1]
+    return [
+        job
+        for simulator in simulators
+        for job in jobs(scene, simulator, seed, waves, build, frames)
+        if block in (None, job.block)
+    ]
+
+
+def jobs(
+    scene: Scene,
+    simulator: str,
+    seed: int = SEED,
+    waves: bool = False,
+    build: Path = BUILD,
+    frames: int = FRAMES,
+) -> list[Job]:
+    """Every entity of a scene that is exported into ``build``, the largest first.
+
+    So the last one to finish is a small one.
+    """
+    parts = {part.entity: part for part in walk(scene.twin())}
+    folder = build / scene.name / language(simulator)
+    manifest = json.loads((folder / MANIFEST).read_text())
+    order = (folder / ORDER).read_text().split()
+    return [
+        Job(
+            scene,
+            entry["entity"],
+            entry["block"],
+            entry["area"],
+            _needed(order, manifest, parts[entry["entity"]]),
+            simulator,
+            seed,
+            waves,
+            build,
+            frames,
+        )
+        for entry in reversed(manifest)
+    ]
 
 
 def _needed(order: list[str], manifest: list[dict], part: Block) -> tuple[str, ...]:
@@ -243,10 +257,12 @@ def _scene_argument(scene: Scene) -> str:
     return scene.name if scene.path == scene_path(scene.name) else str(scene.path)
 
 
-def run_jobs(jobs: list[Job], tell: Callable[[Outcome], None]) -> list[Outcome]:
+def run_jobs(
+    jobs: list[Job], tell: Callable[[Outcome], None], at_once: int | None = None
+) -> list[Outcome]:
     """Run all jobs, as many at a time as there are cores; ``tell`` hears of each as it ends."""
     outcomes = []
-    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+    with ThreadPoolExecutor(at_once or os.cpu_count() or 1) as pool:
         for outcome in pool.map(run_job, jobs):
             tell(outcome)
             outcomes.append(outcome)

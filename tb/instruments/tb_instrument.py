@@ -15,7 +15,14 @@ import numpy as np
 from tb.common import readout
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.network import check_outputs
+from tb.common.small import INSTRUMENTS
 from tb.common.stimulus import random_resets
+
+CASES = INSTRUMENTS
+FAULTS = [
+    (r"\.adc\(adc\)", ".adc(0)"),
+    (r"\.held_1\(held_1\)", ".held_1(held_0)"),
+]
 
 CLOCKS = 10_000
 WATCH = ["out_valid", "out_data", "out_last"]

@@ -24,7 +24,15 @@ from tb.common.network import (
     whole_frames,
     wrong_lengths,
 )
+from tb.common.small import OTHER_PROFILES
 from tb.common.stimulus import random_resets, spread
+
+CASES = OTHER_PROFILES
+FAULTS = [
+    (r"count == 1", "count == 2"),
+    (r"result_valid && result_last", "result_last && 0"),
+    (r"held_1 = word\w*", "held_1 = 0"),
+]
 
 __all__ = [
     "corners_and_random",

@@ -12,7 +12,15 @@ import numpy as np
 
 from tb.common.bench import Bench
 from tb.common.framing import random_lengths, scan
+from tb.common.small import FOLDED, both_precisions
 from tb.common.stimulus import random_resets, spread
+
+CASES = FOLDED | both_precisions("pade")
+FAULTS = [
+    (r"frame_error <= broken", "frame_error <= 0"),
+    (r"dropping <= \(!in_last\)", "dropping <= 0"),
+    (r"if \(rst == 1\) begin", "if (0) begin"),
+]
 
 OUTPUTS = ["addr", "preset", "accumulate", "capture", "out_valid", "frame_error"]
 

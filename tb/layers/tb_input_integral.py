@@ -12,7 +12,13 @@ import numpy as np
 
 from tb.common.bench import Bench
 from tb.common.frames import captured_frames, node_timeline
+from tb.common.small import PARTS
 from tb.common.stimulus import corner_frames, extreme_frames
+
+CASES = PARTS
+FAULTS = [
+    (r"out_q_0\b(?=\))", "out_q_1"),
+]
 
 
 @cocotb.test()

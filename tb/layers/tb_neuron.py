@@ -11,7 +11,16 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
+from tb.common.small import PARALLEL
 from tb.common.stimulus import corner_frames, extreme_frames
+
+CASES = PARALLEL
+FAULTS = [
+    (r"(\w+_term) \+ (\w+_term)", r"\1 - \2"),
+    (r"word <= (\S+);", "word <= 0;"),
+    (r"wide \* (\d+)", r"wide * (\1 + 64)"),
+    (r"scale0_wide \* (\d+)", r"scale0_wide * (\1 + 1)"),
+]
 
 
 @cocotb.test()

@@ -12,7 +12,13 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
+from tb.common.small import FOLDED
 from tb.common.stimulus import random_resets
+
+CASES = FOLDED
+FAULTS = [
+    (r"\((\d+) - 1\)", r"(\1)"),
+]
 
 
 async def check(bench, gap, resets):

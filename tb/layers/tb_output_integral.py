@@ -11,8 +11,15 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
+from tb.common.small import FOLDED
 from tb.common.stimulus import corner_frames, extreme_frames
 from tb.common.stream import SIGNED, UNSIGNED, check_stream
+
+CASES = FOLDED
+FAULTS = [
+    (r"left \+ right|(\w+_term) \+ (\w+_term)", r"\1 - \2"),
+    (r"out_last <= [a-z]\w+", "out_last <= 0"),
+]
 
 
 async def check(bench, frames, gap, resets):

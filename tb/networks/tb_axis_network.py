@@ -11,6 +11,8 @@ mixed; that what is offered stays until it is taken. Measures the clocks of a fr
 Does not prove: anything about the network inside, which has a bench of its own.
 """
 
+from dataclasses import replace
+
 import cocotb
 import numpy as np
 from cocotb.clock import Clock
@@ -20,9 +22,32 @@ from cocotbext.axi import AxiStreamBus, AxiStreamFrame, AxiStreamSink, AxiStream
 from golden.networks.axis_network import TDATA
 from golden.precision import SIGNAL
 from tb.common.bench import Bench
+from tb.common.cases import Case
 from tb.common.framing import random_lengths
 from tb.common.handshake import check_kept, exchange, transfers
+from tb.common.small import CASCADES, SLOW, SLOWER
 from tb.common.stimulus import corner_frames, random_resets
+
+AXIS = Case([(2, 3, 5)], "exact", interface="axi_stream")
+CASES = {
+    "axis-chain": replace(CASCADES["chain"], interface="axi_stream"),
+    "axis": AXIS,
+    "least-axis": replace(AXIS, shapes=[(1, 2, 1)], precision="thesis"),
+    "pade-axis": replace(AXIS, shapes=[(2, 2, 2)], activation="pade"),
+    "axis-cascade": replace(AXIS, shapes=[(2, 3, 1), (3, 2, 1), (4, 2, 1)], arrangement="cascade"),
+    "slow-axis-cascade": replace(SLOW, interface="axi_stream", options=SLOWER),
+    "axis-multiple": replace(AXIS, shapes=[(2, 2, 1), (2, 4, 1)], arrangement="multiple"),
+}
+FAULTS = [
+    (r"credit0_used == (\d+)", r"credit0_used == \1 + 1"),
+    (r"fifo0_write_addr == (\d+)", r"fifo0_write_addr == \1 - 1"),
+    (r"(m_axis_tready \|\|) \(!fifo0_full\)", r"\1 1"),
+    (r"gate0_empty == 1", "gate0_empty == 2"),
+    (r"s_axis_tlast != gate0_final", "s_axis_tlast"),
+    (r"gate0_dropping <= \(!s_axis_tlast\)", "gate0_dropping <= 0"),
+    (r"closing <= left", "closing <= 0"),
+    (r"if \(rst == 1\) begin", "if (0) begin"),
+]
 
 
 async def check(bench, data, last, offer=1.0, take=1.0, blocked=0, resets=0):

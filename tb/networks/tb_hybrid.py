@@ -17,6 +17,20 @@ from tb.common.network import (
     resets_in_mid_frame,
     wrong_lengths,
 )
+from tb.common.small import FOLDED, PRECISE, both_precisions
+
+CASES = {
+    **FOLDED,
+    **PRECISE,
+    **both_precisions("gradient_parallel"),
+    **both_precisions("lut"),
+    **both_precisions("pade"),
+    **both_precisions("polynomial"),
+}
+FAULTS = [
+    (r"\.capture\(capture\)", ".capture(accumulate)"),
+    (r"\.in_r_1\(r_1\)", ".in_r_1(r_0)"),
+]
 
 __all__ = [
     "corners_and_random",

@@ -17,6 +17,13 @@ from tb.common.network import (
     resets_in_mid_frame,
     wrong_lengths,
 )
+from tb.common.small import MULTIPLES
+
+CASES = MULTIPLES
+FAULTS = [
+    (r"\.in_data_1\(aligned_1\)", ".in_data_1(aligned_0)"),
+    (r"aligned_2 <= result_2", "aligned_2 <= aligned_0"),
+]
 
 __all__ = [
     "corners_and_random",

@@ -11,7 +11,17 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import RESET_CLOCKS, Bench
+from tb.common.small import INSTRUMENTS
 from tb.common.stimulus import random_resets
+
+CASES = INSTRUMENTS
+FAULTS = [
+    (r"slot == 1", "slot == 0"),
+    (r"clock == (\d+)", r"clock == \1 - 1"),
+    (r"if \(rst == 1\) begin", "if (0) begin"),
+    (r"(0): selected = 0", r"\1: selected = 1"),
+    (r"if \(take\) begin", "if (1) begin"),
+]
 
 WATCH = ["address", "out_valid", "out_data", "out_last"]
 

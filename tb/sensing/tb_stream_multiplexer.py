@@ -11,7 +11,14 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
+from tb.common.small import CASCADES
 from tb.common.stimulus import random_resets, spread
+
+CASES = CASCADES
+FAULTS = [
+    (r"out_data <= held", "out_data <= result"),
+    (r"\(count == (\d+)\)", r"(count == \1 + 1)"),
+]
 
 
 async def check(bench, gap, resets):

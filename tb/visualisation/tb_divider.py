@@ -11,7 +11,16 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
+from tb.common.small import OTHER_PROFILES
 from tb.common.stream import UNSIGNED, check_early, check_gaps_and_resets, check_stream
+
+CASES = OTHER_PROFILES
+FAULTS = [
+    (r"head >= divisor", "head > divisor"),
+    (r"in_width == 0", "in_width == 1"),
+    (r"&& \(!load\)", ""),
+    (r"remainder <= trial", "remainder <= shifted"),
+]
 
 INPUTS = {"in_distance": UNSIGNED, "in_width": UNSIGNED}
 OUTPUTS = {"out_data": UNSIGNED}

@@ -10,6 +10,12 @@ import cocotb
 
 from tb.common.bench import Bench
 from tb.common.memory import check_memory
+from tb.common.small import PROFILES
+
+CASES = PROFILES
+FAULTS = [
+    (r"(0): word <= (\d+)", r"\1: word <= \2 ^ 1"),
+]
 
 
 @cocotb.test()

@@ -13,7 +13,15 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
+from tb.common.small import PROFILES
 from tb.common.stream import UNSIGNED, check_early, check_gaps_and_resets, check_stream
+
+CASES = PROFILES
+FAULTS = [
+    (r"(wide_product \+) (\d+)", r"\1 0"),
+    (r"requantise\d_kept > (\d+)", "0"),
+    (r"\(uses != 0\)", "1"),
+]
 
 INPUTS = {"in_data": UNSIGNED, "in_power": UNSIGNED}
 OUTPUTS = {"out_data": UNSIGNED}

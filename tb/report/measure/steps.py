@@ -20,12 +20,12 @@ SEED = 1
 
 def measuring(*rooms: str) -> list[Path]:
     """The sources of some rooms without those that only draw and write the report."""
-    return [path for path in sources(*rooms) if "report" not in path.parent.parts]
+    return [path for path in sources(*rooms) if path.parent.name not in ("draw", "page")]
 
 
 def measured(tell: Progress) -> dict[str, Table]:
     """Every table, those without run times side by side."""
-    state = fingerprint([*measuring("golden"), ROOT / "golden" / "data"], str(SEED))
+    state = fingerprint([*measuring("golden", "tb/report"), ROOT / "golden" / "data"], str(SEED))
     together = [n for n in TABLES if n not in TIMED and kept(n, state) is None]
     answers: dict[str, Any] = {}
     if together:

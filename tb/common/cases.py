@@ -1,0 +1,163 @@
+"""Cases of a bench: small scenes with random networks, of shapes and weights no shipped scene has.
+
+A bench names its own as ``CASES``, by the name of the scene; benches that name the same one run on
+the same export. Its ``FAULTS`` are what must turn it red: a pattern in the Verilog of its block in
+the first case, and what to put there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from golden.network_files.network_file import save_network
+from golden.networks.mlp import Mlp
+from golden.scene import Scene, load_scene
+
+TEMPLATE = """
+[data]
+file = "{name}.csv"
+sensors = {sensors}
+outputs = {outputs}
+group_by = "y0"
+{lengths}
+[network]
+arrangement = "{arrangement}"
+hidden = {hidden}
+weights = {weights}
+
+[hardware]
+design = "{design}"
+activation = "{activation}"
+activation_options = {options}
+precision = "{precision}"
+interface = "{interface}"
+{sections}
+[training]
+restarts = 2
+steps = 20
+"""
+
+
+# For benches: a few steps that diverge near the gate, so that the regression saturates.
+OPTIONS = {"pade": "{ rho = 1.5, iterations = 3 }"}
+LENGTHS = """full_scale = { y1 = 0.9, y2 = 0.9 }
+length_mm = { y1 = 127.0, y2 = 50.8 }
+"""
+VISUALISATION = """
+[visualisation]
+load = "y0"
+position = "y1"
+width = "y2"
+shape = "y3"
+"""
+FRONT_END = "\n[front_end]\n"
+
+
+def random_mlp(shape: tuple[int, int, int], spread: float, seed: int) -> Mlp:
+    """Normal weights: ``spread`` in layer 1, 0.3 in layer 2."""
+    inputs, hidden, outputs = shape
+    rng = np.random.default_rng(seed)
+    return Mlp(
+        rng.normal(0, spread, (hidden, inputs)),
+        rng.normal(0, spread / 2, hidden),
+        rng.normal(0, 0.3, (outputs, hidden)),
+        rng.normal(0, 0.3, outputs),
+    )
+
+
+def write_scene(
+    folder: Path,
+    name: str,
+    precision: str,
+    mlps: list[Mlp],
+    arrangement: str = "single",
+    activation: str = "gradient",
+    options: str | None = None,
+    rows: int = 12,
+    design: str = "hybrid",
+    sections: str = "",
+    interface: str = "stream",
+) -> Path:
+    """A scene with random vectors and the given networks; returns its TOML file.
+
+    ``sections`` are those that a scene may do without; where there are any, y1 and y2 have lengths.
+    """
+    inputs = mlps[0].shape[0]
+    outputs = sum(mlp.shape[2] for mlp in mlps)
+    sensors = [f"x{k}" for k in range(inputs)]
+    targets = [f"y{i}" for i in range(outputs)]
+    rng = np.random.default_rng(5)
+    table = np.concatenate(
+        [rng.uniform(-1, 0.99, (rows, inputs)), rng.uniform(0.1, 0.9, (rows, outputs))], axis=1
+    )
+    lines = [",".join(sensors + targets)] + [",".join(f"{v:.4f}" for v in row) for row in table]
+    (folder / f"{name}.csv").write_text("\n".join(lines) + "\n")
+    hidden = [mlp.shape[1] for mlp in mlps]
+    weights = [f"{name}.npz", *(f"{name}-{i}.npz" for i in range(1, len(mlps)))]
+    text = TEMPLATE.format(
+        name=name,
+        sensors=sensors,
+        outputs=targets,
+        arrangement=arrangement,
+        hidden=hidden[0] if len(mlps) == 1 else hidden,
+        weights=f'"{name}.npz"' if len(mlps) == 1 else weights,
+        precision=precision,
+        design=design,
+        activation=activation,
+        options=OPTIONS.get(activation, "{}") if options is None else options,
+        lengths=LENGTHS if sections else "",
+        sections=sections,
+        interface=interface,
+    )
+    path = folder / f"{name}.toml"
+    path.write_text(text.replace("'", '"'))
+    for file, mlp in zip(weights, mlps, strict=True):
+        save_network(folder / file, mlp, {"scene": name})
+    return path
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene of random networks.
+
+    ``spread`` is that of the weights of layer 1. The last hidden node of a single network is
+    without weights, where there is another.
+    """
+
+    shapes: list[tuple[int, int, int]]
+    precision: str
+    spread: float = 1.0
+    activation: str = "gradient"
+    options: str | None = None
+    arrangement: str = "single"
+    seed: int = 7
+    design: str = "hybrid"
+    sections: str = ""
+    interface: str = "stream"
+
+    def networks(self) -> list[Mlp]:
+        mlps = [
+            random_mlp(shape, self.spread, self.seed + i) for i, shape in enumerate(self.shapes)
+        ]
+        if self.arrangement == "single" and self.shapes[0][1] > 1:
+            mlps[0].w1[-1] = 0
+            mlps[0].b1[-1] = 0
+        return mlps
+
+    def scene(self, folder: Path, name: str) -> Scene:
+        path = write_scene(
+            folder,
+            name,
+            self.precision,
+            self.networks(),
+            self.arrangement,
+            self.activation,
+            self.options,
+            design=self.design,
+            sections=self.sections,
+            interface=self.interface,
+        )
+        return load_scene(str(path))

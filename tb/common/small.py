@@ -1,0 +1,126 @@
+"""Cases that several benches run: the least shapes, odd ones, and weights that reach the rails.
+
+``rails`` comes first: its sums and its activation are driven to every end, so that faults show.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from golden.precision import PRECISIONS
+from tb.common.cases import FRONT_END, VISUALISATION, Case
+
+RAILS = Case([(3, 4, 3)], "exact", spread=20.0, seed=2)
+LEAST = Case([(1, 1, 1)], "exact")
+# Least shapes, more outputs than inputs (the spacing counter), one output, odd adder trees, Q_j of
+# several hundred.
+FOLDED = {
+    "rails": RAILS,
+    "least": LEAST,
+    "least-thesis": replace(LEAST, shapes=[(1, 2, 1)], precision="thesis"),
+    "wide": replace(LEAST, shapes=[(2, 3, 5)]),
+    "wide-thesis": replace(LEAST, shapes=[(3, 5, 4)], precision="thesis"),
+    "huge": replace(LEAST, shapes=[(4, 3, 2)], precision="thesis", spread=100.0),
+    "huge-exact": replace(LEAST, shapes=[(4, 3, 2)], spread=100.0),
+}
+# For a block inside a folded network: either precision.
+PARTS = {name: FOLDED[name] for name in ("rails", "wide-thesis")}
+
+PARALLEL = {
+    "rails-parallel": replace(RAILS, precision="thesis", design="parallel"),
+    "parallel": Case([(2, 3, 2)], "thesis", design="parallel"),
+    "least-parallel": Case([(1, 1, 1)], "exact", design="parallel"),
+    "wide-parallel": Case([(5, 4, 3)], "exact", design="parallel"),
+    "huge-parallel": Case([(4, 3, 2)], "thesis", spread=100.0, design="parallel"),
+    "pade-parallel": Case([(2, 3, 2)], "thesis", activation="pade", design="parallel"),
+    "precise-parallel": Case([(2, 3, 2)], "exact", activation="precise", design="parallel"),
+}
+
+# Networks that need more clocks from frame to frame than they see elements.
+SLOW = Case([(2, 1, 1), (3, 1, 1)], "exact", activation="pade", arrangement="cascade", spread=2.0)
+SLOWER = "{ rho = 1.5, iterations = 11 }"
+# Networks whose depth differs, so that results wait for each other, and more of them than samples.
+CASCADES = {
+    "chain": Case([(2, 3, 1), (3, 3, 1), (4, 3, 1)], "exact", arrangement="cascade", seed=0),
+    "least-cascade": Case([(1, 1, 1), (2, 2, 1)], "exact", arrangement="cascade"),
+    "deep-cascade": Case(
+        [(2, 1, 1), (3, 9, 1), (4, 2, 1), (5, 5, 1)], "thesis", arrangement="cascade"
+    ),
+    # As many clocks as a frame has elements, and more.
+    "slow-cascade": SLOW,
+    "slower-cascade": replace(SLOW, options=SLOWER),
+}
+MULTIPLES = {
+    "three": Case([(2, 4, 1), (2, 3, 1), (2, 2, 1)], "exact", arrangement="multiple", seed=0),
+    "least-multiple": Case([(1, 2, 1), (1, 1, 1)], "thesis", arrangement="multiple"),
+    "wide-multiple": Case([(2, 9, 1), (2, 1, 1), (2, 4, 1)], "exact", arrangement="multiple"),
+}
+
+# A short ramp: every fault costs all tests of its bench.
+DRAWN = {
+    "drawn": Case(
+        [(2, 3, 4)],
+        "exact",
+        seed=2,
+        sections=f"{VISUALISATION}stop = 0.9\nstep = 0.3\n{FRONT_END}counter_width = 6\n",
+    ),
+}
+PROFILES = DRAWN | {"profile": Case([(4, 3, 4)], "exact", sections=VISUALISATION)}
+# Of a cascade, outputs in another order, one of which is not drawn; a ramp that starts below 0; a
+# gain that is no whole number.
+OTHER_PROFILES = PROFILES | {
+    "other-profile": Case(
+        [(2, 1, 1), (3, 2, 1), (4, 1, 1), (5, 2, 1), (6, 1, 1)],
+        "exact",
+        arrangement="cascade",
+        sections="""
+[visualisation]
+load = "y4"
+position = "y2"
+width = "y1"
+shape = "y0"
+start = -1.0
+stop = 0.95
+step = 0.15
+shape_threshold = -0.25
+""",
+    ),
+}
+INSTRUMENTS = DRAWN | {
+    "instrument": Case(
+        [(4, 3, 1), (5, 2, 1), (6, 1, 1), (7, 3, 1)],
+        "exact",
+        arrangement="cascade",
+        sections=f"{VISUALISATION}{FRONT_END}counter_width = 10\n",
+    ),
+    # No profile; the narrowest counter, one clock after the address is there.
+    "least-instrument": Case([(3, 2, 3)], "exact", sections=f"{FRONT_END}counter_width = 3\n"),
+    "one-sensor": Case([(1, 2, 4)], "thesis", sections=f"{FRONT_END}counter_width = 4\n"),
+}
+
+
+def both_precisions(activation: str) -> dict[str, Case]:
+    """An activation in a network with a neuron that reaches all of its segments."""
+    return {
+        f"{activation}-{precision}": Case(
+            [(2, 1, 2)], precision, spread=2.0, activation=activation, seed=8
+        )
+        for precision in PRECISIONS
+    }
+
+
+def rails(activation: str) -> dict[str, Case]:
+    """An activation behind sums that reach their ends."""
+    return {f"rails-{activation}": replace(RAILS, activation=activation)}
+
+
+BLOCK_RAM = '{ coefficients = "block_ram" }'
+# Each form of the coefficients with few and with all of its segments.
+PRECISE = {
+    "logic": Case([(2, 3, 2)], "exact", activation="precise", spread=0.5),
+    "logic-huge": Case([(2, 2, 1)], "exact", activation="precise", spread=100.0),
+    "block-ram": Case([(2, 3, 2)], "exact", activation="precise", options=BLOCK_RAM, spread=0.5),
+    "block-ram-huge": Case(
+        [(2, 2, 1)], "exact", activation="precise", options=BLOCK_RAM, spread=100.0
+    ),
+}

@@ -1,0 +1,39 @@
+"""The benches of ``tb``, and the cases and faults that stand in them."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+
+from tb.common.cases import Case
+
+ROOT = Path(__file__).parents[1]
+BENCHES = {
+    path.stem.removeprefix("tb_"): import_module(f"tb.{path.parent.name}.{path.stem}")
+    for path in sorted((ROOT / "tb").glob("*/tb_*.py"))
+}
+# By block: the names of its cases, and its faults.
+CASES_OF: dict[str, list[str]] = {
+    block: list(getattr(bench, "CASES", {})) for block, bench in BENCHES.items()
+}
+FAULTS: dict[str, list[tuple[str, str]]] = {
+    block: getattr(bench, "FAULTS", []) for block, bench in BENCHES.items()
+}
+
+
+def every_case() -> dict[str, Case]:
+    """All cases by name; two benches that name the same one mean the same."""
+    found: dict[str, Case] = {}
+    for block, bench in BENCHES.items():
+        for name, case in getattr(bench, "CASES", {}).items():
+            if found.setdefault(name, case) != case:
+                raise ValueError(f"tb_{block}.py: CASES: {name} is another case elsewhere")
+    return found
+
+
+CASES = every_case()
+
+
+def blocks_of(case: str) -> set[str]:
+    """The blocks whose benches name a case."""
+    return {block for block, names in CASES_OF.items() if case in names}

@@ -1,0 +1,38 @@
+"""The two tiers of make test: what is left to ALL=1 is said, and a choice of nothing fails."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import pytest
+from collected import ROOT
+
+LEFT = ("tests/test_benches_can_fail.py", "-k", "abs_unit-1")
+
+
+def run(*words: str) -> subprocess.CompletedProcess[str]:
+    environment = {k: v for k, v in os.environ.items() if not k.startswith("PYTEST")}
+    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", *words]
+    return subprocess.run(
+        command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False
+    )
+
+
+@pytest.mark.parametrize("cores", [(), ("-n", "1")], ids=["alone", "workers"])
+@pytest.mark.parametrize("chosen", [LEFT, ("tests/test_lut.py", "-k", "no_such_test")])
+def test_a_choice_that_runs_nothing_fails(chosen: tuple[str, ...], cores: tuple[str, ...]) -> None:
+    assert run(*chosen, *cores).returncode == pytest.ExitCode.NO_TESTS_COLLECTED
+
+
+def test_the_summary_counts_what_is_left() -> None:
+    said = run(*LEFT).stdout
+    assert "[1] tests/test_benches_can_fail.py" in said
+    assert "left to make test ALL=1" in said
+
+
+def test_all_of_it_runs_what_is_left() -> None:
+    result = run(*LEFT, "--all", "-n", "1")
+    assert result.returncode == 0, result.stdout
+    assert "1 passed" in result.stdout
