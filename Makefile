@@ -6,11 +6,14 @@ PYTHON ?= python3
 VENV ?= .venv
 RUN = $(VENV)/bin/python
 
-.PHONY: help demo test sim vhdl verilog train network bench activations figures lean synth report docs lint clean tools browser
+.PHONY: help demo test machines sim vhdl verilog train network bench activations figures lean synth report docs lint clean tools browser
 
 help:
 	@echo "make demo    [SCENE=]                     a scene end to end: simulate, export, table of errors"
-	@echo "make test    [TESTS=tests/test_x.py]      all tests, or some"
+	@echo "make test    [TESTS=tests/test_x.py] [MACHINE=name]"
+	@echo "                                          all tests, or some; on this machine as if it were another"
+	@echo "make machines [ONLY=name] [TESTS=] [ALL=1]"
+	@echo "                                          the tests as on other machines, a line each"
 	@echo "make sim     [BLOCK=] [SIM=ghdl|icarus] [SCENE=] [SEED=] [WAVES=1] [FRAMES=]"
 	@echo "                                          one bench, or every bench of the scene"
 	@echo "make vhdl    [SCENE=]                     export to build/<scene>/vhdl"
@@ -35,7 +38,10 @@ demo: $(VENV)/.ready tools
 	@$(RUN) -m tb.demo "$(SCENE)"
 
 test: $(VENV)/.ready tools browser
-	@$(RUN) -m pytest $(TESTS)
+	@$(RUN) $(if $(MACHINE),tests/machines.py $(MACHINE) --all --show --tests "$(TESTS)",-m pytest $(TESTS))
+
+machines: $(VENV)/.ready tools browser
+	@$(RUN) tests/machines.py $(ONLY) --tests "$(TESTS)" $(if $(filter-out 0,$(ALL)),--all)
 
 sim: $(VENV)/.ready
 	@$(RUN) -m tb.sim "$(SCENE)" --seed "$(SEED)" \
@@ -99,10 +105,12 @@ browser:
 	command -v chromium >/dev/null || missing="$$missing chromium"; \
 	$(call install,$$missing)
 
+# For x86-64 every package comes compiled; elsewhere pip compiles cocotb.
 $(VENV)/.ready: pyproject.toml
 	@missing=; \
 	command -v $(PYTHON) >/dev/null || missing="$$missing python3"; \
 	$(PYTHON) -c "import ensurepip" 2>/dev/null || missing="$$missing python3-venv"; \
+	test "$$(uname -m)" = x86_64 || command -v g++ >/dev/null || missing="$$missing g++ python3-dev"; \
 	$(call install,$$missing)
 	@$(PYTHON) -c "import sys; sys.exit(not (3, 11) <= sys.version_info[:2] < (3, 14))" || \
 		{ echo "error: $(PYTHON) is $$($(PYTHON) -V), expected Python 3.11 to 3.13; set PYTHON=" >&2; exit 2; }

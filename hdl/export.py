@@ -62,7 +62,7 @@ def export(scene: Scene, language: str, folder: Path) -> list[str]:
         files = [f"{spec.entity}{suffix}" for spec in specs]
         if language == "vhdl":
             files.insert(0, f"{VHDL_PACKAGE}{suffix}")
-        (temporary / ORDER).write_text("".join(f"{name}\n" for name in files))
+        (temporary / ORDER).write_text("".join(f"{name}\n" for name in files), encoding="utf-8")
         manifest = [
             {
                 "entity": spec.entity,
@@ -73,7 +73,7 @@ def export(scene: Scene, language: str, folder: Path) -> list[str]:
             }
             for spec in specs
         ]
-        (temporary / MANIFEST).write_text(json.dumps(manifest, indent=1) + "\n")
+        (temporary / MANIFEST).write_text(json.dumps(manifest, indent=1) + "\n", encoding="utf-8")
         write_handover(scene, design, temporary, ORDER, files, language)
     return files
 
@@ -92,8 +92,8 @@ def main() -> None:
     versions = (myhdl.__version__, platform.python_version())
     if not _is_current(stamp, folder, inputs, versions):
         export(scene, arguments.language, folder)
-        stamp.write_text(_state(folder, inputs, versions))
-    count = len((folder / ORDER).read_text().split())
+        stamp.write_text(_state(folder, inputs, versions), encoding="utf-8")
+    count = len((folder / ORDER).read_text(encoding="utf-8").split())
     print(f"{count} files in {folder}, top {top}, compile order in {folder / ORDER}")
 
 
@@ -106,7 +106,7 @@ def _is_current(stamp: Path, folder: Path, inputs: list[Path], versions: tuple[s
     return (
         stamp.is_file()
         and folder.is_dir()
-        and stamp.read_text() == _state(folder, inputs, versions)
+        and stamp.read_text(encoding="utf-8") == _state(folder, inputs, versions)
     )
 
 

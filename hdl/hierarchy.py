@@ -98,8 +98,8 @@ def _convert(instance: _Block, folder: Path, language: str, done: dict) -> None:
             **({"testbench": False} if language == "verilog" else {}),
         )
     file = folder / f"{spec.entity}{SUFFIX[language]}"
-    text = _tidy(file.read_text(), language)
-    file.write_text(text)
+    text = _tidy(file.read_text(encoding="utf-8"), language)
+    file.write_text(text, encoding="utf-8")
     done[spec.entity] = (spec, port_directions(text, language))
 
 

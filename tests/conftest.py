@@ -2,17 +2,30 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from golden.machine import closing
 from golden.network_file import save_network
 from golden.networks.mlp import Mlp
 from golden.networks.network import Network
 from golden.precision import PRECISIONS
 from golden.scene import Scene, load_scene, scene_names
+from tb.common.tools import simulator_versions
+
+STARTED = time.perf_counter()
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Before pytest's closing line, on what the tests ran."""
+    terminalreporter.section("machine")
+    for line in closing(time.perf_counter() - STARTED, **simulator_versions()):
+        terminalreporter.line(line)
+
 
 TEMPLATE = """
 [data]

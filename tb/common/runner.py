@@ -76,7 +76,7 @@ class Outcome:
 
     def complaint(self) -> str:
         """The line of the log that says what went wrong."""
-        text = self.log.read_text(errors="replace") if self.log.exists() else ""
+        text = self.log.read_text(encoding="utf-8", errors="replace") if self.log.exists() else ""
         marked = [line for line in text.splitlines() if "Error: " in line or "error: " in line]
         return marked[0].removeprefix("INFO cocotb:").strip() if marked else "no message"
 
@@ -138,8 +138,8 @@ def plan(
     for simulator in simulators:
         tongue = language(simulator)
         folder = build / scene.name / tongue
-        manifest = json.loads((folder / MANIFEST).read_text())
-        order = (folder / ORDER).read_text().split()
+        manifest = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
+        order = (folder / ORDER).read_text(encoding="utf-8").split()
         jobs += [
             Job(
                 scene,
@@ -189,7 +189,7 @@ def run_job(job: Job) -> Outcome:
     job.folder.mkdir(parents=True)
     result = job.folder / "compared.jsonl"
     sources = [str(job.hdl_folder / name) for name in job.files]
-    manifest = json.loads((job.hdl_folder / MANIFEST).read_text())
+    manifest = json.loads((job.hdl_folder / MANIFEST).read_text(encoding="utf-8"))
     rerun = f"make sim BLOCK={job.block} SIM={job.simulator} SCENE={_scene_argument(job.scene)}"
     configuration = {
         "scene": str(job.scene.path.resolve()),
@@ -234,7 +234,8 @@ def run_job(job: Job) -> Outcome:
             check=False,
         ).returncode
     seconds = time.perf_counter() - started
-    lines = [json.loads(x) for x in result.read_text().splitlines()] if result.exists() else []
+    written = result.read_text(encoding="utf-8") if result.exists() else ""
+    lines = [json.loads(line) for line in written.splitlines()]
     compared = sum(line.pop("compared") for line in lines)
     facts = {key: value for line in lines for key, value in line.items()}
     # A run that compared nothing proves nothing, whatever its exit code says.
