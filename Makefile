@@ -4,7 +4,10 @@ SCENE ?= digit
 SEED ?= 1
 PYTHON ?= python3
 VENV ?= .venv
-RUN = $(VENV)/bin/python
+RUN = "$(VENV)/bin/python"
+# A path may hold blanks, a target none.
+EMPTY :=
+READY = $(subst $(EMPTY) ,\ ,$(VENV))/.ready
 
 .PHONY: help demo test machines sim vhdl verilog train network bench activations figures lean synth report docs lint clean tools browser
 
@@ -34,62 +37,62 @@ help:
 	@echo "SCENE is a name ($(basename $(notdir $(filter-out %.provenance.toml,$(wildcard golden/scenes/*.toml)))))"
 	@echo "or a path to a .toml file; now $(SCENE)"
 
-demo: $(VENV)/.ready tools
+demo: $(READY) tools
 	@$(RUN) -m tb.demo "$(SCENE)"
 
-test: $(VENV)/.ready tools browser
+test: $(READY) tools browser
 	@$(RUN) $(if $(MACHINE),tests/machines.py $(MACHINE) --all --show --tests "$(TESTS)",-m pytest $(TESTS))
 
-machines: $(VENV)/.ready tools browser
+machines: $(READY) tools browser
 	@$(RUN) tests/machines.py $(ONLY) --tests "$(TESTS)" $(if $(filter-out 0,$(ALL)),--all)
 
-sim: $(VENV)/.ready
+sim: $(READY)
 	@$(RUN) -m tb.sim "$(SCENE)" --seed "$(SEED)" \
 		$(if $(BLOCK),--block "$(BLOCK)") $(if $(FRAMES),--frames "$(FRAMES)") $(if $(SIM),--sim "$(SIM)") $(if $(filter-out 0,$(WAVES)),--waves)
 
-vhdl verilog: $(VENV)/.ready
+vhdl verilog: $(READY)
 	@$(RUN) -m hdl.export "$(SCENE)" $@
 
-train: $(VENV)/.ready
+train: $(READY)
 	@$(RUN) -m golden.training "$(SCENE)" $(if $(CLUSTER),--cluster "$(CLUSTER)")
 
-network: $(VENV)/.ready
+network: $(READY)
 	@$(RUN) -m golden.convert "$(SCENE)" "$(TO)" $(if $(OUTPUT),--output "$(OUTPUT)")
 
-bench: $(VENV)/.ready
+bench: $(READY)
 	@$(RUN) -m golden.benchmark "$(SCENE)" $(if $(FRAMES),--frames "$(FRAMES)")
 
-activations: $(VENV)/.ready
+activations: $(READY)
 	@$(RUN) -m golden.activation.errors
 
-figures: $(VENV)/.ready
+figures: $(READY)
 	@$(RUN) -m golden.figures $(if $(TABLE),"$(TABLE)") --seed "$(SEED)"
 
-lean: $(VENV)/.ready
+lean: $(READY)
 	@$(RUN) -m hdl.lean "$(SCENE)" $(BESIDE)
 
-synth: $(VENV)/.ready
+synth: $(READY)
 	@$(RUN) -m hdl.synth "$(SCENE)" $(if $(filter-out 0,$(RECORD)),--record)
 
-report: $(VENV)/.ready tools
+report: $(READY) tools
 	@$(RUN) -m tb.report "$(SCENE)"
 
 # Built anew, so that no page is left that is gone from the source, and renamed when it is whole.
 SITE ?= build/site
 SPHINX = $(RUN) -m sphinx -q -W --keep-going -d "$(SITE).doctrees" docs
 
-docs: $(VENV)/.ready
+docs: $(READY)
 	@rm -rf "$(SITE).new" "$(SITE).doctrees"
 	@$(SPHINX) "$(SITE).new"
 	@$(if $(filter-out 0,$(LINKS)),$(SPHINX) -b linkcheck "$(SITE).links")
 	@rm -rf "$(SITE)" "$(SITE).doctrees" "$(SITE).links" && mv "$(SITE).new" "$(SITE)"
 	@echo "wrote $(SITE)/index.html"
 
-lint: $(VENV)/.ready
+lint: $(READY)
 	@$(RUN) -m ruff check . && $(RUN) -m ruff format --check . && $(RUN) -m mypy
 
 clean:
-	rm -rf build $(VENV)
+	rm -rf build "$(VENV)"
 
 # Simulators and what Debian's own Python lacks. As root, or where sudo asks no password, they are
 # installed; elsewhere the command to run is printed.
@@ -106,7 +109,7 @@ browser:
 	$(call install,$$missing)
 
 # For x86-64 every package comes compiled; elsewhere pip compiles cocotb.
-$(VENV)/.ready: pyproject.toml
+$(READY): pyproject.toml
 	@missing=; \
 	command -v $(PYTHON) >/dev/null || missing="$$missing python3"; \
 	$(PYTHON) -c "import ensurepip" 2>/dev/null || missing="$$missing python3-venv"; \
@@ -115,13 +118,13 @@ $(VENV)/.ready: pyproject.toml
 	@$(PYTHON) -c "import sys; sys.exit(not (3, 11) <= sys.version_info[:2] < (3, 14))" || \
 		{ echo "error: $(PYTHON) is $$($(PYTHON) -V), expected Python 3.11 to 3.13; set PYTHON=" >&2; exit 2; }
 	@echo "setting up $(VENV)"
-	@$(PYTHON) -m venv $(VENV)
+	@$(PYTHON) -m venv "$(VENV)"
 	@$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[dev]"
 	@missing=; \
 	test -n "$$($(RUN) -m find_libpython)" || \
 		missing="libpython$$($(RUN) -c 'import sys; print("%d.%d" % sys.version_info[:2])')"; \
 	$(call install,$$missing)
-	@touch $@
+	@touch "$@"
 
 # $(1): packages, maybe none.
 define install
