@@ -103,9 +103,10 @@ def _convert(instance: _Block, folder: Path, language: str, origin: str | None, 
             **({"testbench": False} if language == "verilog" else {}),
         )
     file = folder / f"{spec.entity}{SUFFIX[language]}"
-    text = tidy(file.read_text(), language, heading(instance, origin), _meanings(instance))
+    text = file.read_text(encoding="utf-8")
+    text = tidy(text, language, heading(instance, origin), _meanings(instance))
     check_ports(spec, text, language)
-    file.write_text(comment_ports(spec, text, language))
+    file.write_text(comment_ports(spec, text, language), encoding="utf-8")
     done[spec.entity] = spec
 
 

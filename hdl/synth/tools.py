@@ -73,12 +73,12 @@ def stored(
     key = fingerprint(scripts, digest(verilog), *facts, *map(version, tools))
     kept = STORE / f"{key}.json"
     if kept.is_file():
-        return dict(json.loads(kept.read_text()))
+        return dict(json.loads(kept.read_text(encoding="utf-8")))
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for file in verilog.glob("*.v"):
             shutil.copy(file, folder)
         answer = work(folder)
     with replace_file(kept) as temporary:
-        temporary.write_text(json.dumps(answer))
+        temporary.write_text(json.dumps(answer), encoding="utf-8")
     return answer

@@ -143,7 +143,7 @@ class Bench:
             f"{entity}: compared {self.compared} results, expected at least {at_least}"
         )
         line = {"compared": self.compared, **self.facts}
-        with Path(self.configuration["result"]).open("a") as handle:
+        with Path(self.configuration["result"]).open("a", encoding="utf-8") as handle:
             handle.write(json.dumps(line) + "\n")
 
 

@@ -113,7 +113,7 @@ def _watched(scene: Scene, design: Network, folder: Path) -> Iterator[Watched]:
 
 
 def _text(folder: Path, entity: str) -> str:
-    return (folder / f"{entity}.v").read_text()
+    return (folder / f"{entity}.v").read_text(encoding="utf-8")
 
 
 def _instance(folder: Path, parent: str, entity: str) -> str:
@@ -140,10 +140,10 @@ def _simulate(
         play += [tick[0], show, *tick[1:]]
     lines = ["`timescale 1ns/1ps", "module recorder;", *regs, f"    {top} dut({wires});"]
     lines += ["    initial begin", *(f"        {words}" for words in play), "    end", "endmodule"]
-    files = [str(folder / name) for name in (folder / ORDER).read_text().split()]
+    files = [str(folder / name) for name in (folder / ORDER).read_text(encoding="utf-8").split()]
     with tempfile.TemporaryDirectory() as work:
         source, program = Path(work) / "recorder.v", Path(work) / "recorder"
-        source.write_text("\n".join([*lines, ""]))
+        source.write_text("\n".join([*lines, ""]), encoding="utf-8")
         compiled = ["iverilog", "-g2012", "-s", "recorder", "-o", str(program), *files, str(source)]
         _run(compiled)
         printed = _run(["vvp", "-n", str(program)])
