@@ -6,7 +6,7 @@ PYTHON ?= python3
 VENV ?= .venv
 RUN = $(VENV)/bin/python
 
-.PHONY: help demo test sim vhdl verilog train network bench activations figures lean synth report docs lint clean tools browser
+.PHONY: help demo test sim vhdl verilog train network bench activations figures lean synth report docs pages lint clean tools browser
 
 help:
 	@echo "make demo    [SCENE=]                     a scene end to end: simulate, export, table of errors"
@@ -25,6 +25,7 @@ help:
 	@echo "make synth   [SCENE=] [RECORD=1]          cells of every block, clock, both beside the thesis; budget"
 	@echo "make report  [SCENE=]                     errors against cost, stability, resources, pictures: one HTML file"
 	@echo "make docs    [LINKS=1]                    the documentation as a site; LINKS=1 follows links to others"
+	@echo "make pages                                what is generated in the documentation"
 	@echo "make lint                                 ruff and mypy"
 	@echo "make clean                                remove build and .venv"
 	@echo
@@ -78,6 +79,10 @@ docs: $(VENV)/.ready
 	@$(if $(filter-out 0,$(LINKS)),$(SPHINX) -b linkcheck "$(SITE).links")
 	@rm -rf "$(SITE)" "$(SITE).doctrees" "$(SITE).links" && mv "$(SITE).new" "$(SITE)"
 	@echo "wrote $(SITE)/index.html"
+
+# What stands between markers in the pages: ports and clocks that the twins publish, recorded cells.
+pages: $(VENV)/.ready
+	@$(RUN) -m tb.report.page.blocks && $(RUN) -m tb.report.page.datasheets
 
 lint: $(VENV)/.ready
 	@$(RUN) -m ruff check . && $(RUN) -m ruff format --check . && $(RUN) -m mypy

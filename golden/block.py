@@ -9,13 +9,16 @@ from typing import TYPE_CHECKING, ClassVar
 if TYPE_CHECKING:
     from golden.flow import Flow
 
+from golden.port import Port
+
 
 @dataclass(frozen=True)
 class Block:
     """Elaboration constants of one block together with its bit-true function.
 
     A subclass sets ``block``, the name that is the block's address in every room, holds its
-    constants as fields, and computes values (never cycles) in ``process``.
+    constants as fields, computes values (never cycles) in ``process``, and publishes ports and
+    clocks of its hardware, which a bench holds it to.
 
     Parameters
     ----------
@@ -25,12 +28,29 @@ class Block:
 
     block: ClassVar[str] = ""
     area: ClassVar[str] = ""
+    # Where the thesis describes it; empty for what is ours.
+    section: ClassVar[str] = ""
     variant: str = field(default="", kw_only=True)
 
     @property
     def entity(self) -> str:
         """Name of the VHDL entity and Verilog module."""
         return f"{self.block}_{self.variant}" if self.variant else self.block
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        """The ports of its entity, in their order."""
+        raise NotImplementedError(f"{self.entity}: its twin publishes no ports")
+
+    @property
+    def latency(self) -> int:
+        """Clocks from a result's cause to the result; docs/streams.md says what is counted."""
+        raise NotImplementedError(f"{self.entity}: its twin publishes no latency")
+
+    @property
+    def interval(self) -> int:
+        """Least clocks from one input to the next."""
+        return 1
 
     def parts(self) -> tuple[Block, ...]:
         """The blocks this one is assembled from."""

@@ -9,7 +9,6 @@ from conftest import CASES
 
 from golden.block import walk
 from golden.scene import load_scene, scene_names
-from hdl.common.lookup import latency
 from tb.common.runner import Job, Outcome, plan, run_jobs
 from tb.common.tools import SIMULATORS
 from tb.report.measure.clocks import clocks_per_frame
@@ -86,7 +85,7 @@ def test_clocks_are_the_same_in_both_simulators(outcomes, scene: str) -> None:
         facts = next(o.facts for o in results if o.job.entity == design.entity)
         timing.append((facts["clocks_per_frame"], facts["interval"]))
         assert facts["interval"] == design.interval
-        assert facts["clocks_per_frame"] == clocks_per_frame(design, latency(design))
+        assert facts["clocks_per_frame"] == clocks_per_frame(design)
     assert timing[0] == timing[1]
 
 

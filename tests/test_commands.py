@@ -16,9 +16,9 @@ from golden.fingerprint import fingerprint
 from golden.network_files.network_file import provenance_path
 from golden.scene import FOLDER, Scene
 from hdl.synth.budget import budget_path
-from hdl.synth.datasheets import recorded
 from hdl.synth.timing import timing_path
 from tb.report.measure.networks import scenes
+from tb.report.page.datasheets import recorded
 
 ROOT = Path(__file__).parents[1]
 

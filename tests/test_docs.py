@@ -14,10 +14,8 @@ from conftest import every_design
 
 from golden.block import Block, walk
 from golden.scene import load_scene
-from hdl.export.elaborate import elaborate
-from hdl.export.hierarchy import convert_hierarchy
-from hdl.export.ports import Port, read_ports
 from tb.demo import error_table
+from tb.report.page.blocks import pages as published
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
@@ -75,32 +73,18 @@ def test_a_datasheet_has_its_headings_in_order(sheet: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def blocks(
-    tmp_path_factory: pytest.TempPathFactory,
-) -> dict[str, tuple[Block, list[Port]]]:
-    """A twin and its ports by block, the ports from VHDL."""
-    found: dict[str, tuple[Block, list[Port]]] = {}
-    for design in every_design(tmp_path_factory.mktemp("scenes")):
-        if all(block.block in found for block in walk(design)):
-            continue
-        folder = tmp_path_factory.mktemp("vhdl")
-        convert_hierarchy(elaborate(design), folder, "vhdl")
-        for block in walk(design):
-            text = (folder / f"{block.entity}.vhd").read_text()
-            found[block.block] = block, read_ports(text, "vhdl")
-    return found
+def twins(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Block]:
+    """A twin of every block."""
+    designs = every_design(tmp_path_factory.mktemp("scenes"))
+    return {block.block: block for design in designs for block in walk(design)}
 
 
-@pytest.mark.parametrize("sheet", SHEETS, ids=lambda p: p.stem)
-def test_the_port_table_is_the_entity(blocks, sheet: Path) -> None:
-    section = re.search(r"^## Ports\n(.*?)^## ", sheet.read_text(), re.M | re.S)
-    assert section
-    rows = re.findall(r"^\| *`([\w*]+)` *\| *(in|out) *\| *(\w+) *\|", section[1], re.M)
-    real = {
-        (re.sub(r"_\d+$", "_*", port.name), port.direction, port.vhdl.partition("(")[0])
-        for port in blocks[sheet.stem][1]
-    }
-    assert set(rows) == real
+def test_the_pages_hold_what_the_twins_publish() -> None:
+    """That the hardware has just these ports, every export checks."""
+    pages = published()
+    assert pages.keys() == {ROOT / "docs" / "README.md", *SHEETS}
+    for page, text in pages.items():
+        assert page.read_text() == text, f"{page}: run: make pages"
 
 
 def test_the_readme_shows_what_the_demo_prints() -> None:
@@ -160,7 +144,7 @@ def test_the_worked_example_works(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("sheet", SHEETS, ids=lambda p: p.stem)
-def test_the_parameter_table_is_the_twin(blocks, sheet: Path) -> None:
+def test_the_parameter_table_is_the_twin(twins, sheet: Path) -> None:
     section = re.search(r"^## Parameters\n(.*?)^## ", sheet.read_text(), re.M | re.S)
     assert section
     named = {
@@ -168,4 +152,4 @@ def test_the_parameter_table_is_the_twin(blocks, sheet: Path) -> None:
         for row in re.findall(r"^\| *(`[^|]*) *\|", section[1], re.M)
         for name in re.findall(r"`(\w+)`", row)
     }
-    assert named == {field.name for field in fields(blocks[sheet.stem][0])}
+    assert named == {field.name for field in fields(twins[sheet.stem])}

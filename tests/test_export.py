@@ -7,15 +7,23 @@ import os
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from conftest import CASES, random_mlp, write_scene
 
+from golden.activation.abs_unit import AbsUnit
+from golden.activation.schemes import SCHEMES
 from golden.block import walk
 from golden.fingerprint import fingerprint
+from golden.fixed import Fix
+from golden.port import Unsigned
+from golden.precision import EXACT
 from golden.scene import load_scene
+from hdl.export.elaborate import elaborate_activation
 from hdl.export.exporter import MANIFEST, ORDER
+from hdl.export.hierarchy import convert_hierarchy
 from tb.common.runner import export
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
@@ -220,3 +228,27 @@ def test_an_edited_file_is_exported_again(tmp_path: Path) -> None:
     file.write_text("broken")
     export(scene, "verilog", tmp_path)
     assert file.read_text() == text
+
+
+@pytest.mark.parametrize("language", ["vhdl", "verilog"])
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"name": "out_size"},
+        {"direction": "in"},
+        {"kind": Unsigned(16)},
+        {"kind": Fix(17, 14)},
+        {"kind": None},
+    ],
+    ids=str,
+)
+def test_ports_that_the_twin_does_not_publish_are_refused(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, language: str, change: dict
+) -> None:
+    spec = SCHEMES["precise"].build(EXACT, 1, EXACT.hidden_fmt.high)
+    published = [
+        replace(port, **change) if port.name == "out_mag" else port for port in spec.abs_unit.ports
+    ]
+    monkeypatch.setattr(AbsUnit, "ports", published)
+    with pytest.raises(ValueError, match=r"^abs_unit: got ports .*'out_mag', 'out', 17, False"):
+        convert_hierarchy(elaborate_activation(spec), tmp_path, language)

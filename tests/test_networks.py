@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 import tomllib
 from dataclasses import replace
 
@@ -269,3 +270,21 @@ def test_a_node_without_weights_still_builds() -> None:
     node = design.input_integral.nodes[1]
     assert node.acc_width < node.out_shift
     assert design.input_integral.process([[SIGNAL.low, SIGNAL.high]])[0, 1] == 0
+
+
+@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("digit-single", {"coefficients": "block_ram"}),
+        ("comparison/digit-parallel-pade", {"iterations": 5}),
+    ],
+)
+def test_activations_of_different_latency_are_refused(name: str, change: dict) -> None:
+    design = load_scene(name).twin()
+    first, *others = design.activations
+    clocks = sorted({first.latency, replace(first, **change).latency})
+    assert len(clocks) == 2
+    message = f"{design.entity}: got activations of latencies {clocks}, expected one latency"
+    with pytest.raises(ValueError, match=re.escape(message)):
+        replace(design, activations=(replace(first, **change), *others))

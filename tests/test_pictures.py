@@ -15,7 +15,6 @@ from golden.block import Block, walk
 from golden.flow import Carried
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_names
-from hdl.common.lookup import latency
 from tb.report.draw.animation import animation
 from tb.report.draw.datapath import datapath
 from tb.report.draw.load import beam
@@ -28,14 +27,6 @@ from tb.report.measure.recording import record
 SVG = "{http://www.w3.org/2000/svg}"
 FRAME = 40
 SWINGS = ("swing-single", "swing-multiple", "swing-cascade")
-
-
-def latencies(scene: Scene) -> dict[str, int]:
-    return {block.entity: latency(block) for block in walk(scene.twin())}
-
-
-def drawn_datapath(scene: Scene) -> str:
-    return datapath(scene, latencies(scene))
 
 
 def flag(*values: int | None) -> Port:
@@ -51,7 +42,7 @@ def drawn_waveforms(scene: Scene) -> str:
 
 
 PICTURES: list[tuple[Callable[[Scene], str], str]] = [
-    *((draw, "digit") for draw in (network, drawn_datapath, drawn_waveforms, profile, animation)),
+    *((draw, "digit") for draw in (network, datapath, drawn_waveforms, profile, animation)),
     (swing, "swing-single"),
 ]
 
@@ -142,7 +133,7 @@ def test_very_many_hidden_nodes_are_counted_and_not_all_drawn(tmp_path: Path) ->
 @pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 def test_the_datapath_names_every_block_of_the_design(tmp_path: Path, name: str) -> None:
     scene = CASES[name].scene(tmp_path, name) if name in CASES else load_scene(name)
-    root = parse(drawn_datapath(scene))
+    root = parse(datapath(scene))
     tips = [set(tip.split(", ")) for tip in words(root, "title")[1:]]
     entities = {block.entity for block in walk(scene.twin())}
     assert set().union(*tips) == entities
@@ -153,11 +144,11 @@ def test_the_datapath_names_every_block_of_the_design(tmp_path: Path, name: str)
 
 def test_the_datapath_counts_and_tells_formats_and_clocks() -> None:
     scene = load_scene("digit")
-    shown = words(parse(drawn_datapath(scene)))
+    shown = words(parse(datapath(scene)))
     for member in scene.mlps():
         assert f"{member.shape[1]} × input_node" in shown
         assert f"{member.shape[1]} × precise" in shown
-    assert f"{latency(scene.twin())} clocks" in shown
+    assert f"{scene.twin().latency} clocks" in shown
     assert "Fix(14,13) to Fix(18,14)" in shown
 
 
@@ -165,7 +156,7 @@ def test_the_datapath_draws_the_flow_of_each_block(tmp_path: Path) -> None:
     drawn = set()
     for name in ("digit-instrument", "digit-parallel", "axis-multiple"):
         scene = CASES[name].scene(tmp_path, name) if name in CASES else load_scene(name)
-        shown = words(parse(drawn_datapath(scene)))
+        shown = words(parse(datapath(scene)))
         for block in walk(scene.twin()):
             flow = block.flow()
             if flow:
@@ -180,21 +171,13 @@ def test_the_datapath_draws_the_flow_of_each_block(tmp_path: Path) -> None:
 def test_a_part_that_no_flow_names_is_drawn_all_the_same(monkeypatch) -> None:
     class Novelty(Block):
         block = "novelty"
+        latency = 3
 
     scene = load_scene("digit-load")
-    clocks = latencies(scene) | {"novelty": 3}
     kind = type(scene.twin())
     parts = kind.parts
     monkeypatch.setattr(kind, "parts", lambda self: (*parts(self), Novelty()))
-    assert "novelty" in words(parse(datapath(scene, clocks)))
-
-
-def test_the_datapath_asks_for_every_latency() -> None:
-    scene = load_scene("digit-load")
-    clocks = latencies(scene)
-    del clocks["hybrid"]
-    with pytest.raises(ValueError, match=r"digit-load.toml: datapath: no latency of hybrid, exp"):
-        datapath(scene, clocks)
+    assert "novelty" in words(parse(datapath(scene)))
 
 
 def test_the_recording_holds_what_the_twin_computes(recorded: list[Port]) -> None:
@@ -209,11 +192,11 @@ def test_the_recording_holds_what_the_twin_computes(recorded: list[Port]) -> Non
         assert counting(recorded, f"hybrid_{n}", "out_data") == [output]
 
 
-def test_the_recording_has_the_latency_that_the_hardware_publishes(recorded: list[Port]) -> None:
+def test_the_recording_has_the_latency_that_the_twin_publishes(recorded: list[Port]) -> None:
     design = load_scene("digit").twin()
     last = port(recorded, "cascade, frame in", "in_last").values.index(1)
     first = port(recorded, "cascade, frame out", "out_valid").values.index(1)
-    assert first - last == latency(design)
+    assert first - last == design.latency
     assert len(recorded[0].values) <= 90
 
 

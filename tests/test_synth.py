@@ -19,11 +19,11 @@ from golden.scene import Scene, load_scene, scene_names
 from hdl.synth.absorb import absorb
 from hdl.synth.budget import COLUMNS, budget_path, differences, read_budget, write_budget
 from hdl.synth.cells import DEPTH, FAMILIES, synthesise
-from hdl.synth.datasheets import BEGIN, COMPARED, pages, put
 from hdl.synth.netlist import KINDS, count, depth, total
 from hdl.synth.timing import read_timing, timing_path
 from hdl.synth.tools import digest, run_tool
 from tb.common.runner import export
+from tb.report.page.datasheets import COMPARED, pages
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
@@ -179,13 +179,6 @@ def test_a_broken_budget_is_refused(tmp_path: Path) -> None:
         read_budget(path)
 
 
-def test_a_page_without_markers_is_refused(tmp_path: Path) -> None:
-    page = tmp_path / "page.md"
-    page.write_text(f"# Page\n{BEGIN}\n")
-    with pytest.raises(CommandError, match=r"page\.md: expected the markers"):
-        put(page, "text")
-
-
 @pytest.fixture(scope="module")
 def verilog(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The Verilog of every recorded scene."""
@@ -220,7 +213,7 @@ def test_the_recorded_cells_are_those_that_yosys_finds(verilog: Path, family: st
 
 def test_the_pages_hold_what_is_recorded() -> None:
     for page, text in pages().items():
-        assert page.read_text() == text, f"{page}: run: python -m hdl.synth.datasheets"
+        assert page.read_text() == text, f"{page}: run: python -m tb.report.page.datasheets"
 
 
 def test_the_command(small_scene: Scene, tmp_path: Path) -> None:

@@ -12,3 +12,9 @@ class GMemory(Rom):
     """
 
     block = "g_memory"
+    section = "5.4.5.2"
+    port_meanings = ("segment number less one", "gradient G_n of the segment")
+
+    @property
+    def word_frac(self) -> None:
+        """The binary point is that of the segments' table (``SegmentTable.coeff_frac``)."""

@@ -40,6 +40,7 @@ class Gradient(ActivationBlock):
     """
 
     block = "gradient"
+    section = "5.4.3"
     table: SegmentTable
     intercept_width: int
     intercept_frac: int
@@ -78,6 +79,15 @@ class Gradient(ActivationBlock):
     @property
     def sign_retriever(self) -> SignRetriever:
         return SignRetriever(self.out_fmt)
+
+    @property
+    def latency(self) -> int:
+        return (
+            self.abs_unit.latency
+            + self.comparator_bank.latency
+            + self.grad_eqn.latency
+            + self.sign_retriever.latency
+        )
 
     def parts(self) -> tuple[Block, ...]:
         return (

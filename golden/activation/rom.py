@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.fixed import Codes, check_unsigned
+from golden.port import Port, Unsigned, given, taken
 
 
 @dataclass(frozen=True)
@@ -29,6 +31,8 @@ class Rom(Block):
     """
 
     area = "activation"
+    # What address and word are, for ``ports``.
+    port_meanings: ClassVar[tuple[str, str]]
     words: tuple[int, ...]
     width: int
 
@@ -46,6 +50,23 @@ class Rom(Block):
 
     def facts(self) -> tuple[str, ...]:
         return (f"{len(self.words)} words of {self.width} bits",)
+
+    @property
+    def word_frac(self) -> int | None:
+        """Fraction bits of a word, where the memory knows them: all, unless a subclass objects."""
+        return self.width
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        address, word = self.port_meanings
+        return (
+            taken("addr", address, Unsigned(self.addr_width), "addr_width"),
+            given("word", word, Unsigned(self.width, self.word_frac), "width"),
+        )
+
+    @property
+    def latency(self) -> int:
+        return 0
 
     def process(self, addr: ArrayLike) -> Codes:
         """The word at each address.

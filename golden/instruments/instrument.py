@@ -10,6 +10,7 @@ from golden.flow import Carried, Flow
 from golden.instruments.readout import Readout
 from golden.layers.input_controller import InputController
 from golden.networks.network import Network
+from golden.port import CLOCKED, Port
 from golden.precision import SIGNAL
 from golden.sensing.scan_sequencer import ScanSequencer
 
@@ -33,6 +34,7 @@ class Instrument(Network):
     """
 
     block = "instrument"
+    section = "5.4.4, 5.5, 5.8"
     stream = "converter"
     area = "instruments"
     scan_sequencer: ScanSequencer
@@ -64,6 +66,21 @@ class Instrument(Network):
     @property
     def interval(self) -> int:
         return self.scan_sequencer.scan_clocks
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        scan = {port.name: port for port in self.scan_sequencer.ports}
+        results = [port for port in self.readout.ports if port.direction == "out"]
+        return (
+            *CLOCKED,
+            scan["adc"],
+            scan["address"],
+            *(port for port in results if port.name != "frame_error"),
+        )
+
+    @property
+    def latency(self) -> int:
+        return self.scan_sequencer.latency + self.readout.latency
 
     @property
     def input_controller(self) -> InputController:

@@ -10,7 +10,8 @@ from golden.block import Block
 from golden.fixed import Codes
 from golden.flow import Carried, Flow, Step
 from golden.layers.input_controller import InputController
-from golden.networks.network import Network
+from golden.networks.network import Network, serial_ports
+from golden.port import Port, given, group
 from golden.precision import SIGNAL
 from golden.visualisation.load_profile import LoadProfile
 
@@ -37,6 +38,7 @@ class Readout(Network):
     """
 
     block = "readout"
+    section = "5.5, 5.8"
     area = "instruments"
     network: Network
     load_profile: LoadProfile | None = None
@@ -66,6 +68,31 @@ class Readout(Network):
     @property
     def interval(self) -> int:
         return self.network.interval
+
+    @property
+    def result_ports(self) -> tuple[Port, ...]:
+        """The held outputs and, where one is drawn, the profile."""
+        held = group(given("held", "output *, until the next of its kind", SIGNAL), self.outputs)
+        if self.load_profile is None:
+            return held
+        return (
+            *held,
+            given("profile_valid", "`profile_x` and `profile_y` hold a new point"),
+            given("profile_x", "i_p, which stays until the next point", SIGNAL),
+            given("profile_y", "f(i_p), which stays until the next point", SIGNAL),
+            given("profile_last", "it is the last point of the ramp, for this clock"),
+        )
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            *serial_ports("an element", "element of the network's frame", "of the wrong length"),
+            *self.result_ports,
+        )
+
+    @property
+    def latency(self) -> int:
+        return self.network.latency
 
     @property
     def input_controller(self) -> InputController:

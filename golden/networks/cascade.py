@@ -11,7 +11,9 @@ from golden.fixed import Codes
 from golden.flow import Carried, Controlled, Flow, Step
 from golden.layers.input_controller import InputController
 from golden.layers.output_collector import OutputCollector
+from golden.networks.network import serial_ports
 from golden.networks.several import Several
+from golden.port import Port
 from golden.precision import SIGNAL
 from golden.sensing.stream_multiplexer import StreamMultiplexer
 
@@ -43,6 +45,7 @@ class Cascade(Several):
     """
 
     block = "cascade"
+    section = "5.5"
 
     def _inputs_of(self, number: int) -> int:
         return self.inputs + number
@@ -71,6 +74,26 @@ class Cascade(Several):
             StreamMultiplexer(SIGNAL, slot, variant=str(slot))
             for slot in range(self.inputs, self.networks[-1].inputs)
         )
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        early = " or that comes too early" if self.input_controller.spacing else ""
+        return serial_ports(
+            "an element",
+            "samples x, in the order of the scene's sensors, then one element, whatever it holds, "
+            "for each output but the last",
+            f"of the wrong length{early}",
+        )
+
+    @property
+    def latency(self) -> int:
+        """Of a frame store too, whose last element leaves behind all others of its frame."""
+        parts = [*self.networks, *self.multiplexers, self.output_collector]
+        clocks = sum(part.latency for part in parts)
+        if self.frame_store is None:
+            return clocks
+        first = self.input_controller.latency + self.frame_store.latency
+        return clocks + first + self.frame_store.outputs - 1
 
     def parts(self) -> tuple[Block, ...]:
         return (

@@ -38,6 +38,7 @@ class Hybrid(Design):
     """
 
     block = "hybrid"
+    section = "5.4"
     arrangements = ("single", "multiple", "cascade")
     input_integral: InputIntegral
     activations: tuple[ActivationBlock, ...]
@@ -49,6 +50,12 @@ class Hybrid(Design):
             raise ValueError(
                 f"{self.entity}: got {hidden} nodes, {len(self.activations)} activations and "
                 f"{self.output_integral.hidden} weights per output, expected equal numbers"
+            )
+        # All activations answer in the same clock.
+        clocks = sorted({activation.latency for activation in self.activations})
+        if len(clocks) > 1:
+            raise ValueError(
+                f"{self.entity}: got activations of latencies {clocks}, expected one latency"
             )
 
     @classmethod
@@ -107,6 +114,15 @@ class Hybrid(Design):
     def interval(self) -> int:
         rest = (a.interval for a in self.activations)
         return max(self.inputs, self.outputs, self.min_interval, *rest)
+
+    @property
+    def latency(self) -> int:
+        return (
+            self.input_controller.latency
+            + self.activations[0].latency
+            + self.output_controller.latency
+            + self.output_integral.latency
+        )
 
     @property
     def input_controller(self) -> InputController:

@@ -30,6 +30,7 @@ class Multiple(Several):
     """
 
     block = "multiple"
+    section = "3.12, 6.5"
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -48,6 +49,10 @@ class Multiple(Several):
     @property
     def interval(self) -> int:
         return self.networks[0].interval
+
+    @property
+    def latency(self) -> int:
+        return max(network.latency for network in self.networks) + self.output_collector.latency
 
     def parts(self) -> tuple[Block, ...]:
         return (*self.networks, self.output_collector)

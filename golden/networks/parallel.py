@@ -35,6 +35,7 @@ class Parallel(Design):
     """
 
     block = "parallel"
+    section = "5.2"
     arrangements = ("single",)
     stream = "words"
     hidden_neurons: tuple[Neuron, ...]
@@ -51,6 +52,12 @@ class Parallel(Design):
             )
         if len({len(neuron.weights) for neuron in self.hidden_neurons}) != 1:
             raise ValueError(f"{self.entity}: got hidden neurons of unequal numbers of weights")
+        # All activations answer in the same clock.
+        clocks = sorted({activation.latency for activation in self.activations})
+        if len(clocks) > 1:
+            raise ValueError(
+                f"{self.entity}: got activations of latencies {clocks}, expected one latency"
+            )
         # All outputs leave in one clock: with the factor's multiplier or without.
         if len({neuron.factor is None for neuron in self.output_neurons}) != 1:
             raise ValueError(f"{self.entity}: got factors of some outputs, expected all or none")
@@ -102,6 +109,14 @@ class Parallel(Design):
     @property
     def interval(self) -> int:
         return max(self.min_interval, *(activation.interval for activation in self.activations))
+
+    @property
+    def latency(self) -> int:
+        return (
+            self.hidden_neurons[0].latency
+            + self.activations[0].latency
+            + self.output_neurons[0].latency
+        )
 
     @property
     def input_controller(self) -> InputController:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from golden.activation.rom import Rom
+from golden.port import CLOCK, Port
 
 
 class ExpMemory(Rom):
@@ -14,7 +15,17 @@ class ExpMemory(Rom):
     """
 
     block = "exp_memory"
+    section = "5.8"
     area = "visualisation"
+    port_meanings = ("upper bits of x", "exp(-x) in the middle of the interval")
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return CLOCK, *super().ports
+
+    @property
+    def latency(self) -> int:
+        return 1
 
 
 def exp_memory(addr_width: int, interval_frac: int, width: int) -> ExpMemory:

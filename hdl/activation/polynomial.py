@@ -201,12 +201,3 @@ def polynomial(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Polyno
             spec=spec.sign_retriever,
         ),
     )
-
-
-polynomial.latency = lambda spec: (
-    abs_unit.latency(spec.abs_unit)
-    + comparator_bank.latency(spec.comparator_bank)
-    + 2
-    + (spec.factor is not None)
-    + sign_retriever.latency(spec.sign_retriever)
-)

@@ -10,7 +10,6 @@ from myhdl import ToVerilogWarning, ToVHDLWarning
 
 from golden.files import replace_folder
 from golden.scene import Scene
-from hdl.common.lookup import latency
 from hdl.export.elaborate import elaborate
 from hdl.export.handover.write import write_handover
 from hdl.export.hierarchy import SUFFIX, convert_hierarchy
@@ -61,7 +60,7 @@ def export(scene: Scene, language: str, folder: Path) -> list[str]:
                 "block": spec.block,
                 "area": spec.area,
                 "file": f"{spec.entity}{suffix}",
-                "latency": latency(spec),
+                "latency": spec.latency,
             }
             for spec in specs
         ]

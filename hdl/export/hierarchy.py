@@ -22,7 +22,7 @@ from myhdl._Signal import _Signal
 
 from golden.block import Block
 from hdl.common.signals import Words
-from hdl.export.ports import read_ports
+from hdl.export.ports import check_ports
 
 LANGUAGES = {"vhdl": "VHDL", "verilog": "Verilog"}
 SUFFIX = {"vhdl": ".vhd", "verilog": ".v"}
@@ -74,21 +74,21 @@ def convert_hierarchy(top: _Block, folder: Path, language: str) -> list[Block]:
     ValueError
         When two blocks share an entity name but not their constants.
     """
-    done: dict[str, tuple[Block, dict[str, str]]] = {}
+    done: dict[str, Block] = {}
     _convert(top, folder, language, done)
-    return [spec for spec, _ in done.values()]
+    return list(done.values())
 
 
 def _convert(instance: _Block, folder: Path, language: str, done: dict) -> None:
     spec = instance.kwargs["spec"]
     if spec.entity in done:
-        if done[spec.entity][0] != spec:
+        if done[spec.entity] != spec:
             raise ValueError(f"{spec.entity}: two different blocks want this entity name")
         return
     children = list(_entities(instance))
     for child in children:
         _convert(child, folder, language, done)
-    with _replaced(instance, children, language, done):
+    with _replaced(instance, children, language):
         instance.convert(
             hdl=LANGUAGES[language],
             path=str(folder),
@@ -100,7 +100,8 @@ def _convert(instance: _Block, folder: Path, language: str, done: dict) -> None:
     file = folder / f"{spec.entity}{SUFFIX[language]}"
     text = _tidy(file.read_text(), language)
     file.write_text(text)
-    done[spec.entity] = (spec, port_directions(text, language))
+    check_ports(spec, text, language)
+    done[spec.entity] = spec
 
 
 def _entities(instance: _Block) -> Iterator[_Block]:
@@ -126,7 +127,7 @@ def _entities(instance: _Block) -> Iterator[_Block]:
 
 
 @contextmanager
-def _replaced(instance: _Block, children: list[_Block], language: str, done: dict):
+def _replaced(instance: _Block, children: list[_Block], language: str):
     """Let ``children`` convert as instances of their entities."""
     attribute = f"{language}_code"
     count: Counter[str] = Counter()
@@ -141,6 +142,7 @@ def _replaced(instance: _Block, children: list[_Block], language: str, done: dic
         label = f"u_{spec.block}_{count[spec.block]}"
         count[spec.block] += 1
         setattr(child, attribute, _INSTANCE[language](label, spec.entity, ports))
+        outputs = {port.name for port in spec.ports if port.direction == "out"}
         for name, signal in ports.items():
             # _inferInterface names the members of Words after the child's port, and MyHDL only
             # declares what has no name yet.
@@ -148,7 +150,7 @@ def _replaced(instance: _Block, children: list[_Block], language: str, done: dic
             signal._markUsed()
             # Marks outputs too: a parent may leave an output of a child open.
             signal.read = True
-            if done[spec.entity][1][name] == "out":
+            if name in outputs:
                 signal.driven = "wire"
         hidden.append((child, child.subs, child.sigdict, child.memdict))
         child.subs, child.sigdict, child.memdict = [], {}, {}
@@ -169,11 +171,6 @@ def _name_grouped_signals(instance: _Block) -> None:
                 instance.sigdict.setdefault(f"{name}_{index}", value[index])
         elif isinstance(value, _Signal):
             instance.sigdict.setdefault(name, value)
-
-
-def port_directions(text: str, language: str) -> dict[str, str]:
-    """Direction of each port, read from the converted header."""
-    return {port.name: port.direction for port in read_ports(text, language)}
 
 
 def _tidy(text: str, language: str) -> str:

@@ -104,6 +104,3 @@ def input_node(clk, in_data, addr, preset, accumulate, capture, out_data, *, spe
             out_data.next = result
 
     return weights, fetch, multiply, cut, load, move, choose, add, gather, finish, hold
-
-
-input_node.latency = lambda spec: 4

@@ -4,7 +4,8 @@ from myhdl import always, always_comb, block
 
 from golden.fixed import Rounding
 from golden.layers.output_integral import OutputIntegral
-from hdl.common.adder_tree import adder_tree, tree_depth
+from golden.layers.weighted_sum import tree_depth
+from hdl.common.adder_tree import adder_tree
 from hdl.common.delay import delay
 from hdl.common.requantise import requantise
 from hdl.common.rom import rom
@@ -147,10 +148,7 @@ def output_integral(
     def keep():
         out_data.next = result
 
-    clocks = output_integral.latency(spec)
+    clocks = spec.latency
     mark = delay(clk, rst, in_valid, out_valid, clocks=clocks)
     close = delay(clk, rst, in_last, out_last, clocks=clocks)
     return products, biases, tree, scaling, finish, keep, mark, close
-
-
-output_integral.latency = lambda spec: 3 + tree_depth(spec.hidden + 1) + (spec.factors is not None)

@@ -5,7 +5,7 @@ from myhdl import block
 from golden.networks.cascade import Cascade
 from golden.precision import SIGNAL
 from hdl.common.delay import delay
-from hdl.common.lookup import hardware, latency
+from hdl.common.lookup import hardware
 from hdl.common.signals import Words, fixed, flag, unsigned
 from hdl.common.stream import catch, stream_ports, window
 from hdl.layers.input_controller import input_controller
@@ -28,7 +28,7 @@ def stage(
     multiplexer,
 ):
     """One network and the stream that the next one sees, with the result in its slot."""
-    clocks = latency(network)
+    clocks = network.latency
     seen_valid, seen_last = flag(), flag()
     result_valid, result = flag(), fixed(SIGNAL)
     late_valid, late_data, late_last = flag(), fixed(SIGNAL), flag()
@@ -110,7 +110,7 @@ def store(
     not yet replaced the first.
     """
     elements = collector.outputs
-    clocks = latency(controller) - 1
+    clocks = controller.latency - 1
     late_valid, late_data, late_last = flag(), fixed(SIGNAL), flag()
     words = Words(elements, lambda: fixed(SIGNAL))
     addr = unsigned(controller.addr_width)
@@ -165,7 +165,8 @@ def cascade(
     out_valid, out_data, out_last : bool, signed Fix(14,13), bool
         One output a clock, in the order of the networks.
     frame_error : bool
-        One clock long for each frame of the wrong length, which yields no result.
+        One clock long for each frame of the wrong length, or that ends less than ``spec.interval``
+        clocks after the last good one; it yields no result.
     spec : Cascade
 
     Notes
@@ -173,8 +174,8 @@ def cascade(
     Network i works on the first ``spec.inputs + i`` elements of its stream. That stream is then
     delayed by the network's latency, so that the result is there when its slot comes, however
     long the sender pauses between elements, and is put into the slot: the next network's stream.
-    Latency from the last element to the first output: ``cascade.latency(spec)`` clocks; frames may
-    follow without a gap. Reset clears every flag and counter.
+    Latency from the last element to the first output: ``spec.latency`` clocks; a frame may
+    follow the last after ``spec.interval`` clocks. Reset clears every flag and counter.
     """
     final = spec.outputs - 1
     # Stream i, counted from 0, has the results up to that of network i.
@@ -186,7 +187,7 @@ def cascade(
     final_last, broken = flag(), flag()
     # The earlier outputs pass by in the last network's stream. One clock short of its latency,
     # because a word caught is there a clock later.
-    wait = latency(spec.networks[final]) - 1
+    wait = spec.networks[final].latency - 1
 
     controller, collector = spec.input_controller, spec.frame_store
     if collector is None:
@@ -263,14 +264,4 @@ def cascade(
     )
 
 
-def _clocks(spec: Cascade) -> int:
-    """With a frame store the last element leaves it as many clocks later as a frame has others."""
-    parts = [*spec.networks, *spec.multiplexers, spec.output_collector]
-    if spec.frame_store is None:
-        return sum(map(latency, parts))
-    parts += [spec.input_controller, spec.frame_store]
-    return sum(map(latency, parts)) + spec.frame_store.outputs - 1
-
-
-cascade.latency = _clocks
 cascade.ports = stream_ports

@@ -5,7 +5,7 @@ from myhdl import block
 from golden.networks.multiple import Multiple
 from golden.precision import SIGNAL
 from hdl.common.delay import delay
-from hdl.common.lookup import hardware, latency
+from hdl.common.lookup import hardware
 from hdl.common.signals import Words, fixed, flag
 from hdl.common.stream import stream_ports
 from hdl.layers.output_collector import output_collector
@@ -43,7 +43,7 @@ def multiple(
     results of the others wait for it. Reset clears every flag and counter.
     """
     outputs = spec.outputs
-    clocks = [latency(network) for network in spec.networks]
+    clocks = [network.latency for network in spec.networks]
     slowest = clocks.index(max(clocks))
     result_valid = Words(outputs, flag)
     result = Words(outputs, lambda: fixed(SIGNAL))
@@ -92,7 +92,4 @@ def multiple(
     )
 
 
-multiple.latency = lambda spec: (
-    max(latency(network) for network in spec.networks) + latency(spec.output_collector)
-)
 multiple.ports = stream_ports

@@ -71,6 +71,3 @@ def scan_sequencer(clk, rst, adc, address, out_valid, out_data, out_last, *, spe
         keep,
         rom(slot, selected, words=np.array(spec.addresses)),
     )
-
-
-scan_sequencer.latency = lambda spec: 1

@@ -22,6 +22,3 @@ def exp_memory(clk, addr, word, *, spec: ExpMemory):
     Latency 1 clock, one word a clock: a block RAM. There is nothing to reset.
     """
     return registered_rom(clk, addr, word, words=spec.words)
-
-
-exp_memory.latency = lambda spec: 1

@@ -189,12 +189,10 @@ def run_job(job: Job) -> Outcome:
     job.folder.mkdir(parents=True)
     result = job.folder / "compared.jsonl"
     sources = [str(job.hdl_folder / name) for name in job.files]
-    manifest = json.loads((job.hdl_folder / MANIFEST).read_text())
     rerun = f"make sim BLOCK={job.block} SIM={job.simulator} SCENE={_scene_argument(job.scene)}"
     configuration = {
         "scene": str(job.scene.path.resolve()),
         "entity": job.entity,
-        "latencies": {entry["entity"]: entry["latency"] for entry in manifest},
         "frames": job.frames,
         "result": str(result),
         "rerun": f"{rerun} SEED={job.seed}",

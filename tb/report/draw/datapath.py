@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
-from golden.block import Block, walk
+from golden.block import Block
 from golden.flow import Alike, Beside, Carried, Controlled, Flow, Step
 from golden.scene import Scene
 from tb.report.draw.drawing import picture
@@ -16,7 +16,7 @@ MARGIN = 8.0
 STACK = 3
 
 
-def datapath(scene: Scene, latencies: Mapping[str, int]) -> str:
+def datapath(scene: Scene) -> str:
     """Every block of the scene's design, with how many there are, its formats and its latency.
 
     Blocks of one kind that stand side by side share a box; its tip names their entities. Within a
@@ -25,9 +25,6 @@ def datapath(scene: Scene, latencies: Mapping[str, int]) -> str:
     Parameters
     ----------
     scene : Scene
-    latencies : mapping of str to int
-        Clocks of each entity, which the hardware publishes: ``hdl.common.lookup.latency``, or
-        ``manifest.json`` of an export.
 
     Returns
     -------
@@ -37,26 +34,19 @@ def datapath(scene: Scene, latencies: Mapping[str, int]) -> str:
     Raises
     ------
     FileNotFoundError, ValueError
-        See ``Scene.twin``; also for an entity without a latency.
+        See ``Scene.twin``.
     """
     design = scene.twin()
-    for block in walk(design):
-        if block.entity not in latencies:
-            raise ValueError(
-                f"{scene.path}: datapath: no latency of {block.entity}, expected one for each "
-                "entity of the design"
-            )
-    drawn = _Diagram(latencies).blocks([design])
+    drawn = _Diagram().blocks([design])
     size = (drawn.width + 2 * MARGIN, drawn.height + 2 * MARGIN)
     title = f"Datapath of scene {scene.name}: the blocks of {design.entity}"
     return picture(title, size, drawn.draw((MARGIN, MARGIN)), min(size[0], 900), size[0] * 1.1)
 
 
 class _Diagram:
-    """Boxes of blocks, with the latencies that are written into them."""
+    """Boxes of blocks, with their latencies written into them."""
 
-    def __init__(self, latencies: Mapping[str, int]):
-        self.latencies = latencies
+    def __init__(self) -> None:
         # Entities in the order in which they were placed.
         self.placed: list[str] = []
 
@@ -70,7 +60,7 @@ class _Diagram:
 
     def _lines(self, same: Sequence[Block]) -> list[str]:
         """Clocks, from the least to the most, and the facts that all of the blocks share."""
-        clocks = sorted({self.latencies[block.entity] for block in same})
+        clocks = sorted({block.latency for block in same})
         words = " to ".join(str(n) for n in dict.fromkeys((clocks[0], clocks[-1])))
         shared = [fact for fact in _facts(same[0]) if all(fact in _facts(b) for b in same)]
         return [f"{words} clock{'' if clocks == [1] else 's'}", *shared]

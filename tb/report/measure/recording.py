@@ -17,7 +17,6 @@ from golden.cli import CommandError
 from golden.networks.network import Network
 from golden.precision import SIGNAL
 from golden.scene import Scene
-from hdl.common.lookup import latency
 from hdl.export.exporter import ORDER
 from hdl.export.ports import read_ports
 from tb.common.runner import BUILD, export
@@ -90,7 +89,7 @@ def _drive(design: Network, samples: list[int]) -> list[dict[str, int]]:
             for n, code in enumerate(elements)
         ]
     idle = dict.fromkeys(busy[0], 0)
-    return [idle] * BEFORE + busy + [idle] * (latency(design) + outputs - 1 + BEHIND)
+    return [idle] * BEFORE + busy + [idle] * (design.latency + outputs - 1 + BEHIND)
 
 
 def _watched(scene: Scene, design: Network, folder: Path) -> Iterator[Watched]:
