@@ -77,21 +77,23 @@ class Cascade(Several):
 
     @property
     def ports(self) -> tuple[Port, ...]:
+        early = " or that comes too early" if self.input_controller.spacing else ""
         return serial_ports(
             "an element",
             "samples x, in the order of the scene's sensors, then one element, whatever it holds, "
             "for each output but the last",
-            "of the wrong length or that comes too early",
+            f"of the wrong length{early}",
         )
 
     @property
     def latency(self) -> int:
+        """Of a frame store too, whose last element leaves behind all others of its frame."""
         parts = [*self.networks, *self.multiplexers, self.output_collector]
+        clocks = sum(part.latency for part in parts)
         if self.frame_store is None:
-            return sum(part.latency for part in parts)
-        # The last element leaves the store as many clocks later as a frame has others.
-        parts += [self.input_controller, self.frame_store]
-        return sum(part.latency for part in parts) + self.frame_store.outputs - 1
+            return clocks
+        first = self.input_controller.latency + self.frame_store.latency
+        return clocks + first + self.frame_store.outputs - 1
 
     def parts(self) -> tuple[Block, ...]:
         return (

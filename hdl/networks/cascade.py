@@ -5,6 +5,7 @@ from myhdl import block
 from golden.networks.cascade import Cascade
 from golden.precision import SIGNAL
 from hdl.common.delay import delay
+from hdl.common.good_frame import good_frame
 from hdl.common.lookup import hardware
 from hdl.common.signals import Words, fixed, flag, unsigned
 from hdl.common.stream import catch, stream_ports, window
@@ -103,38 +104,13 @@ def store(
     controller,
     collector,
 ):
-    """Good frames, an element a clock; of others only their error.
-
-    The controller tells of a good frame some clocks after its last element. The words of a frame
-    are caught as much later less one, so that they are complete just then and the next frame has
-    not yet replaced the first.
-    """
-    elements = collector.outputs
-    clocks = controller.latency - 1
-    late_valid, late_data, late_last = flag(), fixed(SIGNAL), flag()
-    words = Words(elements, lambda: fixed(SIGNAL))
-    addr = unsigned(controller.addr_width)
-    # Left open, but for the last.
-    preset, accumulate, capture, complete = flag(), flag(), flag(), flag()
-
+    """Good frames, an element a clock; of others only their error."""
+    words = Words(collector.outputs, lambda: fixed(SIGNAL))
+    complete = flag()
     return (
-        input_controller(
-            clk,
-            rst,
-            valid,
-            last,
-            addr,
-            preset,
-            accumulate,
-            capture,
-            complete,
-            frame_error,
-            spec=controller,
+        good_frame(
+            clk, rst, valid, data, last, words, complete, frame_error, controller=controller
         ),
-        delay(clk, rst, valid, late_valid, clocks=clocks),
-        delay(clk, None, data, late_data, clocks=clocks),
-        delay(clk, rst, last, late_last, clocks=clocks),
-        catch(clk, rst, late_valid, late_data, late_last, words, first=0, slots=elements),
         output_collector(
             clk, rst, complete, words, good_valid, good_data, good_last, spec=collector
         ),
@@ -165,7 +141,8 @@ def cascade(
     out_valid, out_data, out_last : bool, signed Fix(14,13), bool
         One output a clock, in the order of the networks.
     frame_error : bool
-        One clock long for each frame of the wrong length, which yields no result.
+        One clock long for each frame of the wrong length, or that ends less than ``spec.interval``
+        clocks after the last good one; it yields no result.
     spec : Cascade
 
     Notes
@@ -173,8 +150,8 @@ def cascade(
     Network i works on the samples and the first i slots of its stream. That stream is then
     delayed by the network's latency, so that the result is there when its slot comes, however
     long the sender pauses between elements, and is put into the slot: the next network's stream.
-    Latency from the last element to the first output: ``spec.latency`` clocks; frames may
-    follow without a gap. Reset clears every flag and counter.
+    Latency from the last element to the first output: ``spec.latency`` clocks; a frame may
+    follow the last after ``spec.interval`` clocks. Reset clears every flag and counter.
     """
     final = spec.outputs - 1
     # Stream i, counted from 0, has the results up to that of network i.
