@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -123,7 +124,7 @@ def test_the_network_diagram_shows_every_node_and_name(name: str) -> None:
 
 def test_very_many_hidden_nodes_are_counted_and_not_all_drawn(tmp_path: Path) -> None:
     wide = CASES["wide"]
-    scene = wide.__class__(wide.blocks, [(2, 90, 1)], "exact").scene(tmp_path, "many")
+    scene = replace(wide, shapes=[(2, 90, 1)]).scene(tmp_path, "many")
     root = parse(network(scene))
     assert "90 hidden nodes" in words(root)
     assert len(list(root.iter(f"{SVG}circle"))) < 90
