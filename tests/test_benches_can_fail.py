@@ -23,17 +23,19 @@ def with_fault(job: Job, folder: Path, pattern: str, text: str) -> Job:
     changed = replace(job, build=folder)
     shutil.copytree(job.hdl_folder, changed.hdl_folder)
     file = changed.hdl_folder / f"{job.entity}.v"
-    source, count = re.subn(pattern, text, file.read_text(), count=1)
-    assert count == 1, f"{pattern} is not in {file.name}"
-    file.write_text(source)
+    file.write_text(re.sub(pattern, text, file.read_text(), count=1))
     return changed
 
 
-def job_of(shared: Shared, block: str) -> Job:
-    """What the faults of a block are put into; test_benches.py runs it without one."""
-    jobs = shared.jobs(CASES_OF[block][0], "icarus")
-    # The first entity is the last in line. A network's last hidden node is without weights.
-    return [job for job in jobs if job.block == block][-1]
+def job_of(shared: Shared, block: str, pattern: str = "") -> Job:
+    """The first entity of a block, in the first case of its bench, that holds a pattern."""
+    case = CASES_OF[block][0]
+    # In line the last entity comes first.
+    for job in reversed(shared.jobs(case, "icarus")):
+        source = (job.hdl_folder / f"{job.entity}.v").read_text()
+        if job.block == block and re.search(pattern, source):
+            return job
+    raise AssertionError(f"tb_{block}.py: FAULTS: {pattern} is in no {block} of case {case}")
 
 
 @pytest.mark.parametrize(
@@ -48,8 +50,9 @@ def test_a_fault_turns_the_bench_red(
     shared: Shared, tmp_path: Path, fault: tuple[str, int]
 ) -> None:
     block, number = fault
-    outcome = run_job(with_fault(job_of(shared, block), tmp_path, *FAULTS[block][number]))
-    assert not outcome.passed, FAULTS[block][number]
+    pattern, text = FAULTS[block][number]
+    outcome = run_job(with_fault(job_of(shared, block, pattern), tmp_path, pattern, text))
+    assert not outcome.passed, f"{pattern} as {text}"
     # It ran and found the fault: not the compiler did.
     assert re.search(r" FAIL=[1-9]", outcome.log.read_text())
 
