@@ -14,8 +14,7 @@ READY = $(subst $(EMPTY) ,\ ,$(VENV))/.ready
 help:
 	@echo "make demo    [SCENE=]                     a scene end to end: simulate, export, table of errors"
 	@echo "make test    [TESTS=tests/test_x.py] [ALL=1] [MACHINE=name]"
-	@echo "                                          the tests of every change, or some; ALL=1 every constant"
-	@echo "                                          and fault; on this machine as if it were another"
+	@echo "                                          the tests, or some; ALL=1 every constant; MACHINE= as elsewhere"
 	@echo "make machines [ONLY=name] [TESTS=] [SIMULATED=1] [ALL=1]"
 	@echo "                                          the tests as on other machines, a line each"
 	@echo "make sim     [BLOCK=] [SIM=ghdl|icarus] [SCENE=] [SEED=] [WAVES=1] [FRAMES=]"
@@ -93,7 +92,7 @@ docs: $(READY)
 
 # What stands between markers in the pages: ports and clocks that the twins publish, recorded cells.
 pages: $(READY)
-	@$(RUN) -m tb.report.page.blocks && $(RUN) -m tb.report.page.datasheets
+	@$(RUN) -m tb.report.page.blocks && $(RUN) -m tb.report.page.datasheets && $(RUN) -m tb.report.page.lists
 
 lint: $(READY)
 	@$(RUN) -m ruff check . && $(RUN) -m ruff format --check . && $(RUN) -m mypy

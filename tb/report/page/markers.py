@@ -41,9 +41,9 @@ def put(page: Path, old: str, text: str, command: str, section: str = "") -> str
 
 
 def write(pages: Mapping[Path, str]) -> None:
-    """Write the pages that differ, and say which."""
+    """Write the pages that differ or are not there, and say which."""
     for page, text in pages.items():
-        if page.read_text(encoding="utf-8") != text:
+        if not page.exists() or page.read_text(encoding="utf-8") != text:
             with replace_file(page) as temporary:
                 temporary.write_text(text, encoding="utf-8")
             print(f"wrote {page.relative_to(ROOT)}")
