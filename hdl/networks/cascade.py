@@ -6,7 +6,7 @@ from golden.networks.cascade import Cascade
 from golden.precision import SIGNAL
 from hdl.common.delay import delay
 from hdl.common.signals import Words, fixed, flag, unsigned
-from hdl.common.stream import catch, stream_ports, window
+from hdl.common.stream import catch, window
 from hdl.layers.input_controller import input_controller
 from hdl.layers.output_collector import output_collector
 from hdl.networks.hybrid import hybrid
@@ -188,6 +188,3 @@ def cascade(
             spec=spec.output_collector,
         ),
     )
-
-
-cascade.ports = stream_ports
