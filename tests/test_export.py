@@ -21,7 +21,7 @@ from golden.fixed import Fix
 from golden.port import Unsigned
 from golden.precision import EXACT
 from golden.scene import load_scene
-from hdl.export.elaborate import elaborate_activation
+from hdl.export.elaborate import elaborate
 from hdl.export.exporter import MANIFEST, ORDER
 from hdl.export.hierarchy import convert_hierarchy
 from tb.common.cases import random_mlp, write_scene
@@ -275,13 +275,13 @@ def test_ports_that_the_twin_does_not_publish_are_refused(
     ]
     monkeypatch.setattr(AbsUnit, "ports", published)
     with pytest.raises(ValueError, match=r"^abs_unit: got ports .*'out_mag', 'out', 17, False"):
-        convert_hierarchy(elaborate_activation(spec), tmp_path, language)
+        convert_hierarchy(elaborate(spec), tmp_path, language)
 
 
 @pytest.mark.parametrize(("language", "sign"), [("vhdl", "--"), ("verilog", "//")])
 def test_every_port_says_what_it_carries(tmp_path: Path, language: str, sign: str) -> None:
     spec = SCHEMES["gradient"].build(EXACT, 1, EXACT.hidden_fmt.high)
-    for block in convert_hierarchy(elaborate_activation(spec), tmp_path, language):
+    for block in convert_hierarchy(elaborate(spec), tmp_path, language):
         (file,) = tmp_path.glob(f"{block.entity}.*")
         lines = [line.strip() for line in file.read_text().splitlines()]
         for port in block.ports:

@@ -2,19 +2,7 @@
 
 from myhdl import always, always_comb, always_seq, block
 
-from golden.precision import SIGNAL
-from hdl.common.signals import fixed, flag, reset, unsigned
-
-
-def stream_ports(spec):
-    """Fresh signals for the ports of a network between two streams: clock, reset, both, error."""
-    return (
-        flag(),
-        reset(),
-        *(flag(), fixed(SIGNAL), flag()),
-        *(flag(), fixed(SIGNAL), flag()),
-        flag(),
-    )
+from hdl.common.signals import unsigned
 
 
 @block

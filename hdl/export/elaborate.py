@@ -2,26 +2,60 @@
 
 from __future__ import annotations
 
+import inspect
+from typing import Any
+
 from myhdl._block import _Block
 
-from golden.activation.activation_block import ActivationBlock
-from golden.networks.network import Network
+from golden.block import Block
+from golden.port import RESET, Port
 from hdl.common.lookup import hardware
-from hdl.common.signals import fixed, flag, reset
+from hdl.common.signals import Group, Words, flag, reset, signed, unsigned
 from hdl.export import literal_size, quick_inspect
 
 quick_inspect.install()
 literal_size.install()
 
 
-def elaborate(spec: Network) -> _Block:
-    """The network of ``spec`` with fresh signals on its ports, which its hardware publishes."""
-    top = hardware(spec)
-    return top(*top.ports(spec), spec=spec)
+def elaborate(spec: Block) -> _Block:
+    """The hardware of ``spec`` by itself, with fresh signals on its ports."""
+    return hardware(spec)(**port_signals(spec), spec=spec)
 
 
-def elaborate_activation(spec: ActivationBlock) -> _Block:
-    """The activation of ``spec`` by itself with fresh signals on its ports."""
-    return hardware(spec)(
-        flag(), reset(), flag(), fixed(spec.in_fmt), flag(), fixed(spec.out_fmt), spec=spec
-    )
+def port_signals(spec: Block) -> dict[str, Any]:
+    """Fresh signals for every argument of the hardware, as the twin publishes its ports.
+
+    An argument is a port, or ``Words`` of the ports ``name_0``, ``name_1``, ..., or a ``Group`` of
+    those whose names begin with its own.
+    """
+    ports = {port.name: port for port in spec.ports}
+    found: dict[str, Any] = {}
+    for name in inspect.signature(hardware(spec)).parameters:
+        members = {
+            other.removeprefix(f"{name}_"): port
+            for other, port in ports.items()
+            if other.startswith(f"{name}_") and port.number is not None
+        }
+        if name == "spec":
+            continue
+        if name in ports:
+            found[name] = _signal(ports[name])
+        elif members:
+            found[name] = Words(len(members), lambda port=members["0"]: _signal(port))
+        else:
+            found[name] = Group(
+                **{
+                    other.removeprefix(f"{name}_"): _signal(port)
+                    for other, port in ports.items()
+                    if other.startswith(f"{name}_")
+                }
+            )
+    return found
+
+
+def _signal(port: Port) -> Any:
+    if port.name == RESET.name:
+        return reset()
+    if not port.width:
+        return flag()
+    return signed(port.width) if port.signed else unsigned(port.width)

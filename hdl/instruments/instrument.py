@@ -4,8 +4,8 @@ from myhdl import block
 
 from golden.instruments.instrument import Instrument
 from golden.precision import SIGNAL
-from hdl.common.signals import fixed, flag, reset, unsigned
-from hdl.instruments.readout import readout, result_ports
+from hdl.common.signals import fixed, flag
+from hdl.instruments.readout import readout
 from hdl.sensing.scan_sequencer import scan_sequencer
 
 
@@ -49,15 +49,3 @@ def instrument(
             spec=spec.readout,
         ),
     )
-
-
-instrument.ports = lambda spec: (
-    flag(),
-    reset(),
-    fixed(SIGNAL),
-    unsigned(spec.scan_sequencer.address_width),
-    flag(),
-    fixed(SIGNAL),
-    flag(),
-    *result_ports(spec.readout),
-)

@@ -5,8 +5,8 @@ from myhdl import always_comb, always_seq, block
 from golden.instruments.readout import Readout
 from golden.precision import SIGNAL
 from hdl.common.lookup import hardware
-from hdl.common.signals import Group, Words, fixed, flag, unsigned
-from hdl.common.stream import catch_word, position, stream_ports
+from hdl.common.signals import Words, fixed, flag, unsigned
+from hdl.common.stream import catch_word, position
 from hdl.visualisation.load_profile import load_profile
 
 
@@ -112,14 +112,3 @@ def readout(
     if spec.load_profile is not None:
         parts.append(draw(clk, rst, result_valid, result_last, words, profile, drawing=spec))
     return parts
-
-
-def result_ports(spec: Readout):
-    """Fresh signals for the held outputs and the profile."""
-    profile = Group()
-    if spec.load_profile is not None:
-        profile = Group(valid=flag(), x=fixed(SIGNAL), y=fixed(SIGNAL), last=flag())
-    return Words(spec.outputs, lambda: fixed(SIGNAL)), profile
-
-
-readout.ports = lambda spec: (*stream_ports(spec.network), *result_ports(spec))

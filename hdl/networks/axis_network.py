@@ -2,12 +2,12 @@
 
 from myhdl import always_comb, always_seq, block
 
-from golden.networks.axis_network import TDATA, AxisNetwork
+from golden.networks.axis_network import AxisNetwork
 from golden.precision import SIGNAL
 from hdl.common.delay import connect
 from hdl.common.fifo import fifo
 from hdl.common.lookup import hardware
-from hdl.common.signals import fixed, flag, reset, unsigned
+from hdl.common.signals import fixed, flag, unsigned
 from hdl.common.stream import position
 
 
@@ -260,11 +260,3 @@ def axis_network(
         show,
         credit(clk, rst, done, left, full, frames=frames),
     )
-
-
-axis_network.ports = lambda spec: (
-    *(flag(), reset()),
-    *(flag(), flag(), fixed(TDATA), flag()),
-    *(flag(), flag(), fixed(TDATA), flag()),
-    flag(),
-)

@@ -8,7 +8,7 @@ from hdl.common.delay import delay
 from hdl.common.good_frame import good_frame
 from hdl.common.lookup import hardware
 from hdl.common.signals import Words, fixed, flag, unsigned
-from hdl.common.stream import catch, stream_ports, window
+from hdl.common.stream import catch, window
 from hdl.layers.input_controller import input_controller
 from hdl.layers.output_collector import output_collector
 from hdl.sensing.stream_multiplexer import stream_multiplexer
@@ -238,6 +238,3 @@ def cascade(
             spec=spec.output_collector,
         ),
     )
-
-
-cascade.ports = stream_ports

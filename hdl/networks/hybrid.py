@@ -5,7 +5,6 @@ from myhdl import block
 from golden.networks.hybrid import Hybrid
 from hdl.common.lookup import hardware
 from hdl.common.signals import Words, fixed, flag, unsigned
-from hdl.common.stream import stream_ports
 from hdl.layers.input_controller import input_controller
 from hdl.layers.input_integral import input_integral
 from hdl.layers.output_controller import output_controller
@@ -90,6 +89,3 @@ def hybrid(
             spec=spec.output_integral,
         ),
     )
-
-
-hybrid.ports = stream_ports

@@ -7,7 +7,6 @@ from golden.precision import SIGNAL
 from hdl.common.delay import delay
 from hdl.common.lookup import hardware
 from hdl.common.signals import Words, fixed, flag
-from hdl.common.stream import stream_ports
 from hdl.layers.output_collector import output_collector
 
 
@@ -90,6 +89,3 @@ def multiple(
             spec=spec.output_collector,
         ),
     )
-
-
-multiple.ports = stream_ports

@@ -6,7 +6,7 @@ from golden.networks.parallel import Parallel
 from golden.precision import SIGNAL
 from hdl.common.delay import connect, delay
 from hdl.common.lookup import hardware
-from hdl.common.signals import Words, fixed, flag, reset, unsigned
+from hdl.common.signals import Words, fixed, flag, unsigned
 from hdl.layers.input_controller import input_controller
 from hdl.layers.neuron import neuron
 
@@ -81,14 +81,3 @@ def parallel(clk, rst, in_valid, in_data, out_valid, out_data, frame_error, *, s
         [neuron(clk, r, out_data[i], spec=part) for i, part in enumerate(spec.output_neurons)],
         delay(clk, rst, r_valid[0], out_valid, clocks=spec.output_neurons[0].latency),
     )
-
-
-parallel.ports = lambda spec: (
-    flag(),
-    reset(),
-    flag(),
-    Words(spec.inputs, lambda: fixed(SIGNAL)),
-    flag(),
-    Words(spec.outputs, lambda: fixed(SIGNAL)),
-    flag(),
-)

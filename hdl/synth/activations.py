@@ -9,7 +9,7 @@ from golden.activation.activation_block import ActivationBlock
 from golden.activation.schemes import forms
 from golden.networks.network import Network
 from golden.precision import EXACT
-from hdl.export.elaborate import elaborate, elaborate_activation
+from hdl.export.elaborate import elaborate
 from hdl.export.hierarchy import convert_hierarchy
 from hdl.export.repeatable import run_repeatable
 from hdl.synth.cells import FAMILIES, synthesise
@@ -24,9 +24,8 @@ def cells(spec: ActivationBlock | Network, family: str) -> dict[str, int]:
     CommandError
         See ``hdl.synth.cells.synthesise``.
     """
-    elaborated = elaborate(spec) if isinstance(spec, Network) else elaborate_activation(spec)
     with tempfile.TemporaryDirectory() as name:
-        convert_hierarchy(elaborated, Path(name), "verilog")
+        convert_hierarchy(elaborate(spec), Path(name), "verilog")
         return synthesise(Path(name), spec.entity, family)[spec.entity]
 
 

@@ -12,9 +12,7 @@ from myhdl import Simulation, StopSimulation, delay, instance
 from golden.fixed import Codes
 from golden.networks.network import Network
 from hdl.common.lookup import hardware
-from hdl.export.quick_inspect import install
-
-install()
+from hdl.export.elaborate import port_signals
 
 # What one clock brings: the input data, one code or a frame of them, and whether a frame ends.
 Clock = tuple[Codes, bool] | None
@@ -44,13 +42,11 @@ def simulate(design: Network, frames: Codes) -> tuple[Codes, float]:
     RuntimeError
         When the design refuses a frame, or gives another number of results.
     """
-    block = hardware(design)
-    ports = block.ports(design)
+    ports = port_signals(design)
     whole = design.stream == "words"
-    clk, rst, valid, data = ports[:4]
-    last = None if whole else ports[4]
-    out_valid, out_data = ports[4:6] if whole else ports[5:7]
-    error = ports[-1]
+    clk, rst, valid, data = (ports[name] for name in ("clk", "rst", "in_valid", "in_data"))
+    last = ports.get("in_last")
+    out_valid, out_data, error = (ports[name] for name in ("out_valid", "out_data", "frame_error"))
     clocks = [None, *_clocks(design, frames, whole)]
     clocks += [None] * (design.latency + design.outputs + 1)
     seen: list[int] = []
@@ -76,7 +72,7 @@ def simulate(design: Network, frames: Codes) -> tuple[Codes, float]:
             yield delay(1)
         raise StopSimulation
 
-    simulation = Simulation(drive, block(*ports, spec=design))
+    simulation = Simulation(drive, hardware(design)(**ports, spec=design))
     started = time.perf_counter()
     simulation.run(quiet=1)
     seconds = time.perf_counter() - started
