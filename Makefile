@@ -4,14 +4,19 @@ SCENE ?= digit
 SEED ?= 1
 PYTHON ?= python3
 VENV ?= .venv
-RUN = $(VENV)/bin/python
+RUN = "$(VENV)/bin/python"
+# A path may hold blanks, a target none.
+EMPTY :=
+READY = $(subst $(EMPTY) ,\ ,$(VENV))/.ready
 
-.PHONY: help demo test sim vhdl verilog train network bench activations figures lean synth report docs lint clean tools browser
+.PHONY: help demo test machines sim vhdl verilog train network bench activations figures lean synth report docs pages lint clean tools browser
 
 help:
 	@echo "make demo    [SCENE=]                     a scene end to end: simulate, export, table of errors"
-	@echo "make test    [TESTS=tests/test_x.py] [ALL=1]"
-	@echo "                                          the tests of every change, or some; ALL=1 every constant and fault"
+	@echo "make test    [TESTS=tests/test_x.py] [ALL=1] [MACHINE=name]"
+	@echo "                                          the tests, or some; ALL=1 every constant; MACHINE= as elsewhere"
+	@echo "make machines [ONLY=name] [TESTS=] [SIMULATED=1] [ALL=1]"
+	@echo "                                          the tests as on other machines, a line each"
 	@echo "make sim     [BLOCK=] [SIM=ghdl|icarus] [SCENE=] [SEED=] [WAVES=1] [FRAMES=]"
 	@echo "                                          one bench, or every bench of the scene"
 	@echo "make vhdl    [SCENE=]                     export to build/<scene>/vhdl"
@@ -26,65 +31,74 @@ help:
 	@echo "make synth   [SCENE=] [RECORD=1]          cells of every block, clock, both beside the thesis; budget"
 	@echo "make report  [SCENE=]                     errors against cost, stability, resources, pictures: one HTML file"
 	@echo "make docs    [LINKS=1]                    the documentation as a site; LINKS=1 follows links to others"
+	@echo "make pages                                what is generated in the documentation"
 	@echo "make lint                                 ruff and mypy"
 	@echo "make clean                                remove build and .venv"
 	@echo
 	@echo "SCENE is a name ($(basename $(notdir $(filter-out %.provenance.toml,$(wildcard golden/scenes/*/*.toml)))))"
 	@echo "or a path to a .toml file; now $(SCENE)"
 
-demo: $(VENV)/.ready tools
+demo: $(READY) tools
 	@$(RUN) -m tb.demo "$(SCENE)"
 
-test: $(VENV)/.ready tools browser
-	@$(RUN) -m pytest -n logical --dist worksteal $(if $(filter-out 0,$(ALL)),--all) $(TESTS)
+test: $(READY) tools browser
+	@$(RUN) $(if $(MACHINE),tests/machines.py $(MACHINE) --show --simulated,-m pytest -n logical --dist worksteal) \
+		$(if $(filter-out 0,$(ALL)),--all) $(if $(MACHINE),--tests "$(TESTS)",$(TESTS))
 
-sim: $(VENV)/.ready
+machines: $(READY) tools browser
+	@$(RUN) tests/machines.py $(ONLY) --tests "$(TESTS)" $(if $(filter-out 0,$(SIMULATED)),--simulated) $(if $(filter-out 0,$(ALL)),--all)
+
+sim: $(READY)
 	@$(RUN) -m tb.sim "$(SCENE)" --seed "$(SEED)" \
 		$(if $(BLOCK),--block "$(BLOCK)") $(if $(FRAMES),--frames "$(FRAMES)") $(if $(SIM),--sim "$(SIM)") $(if $(filter-out 0,$(WAVES)),--waves)
 
-vhdl verilog: $(VENV)/.ready
+vhdl verilog: $(READY)
 	@$(RUN) -m hdl.export "$(SCENE)" $@
 
-train: $(VENV)/.ready
+train: $(READY)
 	@$(RUN) -m golden.training "$(SCENE)" $(if $(CLUSTER),--cluster "$(CLUSTER)")
 
-network: $(VENV)/.ready
+network: $(READY)
 	@$(RUN) -m golden.network_files.convert "$(SCENE)" "$(TO)" $(if $(OUTPUT),--output "$(OUTPUT)")
 
-bench: $(VENV)/.ready
+bench: $(READY)
 	@$(RUN) -m tb.report.measure.benchmark "$(SCENE)" $(if $(FRAMES),--frames "$(FRAMES)")
 
-activations: $(VENV)/.ready
+activations: $(READY)
 	@$(RUN) -m tb.report.measure.activation_errors
 
-figures: $(VENV)/.ready
+figures: $(READY)
 	@$(RUN) -m tb.report.measure $(if $(TABLE),"$(TABLE)") --seed "$(SEED)"
 
-lean: $(VENV)/.ready
+lean: $(READY)
 	@$(RUN) -m hdl.synth.lean "$(SCENE)" $(BESIDE)
 
-synth: $(VENV)/.ready
+synth: $(READY)
 	@$(RUN) -m hdl.synth "$(SCENE)" $(if $(filter-out 0,$(RECORD)),--record)
 
-report: $(VENV)/.ready tools
+report: $(READY) tools
 	@$(RUN) -m tb.report "$(SCENE)"
 
 # Built anew, so that no page is left that is gone from the source, and renamed when it is whole.
 SITE ?= build/site
 SPHINX = $(RUN) -m sphinx -q -W --keep-going -d "$(SITE).doctrees" docs
 
-docs: $(VENV)/.ready
+docs: $(READY)
 	@rm -rf "$(SITE).new" "$(SITE).doctrees"
 	@$(SPHINX) "$(SITE).new"
 	@$(if $(filter-out 0,$(LINKS)),$(SPHINX) -b linkcheck "$(SITE).links")
 	@rm -rf "$(SITE)" "$(SITE).doctrees" "$(SITE).links" && mv "$(SITE).new" "$(SITE)"
 	@echo "wrote $(SITE)/index.html"
 
-lint: $(VENV)/.ready
+# What stands between markers in the pages: ports and clocks that the twins publish, recorded cells.
+pages: $(READY)
+	@$(RUN) -m tb.report.page.blocks && $(RUN) -m tb.report.page.datasheets && $(RUN) -m tb.report.page.lists
+
+lint: $(READY)
 	@$(RUN) -m ruff check . && $(RUN) -m ruff format --check . && $(RUN) -m mypy
 
 clean:
-	rm -rf build $(VENV)
+	rm -rf build "$(VENV)"
 
 # Simulators and what Debian's own Python lacks. As root, or where sudo asks no password, they are
 # installed; elsewhere the command to run is printed.
@@ -100,21 +114,23 @@ browser:
 	command -v chromium >/dev/null || missing="$$missing chromium"; \
 	$(call install,$$missing)
 
-$(VENV)/.ready: pyproject.toml
+# For x86-64 every package comes compiled; elsewhere pip compiles cocotb.
+$(READY): pyproject.toml
 	@missing=; \
 	command -v $(PYTHON) >/dev/null || missing="$$missing python3"; \
 	$(PYTHON) -c "import ensurepip" 2>/dev/null || missing="$$missing python3-venv"; \
+	test "$$(uname -m)" = x86_64 || command -v g++ >/dev/null || missing="$$missing g++ python3-dev"; \
 	$(call install,$$missing)
 	@$(PYTHON) -c "import sys; sys.exit(not (3, 11) <= sys.version_info[:2] < (3, 14))" || \
 		{ echo "error: $(PYTHON) is $$($(PYTHON) -V), expected Python 3.11 to 3.13; set PYTHON=" >&2; exit 2; }
 	@echo "setting up $(VENV)"
-	@$(PYTHON) -m venv $(VENV)
+	@$(PYTHON) -m venv "$(VENV)"
 	@$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[dev]"
 	@missing=; \
 	test -n "$$($(RUN) -m find_libpython)" || \
 		missing="libpython$$($(RUN) -c 'import sys; print("%d.%d" % sys.version_info[:2])')"; \
 	$(call install,$$missing)
-	@touch $@
+	@touch "$@"
 
 # $(1): packages, maybe none.
 define install

@@ -4,7 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
+
+if TYPE_CHECKING:
+    from golden.flow import Flow
+
+from golden.port import Port
 
 
 @dataclass(frozen=True)
@@ -12,7 +17,8 @@ class Block:
     """Elaboration constants of one block together with its bit-true function.
 
     A subclass sets ``block``, the name that is the block's address in every room, holds its
-    constants as fields, and computes values (never cycles) in ``process``.
+    constants as fields, computes values (never cycles) in ``process``, and publishes ports and
+    clocks of its hardware, which a bench holds it to.
 
     Parameters
     ----------
@@ -22,6 +28,8 @@ class Block:
 
     block: ClassVar[str] = ""
     area: ClassVar[str] = ""
+    # Where the thesis describes it; empty for what is ours.
+    section: ClassVar[str] = ""
     variant: str = field(default="", kw_only=True)
 
     @property
@@ -29,8 +37,31 @@ class Block:
         """Name of the VHDL entity and Verilog module."""
         return f"{self.block}_{self.variant}" if self.variant else self.block
 
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        """The ports of its entity, in their order."""
+        raise NotImplementedError(f"{self.entity}: its twin publishes no ports")
+
+    @property
+    def latency(self) -> int:
+        """Clocks from a result's cause to the result; docs/streams.md says what is counted."""
+        raise NotImplementedError(f"{self.entity}: its twin publishes no latency")
+
+    @property
+    def interval(self) -> int:
+        """Least clocks from one input to the next."""
+        return 1
+
     def parts(self) -> tuple[Block, ...]:
         """The blocks this one is assembled from."""
+        return ()
+
+    def flow(self) -> Flow | None:
+        """How data goes through the parts, where there is more to tell than their list."""
+        return None
+
+    def facts(self) -> tuple[str, ...]:
+        """What a picture tells of the block beside its formats."""
         return ()
 
 

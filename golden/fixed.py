@@ -133,6 +133,10 @@ class Fix:
         """The real values that ``codes`` stand for."""
         return np.ldexp(np.asarray(codes, dtype=np.float64), -self.frac)
 
+    def texts(self, codes: Iterable[int]) -> list[str]:
+        """The number that each code stands for, in six digits."""
+        return real_texts(codes, self.frac)
+
     @classmethod
     def largest_frac(cls, width: int, values: Any, name: str = "values") -> Fix:
         """The format of ``width`` bits with the most fraction bits that still holds every value.
@@ -151,6 +155,11 @@ class Fix:
             f"{name}: largest magnitude {float(np.abs(real).max()):g} does not fit {width} bits; "
             f"expected below {2 ** (width - 1)}"
         )
+
+
+def real_texts(codes: Iterable[int], frac: int) -> list[str]:
+    """The number that each code of ``frac`` fraction bits stands for, in six digits."""
+    return [f"{int(code) / 2**frac:.6g}" for code in codes]
 
 
 def check_unsigned(codes: ArrayLike, width: int, name: str) -> Codes:

@@ -15,11 +15,12 @@ import numpy as np
 
 from golden.cli import run
 from golden.errors import scene_errors
+from golden.machine import closing
 from golden.metrics import millimetres
 from golden.scene import Scene, thesis_figures
 from tb.common.results import simulate
 from tb.common.runner import ready_scene
-from tb.common.tools import SIMULATORS, language
+from tb.common.tools import SIMULATORS, language, simulator_versions
 from tb.report.page.build import build_report
 
 
@@ -117,6 +118,7 @@ def bench_table(results: dict) -> str:
 def main() -> int:
     parser = argparse.ArgumentParser(prog="make demo", description=__doc__)
     parser.add_argument("scene")
+    started = time.perf_counter()
     scene = ready_scene(parser.parse_args().scene)
     results = simulate(scene)
     print(bench_table(results))
@@ -126,6 +128,7 @@ def main() -> int:
     for simulator in SIMULATORS:
         print(f"{language(simulator):8} in build/{scene.name}/{language(simulator)}")
     build_report(scene)
+    print("\n".join(["", *closing(time.perf_counter() - started, **simulator_versions())]))
     return 0
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -11,8 +12,12 @@ import pytest
 from hypothesis import HealthCheck, settings
 from shared import Shared
 
+from golden.machine import closing
 from golden.scene import Scene, load_scene
 from tb.common.cases import random_mlp, write_scene
+from tb.common.tools import simulator_versions
+
+STARTED = time.perf_counter()
 
 # Nothing hangs on how busy the cores are.
 settings.register_profile("untimed", deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -33,6 +38,13 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         for item in items:
             if item.get_closest_marker("all_only"):
                 item.add_marker(pytest.mark.skip(reason="left to make test ALL=1"))
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Before pytest's closing line, on what the tests ran."""
+    terminalreporter.section("machine")
+    for line in closing(time.perf_counter() - STARTED, **simulator_versions()):
+        terminalreporter.line(line)
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:

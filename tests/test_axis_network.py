@@ -14,12 +14,10 @@ from golden.block import walk
 from golden.networks.axis_network import TDATA, AxisNetwork
 from golden.scene import load_scene
 from hdl.common.fifo import fifo
-from hdl.common.lookup import latency
 from hdl.common.signals import flag, reset, signed
-from hdl.networks.axis_network import frames_under_way
 from tb.common.cases import write_scene
 
-AXIS = ("axis", "least-axis", "axis-cascade", "axis-multiple")
+AXIS = ("axis", "least-axis", "axis-cascade", "slow-axis-cascade", "axis-multiple")
 
 
 @pytest.mark.parametrize("name", AXIS)
@@ -92,10 +90,10 @@ def test_what_cannot_be_built_is_refused(tmp_path: Path, old: str, new: str, mes
 @pytest.mark.parametrize("name", AXIS)
 def test_credits_cover_the_way_through_and_no_more(tmp_path: Path, name: str) -> None:
     design = CASES[name].scene(tmp_path, name).twin()
-    frames = frames_under_way(design)
+    frames = design.frames_under_way
     # From the last sample to the clock in which the credit is back, one clock after the last
     # output is fetched, which is when that output stands on the port.
-    held = latency(design) + design.outputs - 1
+    held = design.latency + design.outputs - 1
     assert (frames - 1) * design.interval < held <= frames * design.interval
 
 

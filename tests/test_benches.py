@@ -11,7 +11,6 @@ from shared import Shared
 
 from golden.block import walk
 from golden.scene import load_scene, scene_names
-from hdl.common.lookup import latency
 from tb.common.runner import Job, Outcome
 from tb.common.tools import SIMULATORS
 from tb.report.measure.clocks import clocks_per_frame
@@ -49,7 +48,7 @@ def check_clocks(outcomes: list[Outcome]) -> None:
         design = outcome.job.scene.twin()
         if outcome.job.entity == design.entity:
             assert outcome.facts["interval"] == design.interval
-            assert outcome.facts["clocks_per_frame"] == clocks_per_frame(design, latency(design))
+            assert outcome.facts["clocks_per_frame"] == clocks_per_frame(design)
 
 
 @pytest.mark.parametrize("block", BENCHES)
@@ -129,6 +128,11 @@ def test_the_cases_differ_as_meant(tmp_path: Path) -> None:
     assert designs["parallel"].interval == 1
     assert designs["axis"].spacing == 5
     assert designs["axis-cascade"].slots == 2
+    for name, interval in (("slow-cascade", 3), ("slower-cascade", 11)):
+        assert designs[name].interval == interval
+        assert designs[name].frame_store.outputs == 3
+    assert designs["slow-axis-cascade"].spacing == 11
+    assert designs["deep-cascade"].frame_store is None
     for form in ("logic", "block-ram"):
         few = max(a.words for a in designs[form].activations)
         assert few < designs[f"{form}-huge"].activations[0].words

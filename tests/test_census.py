@@ -42,15 +42,18 @@ def test_a_block_has_a_file_in_every_room(area: str, block: str) -> None:
 
 @pytest.mark.parametrize(("area", "block"), BLOCKS)
 def test_the_name_is_the_name_inside_the_files(area: str, block: str) -> None:
-    hardware = getattr(importlib.import_module(f"hdl.{area}.{block}"), block)
-    assert callable(hardware.latency), f"hdl {block} publishes no latency"
+    assert callable(getattr(importlib.import_module(f"hdl.{area}.{block}"), block))
     twins = [
         value
         for value in vars(importlib.import_module(f"golden.{area}.{block}")).values()
         if isinstance(value, type) and issubclass(value, Block) and value.block == block
     ]
     assert len(twins) == 1, f"golden/{area}/{block}.py holds no twin with block = {block!r}"
-    assert twins[0].area == area
+    twin = twins[0]
+    assert twin.area == area
+    for what in ("latency", "ports"):
+        published = getattr(twin, what) is not getattr(Block, what)
+        assert published, f"the twin of {block} publishes no {what}"
 
 
 def test_no_bench_and_no_datasheet_without_a_block() -> None:

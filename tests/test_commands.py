@@ -15,10 +15,10 @@ from golden.fingerprint import fingerprint
 from golden.network_files.network_file import provenance_path
 from golden.scene import FOLDER, Scene
 from hdl.synth.budget import budget_path
-from hdl.synth.datasheets import recorded
 from hdl.synth.timing import timing_path
 from tb.common.cases import random_mlp, write_scene
 from tb.report.measure.networks import scenes
+from tb.report.page.datasheets import recorded
 
 ROOT = Path(__file__).parents[1]
 
@@ -47,6 +47,7 @@ def test_make_alone_lists_the_targets() -> None:
     assert targets == [
         "demo",
         "test",
+        "machines",
         "sim",
         "vhdl",
         "verilog",
@@ -59,6 +60,7 @@ def test_make_alone_lists_the_targets() -> None:
         "synth",
         "report",
         "docs",
+        "pages",
         "lint",
         "clean",
     ]
@@ -102,6 +104,47 @@ def test_a_missing_simulator_is_named_with_its_package(tmp_path: Path) -> None:
         result = run(*words, simulator, PATH=str(tmp_path))
         assert result.returncode == 2
         assert f"is not installed; on Debian: apt-get install {package}" in result.stderr
+
+
+INSTALL = "env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends"
+
+
+@pytest.mark.parametrize(
+    ("user", "sudo", "done"),
+    [
+        (0, 1, ["apt-get update -qq", f"{INSTALL} ghdl-llvm iverilog"]),
+        (
+            1000,
+            0,
+            ["sudo -n true", "sudo -n apt-get update -qq", f"sudo -n {INSTALL} ghdl-llvm iverilog"],
+        ),
+        (1000, 1, ["sudo -n true"]),
+    ],
+)
+def test_missing_tools_are_installed_or_named(tmp_path: Path, user: int, sudo: int, done) -> None:
+    """As root; by sudo that asks no password; by the user, who is told what to run."""
+    log = tmp_path / "log"
+    for name, script in {
+        "id": f"echo {user}",
+        "sudo": f'echo "sudo $@" >> "{log}"; exit {sudo}',
+        "apt-get": f'echo "apt-get $@" >> "{log}"',
+        "env": f'echo "env $@" >> "{log}"',
+    }.items():
+        (tmp_path / name).write_text(f"#!/bin/sh\n{script}\n")
+        (tmp_path / name).chmod(0o755)
+    program = shutil.which("make")
+    assert program
+    result = run(program, "tools", PATH=str(tmp_path), MAKEFLAGS="")
+    assert log.read_text().splitlines() == done
+    if user and sudo:
+        assert result.returncode == 2
+        message = (
+            "error: not installed: ghdl-llvm iverilog; run: sudo apt-get install ghdl-llvm iverilog"
+        )
+        assert message in result.stderr
+    else:
+        assert result.returncode == 0
+        assert "installing ghdl-llvm iverilog" in result.stdout
 
 
 def test_one_bench_by_its_command(tmp_path: Path) -> None:

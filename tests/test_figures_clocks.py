@@ -11,7 +11,6 @@ from shared import Shared
 from golden.errors import scene_errors
 from golden.scene import load_scene
 from tb.report.measure.clocks import clocks_per_frame
-from tb.report.measure.latency import latencies
 from tb.report.measure.networks import scenes
 from tb.report.measure.table import Table
 
@@ -52,9 +51,8 @@ def test_the_clocks_of_the_front_page(table: Table) -> None:
 )
 def test_samples_and_outputs_take_a_clock_each(name: str, beside: int) -> None:
     """A cascade's frame has slots for its earlier outputs; in parallel all come at once."""
-    scene = load_scene(name)
-    latency = latencies("scene")[name, scene.precision.name]
-    assert clocks_per_frame(scene.twin(), latency) == latency + beside - 1
+    design = load_scene(name).twin()
+    assert clocks_per_frame(design) == design.latency + beside - 1
 
 
 def test_the_page_shows_the_clocks(table: Table) -> None:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from collected import CASES
 
 from golden.fixed import Fix
 from golden.instruments.instrument import Instrument
@@ -97,6 +99,17 @@ def test_a_scan_faster_than_the_network_is_refused(tmp_path) -> None:
     section = f"{FRONT_END}counter_width = 3\n"
     with pytest.raises(ValueError, match="a scan of 8 clocks, expected 9 or more"):
         scene_with(tmp_path, section, shape=(2, 3, 9)).twin()
+
+
+@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+def test_a_scan_takes_as_long_as_the_slowest_network_of_a_cascade(tmp_path) -> None:
+    """Four slots and networks that take a frame every eleven clocks."""
+    slow = replace(CASES["slower-cascade"], shapes=[(2 + i, 1, 1) for i in range(3)])
+    scan = f"{FRONT_END}counter_width = 4\n"
+    assert replace(slow, sections=scan).scene(tmp_path, "slow").twin().interval == 16
+    hasty = replace(slow, sections=scan.replace("4", "3"))
+    with pytest.raises(ValueError, match="a scan of 8 clocks, expected 11 or more"):
+        hasty.scene(tmp_path, "hasty").twin()
 
 
 def test_the_parallel_design_has_no_front_end(tmp_path) -> None:

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from golden.block import Block
 from golden.fixed import Fix
 from golden.layers.input_controller import InputController
 from golden.layers.input_node import InputNode
@@ -145,3 +146,21 @@ def test_a_frame_that_comes_too_early_is_an_error() -> None:
 def test_controller_parameters_are_checked(inputs, spacing) -> None:
     with pytest.raises(ValueError, match=f"got inputs={inputs}, spacing={spacing}"):
         InputController(inputs, spacing)
+
+
+@pytest.mark.parametrize("what", ["latency", "ports"])
+def test_a_twin_that_does_not_publish_itself_is_named(what: str) -> None:
+    class Novelty(Block):
+        block = "novelty"
+
+    with pytest.raises(NotImplementedError, match=f"novelty: its twin publishes no {what}"):
+        getattr(Novelty(), what)
+
+
+def test_a_port_says_what_it_carries_in_one_line() -> None:
+    twin = OutputIntegral(SIGNAL, COEFF, SIGNAL, 0, ((1, 2), (3, 4), (5, 6)), (0, 0, 0), None)
+    ports = {port.name: port for port in twin.ports}
+    assert ports["in_r_1"].row == "in_r_*"
+    assert ports["in_r_1"].comment == "signed Fix(14,13): r of hidden node 1"
+    assert ports["in_addr"].comment == "2 bits: row, 0 to outputs - 1"
+    assert ports["out_valid"].comment == "out_data holds an output"

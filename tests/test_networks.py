@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 import tomllib
 from dataclasses import replace
 
@@ -137,6 +138,37 @@ def test_networks_together_do_what_each_does_alone(arrangement: str) -> None:
             replace(design, networks=(design.networks[0], odd))
 
 
+def slow(iterations: int, mlp: Mlp, variant: str) -> Hybrid:
+    """A network that takes a frame every so many clocks."""
+    return Hybrid.of(mlp, EXACT, "pade", {"rho": 4.0, "iterations": iterations}, variant)
+
+
+@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+@pytest.mark.parametrize(
+    ("iterations", "stored", "spacing"), [(2, False, 0), (3, True, 0), (4, True, 0), (5, True, 5)]
+)
+def test_a_cascade_is_as_slow_as_its_slowest_network(iterations, stored, spacing) -> None:
+    """Frames of four elements, of which the networks see two, three and four."""
+    mlps = [random_mlp((2 + i, 2, 1), 1.0, i) for i in range(3)]
+    design = arrange("cascade", mlps, lambda mlp, v: slow(iterations, mlp, v))
+    assert design.interval == max(4, iterations)
+    assert design.input_controller.spacing == spacing
+    assert bool(design.frame_store) == stored
+    assert (design.frame_store in design.parts()) == stored
+    assert any("until it is judged" in text for text in design.left_out()) != stored
+
+
+@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+def test_independent_networks_wait_for_the_slowest() -> None:
+    mlps = [random_mlp((2, 2, 1), 1.0, i) for i in range(3)]
+    design = arrange("multiple", mlps, lambda mlp, v: slow(3 + int(v), mlp, v))
+    assert design.interval == 5
+    assert {network.input_controller.spacing for network in design.networks} == {5}
+    quick = replace(design.networks[0], min_interval=1)
+    with pytest.raises(ValueError, match=r"got intervals of \[3, 5, 5\], expected one interval"):
+        replace(design, networks=(quick, *design.networks[1:]))
+
+
 @pytest.mark.parametrize("precision", PRECISIONS.values(), ids=lambda p: p.name)
 def test_the_parallel_form_gives_the_same_results(precision) -> None:
     frames = np.random.default_rng(1).integers(SIGNAL.low, SIGNAL.high + 1, (5000, 3))
@@ -254,3 +286,21 @@ def test_a_node_without_weights_still_builds() -> None:
     node = design.input_integral.nodes[1]
     assert node.acc_width < node.out_shift
     assert design.input_integral.process([[SIGNAL.low, SIGNAL.high]])[0, 1] == 0
+
+
+@pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("digit-single", {"coefficients": "block_ram"}),
+        ("comparison/digit-parallel-pade", {"iterations": 5}),
+    ],
+)
+def test_activations_of_different_latency_are_refused(name: str, change: dict) -> None:
+    design = load_scene(name).twin()
+    first, *others = design.activations
+    clocks = sorted({first.latency, replace(first, **change).latency})
+    assert len(clocks) == 2
+    message = f"{design.entity}: got activations of latencies {clocks}, expected one latency"
+    with pytest.raises(ValueError, match=re.escape(message)):
+        replace(design, activations=(replace(first, **change), *others))

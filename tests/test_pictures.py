@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -12,9 +13,9 @@ import pytest
 from collected import CASES
 
 from golden.block import Block, walk
+from golden.flow import Carried
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_names
-from hdl.common.lookup import latency
 from tb.report.draw.animation import animation
 from tb.report.draw.datapath import datapath
 from tb.report.draw.load import beam
@@ -27,14 +28,6 @@ from tb.report.measure.recording import record
 SVG = "{http://www.w3.org/2000/svg}"
 FRAME = 40
 SWINGS = ("swing-single", "swing-multiple", "swing-cascade")
-
-
-def latencies(scene: Scene) -> dict[str, int]:
-    return {block.entity: latency(block) for block in walk(scene.twin())}
-
-
-def drawn_datapath(scene: Scene) -> str:
-    return datapath(scene, latencies(scene))
 
 
 def flag(*values: int | None) -> Port:
@@ -50,7 +43,7 @@ def drawn_waveforms(scene: Scene) -> str:
 
 
 PICTURES: list[tuple[Callable[[Scene], str], str]] = [
-    *((draw, "digit") for draw in (network, drawn_datapath, drawn_waveforms, profile, animation)),
+    *((draw, "digit") for draw in (network, datapath, drawn_waveforms, profile, animation)),
     (swing, "swing-single"),
 ]
 
@@ -131,7 +124,7 @@ def test_the_network_diagram_shows_every_node_and_name(name: str) -> None:
 
 def test_very_many_hidden_nodes_are_counted_and_not_all_drawn(tmp_path: Path) -> None:
     wide = CASES["wide"]
-    scene = wide.__class__(wide.blocks, [(2, 90, 1)], "exact").scene(tmp_path, "many")
+    scene = replace(wide, shapes=[(2, 90, 1)]).scene(tmp_path, "many")
     root = parse(network(scene))
     assert "90 hidden nodes" in words(root)
     assert len(list(root.iter(f"{SVG}circle"))) < 90
@@ -141,7 +134,7 @@ def test_very_many_hidden_nodes_are_counted_and_not_all_drawn(tmp_path: Path) ->
 @pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 def test_the_datapath_names_every_block_of_the_design(tmp_path: Path, name: str) -> None:
     scene = CASES[name].scene(tmp_path, name) if name in CASES else load_scene(name)
-    root = parse(drawn_datapath(scene))
+    root = parse(datapath(scene))
     tips = [set(tip.split(", ")) for tip in words(root, "title")[1:]]
     entities = {block.entity for block in walk(scene.twin())}
     assert set().union(*tips) == entities
@@ -152,32 +145,40 @@ def test_the_datapath_names_every_block_of_the_design(tmp_path: Path, name: str)
 
 def test_the_datapath_counts_and_tells_formats_and_clocks() -> None:
     scene = load_scene("digit")
-    shown = words(parse(drawn_datapath(scene)))
+    shown = words(parse(datapath(scene)))
     for member in scene.mlps():
         assert f"{member.shape[1]} × input_node" in shown
         assert f"{member.shape[1]} × precise" in shown
-    assert f"{latency(scene.twin())} clocks" in shown
+    assert f"{scene.twin().latency} clocks" in shown
     assert "Fix(14,13) to Fix(18,14)" in shown
 
 
-def test_a_part_that_no_plan_knows_is_drawn_all_the_same(monkeypatch) -> None:
+def test_the_datapath_draws_the_flow_of_each_block(tmp_path: Path) -> None:
+    drawn = set()
+    for name in ("digit-instrument", "digit-parallel", "axis-multiple"):
+        scene = CASES[name].scene(tmp_path, name) if name in CASES else load_scene(name)
+        shown = words(parse(datapath(scene)))
+        for block in walk(scene.twin()):
+            flow = block.flow()
+            if flow:
+                drawn.add(block.block)
+                carried = [step.what for step in flow.steps if isinstance(step, Carried)]
+                assert carried
+                assert set(carried) <= set(shown)
+    networks = {"hybrid", "parallel", "cascade", "multiple", "axis_network"}
+    assert drawn == networks | {"instrument", "readout", "load_profile"}
+
+
+def test_a_part_that_no_flow_names_is_drawn_all_the_same(monkeypatch) -> None:
     class Novelty(Block):
         block = "novelty"
+        latency = 3
 
     scene = load_scene("digit-load")
-    clocks = latencies(scene) | {"novelty": 3}
     kind = type(scene.twin())
     parts = kind.parts
     monkeypatch.setattr(kind, "parts", lambda self: (*parts(self), Novelty()))
-    assert "novelty" in words(parse(datapath(scene, clocks)))
-
-
-def test_the_datapath_asks_for_every_latency() -> None:
-    scene = load_scene("digit-load")
-    clocks = latencies(scene)
-    del clocks["hybrid"]
-    with pytest.raises(ValueError, match=r"digit-load.toml: datapath: no latency of hybrid, exp"):
-        datapath(scene, clocks)
+    assert "novelty" in words(parse(datapath(scene)))
 
 
 def test_the_recording_holds_what_the_twin_computes(recorded: list[Port]) -> None:
@@ -192,11 +193,11 @@ def test_the_recording_holds_what_the_twin_computes(recorded: list[Port]) -> Non
         assert counting(recorded, f"hybrid_{n}", "out_data") == [output]
 
 
-def test_the_recording_has_the_latency_that_the_hardware_publishes(recorded: list[Port]) -> None:
+def test_the_recording_has_the_latency_that_the_twin_publishes(recorded: list[Port]) -> None:
     design = load_scene("digit").twin()
     last = port(recorded, "cascade, frame in", "in_last").values.index(1)
     first = port(recorded, "cascade, frame out", "out_valid").values.index(1)
-    assert first - last == latency(design)
+    assert first - last == design.latency
     assert len(recorded[0].values) <= 90
 
 

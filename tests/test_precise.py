@@ -131,6 +131,67 @@ def test_coefficients_are_the_best_of_their_neighbours() -> None:
         before = results(*own)[-1]
 
 
+# Bits of a segment, of t, of the intercept, the gradient and the curve; curved segments.
+RULES = {"logic": (11, 6, 16, 12, 4, 32), "block_ram": (8, 3, 18, 13, 5, 320)}
+
+
+def by_rule(name: str, segment: int, before: int) -> tuple[int, int, int]:
+    """Intercept, gradient and curve as the page finds them, by trying every triple."""
+    width, t_bits, i_bits, g_bits, c_bits, curved = RULES[name]
+    d = np.arange(1 << width)
+    m, x, t = (segment << width) + d, d - (1 << (width - 1)), d >> (width - t_bits)
+    exact = np.tanh(m / 2**14) * 8192
+    places = g_bits + 2 + 14
+    u, shift = 2.0 ** (13 - places), places - i_bits
+    pairs = [(0, 0)]
+    if segment < curved:
+        fit = np.stack([np.ones(len(x)), u * x, -u * x * t], axis=1)
+        middle = round(np.linalg.lstsq(fit, exact, rcond=None)[0][2])
+        pairs = []
+        for curve in range(max(0, middle - 2), min((1 << c_bits) - 1, middle + 2) + 1):
+            straight = exact - u * x * (3 - curve * t)
+            steep = round(np.polyfit(4 * u * x, straight, 1)[0])
+            for gradient in range(steep - 5, min((1 << g_bits) - 1, steep + 5) + 1):
+                if (4 * gradient + 3 - curve * t).min() >= 0:
+                    pairs.append((curve, gradient))
+    unit = 1 << (i_bits - 13)
+    nearest = np.minimum(np.floor(exact + 0.5), 8191)
+    best: tuple[int, int] = (-1, -1)
+    found = (0, 0, 0)
+    for curve, gradient in pairs:
+        product = x * (4 * gradient + 3 - curve * t)
+        # The intercept is the result in the middle of the segment, within two units.
+        centre = int(exact[len(exact) // 2]) * unit
+        for intercept in range(max(centre - 2 * unit, 0), centre + 3 * unit):
+            if segment >= curved and intercept % unit != unit // 2:
+                continue
+            result = ((intercept << shift) + product) >> (places - 13)
+            allowed = (
+                (np.abs(result - exact) <= 1).all()
+                and result[0] >= before
+                and result.max() <= 8191
+                and (np.diff(result) >= 0).all()
+                and not (segment == 0 and result[0] != 0)
+            )
+            zeros = (intercept & -intercept).bit_length()
+            rank = (int((result == nearest).sum()), zeros)
+            if allowed and rank > best:
+                best, found = rank, (intercept, gradient, curve)
+    return found
+
+
+@pytest.mark.parametrize(("name", "step"), [("logic", 3), ("block_ram", 23)])
+def test_the_coefficients_follow_from_the_rule_of_the_page(name: str, step: int) -> None:
+    """Every few segments, as each takes as many trials as there are triples."""
+    block = build("precise" if name == "logic" else f"precise {name}")
+    table, width = block.table, RULES[name][0]
+    last = len(table.intercepts) - 1
+    for segment in {*range(0, last, step), last}:
+        before = int(block.process(np.array((segment << width) - 1))) if segment else 0
+        built = table.intercepts[segment], table.gradients[segment], table.curves[segment]
+        assert by_rule(name, segment, before) == built, segment
+
+
 def test_other_formats_are_refused() -> None:
     with pytest.raises(ValueError, match=r"got q in Fix\(14,13\), normalised by 3, of .*'thesis'"):
         SCHEMES["precise"].build(THESIS, 3, 8191)

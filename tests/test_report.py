@@ -14,7 +14,6 @@ import pytest
 from shared import Shared
 
 from golden.scene import load_scene
-from hdl.common.lookup import latency
 from tb.common.runner import BUILD
 from tb.report.draw import findings
 from tb.report.draw.plots import Plot
@@ -102,9 +101,7 @@ def test_the_first_screen_is_the_scene(report: Path, data: dict) -> None:
     text = re.sub(r"\s+", " ", report.read_text())
     assert f"<h1>tactus: {SCENE}</h1>" in text
     costs = dict(row[:2] for row in data["tables"]["costs"]["rows"])
-    assert costs["clocks from first sample to last output"] == clocks_per_frame(
-        design, latency(design)
-    )
+    assert costs["clocks from first sample to last output"] == clocks_per_frame(design)
     assert [row[0] for row in data["tables"]["errors"]["rows"]] == list(scene.outputs)
     assert "the load profile: the scene has no visualisation" in data["left_out"]
 

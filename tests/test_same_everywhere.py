@@ -139,7 +139,7 @@ def test_the_digests_hold_every_scene_and_every_table() -> None:
     of_block = dict(exported_constants.exported())
     for form, fmt in FORMATS.items():
         name = "precise" if form == "logic" else f"precise {form}"
-        assert repr(curve_table(fmt)) in exported_constants.constants(of_block[f"precise {name} 1"])
+        assert repr(curve_table(fmt)) in exported_constants.constants(of_block[f"exact {name} 1"])
     memory = of_block["digit-instrument exp_memory"]
     assert repr(memory.words) in exported_constants.constants(memory)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -69,6 +70,35 @@ def test_coefficients_stay_exact_enough(width: int, limit: int, bound: float) ->
         for code, gradient, upper in zip(codes, segments.GRADIENT, segments.UPPER, strict=True):
             reach = min(1.0, upper / factor)
             assert abs(code / 2**frac - gradient * factor) * reach * 8192 < bound
+
+
+def test_largest_error_of_a_gradient_word() -> None:
+    """The figure of the datasheet, over every Q that ``thesis`` takes."""
+    with pytest.raises(ValueError, match=r"thresholds .* coincide|leaves"):
+        gradient_for(THESIS, 1967, SIGNAL.high)
+    worst = 0.0
+    for factor in range(1, 1967):
+        codes, frac = coefficient_codes(factor, 14, 13)
+        for code, gradient, upper in zip(codes, segments.GRADIENT, segments.UPPER, strict=True):
+            reach = min(1.0, upper / factor)
+            worst = max(worst, abs(code / 2**frac - gradient * factor) * reach * 8192)
+    assert 0.58 < worst < 0.59
+
+
+def test_a_word_is_rounded_once_at_the_coarser_point() -> None:
+    """The words that g_memory.md gives for Q = 24, from its rule in exact arithmetic."""
+    exact = [Fraction(str(gradient)) * 24 for gradient in segments.GRADIENT]
+    own = [max(p for p in range(14) if int(g * 2**p + Fraction(1, 2)) < 2**13) for g in exact]
+    common = max(p for p in range(14) if int(max(exact) * 2**p + Fraction(1, 2)) < 2**17)
+    points = [min(p, common) for p in own]
+    assert len(set(points)) > 1
+    words = [
+        int(g * 2**p + Fraction(1, 2)) * 2 ** (common - p)
+        for g, p in zip(exact, points, strict=True)
+    ]
+    assert coefficient_codes(24, 14, 13) == (words, common)
+    page = (DATA.parents[2] / "docs" / "blocks" / "g_memory.md").read_text()
+    assert f"{', '.join(map(str, words[:4]))}, ... with {common} fraction" in page
 
 
 def test_too_large_a_factor_names_segment_and_format() -> None:

@@ -16,6 +16,7 @@ from golden.activation.sign_retriever import SignRetriever
 from golden.fixed import Fix
 from golden.layers import input_integral
 from golden.layers.weighted_sum import WeightedSum
+from golden.networks.designs import DESIGNS
 from golden.physics.plate import Plate
 from golden.scene import scene_names
 from golden.visualisation.power_fold import PowerFold
@@ -31,8 +32,8 @@ NAMED = [
     ("abs_unit", r"^-8 in Fix\(18,14\)"),
     *((name, "most negative code, thesis") for name in ("gradient", "lut", "pade", "polynomial")),
     ("precise", "most negative code"),
-    ("hybrid", r"Q_j to 2\d\d, thesis"),
-    ("hybrid", "Q_j of 200000, thesis"),
+    *((name, rf"Q_j to 2\d\d, {p}") for name in DESIGNS for p in ("thesis", "exact")),
+    ("constants", "Q_j of 200000, thesis"),
     *((name, "ends, thesis") for name in ("input_node", "neuron", "output_integral")),
     *((name, "ends, exact") for name in ("input_node", "neuron", "output_integral")),
     ("pade", "rho = 1, 2 to 200 iterations, thesis"),

@@ -19,10 +19,10 @@ from golden.scene import Scene, load_scene, scene_names
 from hdl.synth.absorb import absorb
 from hdl.synth.budget import COLUMNS, budget_path, differences, read_budget, write_budget
 from hdl.synth.cells import DEPTH, FAMILIES, synthesise
-from hdl.synth.datasheets import BEGIN, COMPARED, pages, put
 from hdl.synth.netlist import KINDS, count, depth, total
 from hdl.synth.timing import read_timing, timing_path
 from hdl.synth.tools import digest, run_tool
+from tb.report.page.datasheets import COMPARED, pages
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
@@ -178,11 +178,19 @@ def test_a_broken_budget_is_refused(tmp_path: Path) -> None:
         read_budget(path)
 
 
-def test_a_page_without_markers_is_refused(tmp_path: Path) -> None:
-    page = tmp_path / "page.md"
-    page.write_text(f"# Page\n{BEGIN}\n")
-    with pytest.raises(CommandError, match=r"page\.md: expected the markers"):
-        put(page, "text")
+@pytest.mark.parametrize(
+    ("text", "same"),
+    [
+        ("// Another heading.\n\nmodule m;\n  wire a; // 0.5  \nendmodule\n", True),
+        ("module m;\n  wire b;\nendmodule\n", False),
+    ],
+)
+def test_the_digest_is_of_the_code_alone(tmp_path: Path, text: str, same: bool) -> None:
+    file = tmp_path / "m.v"
+    file.write_text("// A heading.\nmodule m;\n  wire a;\nendmodule\n")
+    before = digest(tmp_path)
+    file.write_text(text)
+    assert (digest(tmp_path) == before) is same
 
 
 @pytest.mark.parametrize("name", RECORDED)
@@ -210,7 +218,7 @@ def test_the_recorded_cells_are_those_that_yosys_finds(shared: Shared, family: s
 
 def test_the_pages_hold_what_is_recorded() -> None:
     for page, text in pages().items():
-        assert page.read_text() == text, f"{page}: run: python -m hdl.synth.datasheets"
+        assert page.read_text() == text, f"{page}: run: python -m tb.report.page.datasheets"
 
 
 def test_the_command(small_scene: Scene, tmp_path: Path) -> None:

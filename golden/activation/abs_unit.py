@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from golden.block import Block
 from golden.fixed import Codes, Fix
+from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,7 @@ class AbsUnit(Block):
     """
 
     block = "abs_unit"
+    section = "4.5.2.2"
     area = "activation"
     fmt: Fix
 
@@ -34,6 +36,21 @@ class AbsUnit(Block):
     def mag_width(self) -> int:
         """Bits of the unsigned magnitude."""
         return self.fmt.width - 1
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            *CLOCKED,
+            taken("in_valid", "`in_data` holds a code"),
+            taken("in_data", "code", self.fmt, "fmt"),
+            given("out_valid", "`out_mag` and `out_negative` hold a result"),
+            given("out_mag", "magnitude", Unsigned(self.mag_width, self.fmt.frac), "mag_width"),
+            given("out_negative", "the code was below 0"),
+        )
+
+    @property
+    def latency(self) -> int:
+        return 1
 
     def process(self, data: ArrayLike) -> tuple[Codes, NDArray[np.bool_]]:
         """Magnitudes and the flags of negative codes, each the shape of ``data``.

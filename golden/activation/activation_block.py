@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.fixed import Codes, Fix
+from golden.port import CLOCKED, Port, given, taken
 
 
 @dataclass(frozen=True)
@@ -31,9 +32,16 @@ class ActivationBlock(Block):
     out_fmt: Fix
 
     @property
-    def interval(self) -> int:
-        """Least clocks from one code to the next."""
-        return 1
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            *CLOCKED,
+            taken("in_valid", "`in_data` holds a code"),
+            taken("in_data", "q, or q / Q where sums are normalised", self.in_fmt, "in_fmt"),
+            given("out_valid", "`out_data` holds a result"),
+            given(
+                "out_data", "r, which stays at least as long as the input", self.out_fmt, "out_fmt"
+            ),
+        )
 
     def process(self, data: ArrayLike) -> Codes:
         """Activation codes in ``out_fmt``, the shape of ``data``.

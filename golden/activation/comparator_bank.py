@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.fixed import Codes, check_unsigned
+from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,7 @@ class ComparatorBank(Block):
     """
 
     block = "comparator_bank"
+    section = "4.5.2.3.1 C, 5.4.5.2"
     area = "activation"
     mag_width: int
     thresholds: tuple[int, ...]
@@ -53,6 +55,27 @@ class ComparatorBank(Block):
     def addr_width(self) -> int:
         """Bits of the address: it counts from 0 to the number of thresholds."""
         return max(1, len(self.thresholds).bit_length())
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        mag = Unsigned(self.mag_width)
+        return (
+            *CLOCKED,
+            taken("in_valid", "`in_mag` holds a magnitude"),
+            taken("in_mag", "magnitude of q, with its fraction bits", mag, "mag_width"),
+            given("out_valid", "`out_addr` and `out_mag` hold a result"),
+            given(
+                "out_addr",
+                "segment number less one, which is the number of thresholds exceeded",
+                Unsigned(self.addr_width),
+                "addr_width",
+            ),
+            given("out_mag", "`in_mag`, one clock later", mag, "mag_width"),
+        )
+
+    @property
+    def latency(self) -> int:
+        return 1
 
     def process(self, mag: ArrayLike) -> Codes:
         """Number of thresholds each magnitude exceeds, which is the segment's address.

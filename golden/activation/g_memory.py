@@ -12,3 +12,5 @@ class GMemory(Rom):
     """
 
     block = "g_memory"
+    section = "5.4.5.2"
+    port_meanings = ("segment number less one", "gradient G_n of the segment")

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.fixed import Codes, Fix, Rounding, check_unsigned
+from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,7 @@ class GradEqn(Block):
     """
 
     block = "grad_eqn"
+    section = "5.4.5.2"
     area = "activation"
     mag_width: int
     mag_frac: int
@@ -70,6 +72,38 @@ class GradEqn(Block):
     def out_shift(self) -> int:
         """Fraction bits dropped at the end."""
         return self.product_frac - self.out_fmt.frac
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            *CLOCKED,
+            taken("in_valid", "the three operands belong together and are valid"),
+            taken("in_mag", "magnitude of q", Unsigned(self.mag_width, self.mag_frac), "mag_width"),
+            taken(
+                "in_coeff",
+                "gradient G_n",
+                Unsigned(self.coeff_width, self.coeff_frac),
+                "coeff_width",
+            ),
+            taken(
+                "in_intercept",
+                "intercept i_n",
+                Unsigned(self.intercept_width, self.intercept_frac),
+                "intercept_width",
+            ),
+            given("out_valid", "`out_data` holds a result"),
+            given(
+                "out_data",
+                "magnitude of the activation",
+                Unsigned(self.out_fmt.width - 1, self.out_fmt.frac),
+                "out_fmt.width - 1",
+            ),
+        )
+
+    @property
+    def latency(self) -> int:
+        # Operands, product, sum.
+        return 3
 
     def process(self, mag: ArrayLike, coeff: ArrayLike, intercept: ArrayLike) -> Codes:
         """Result codes, 0 to ``out_fmt.high``; the arguments broadcast.

@@ -40,6 +40,7 @@ class Gradient(ActivationBlock):
     """
 
     block = "gradient"
+    section = "5.4.3"
     table: SegmentTable
     intercept_width: int
     intercept_frac: int
@@ -55,11 +56,14 @@ class Gradient(ActivationBlock):
 
     @property
     def g_memory(self) -> GMemory:
-        return GMemory(self.table.coeffs, self.table.coeff_width, variant=self.variant)
+        table = self.table
+        return GMemory(table.coeffs, table.coeff_width, table.coeff_frac, variant=self.variant)
 
     @property
     def i_memory(self) -> IMemory:
-        return IMemory(self.table.intercepts, self.intercept_width, variant=self.variant)
+        return IMemory(
+            self.table.intercepts, self.intercept_width, self.intercept_frac, variant=self.variant
+        )
 
     @property
     def grad_eqn(self) -> GradEqn:
@@ -78,6 +82,15 @@ class Gradient(ActivationBlock):
     @property
     def sign_retriever(self) -> SignRetriever:
         return SignRetriever(self.out_fmt)
+
+    @property
+    def latency(self) -> int:
+        return (
+            self.abs_unit.latency
+            + self.comparator_bank.latency
+            + self.grad_eqn.latency
+            + self.sign_retriever.latency
+        )
 
     def parts(self) -> tuple[Block, ...]:
         return (

@@ -1,4 +1,4 @@
-"""The Gradient activation as first drawn: a multiplier for every segment."""
+"""The Gradient activation as first drawn: tanh by segments, a multiplier for each."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ class GradientParallel(Gradient):
     """
 
     block = "gradient_parallel"
+    section = "4.5.2.3.1"
 
     def parts(self) -> tuple[Block, ...]:
         return self.abs_unit, self.comparator_bank, self.grad_eqn, self.sign_retriever

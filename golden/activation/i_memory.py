@@ -12,3 +12,5 @@ class IMemory(Rom):
     """
 
     block = "i_memory"
+    section = "5.4.5.2"
+    port_meanings = ("segment number less one", "intercept i_n of the segment")

@@ -1,4 +1,4 @@
-"""The look-up table activation: 128 values of tanh."""
+"""The look-up table activation: tanh from a table of 128 values."""
 
 from __future__ import annotations
 
@@ -71,6 +71,7 @@ class Lut(ActivationBlock):
     """
 
     block = "lut"
+    section = "4.5.2.3.4"
     words: tuple[int, ...]
     scale: int
     scale_shift: int
@@ -92,6 +93,13 @@ class Lut(ActivationBlock):
     def addr_width(self) -> int:
         """Bits of the table's address."""
         return max(1, (len(self.words) - 1).bit_length())
+
+    @property
+    def latency(self) -> int:
+        # The address beside the comparator bank, then the word.
+        return (
+            self.abs_unit.latency + self.comparator_bank.latency + 1 + self.sign_retriever.latency
+        )
 
     def parts(self) -> tuple[Block, ...]:
         return self.abs_unit, self.comparator_bank, self.sign_retriever

@@ -184,6 +184,7 @@ class Pade(ActivationBlock):
     """
 
     block = "pade"
+    section = "4.5.2.3.3"
     factor: int
     thresholds: tuple[int, ...]
     iterations: int
@@ -270,6 +271,19 @@ class Pade(ActivationBlock):
         """Signed bits of each of ``polynomials`` for q from 0 to ``last``."""
         ends = self.polynomials(np.array([0, last]))
         return {name: signed_width(int(e) for e in pair) for name, pair in ends.items()}
+
+    @property
+    def latency(self) -> int:
+        # Behind the comparator bank the square and two clocks for the polynomials; then a clock
+        # for every iteration, and the quotient.
+        return (
+            self.abs_unit.latency
+            + self.comparator_bank.latency
+            + 3
+            + self.iterations
+            + 1
+            + self.sign_retriever.latency
+        )
 
     def parts(self) -> tuple[Block, ...]:
         return self.abs_unit, self.comparator_bank, self.sign_retriever

@@ -98,6 +98,7 @@ class Polynomial(ActivationBlock):
     """
 
     block = "polynomial"
+    section = "4.5.2.3.2"
     thresholds: tuple[int, ...]
     coeffs: tuple[tuple[int, int, int], ...]
     factor: int | None
@@ -170,6 +171,17 @@ class Polynomial(ActivationBlock):
             bounds += [offset + sum(min(0, t) for t in terms)]
             bounds += [offset + sum(max(0, t) for t in terms)]
         return signed_width(bounds)
+
+    @property
+    def latency(self) -> int:
+        # Products, sum, and the de-normalisation where there is any.
+        return (
+            self.abs_unit.latency
+            + self.comparator_bank.latency
+            + 2
+            + (self.factor is not None)
+            + self.sign_retriever.latency
+        )
 
     def parts(self) -> tuple[Block, ...]:
         return self.abs_unit, self.comparator_bank, self.sign_retriever

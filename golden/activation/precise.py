@@ -14,6 +14,10 @@ from golden.activation.sign_retriever import SignRetriever
 from golden.block import Block
 from golden.fixed import Codes
 
+# Registers from the coefficients to the result: behind the coefficients, behind the rows, before
+# and behind the multiplier, and behind the sum.
+STAGES = 5
+
 
 @dataclass(frozen=True)
 class Precise(ActivationBlock):
@@ -84,6 +88,15 @@ class Precise(ActivationBlock):
     @property
     def sign_retriever(self) -> SignRetriever:
         return SignRetriever(self.out_fmt)
+
+    @property
+    def memory_latency(self) -> int:
+        """Clocks from an address to its coefficients: a block RAM is read with a clock."""
+        return int(self.coefficients == "block_ram")
+
+    @property
+    def latency(self) -> int:
+        return self.abs_unit.latency + self.memory_latency + STAGES + self.sign_retriever.latency
 
     def parts(self) -> tuple[Block, ...]:
         return self.abs_unit, self.sign_retriever

@@ -16,7 +16,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from golden.fixed import Codes
+from golden.fixed import Codes, real_texts
 from golden.precision import EXACT, SIGNAL
 from golden.transcendental import tanh_floors
 
@@ -117,6 +117,15 @@ class CurveTable:
     intercepts: tuple[int, ...]
     gradients: tuple[int, ...]
     curves: tuple[int, ...]
+
+    def meanings(self, fmt: CurveFormat) -> list[str]:
+        """Intercept, gradient and curve of every segment as numbers."""
+        columns = (
+            real_texts(self.intercepts, fmt.intercept_frac),
+            real_texts(self.gradients, fmt.gradient_frac),
+            real_texts(self.curves, fmt.slope_frac),
+        )
+        return [", ".join(row) for row in zip(*columns, strict=True)]
 
 
 @lru_cache

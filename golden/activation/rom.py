@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.block import Block
-from golden.fixed import Codes, check_unsigned
+from golden.fixed import Codes, check_unsigned, real_texts
+from golden.port import Port, Unsigned, given, taken
 
 
 @dataclass(frozen=True)
@@ -21,6 +23,8 @@ class Rom(Block):
         The contents. An address beyond the last word reads the last word.
     width : int
         Bits of a word.
+    frac : int
+        Fraction bits of a word: it stands for ``word / 2**frac``.
 
     Raises
     ------
@@ -29,8 +33,11 @@ class Rom(Block):
     """
 
     area = "activation"
+    # What address and word are, for ``ports``.
+    port_meanings: ClassVar[tuple[str, str]]
     words: tuple[int, ...]
     width: int
+    frac: int
 
     def __post_init__(self) -> None:
         if not self.words or min(self.words) < 0 or max(self.words) >= 1 << self.width:
@@ -43,6 +50,26 @@ class Rom(Block):
     def addr_width(self) -> int:
         """Bits of the address."""
         return max(1, (len(self.words) - 1).bit_length())
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        address, word = self.port_meanings
+        return (
+            taken("addr", address, Unsigned(self.addr_width), "addr_width"),
+            given("word", word, Unsigned(self.width, self.frac), "width"),
+        )
+
+    @property
+    def latency(self) -> int:
+        return 0
+
+    def facts(self) -> tuple[str, ...]:
+        return (f"{len(self.words)} words of {self.width} bits",)
+
+    @property
+    def meanings(self) -> list[str]:
+        """The number that each word stands for."""
+        return real_texts(self.words, self.frac)
 
     def process(self, addr: ArrayLike) -> Codes:
         """The word at each address.

@@ -100,7 +100,8 @@ def coefficient_codes(factor: float, width: int, frac_limit: int) -> tuple[list[
     for width 14, limit 13 and Q = 3 these are the points 11, 12, 12, 13, ... of Table 4.3. All
     codes are then written with the finest of these points, which is exact (a left shift) and needs
     no shifter in the hardware. Where that would take more than 17 bits (Q above 17), the common
-    point moves up until the widest coefficient fits, and every coefficient is rounded at it.
+    point moves up until the widest coefficient fits. Every coefficient is rounded once, at the
+    coarser of its own point and the common one: Table 4.3 gives no coefficient more than 14 bits.
 
     Error: segment n is used up to qbar = q_n / Q. A coefficient of 13 bits is off by at most
     2**-13 of itself, so its product is off by at most g_n q_n < 0.6 LSB of Fix(14,13). The common

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.fixed import Codes, Fix
+from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 
 @dataclass(frozen=True)
@@ -26,8 +27,26 @@ class SignRetriever(Block):
     """
 
     block = "sign_retriever"
+    section = "4.5.2.4"
     area = "activation"
     fmt: Fix
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            *CLOCKED,
+            taken("in_valid", "`in_mag` and `in_negative` are valid"),
+            taken(
+                "in_mag", "magnitude", Unsigned(self.fmt.width - 1, self.fmt.frac), "fmt.width - 1"
+            ),
+            taken("in_negative", "the result is to be negative"),
+            given("out_valid", "`out_data` holds a result"),
+            given("out_data", "the magnitude with its sign", self.fmt, "fmt"),
+        )
+
+    @property
+    def latency(self) -> int:
+        return 1
 
     def process(self, mag: ArrayLike, negative: ArrayLike) -> Codes:
         """Signed codes in ``fmt``.

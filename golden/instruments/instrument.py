@@ -6,9 +6,12 @@ from dataclasses import dataclass
 
 from golden.block import Block
 from golden.fixed import Codes
+from golden.flow import Carried, Flow
 from golden.instruments.readout import Readout
 from golden.layers.input_controller import InputController
 from golden.networks.network import Network
+from golden.port import CLOCKED, Port
+from golden.precision import SIGNAL
 from golden.sensing.scan_sequencer import ScanSequencer
 
 
@@ -31,6 +34,7 @@ class Instrument(Network):
     """
 
     block = "instrument"
+    section = "5.4.4, 5.5, 5.8"
     stream = "converter"
     area = "instruments"
     scan_sequencer: ScanSequencer
@@ -64,11 +68,43 @@ class Instrument(Network):
         return self.scan_sequencer.scan_clocks
 
     @property
+    def ports(self) -> tuple[Port, ...]:
+        scan = {port.name: port for port in self.scan_sequencer.ports}
+        results = [port for port in self.readout.ports if port.direction == "out"]
+        return (
+            *CLOCKED,
+            scan["adc"],
+            scan["address"],
+            *(port for port in results if port.name != "frame_error"),
+        )
+
+    @property
+    def latency(self) -> int:
+        return self.scan_sequencer.latency + self.readout.latency
+
+    @property
     def input_controller(self) -> InputController:
         return self.readout.input_controller
 
+    @property
+    def frame_clocks(self) -> int:
+        """A frame begins with its scan."""
+        return int(self.scan_sequencer.sample_clocks[-1]) + 1
+
+    @property
+    def scanner(self) -> ScanSequencer:
+        return self.scan_sequencer
+
+    @property
+    def core(self) -> Network:
+        return self.readout.core
+
     def parts(self) -> tuple[Block, ...]:
         return (self.scan_sequencer, self.readout)
+
+    def flow(self) -> Flow:
+        given = Carried("codes of the converter", SIGNAL)
+        return Flow((given, self.scan_sequencer, None, self.readout))
 
     def left_out(self) -> list[str]:
         return self.readout.left_out()

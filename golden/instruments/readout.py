@@ -8,8 +8,11 @@ from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.fixed import Codes
+from golden.flow import Carried, Flow, Step
 from golden.layers.input_controller import InputController
-from golden.networks.network import Network
+from golden.networks.network import Network, serial_ports
+from golden.port import Port, given, group
+from golden.precision import SIGNAL
 from golden.visualisation.load_profile import LoadProfile
 
 
@@ -35,6 +38,7 @@ class Readout(Network):
     """
 
     block = "readout"
+    section = "5.5, 5.8"
     area = "instruments"
     network: Network
     load_profile: LoadProfile | None = None
@@ -66,11 +70,46 @@ class Readout(Network):
         return self.network.interval
 
     @property
+    def result_ports(self) -> tuple[Port, ...]:
+        """The held outputs and, where one is drawn, the profile."""
+        held = group(given("held", "output *, until the next of its kind", SIGNAL), self.outputs)
+        if self.load_profile is None:
+            return held
+        return (
+            *held,
+            given("profile_valid", "`profile_x` and `profile_y` hold a new point"),
+            given("profile_x", "i_p, which stays until the next point", SIGNAL),
+            given("profile_y", "f(i_p), which stays until the next point", SIGNAL),
+            given("profile_last", "it is the last point of the ramp, for this clock"),
+        )
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            *serial_ports("an element", "element of the network's frame", "of the wrong length"),
+            *self.result_ports,
+        )
+
+    @property
+    def latency(self) -> int:
+        return self.network.latency
+
+    @property
     def input_controller(self) -> InputController:
         return self.network.input_controller
 
+    @property
+    def core(self) -> Network:
+        return self.network.core
+
     def parts(self) -> tuple[Block, ...]:
         return (self.network, *([self.load_profile] if self.load_profile else []))
+
+    def flow(self) -> Flow:
+        steps: list[Step] = [Carried("samples", SIGNAL), self.network, Carried("outputs", SIGNAL)]
+        if self.load_profile:
+            steps += [self.load_profile, Carried("profile", SIGNAL)]
+        return Flow(tuple(steps))
 
     def left_out(self) -> list[str]:
         return self.network.left_out()

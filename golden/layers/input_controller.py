@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from golden.block import Block
 from golden.fixed import Codes
+from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,7 @@ class InputController(Block):
     """
 
     block = "input_controller"
+    section = "5.4.5.1"
     area = "layers"
     inputs: int
     spacing: int
@@ -69,6 +71,33 @@ class InputController(Block):
     def addr_width(self) -> int:
         """Bits of the weight address."""
         return max(1, (self.inputs - 1).bit_length())
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            *CLOCKED,
+            taken("in_valid", "a sample stands on the stream"),
+            taken("in_last", "it is the last of its frame; ignored without `in_valid`"),
+            given(
+                "addr",
+                "position of the sample in its frame, in the same clock",
+                Unsigned(self.addr_width),
+                "addr_width",
+            ),
+            given("preset", "two clocks after the first sample of a frame"),
+            given("accumulate", "two clocks after each accepted sample"),
+            given("capture", "three clocks after the last sample of a good frame"),
+            given("out_valid", "four clocks after it: the nodes hold the sums of the frame"),
+            given("frame_error", "one clock long, one clock after the sample that breaks a frame"),
+        )
+
+    @property
+    def latency(self) -> int:
+        # Operands, product, accumulator, output of the nodes that it steers.
+        return 4
+
+    def facts(self) -> tuple[str, ...]:
+        return (f"{self.inputs} element{'s' if self.inputs > 1 else ''} a frame",)
 
     def process(self, last: ArrayLike, clock: ArrayLike) -> FrameScan:
         """Decisions for samples that arrive after a reset.

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from golden.block import Block
 from golden.fixed import Codes, Overflow, Rounding, requantise
 from golden.layers.input_node import InputNode
+from golden.port import Port, given, group
 
 
 @dataclass(frozen=True)
@@ -23,6 +24,7 @@ class InputIntegral(Block):
     """
 
     block = "input_integral"
+    section = "5.4.5.1"
     area = "layers"
     nodes: tuple[InputNode, ...]
 
@@ -37,6 +39,21 @@ class InputIntegral(Block):
     def inputs(self) -> int:
         """Samples of one frame."""
         return len(self.nodes[0].weights)
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        node = self.nodes[0]
+        q = given(
+            "out_q",
+            "hidden node *: q, or q / Q where sums are normalised; held until the next `capture`",
+            node.out_fmt,
+            "out_fmt",
+        )
+        return (*node.controls, *group(q, len(self.nodes)))
+
+    @property
+    def latency(self) -> int:
+        return self.nodes[0].latency
 
     def parts(self) -> tuple[Block, ...]:
         return self.nodes

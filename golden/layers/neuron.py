@@ -1,4 +1,4 @@
-"""A neuron that takes all of its samples at once."""
+"""Neuron: a weighted sum of samples that come all at once."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 from golden.fixed import Codes
 from golden.layers.node_sum import NodeSum
+from golden.layers.weighted_sum import tree_depth
+from golden.port import CLOCK, Port, given, group, taken
 
 
 @dataclass(frozen=True)
@@ -25,12 +27,32 @@ class Neuron(NodeSum):
     """
 
     block = "neuron"
+    section = "5.2.1"
     factor: int | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.factor is not None and self.factor < 1:
             raise ValueError(f"{self.entity}: got factor={self.factor}, expected 1 or more")
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        samples = taken("in_data", "sample *", self.in_fmt, "in_fmt")
+        return (
+            CLOCK,
+            *group(samples, len(self.weights)),
+            given(
+                "out_data",
+                "q of a hidden neuron, or q / Q where sums are normalised; y of an output",
+                self.out_fmt,
+                "out_fmt",
+            ),
+        )
+
+    @property
+    def latency(self) -> int:
+        # Product, adder tree, product with the factor, rounding.
+        return 1 + tree_depth(len(self.weights) + 1) + (self.factor is not None) + 1
 
     @property
     def scaled_width(self) -> int:

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.fixed import Codes, Fix
+from golden.port import CLOCKED, Port, given, group, taken
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,7 @@ class OutputCollector(Block):
     """
 
     block = "output_collector"
+    section = "5.5"
     area = "layers"
     fmt: Fix
     outputs: int
@@ -37,9 +39,28 @@ class OutputCollector(Block):
             raise ValueError(f"{self.entity}: got outputs={self.outputs}, expected 1 or more")
 
     @property
+    def interval(self) -> int:
+        return self.outputs
+
+    @property
     def count_width(self) -> int:
         """Bits of the number of results still to leave."""
         return self.outputs.bit_length()
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            *CLOCKED,
+            taken("in_valid", "the results of a frame are there, for this clock"),
+            *group(taken("in_data", "result of network *", self.fmt, "fmt"), self.outputs),
+            given("out_valid", "`out_data` holds a result"),
+            given("out_data", "result, in the order of the networks", self.fmt, "fmt"),
+            given("out_last", "it is the last of the frame"),
+        )
+
+    @property
+    def latency(self) -> int:
+        return 1
 
     def process(self, results: ArrayLike) -> Codes:
         """The elements that leave, in order, for results of shape (frames, outputs).

@@ -8,6 +8,7 @@ import numpy as np
 
 from golden.block import Block
 from golden.fixed import Codes
+from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 
 @dataclass(frozen=True)
@@ -21,6 +22,7 @@ class OutputController(Block):
     """
 
     block = "output_controller"
+    section = "5.4.5.3"
     area = "layers"
     outputs: int
 
@@ -29,9 +31,35 @@ class OutputController(Block):
             raise ValueError(f"{self.entity}: got outputs={self.outputs}, expected 1 or more")
 
     @property
+    def interval(self) -> int:
+        return self.outputs
+
+    @property
     def addr_width(self) -> int:
         """Bits of the row address."""
         return max(1, (self.outputs - 1).bit_length())
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            *CLOCKED,
+            taken(
+                "in_valid",
+                "one clock long: the activations of a frame are there, for `outputs` clocks",
+            ),
+            given(
+                "addr",
+                "row of weights, 0 in the clock of `in_valid`, then one row a clock",
+                Unsigned(self.addr_width),
+                "addr_width",
+            ),
+            given("out_valid", "`addr` names a row"),
+            given("out_last", "it is the last row of the frame"),
+        )
+
+    @property
+    def latency(self) -> int:
+        return 0
 
     def process(self, frames: int) -> Codes:
         """Row addresses of ``frames`` frames, shape (frames, outputs)."""

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.fixed import Codes, Overflow, Rounding, requantise, signed_width
-from golden.layers.weighted_sum import WeightedSum
+from golden.layers.weighted_sum import WeightedSum, tree_depth
+from golden.port import CLOCKED, Port, Unsigned, given, group, taken
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,7 @@ class OutputIntegral(WeightedSum):
     """
 
     block = "output_integral"
+    section = "5.4.5.3"
     weights: tuple[tuple[int, ...], ...]
     biases: tuple[int, ...]
     factors: tuple[int, ...] | None
@@ -47,6 +49,35 @@ class OutputIntegral(WeightedSum):
             raise ValueError(
                 f"{self.entity}: got factors {self.factors}, expected {self.outputs} of 1 or more"
             )
+
+    @property
+    def addr_width(self) -> int:
+        """Bits of a row's number."""
+        return max(1, (self.outputs - 1).bit_length())
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        r = taken("in_r", "r of hidden node *", self.in_fmt, "in_fmt")
+        return (
+            *CLOCKED,
+            taken("in_valid", "`in_addr` names a row and the activations belong to it"),
+            taken("in_last", "it is the last row of the frame"),
+            taken(
+                "in_addr",
+                "row, 0 to outputs - 1",
+                Unsigned(self.addr_width),
+                "addr_width",
+            ),
+            *group(r, self.hidden),
+            given("out_valid", "`out_data` holds an output"),
+            given("out_data", "output y", self.out_fmt, "out_fmt"),
+            given("out_last", "it is the last output of the frame"),
+        )
+
+    @property
+    def latency(self) -> int:
+        # Operands, product, adder tree, product with the factor, rounding.
+        return 2 + tree_depth(self.hidden + 1) + (self.factors is not None) + 1
 
     @property
     def outputs(self) -> int:

@@ -81,3 +81,8 @@ class WeightedSum(Block):
                 products >>= self.product_shift
             acc += products
         return np.moveaxis(acc, 0, -1).astype(np.int64, copy=False)
+
+
+def tree_depth(terms: int) -> int:
+    """Levels, hence clocks, of an adder tree with a register per level."""
+    return (terms - 1).bit_length()

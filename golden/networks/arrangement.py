@@ -64,5 +64,7 @@ def arrange(arrangement: str, mlps: Sequence[Mlp], build: Callable[[Mlp, str], D
         )
     if arrangement == "cascade":
         return Cascade(networks)
-    # One result a clock leaves; a cascade's frames are longer than that in any case.
-    return Multiple(tuple(replace(n, min_interval=len(networks)) for n in networks))
+    # One result a clock leaves (a cascade's frames are longer than that in any case), and all take
+    # the frames that the slowest takes.
+    slowest = max(len(networks), *(network.interval for network in networks))
+    return Multiple(tuple(replace(n, min_interval=slowest) for n in networks))

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from golden.block import Block
 from golden.fixed import Codes, Fix
+from golden.flow import Carried, Flow
 from golden.layers.input_controller import InputController
-from golden.networks.network import Network
+from golden.networks.network import Network, frame_error
+from golden.port import CLOCK, RESET, Port, given, taken
 from golden.precision import SIGNAL
 
 # AXI4-Stream carries whole bytes.
 BYTES = (SIGNAL.width + 7) // 8
 TDATA = Fix(8 * BYTES, SIGNAL.frac)
+
+# From a result to its place on the output: into the memory, and out of it.
+FIFO_CLOCKS = 2
 
 
 @dataclass(frozen=True)
@@ -48,6 +53,41 @@ class AxisNetwork(Network):
         return self.network.interval
 
     @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            replace(CLOCK, meaning=f"{CLOCK.meaning}: ACLK"),
+            replace(RESET, meaning=f"{RESET.meaning}: ARESETn the other way round"),
+            taken("s_axis_tvalid", "`s_axis_tdata` holds a sample"),
+            given("s_axis_tready", "it is taken in this clock"),
+            taken(
+                "s_axis_tdata",
+                f"sample x, {SIGNAL}, in the lower {SIGNAL.width} bits; the upper ones are ignored",
+                TDATA,
+            ),
+            taken("s_axis_tlast", "it is the last sample of the frame"),
+            given("m_axis_tvalid", "`m_axis_tdata` holds an output, until it is taken"),
+            taken("m_axis_tready", "it is taken in this clock"),
+            given("m_axis_tdata", f"output y, {SIGNAL}, sign-extended", TDATA),
+            given("m_axis_tlast", "it is the last output of the frame"),
+            frame_error("of the wrong length"),
+        )
+
+    @property
+    def latency(self) -> int:
+        return self.slots + self.network.latency + FIFO_CLOCKS
+
+    @property
+    def frames_under_way(self) -> int:
+        """Frames that may be between the last sample and the last output taken.
+
+        As many as keep the network busy while nobody waits: from a frame's last sample until the
+        clock in which another may take its place there are ``slots``, the latency, the outputs and
+        1 clock.
+        """
+        clocks = self.slots + self.network.latency + self.outputs + 1
+        return -(-clocks // self.interval)
+
+    @property
     def slots(self) -> int:
         """Elements of a frame of the network behind the samples."""
         return self.network.input_controller.inputs - self.inputs
@@ -62,8 +102,15 @@ class AxisNetwork(Network):
         """Judges frames as they are sent; it is no part, and no frame comes too close."""
         return InputController(self.inputs, 0)
 
+    @property
+    def core(self) -> Network:
+        return self.network.core
+
     def parts(self) -> tuple[Block, ...]:
         return (self.network,)
+
+    def flow(self) -> Flow:
+        return Flow((Carried("s_axis", TDATA), self.network, Carried("m_axis", TDATA)))
 
     def left_out(self) -> list[str]:
         texts = self.network.left_out()

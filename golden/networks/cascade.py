@@ -8,8 +8,12 @@ import numpy as np
 
 from golden.block import Block
 from golden.fixed import Codes
+from golden.flow import Carried, Controlled, Flow, Step
 from golden.layers.input_controller import InputController
+from golden.layers.output_collector import OutputCollector
+from golden.networks.network import serial_ports
 from golden.networks.several import Several
+from golden.port import Port
 from golden.precision import SIGNAL
 from golden.sensing.stream_multiplexer import StreamMultiplexer
 
@@ -26,38 +30,42 @@ class Cascade(Several):
     Raises
     ------
     ValueError
-        See ``Several``; also for a network that needs more clocks between frames than a frame has
-        elements.
+        See ``Several``.
 
     Notes
     -----
     A frame of the hardware's stream has as many elements as the last network has inputs: the
     samples, then slots into which the earlier outputs are put.
+
+    A network sees the beginning of every frame, also of one that ends too early or too late, and
+    takes it for a whole one. Where a network needs more clocks than it sees elements, it could then
+    refuse the next frame as too close, and the others would not. So a cascade with such a network
+    has a ``frame_store``: the controller judges whole frames, and the networks see good ones alone,
+    at least ``interval`` clocks apart.
     """
 
     block = "cascade"
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        # A network sees the beginning of a frame, also of one that ends too early or too late, and
-        # takes it for a whole one: were it to refuse the next as too close, the others would not.
-        for network in self.networks:
-            if network.interval > network.inputs:
-                raise ValueError(
-                    f"{network.entity}: needs {network.interval} clocks from frame to frame, "
-                    f"expected at most {network.inputs}, the elements that it sees of a frame"
-                )
+    section = "5.5"
 
     def _inputs_of(self, number: int) -> int:
         return self.inputs + number
 
     @property
     def input_controller(self) -> InputController:
-        return InputController(self.networks[-1].inputs, 0, variant="frame")
+        length = self.networks[-1].inputs
+        spacing = self.interval if self.interval > length else 0
+        return InputController(length, spacing, variant="frame")
 
     @property
     def interval(self) -> int:
-        return self.input_controller.inputs
+        return max(self.networks[-1].inputs, *(network.interval for network in self.networks))
+
+    @property
+    def frame_store(self) -> OutputCollector | None:
+        """What hands on the elements of a frame that was found good, where the networks need it."""
+        if all(network.interval <= network.inputs for network in self.networks):
+            return None
+        return OutputCollector(SIGNAL, self.networks[-1].inputs, variant="frame")
 
     @property
     def multiplexers(self) -> tuple[StreamMultiplexer, ...]:
@@ -67,13 +75,51 @@ class Cascade(Several):
             for slot in range(self.inputs, self.networks[-1].inputs)
         )
 
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        early = " or that comes too early" if self.input_controller.spacing else ""
+        return serial_ports(
+            "an element",
+            "samples x, in the order of the scene's sensors, then one element, whatever it holds, "
+            "for each output but the last",
+            f"of the wrong length{early}",
+        )
+
+    @property
+    def latency(self) -> int:
+        """Of a frame store too, whose last element leaves behind all others of its frame."""
+        parts = [*self.networks, *self.multiplexers, self.output_collector]
+        clocks = sum(part.latency for part in parts)
+        if self.frame_store is None:
+            return clocks
+        first = self.input_controller.latency + self.frame_store.latency
+        return clocks + first + self.frame_store.outputs - 1
+
     def parts(self) -> tuple[Block, ...]:
         return (
             self.input_controller,
+            *([self.frame_store] if self.frame_store else []),
             *self.networks,
             *self.multiplexers,
             self.output_collector,
         )
+
+    def flow(self) -> Flow:
+        steps: list[Step] = [Carried(f"frames of {self.input_controller.inputs} elements", SIGNAL)]
+        if self.frame_store:
+            steps += [Controlled(self.input_controller, self.frame_store)]
+            steps += [Carried("good frames", SIGNAL)]
+        for network, multiplexer in zip(self.networks, self.multiplexers, strict=False):
+            steps += [network, None, multiplexer, Carried(f"y in slot {multiplexer.slot}", SIGNAL)]
+        steps += [self.networks[-1], Carried("every y", SIGNAL)]
+        steps += [self.output_collector, Carried("outputs", SIGNAL)]
+        return Flow(tuple(steps), watcher=None if self.frame_store else self.input_controller)
+
+    def left_out(self) -> list[str]:
+        texts = super().left_out()
+        if not self.frame_store:
+            texts.append(f"{self.entity}: the memory that holds a frame until it is judged")
+        return texts
 
     def compute(self, frames: Codes) -> Codes:
         seen = frames

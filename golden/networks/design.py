@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar, Self
 
+from golden.activation.activation_block import ActivationBlock
 from golden.layers.weighted_sum import WeightedSum
 from golden.networks.constants import Constants, constants_of
 from golden.networks.mlp import Mlp
@@ -30,6 +31,23 @@ class ExactSum:
     weights: Sequence[int]
     bias: int
     factor: int = 1
+
+
+@dataclass(frozen=True)
+class ExactLayers:
+    """A network of two layers as sums and activations.
+
+    Attributes
+    ----------
+    hidden : list of ExactSum
+    activations : tuple of ActivationBlock
+        One per hidden node.
+    outputs : list of ExactSum
+    """
+
+    hidden: list[ExactSum]
+    activations: tuple[ActivationBlock, ...]
+    outputs: list[ExactSum]
 
 
 @dataclass(frozen=True)
@@ -78,6 +96,6 @@ class Design(Network):
         return cls.from_constants(constants_of(mlp, precision, activation, options, lean), variant)
 
     @property
-    def exact_layers(self) -> tuple[list[ExactSum], list[ExactSum]]:
-        """The sums of the hidden nodes and of the outputs."""
+    def exact_layers(self) -> ExactLayers:
+        """What it computes, without anything that is shared, folded or cut."""
         raise NotImplementedError

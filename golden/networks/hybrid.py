@@ -11,13 +11,14 @@ import numpy as np
 from golden.activation.activation_block import ActivationBlock
 from golden.block import Block
 from golden.fixed import Codes
+from golden.flow import Alike, Carried, Controlled, Flow
 from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
 from golden.layers.input_node import InputNode
 from golden.layers.output_controller import OutputController
 from golden.layers.output_integral import OutputIntegral
 from golden.networks.constants import Constants
-from golden.networks.design import Design, ExactSum
+from golden.networks.design import Design, ExactLayers, ExactSum
 from golden.precision import SIGNAL
 
 
@@ -37,6 +38,7 @@ class Hybrid(Design):
     """
 
     block = "hybrid"
+    section = "5.4"
     arrangements = ("single", "multiple", "cascade")
     input_integral: InputIntegral
     activations: tuple[ActivationBlock, ...]
@@ -48,6 +50,12 @@ class Hybrid(Design):
             raise ValueError(
                 f"{self.entity}: got {hidden} nodes, {len(self.activations)} activations and "
                 f"{self.output_integral.hidden} weights per output, expected equal numbers"
+            )
+        # All activations answer in the same clock.
+        clocks = sorted({activation.latency for activation in self.activations})
+        if len(clocks) > 1:
+            raise ValueError(
+                f"{self.entity}: got activations of latencies {clocks}, expected one latency"
             )
 
     @classmethod
@@ -85,11 +93,12 @@ class Hybrid(Design):
         )
 
     @property
-    def exact_layers(self) -> tuple[list[ExactSum], list[ExactSum]]:
+    def exact_layers(self) -> ExactLayers:
         last = self.output_integral
         factors = last.factors or (1,) * last.outputs
-        return (
+        return ExactLayers(
             [ExactSum(n, n.weights, n.bias) for n in self.input_integral.nodes],
+            self.activations,
             [ExactSum(last, *row) for row in zip(last.weights, last.biases, factors, strict=True)],
         )
 
@@ -107,6 +116,15 @@ class Hybrid(Design):
         return max(self.inputs, self.outputs, self.min_interval, *rest)
 
     @property
+    def latency(self) -> int:
+        return (
+            self.input_controller.latency
+            + self.activations[0].latency
+            + self.output_controller.latency
+            + self.output_integral.latency
+        )
+
+    @property
     def input_controller(self) -> InputController:
         spacing = self.interval if self.interval > self.inputs else 0
         return InputController(self.inputs, spacing, variant=self.variant)
@@ -122,6 +140,21 @@ class Hybrid(Design):
             *self.activations,
             self.output_controller,
             self.output_integral,
+        )
+
+    def flow(self) -> Flow:
+        hidden, node = len(self.activations), self.input_integral.nodes[0]
+        return Flow(
+            (
+                Carried(f"{self.inputs} x", node.in_fmt),
+                Controlled(self.input_controller, self.input_integral),
+                Carried(f"{hidden} q", node.out_fmt),
+                Alike(self.activations),
+                Carried(f"{hidden} r", self.activations[0].out_fmt),
+                Controlled(self.output_controller, self.output_integral),
+                Carried(f"{self.outputs} y", self.output_integral.out_fmt),
+            ),
+            across=True,
         )
 
     def left_out(self) -> list[str]:

@@ -8,8 +8,10 @@ import numpy as np
 
 from golden.block import Block
 from golden.fixed import Codes
+from golden.flow import Beside, Carried, Flow
 from golden.layers.input_controller import InputController
 from golden.networks.several import Several
+from golden.precision import SIGNAL
 
 
 @dataclass(frozen=True)
@@ -20,9 +22,22 @@ class Multiple(Several):
     ----------
     networks : tuple of Design
         One per output, in the order of the outputs, all of the same number of inputs.
+
+    Raises
+    ------
+    ValueError
+        See ``Several``; also for networks of unequal intervals.
     """
 
     block = "multiple"
+    section = "3.12, 6.5"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        # Each judges the frames by itself: one would refuse a frame that another takes.
+        intervals = [network.interval for network in self.networks]
+        if len(set(intervals)) > 1:
+            raise ValueError(f"{self.entity}: got intervals of {intervals}, expected one interval")
 
     def _inputs_of(self, number: int) -> int:
         return self.inputs
@@ -33,10 +48,25 @@ class Multiple(Several):
 
     @property
     def interval(self) -> int:
-        return max(network.interval for network in self.networks)
+        return self.networks[0].interval
+
+    @property
+    def latency(self) -> int:
+        return max(network.latency for network in self.networks) + self.output_collector.latency
 
     def parts(self) -> tuple[Block, ...]:
         return (*self.networks, self.output_collector)
+
+    def flow(self) -> Flow:
+        return Flow(
+            (
+                Carried("samples", SIGNAL),
+                Beside(self.networks),
+                Carried("every y", SIGNAL),
+                self.output_collector,
+                Carried("outputs", SIGNAL),
+            )
+        )
 
     def compute(self, frames: Codes) -> Codes:
         return np.concatenate([network.compute(frames) for network in self.networks], axis=-1)

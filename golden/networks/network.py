@@ -11,6 +11,9 @@ from numpy.typing import ArrayLike
 from golden.block import Block
 from golden.fixed import Codes
 from golden.layers.input_controller import InputController
+from golden.port import CLOCKED, Port, given, group, taken
+from golden.precision import SIGNAL
+from golden.sensing.scan_sequencer import ScanSequencer
 
 # Frames computed at a time; 4096 x 16 nodes x 8 bytes fit a second-level cache.
 CHUNK = 4096
@@ -25,6 +28,24 @@ class Network(Block):
     # with a handshake; "converter", codes of an analogue-to-digital converter in, a serial frame
     # out.
     stream: ClassVar[str] = "serial"
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        refused = "of the wrong length or that comes too early"
+        if self.stream == "serial":
+            return serial_ports(
+                "a sample", "sample x, in the order of the scene's sensors", refused
+            )
+        if self.stream == "words":
+            return (
+                *CLOCKED,
+                taken("in_valid", "the samples of a frame stand on `in_data_*`"),
+                *group(taken("in_data", "sample x of sensor *", SIGNAL), self.inputs),
+                given("out_valid", "the outputs of a frame stand on `out_data_*`"),
+                *group(given("out_data", "output y, number *", SIGNAL), self.outputs),
+                frame_error("that comes too early"),
+            )
+        return super().ports
 
     @property
     def inputs(self) -> int:
@@ -45,6 +66,26 @@ class Network(Block):
     def input_controller(self) -> InputController:
         """The controller that judges frames; its ``inputs`` are the elements of the stream."""
         raise NotImplementedError
+
+    @property
+    def frame_clocks(self) -> int:
+        """Least clocks from the first element of a frame to its last, both included."""
+        return self.input_controller.inputs
+
+    @property
+    def members(self) -> tuple[Network, ...]:
+        """The networks that this one is arranged of, in the order of the outputs."""
+        return ()
+
+    @property
+    def core(self) -> Network:
+        """The network without front end, readout or another interface around it."""
+        return self
+
+    @property
+    def scanner(self) -> ScanSequencer | None:
+        """What makes the frames, where ``stream`` is ``converter``."""
+        return None
 
     def compute(self, frames: Codes) -> Codes:
         """Output codes, shape (frames, outputs), of a few frames, shape (frames, inputs)."""
@@ -76,3 +117,30 @@ class Network(Block):
             part = slice(start, start + CHUNK)
             results[part] = self.compute(flat[part])
         return results.reshape(*samples.shape[:-1], self.outputs)
+
+
+def serial_ports(element: str, meaning: str, refused: str) -> tuple[Port, ...]:
+    """The ports of a network between two streams.
+
+    Parameters
+    ----------
+    element, meaning : str
+        What a frame consists of, and what ``in_data`` is.
+    refused : str
+        Which frames raise ``frame_error``.
+    """
+    return (
+        *CLOCKED,
+        taken("in_valid", f"`in_data` holds {element}"),
+        taken("in_data", meaning, SIGNAL),
+        taken("in_last", "it is the last of the frame"),
+        given("out_valid", "`out_data` holds an output"),
+        given("out_data", "output y, in the order of the scene's outputs", SIGNAL),
+        given("out_last", "it is the last output of the frame"),
+        frame_error(refused),
+    )
+
+
+def frame_error(refused: str) -> Port:
+    """The port that tells of frames that are refused, and which those are."""
+    return given("frame_error", f"one clock long for each frame {refused}, which yields no outputs")

@@ -11,10 +11,11 @@ import numpy as np
 from golden.activation.activation_block import ActivationBlock
 from golden.block import Block
 from golden.fixed import Codes, Fix
+from golden.flow import Alike, Carried, Flow
 from golden.layers.input_controller import InputController
 from golden.layers.neuron import Neuron
 from golden.networks.constants import Constants, Layer
-from golden.networks.design import Design, ExactSum
+from golden.networks.design import Design, ExactLayers, ExactSum
 from golden.precision import SIGNAL
 
 
@@ -34,6 +35,7 @@ class Parallel(Design):
     """
 
     block = "parallel"
+    section = "5.2"
     arrangements = ("single",)
     stream = "words"
     hidden_neurons: tuple[Neuron, ...]
@@ -50,6 +52,12 @@ class Parallel(Design):
             )
         if len({len(neuron.weights) for neuron in self.hidden_neurons}) != 1:
             raise ValueError(f"{self.entity}: got hidden neurons of unequal numbers of weights")
+        # All activations answer in the same clock.
+        clocks = sorted({activation.latency for activation in self.activations})
+        if len(clocks) > 1:
+            raise ValueError(
+                f"{self.entity}: got activations of latencies {clocks}, expected one latency"
+            )
         # All outputs leave in one clock: with the factor's multiplier or without.
         if len({neuron.factor is None for neuron in self.output_neurons}) != 1:
             raise ValueError(f"{self.entity}: got factors of some outputs, expected all or none")
@@ -83,12 +91,12 @@ class Parallel(Design):
         )
 
     @property
-    def exact_layers(self) -> tuple[list[ExactSum], list[ExactSum]]:
+    def exact_layers(self) -> ExactLayers:
         hidden, outputs = (
             [ExactSum(n, n.weights, n.bias, n.factor or 1) for n in neurons]
             for neurons in (self.hidden_neurons, self.output_neurons)
         )
-        return hidden, outputs
+        return ExactLayers(hidden, self.activations, outputs)
 
     @property
     def inputs(self) -> int:
@@ -103,6 +111,14 @@ class Parallel(Design):
         return max(self.min_interval, *(activation.interval for activation in self.activations))
 
     @property
+    def latency(self) -> int:
+        return (
+            self.hidden_neurons[0].latency
+            + self.activations[0].latency
+            + self.output_neurons[0].latency
+        )
+
+    @property
     def input_controller(self) -> InputController:
         """A frame is one element: it keeps frames as far apart as the activation needs."""
         spacing = self.interval if self.interval > 1 else 0
@@ -114,6 +130,22 @@ class Parallel(Design):
             *self.hidden_neurons,
             *self.activations,
             *self.output_neurons,
+        )
+
+    def flow(self) -> Flow:
+        first, last = self.hidden_neurons, self.output_neurons
+        return Flow(
+            (
+                Carried(f"{self.inputs} x", first[0].in_fmt),
+                Alike(first),
+                Carried(f"{len(first)} q", first[0].out_fmt),
+                Alike(self.activations),
+                Carried(f"{len(first)} r", self.activations[0].out_fmt),
+                Alike(last),
+                Carried(f"{self.outputs} y", last[0].out_fmt),
+            ),
+            across=True,
+            watcher=self.input_controller,
         )
 
     def left_out(self) -> list[str]:

@@ -50,6 +50,10 @@ class Several(Network):
         return len(self.networks)
 
     @property
+    def members(self) -> tuple[Network, ...]:
+        return self.networks
+
+    @property
     def output_collector(self) -> OutputCollector:
         return OutputCollector(SIGNAL, self.outputs)
 

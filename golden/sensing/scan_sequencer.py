@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.fixed import Codes, Fix
+from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 # A counter of 24 bits makes a scan of 0.26 s at 64 MHz, slower than any contact.
 COUNTER_WIDTHS = range(2, 25)
@@ -43,6 +44,7 @@ class ScanSequencer(Block):
     """
 
     block = "scan_sequencer"
+    section = "5.4.4, 5.5"
     area = "sensing"
     fmt: Fix
     inputs: int
@@ -90,6 +92,11 @@ class ScanSequencer(Block):
         return 1 << self.counter_width
 
     @property
+    def interval(self) -> int:
+        """Clocks from one code that is taken to the next."""
+        return self.slot_clocks
+
+    @property
     def addresses(self) -> tuple[int, ...]:
         """The sensor that is selected in each slot, idle ones included; those settle the first."""
         idle = (1 << self.slot_width) - self.slots
@@ -99,6 +106,31 @@ class ScanSequencer(Block):
     def sample_clocks(self) -> Codes:
         """Clocks of a scan in which a code is taken, in order."""
         return np.arange(self.slots) * self.slot_clocks + self.sample_clock
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            *CLOCKED,
+            taken(
+                "adc",
+                "code of the converter, of the sensor that `address` selects",
+                self.fmt,
+                "fmt",
+            ),
+            given(
+                "address",
+                "to the analogue multiplexer: sensor that is selected; from a register",
+                Unsigned(self.address_width),
+                "address_width",
+            ),
+            given("out_valid", "`out_data` holds a new sample"),
+            given("out_data", "sample, which stays until the next", self.fmt, "fmt"),
+            given("out_last", "it is the last of the frame"),
+        )
+
+    @property
+    def latency(self) -> int:
+        return 1
 
     def process(self, scans: ArrayLike) -> Codes:
         """Frames, shape (scans, slots), for the codes on the converter in every clock of scans.

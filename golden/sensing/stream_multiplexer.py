@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.fixed import Codes, Fix
+from golden.port import CLOCKED, Port, given, taken
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,7 @@ class StreamMultiplexer(Block):
     """
 
     block = "stream_multiplexer"
+    section = "5.5"
     area = "sensing"
     fmt: Fix
     slot: int
@@ -41,6 +43,29 @@ class StreamMultiplexer(Block):
     def count_width(self) -> int:
         """Bits of the position; it stops one past the slot."""
         return (self.slot + 1).bit_length()
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            *CLOCKED,
+            taken("in_valid", "`in_data` holds an element"),
+            taken("in_data", "element", self.fmt, "fmt"),
+            taken("in_last", "it is the last element of the frame"),
+            taken("result_valid", "`result` holds a result"),
+            taken("result", "result, held from the next clock on", self.fmt, "fmt"),
+            given("out_valid", "`out_data` holds an element"),
+            given(
+                "out_data",
+                "the element, or the result held in the place of element `slot`",
+                self.fmt,
+                "fmt",
+            ),
+            given("out_last", "it is the last element of the frame"),
+        )
+
+    @property
+    def latency(self) -> int:
+        return 1
 
     def process(
         self,

@@ -159,7 +159,7 @@ def search(task: Task, record: Path, workers: int = -1) -> Iterator[Result]:
     yield from (known[c] for c in candidates(task) if c in known)
     jobs = (delayed(measure)(task, hidden, restart) for hidden, restart in missing)
     record.parent.mkdir(parents=True, exist_ok=True)
-    with record.open("a") as handle:
+    with record.open("a", encoding="utf-8") as handle:
         for result in Parallel(n_jobs=workers, return_as="generator")(jobs):
             handle.write(json.dumps(asdict(result)) + "\n")
             handle.flush()
@@ -170,8 +170,8 @@ def _read(record: Path) -> Iterator[Result]:
     """Results of an earlier, interrupted search; a last line cut off by it is dropped."""
     if not record.is_file():
         return
-    lines = record.read_text().split("\n")
+    lines = record.read_text(encoding="utf-8").split("\n")
     for line in lines[:-1]:
         yield Result(**json.loads(line))
     if lines[-1]:
-        record.write_text("\n".join(lines[:-1]) + "\n")
+        record.write_text("\n".join(lines[:-1]) + "\n", encoding="utf-8")

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.fixed import Codes, check_unsigned
+from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,7 @@ class Divider(Block):
     """
 
     block = "divider"
+    section = "5.8"
     area = "visualisation"
     distance_width: int
     width_width: int
@@ -72,6 +74,32 @@ class Divider(Block):
     def interval(self) -> int:
         """Least clocks from one quotient to the next."""
         return self.out_width + 1
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            *CLOCKED,
+            taken("in_valid", "distance and width are there, for this clock"),
+            taken(
+                "in_distance",
+                "distance from the load",
+                Unsigned(self.distance_width),
+                "distance_width",
+            ),
+            taken(
+                "in_width",
+                "width, with the binary point of the distance",
+                Unsigned(self.width_width),
+                "width_width",
+            ),
+            given("out_valid", "`out_data` holds a new quotient"),
+            given("out_data", "quotient t", Unsigned(self.out_width, self.out_frac), "out_width"),
+        )
+
+    @property
+    def latency(self) -> int:
+        # Product with the gain, start of the remainder, a clock for each bit.
+        return 2 + self.out_width
 
     @property
     def numerator_width(self) -> int:

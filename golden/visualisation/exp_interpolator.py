@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.fixed import Codes, check_unsigned
+from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,27 @@ class ExpInterpolator(Block):
     def factor_width(self) -> int:
         """Bits of the unsigned 1 - delta, which lies just above 1 at the most."""
         return self.frac + 1
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        word = Unsigned(self.word_width, self.word_width)
+        return (
+            *CLOCKED,
+            taken("in_valid", "word and offset are there, for this clock"),
+            taken("in_word", "exp(-x0)", word, "word_width"),
+            taken(
+                "in_offset",
+                "lower bits of x",
+                Unsigned(self.offset_width, self.frac),
+                "offset_width",
+            ),
+            given("out_valid", "`out_data` holds a result"),
+            given("out_data", "exp(-x)", word, "word_width"),
+        )
+
+    @property
+    def latency(self) -> int:
+        return 2
 
     def process(self, word: ArrayLike, offset: ArrayLike) -> Codes:
         """exp(-x) in the word's format; the arguments broadcast.

@@ -6,6 +6,7 @@ from fractions import Fraction
 
 from golden.activation.rom import Rom
 from golden.fixed import Rounding, cut
+from golden.port import CLOCK, Port
 from golden.transcendental import exp_floors
 
 
@@ -16,7 +17,17 @@ class ExpMemory(Rom):
     """
 
     block = "exp_memory"
+    section = "5.8"
     area = "visualisation"
+    port_meanings = ("upper bits of x", "exp(-x) in the middle of the interval")
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return CLOCK, *super().ports
+
+    @property
+    def latency(self) -> int:
+        return 1
 
 
 def exp_memory(addr_width: int, interval_frac: int, width: int) -> ExpMemory:
@@ -27,4 +38,4 @@ def exp_memory(addr_width: int, interval_frac: int, width: int) -> ExpMemory:
     """
     interval = Fraction(1, 1 << interval_frac)
     floors = exp_floors(interval / 2, interval, 1 << addr_width, width + 1)
-    return ExpMemory(tuple(cut(floors, 1, Rounding.ROUND).tolist()), width)
+    return ExpMemory(tuple(cut(floors, 1, Rounding.ROUND).tolist()), width, width)

@@ -10,7 +10,9 @@ from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.fixed import Codes, Fix, Overflow, Rounding, requantise
+from golden.flow import Carried, Flow
 from golden.networks.mlp import Real
+from golden.port import CLOCKED, Port, given, taken
 from golden.precision import SIGNAL
 from golden.units import POSITION_MM, WIDTH_MM
 from golden.visualisation.divider import Divider
@@ -30,6 +32,11 @@ WORD = 17
 # t below 4 and t**P below 16: exp(-16) is a thousandth of an LSB of Fix(14,13).
 T_FRAC, POWER_FRAC = 15, 13
 ADDR_WIDTH = 10
+
+# Difference and magnitude.
+DISTANCE_CLOCKS = 2
+# Product with the load, and the register of the point.
+END_CLOCKS = 2
 
 
 @dataclass(frozen=True)
@@ -68,6 +75,7 @@ class LoadProfile(Block):
     """
 
     block = "load_profile"
+    section = "5.8"
     area = "visualisation"
     fmt: Fix
     ramp: Ramp
@@ -77,6 +85,41 @@ class LoadProfile(Block):
     exp_interpolator: ExpInterpolator
     shape_threshold: int
 
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            *CLOCKED,
+            taken("in_valid", "the results of a frame are there, for this clock"),
+            taken("in_load", "load d", self.fmt, "fmt"),
+            taken("in_position", "position i_m", self.fmt, "fmt"),
+            taken("in_width", "width w", self.fmt, "fmt"),
+            taken("in_shape", "shape s", self.fmt, "fmt"),
+            given("out_valid", "`out_x` and `out_y` hold a new point"),
+            given("out_x", "i_p, which stays until the next point", self.fmt, "fmt"),
+            given("out_y", "f(i_p), which stays until the next point", self.fmt, "fmt"),
+            given("out_last", "it is the last point of the ramp, for this clock"),
+        )
+
+    @property
+    def latency(self) -> int:
+        """From the results to the first point, and from one point to the next."""
+        # One clock from a result, or from the point before, to the ramp.
+        return (
+            1
+            + self.ramp.latency
+            + DISTANCE_CLOCKS
+            + self.divider.latency
+            + self.power_fold.latency
+            + self.exp_memory.latency
+            + self.exp_interpolator.latency
+            + END_CLOCKS
+        )
+
+    @property
+    def interval(self) -> int:
+        """Least clocks from one frame's results to the next for both to be drawn."""
+        return self.ramp.points * self.latency
+
     def parts(self) -> tuple[Block, ...]:
         return (
             self.ramp,
@@ -84,6 +127,23 @@ class LoadProfile(Block):
             self.power_fold,
             self.exp_memory,
             self.exp_interpolator,
+        )
+
+    def flow(self) -> Flow:
+        return Flow(
+            (
+                self.ramp,
+                Carried("distance", self.divider.distance_width),
+                self.divider,
+                Carried("t", self.divider.out_width),
+                self.power_fold,
+                Carried("x", self.power_fold.out_width),
+                self.exp_memory,
+                Carried("word", self.exp_memory.width),
+                self.exp_interpolator,
+                Carried("exp(-x)", self.exp_interpolator.word_width),
+            ),
+            across=True,
         )
 
     def process(self, frames: ArrayLike) -> tuple[Codes, Codes]:

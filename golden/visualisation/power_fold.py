@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.fixed import Codes, check_unsigned
+from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,7 @@ class PowerFold(Block):
     """
 
     block = "power_fold"
+    section = "5.8"
     area = "visualisation"
     in_width: int
     in_frac: int
@@ -63,6 +65,26 @@ class PowerFold(Block):
     def interval(self) -> int:
         """Least clocks from one power to the next: two for each use of the multiplier."""
         return 2 * (self.max_power - 1) + 1
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            *CLOCKED,
+            taken("in_valid", "t and P are there, for this clock"),
+            taken("in_data", "t", Unsigned(self.in_width, self.in_frac), "in_width"),
+            taken("in_power", "P, 1 to `max_power`", Unsigned(self.power_width), "power_width"),
+            given("out_valid", "`out_data` holds a new power"),
+            given(
+                "out_data",
+                "t^P, which stays until the clock in which the next pair comes",
+                Unsigned(self.out_width, self.out_frac),
+                "out_width",
+            ),
+        )
+
+    @property
+    def latency(self) -> int:
+        return self.interval
 
     @property
     def power_width(self) -> int:

@@ -10,6 +10,7 @@ import numpy as np
 
 from golden.block import Block
 from golden.fixed import Codes, Fix
+from golden.port import CLOCKED, Port, given, taken
 
 # Its constants stay below 2**30, which is where MyHDL's conversion goes wrong.
 ACC_LIMIT = 30
@@ -45,6 +46,7 @@ class Ramp(Block):
     """
 
     block = "ramp"
+    section = "5.8"
     area = "visualisation"
     fmt: Fix
     start: int
@@ -85,6 +87,20 @@ class Ramp(Block):
     def acc_width(self) -> int:
         """Bits of the signed accumulator: a position of ``fmt`` and the guard."""
         return self.fmt.width + self.guard
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            *CLOCKED,
+            taken("in_valid", "asks for a position"),
+            given("out_valid", "`out_data` holds a new position"),
+            given("out_data", "position i_p, which stays until the next", self.fmt, "fmt"),
+            given("out_last", "it is the last of the ramp; stays as long"),
+        )
+
+    @property
+    def latency(self) -> int:
+        return 1
 
     def process(self) -> Codes:
         """Codes of all positions, shape (points,), rising."""

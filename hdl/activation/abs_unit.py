@@ -56,6 +56,3 @@ def abs_unit(clk, rst, in_valid, in_data, out_valid, out_mag, out_negative, *, s
         out_valid.next = in_valid
 
     return widen, negate, choose, keep, mark
-
-
-abs_unit.latency = lambda spec: 1

@@ -73,6 +73,3 @@ def comparator_bank(
         out_addr.next = addr
 
     return bank, locate, keep, keep_addr, mark
-
-
-comparator_bank.latency = lambda spec: 1

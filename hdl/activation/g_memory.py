@@ -21,7 +21,4 @@ def g_memory(addr, word, *, spec: GMemory):
     -----
     Latency 0 clocks: a table of a few words is LUTs, and GRAD_EQN registers the product.
     """
-    return rom(addr, word, words=spec.words)
-
-
-g_memory.latency = lambda spec: 0
+    return rom(addr, word, words=spec.words, meanings=spec.meanings)

@@ -84,6 +84,3 @@ def grad_eqn(
 
     mark = delay(clk, rst, in_valid, out_valid, clocks=3)
     return fetch, multiply, widen, move, add, add_half, cut, keep, mark
-
-
-grad_eqn.latency = lambda spec: 3

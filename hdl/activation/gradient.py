@@ -61,7 +61,7 @@ def gradient(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Gradient
             None,
             negative,
             negative_late,
-            clocks=comparator_bank.latency(spec.comparator_bank) + grad_eqn.latency(spec.grad_eqn),
+            clocks=spec.comparator_bank.latency + spec.grad_eqn.latency,
         ),
         sign_retriever(
             clk,
@@ -74,11 +74,3 @@ def gradient(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Gradient
             spec=spec.sign_retriever,
         ),
     )
-
-
-gradient.latency = lambda spec: (
-    abs_unit.latency(spec.abs_unit)
-    + comparator_bank.latency(spec.comparator_bank)
-    + grad_eqn.latency(spec.grad_eqn)
-    + sign_retriever.latency(spec.sign_retriever)
-)

@@ -1,4 +1,4 @@
-"""The Gradient activation as first drawn: a multiplier for every segment."""
+"""The Gradient activation as first drawn: tanh by segments, a multiplier for each."""
 
 from myhdl import always_comb, block
 
@@ -89,7 +89,7 @@ def gradient_parallel(clk, rst, in_valid, in_data, out_valid, out_data, *, spec:
     total = Words(len(terms) - 1, lambda: unsigned(result_width))
     sums = [terms[0], *(total[n] for n in range(len(total)))]
 
-    clocks = grad_eqn.latency(line)
+    clocks = line.latency
     saturate = []
     if spec.saturates:
         saturate = [
@@ -119,7 +119,7 @@ def gradient_parallel(clk, rst, in_valid, in_data, out_valid, out_data, *, spec:
         ],
         saturate,
         [add(sums[n], terms[n + 1], total[n]) for n in range(len(total))],
-        delay(clk, None, negative, negative_late, clocks=comparator_bank.latency(bank) + clocks),
+        delay(clk, None, negative, negative_late, clocks=bank.latency + clocks),
         sign_retriever(
             clk,
             rst,
@@ -131,11 +131,3 @@ def gradient_parallel(clk, rst, in_valid, in_data, out_valid, out_data, *, spec:
             spec=spec.sign_retriever,
         ),
     )
-
-
-gradient_parallel.latency = lambda spec: (
-    abs_unit.latency(spec.abs_unit)
-    + comparator_bank.latency(spec.comparator_bank)
-    + grad_eqn.latency(spec.grad_eqn)
-    + sign_retriever.latency(spec.sign_retriever)
-)

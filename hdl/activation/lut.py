@@ -1,4 +1,4 @@
-"""The look-up table activation: 128 values of tanh."""
+"""The look-up table activation: tanh from a table of 128 values."""
 
 from myhdl import always, always_comb, block
 
@@ -65,7 +65,7 @@ def lut(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Lut):
         scale(mag, product, factor=spec.scale),
         keep_product,
         address,
-        rom(addr, word, words=spec.words),
+        rom(addr, word, words=spec.words, meanings=spec.out_fmt.texts(spec.words)),
         choose,
         delay(clk, rst, segment_valid, word_valid, clocks=1),
         delay(clk, None, negative, negative_late, clocks=2),
@@ -80,11 +80,3 @@ def lut(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Lut):
             spec=spec.sign_retriever,
         ),
     )
-
-
-lut.latency = lambda spec: (
-    abs_unit.latency(spec.abs_unit)
-    + comparator_bank.latency(spec.comparator_bank)
-    + 1
-    + sign_retriever.latency(spec.sign_retriever)
-)

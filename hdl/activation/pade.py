@@ -318,12 +318,3 @@ def pade(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Pade):
             spec=spec.sign_retriever,
         ),
     )
-
-
-pade.latency = lambda spec: (
-    abs_unit.latency(spec.abs_unit)
-    + comparator_bank.latency(spec.comparator_bank)
-    + 4
-    + spec.iterations
-    + sign_retriever.latency(spec.sign_retriever)
-)

@@ -43,7 +43,7 @@ def term(clk, addr, data, product, *, words, fmt, shift: int, rounding):
     coeff = fixed(fmt)
     exact = signed(len(x) + fmt.width)
     x_copy = widen(data, x)
-    table = rom(addr, coeff, words=words)
+    table = rom(addr, coeff, words=words, meanings=fmt.texts(words))
 
     @always(clk.posedge)
     def multiply():
@@ -58,7 +58,7 @@ def offset(clk, addr, aligned, *, words, fmt, shift: int):
     """Constant ``addr`` at the sum's binary point, one clock later."""
     coeff = fixed(fmt)
     late = signed(len(aligned))
-    table = rom(addr, coeff, words=words)
+    table = rom(addr, coeff, words=words, meanings=fmt.texts(words))
 
     @always(clk.posedge)
     def keep():
@@ -201,12 +201,3 @@ def polynomial(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Polyno
             spec=spec.sign_retriever,
         ),
     )
-
-
-polynomial.latency = lambda spec: (
-    abs_unit.latency(spec.abs_unit)
-    + comparator_bank.latency(spec.comparator_bank)
-    + 2
-    + (spec.factor is not None)
-    + sign_retriever.latency(spec.sign_retriever)
-)

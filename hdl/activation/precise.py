@@ -2,16 +2,12 @@
 
 from myhdl import always, always_comb, block, concat
 
-from golden.activation.precise import Precise
+from golden.activation.precise import STAGES, Precise
 from hdl.activation.abs_unit import abs_unit
 from hdl.activation.sign_retriever import sign_retriever
 from hdl.common.delay import connect, delay
 from hdl.common.rom import registered_rom, rom
 from hdl.common.signals import flag, signed, unsigned
-
-# Register behind the coefficients, behind the rows, before and behind the multiplier, and behind
-# the sum.
-_STAGES = 5
 
 
 @block
@@ -123,14 +119,15 @@ def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
         distance.next = mag[distance_width:]
 
     if spec.coefficients == "block_ram":
-        memory_clocks = 1
         memory = [
-            registered_rom(clk, addr, word, words=words),
-            delay(clk, None, distance, word_distance, clocks=memory_clocks),
+            registered_rom(clk, addr, word, words=words, meanings=table.meanings(fmt)),
+            delay(clk, None, distance, word_distance, clocks=spec.memory_latency),
         ]
     else:
-        memory_clocks = 0
-        memory = [rom(addr, word, words=words), connect(distance, word_distance)]
+        memory = [
+            rom(addr, word, words=words, meanings=table.meanings(fmt)),
+            connect(distance, word_distance),
+        ]
 
     @always_comb
     def cut_top():
@@ -224,7 +221,7 @@ def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
         # The search for the coefficients keeps every result a neuron reaches within 0 to high.
         result.next = kept[out_width:]
 
-    clocks = memory_clocks + _STAGES
+    clocks = spec.memory_latency + STAGES
     return (
         abs_unit(clk, rst, in_valid, in_data, mag_valid, mag, negative, spec=spec.abs_unit),
         *(
@@ -257,11 +254,3 @@ def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
             spec=spec.sign_retriever,
         ),
     )
-
-
-precise.latency = lambda spec: (
-    abs_unit.latency(spec.abs_unit)
-    + (1 if spec.coefficients == "block_ram" else 0)
-    + _STAGES
-    + sign_retriever.latency(spec.sign_retriever)
-)

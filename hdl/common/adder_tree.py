@@ -33,8 +33,3 @@ def adder_tree(clk, terms, total, *, width: int):
             adders.append(delay(clk, None, level[-1], sums[-1], clocks=1))
         level = sums
     return adders
-
-
-def tree_depth(terms: int) -> int:
-    """Levels, hence clocks, of an adder tree."""
-    return (terms - 1).bit_length()

@@ -8,8 +8,3 @@ from golden.block import Block
 def hardware(spec: Block):
     """The MyHDL block of ``spec``: one name, one address in every room."""
     return getattr(importlib.import_module(f"hdl.{spec.area}.{spec.block}"), spec.block)
-
-
-def latency(spec: Block) -> int:
-    """Latency in clocks that the hardware block of ``spec`` publishes."""
-    return int(hardware(spec).latency(spec))

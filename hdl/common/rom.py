@@ -1,5 +1,7 @@
 """Read-only memories."""
 
+from collections.abc import Sequence
+
 from myhdl import always, always_comb, block
 
 from golden.fixed import Codes
@@ -14,7 +16,7 @@ def padded(words: Codes, size: int) -> tuple[int, ...]:
 
 
 @block
-def rom(addr, word, *, words: Codes):
+def rom(addr, word, *, words: Codes, meanings: Sequence[str] = ()):
     """``word`` is ``words[addr]``; addresses beyond the last word read the last word.
 
     A tuple read as an entire right-hand side is the one form of a small table that MyHDL converts
@@ -30,7 +32,7 @@ def rom(addr, word, *, words: Codes):
 
 
 @block
-def registered_rom(clk, addr, word, *, words: Codes):
+def registered_rom(clk, addr, word, *, words: Codes, meanings: Sequence[str] = ()):
     """``rom``, one clock later: the form that synthesis turns into a block RAM."""
     contents = padded(words, addr.max)
 

@@ -46,7 +46,7 @@ def _is_current(stamp: Path, folder: Path, inputs: list[Path], versions: tuple[s
     return (
         stamp.is_file()
         and folder.is_dir()
-        and stamp.read_text() == _state(folder, inputs, versions)
+        and stamp.read_text(encoding="utf-8") == _state(folder, inputs, versions)
     )
 
 

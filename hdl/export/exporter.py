@@ -10,8 +10,8 @@ from myhdl import ToVerilogWarning, ToVHDLWarning
 
 from golden.files import replace_folder
 from golden.scene import Scene
-from hdl.common.lookup import latency
 from hdl.export.elaborate import elaborate
+from hdl.export.handover.core import plain_name
 from hdl.export.handover.write import write_handover
 from hdl.export.hierarchy import SUFFIX, convert_hierarchy
 
@@ -49,7 +49,9 @@ def export(scene: Scene, language: str, folder: Path) -> list[str]:
         # A conversion that MyHDL is not sure of is a fault.
         warnings.simplefilter("error", ToVHDLWarning)
         warnings.simplefilter("error", ToVerilogWarning)
-        specs = convert_hierarchy(elaborate(design), temporary, language)
+        specs = convert_hierarchy(
+            elaborate(design), temporary, language, f"scene {plain_name(scene.name)}"
+        )
         suffix = SUFFIX[language]
         files = [f"{spec.entity}{suffix}" for spec in specs]
         if language == "vhdl":
@@ -61,7 +63,7 @@ def export(scene: Scene, language: str, folder: Path) -> list[str]:
                 "block": spec.block,
                 "area": spec.area,
                 "file": f"{spec.entity}{suffix}",
-                "latency": latency(spec),
+                "latency": spec.latency,
             }
             for spec in specs
         ]

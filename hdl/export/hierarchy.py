@@ -9,7 +9,6 @@ set that MyHDL does not document.
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -22,7 +21,9 @@ from myhdl._Signal import _Signal
 
 from golden.block import Block
 from hdl.common.signals import Words
-from hdl.export.ports import read_ports
+from hdl.export.describe import heading
+from hdl.export.ports import check_ports, comment_ports
+from hdl.export.tidy import tidy
 
 LANGUAGES = {"vhdl": "VHDL", "verilog": "Verilog"}
 SUFFIX = {"vhdl": ".vhd", "verilog": ".v"}
@@ -53,7 +54,9 @@ class _VerilogInstance(_UserVerilogCode):
 _INSTANCE = {"vhdl": _VhdlInstance, "verilog": _VerilogInstance}
 
 
-def convert_hierarchy(top: _Block, folder: Path, language: str) -> list[Block]:
+def convert_hierarchy(
+    top: _Block, folder: Path, language: str, origin: str | None = None
+) -> list[Block]:
     """Convert ``top`` and every block under it, one file an entity, into ``folder``.
 
     Parameters
@@ -63,6 +66,8 @@ def convert_hierarchy(top: _Block, folder: Path, language: str) -> list[Block]:
         An existing folder; each file is named after its entity.
     language : str
         "vhdl" or "verilog".
+    origin : str, or None
+        What the design was made from, for the heading of every file.
 
     Returns
     -------
@@ -74,21 +79,21 @@ def convert_hierarchy(top: _Block, folder: Path, language: str) -> list[Block]:
     ValueError
         When two blocks share an entity name but not their constants.
     """
-    done: dict[str, tuple[Block, dict[str, str]]] = {}
-    _convert(top, folder, language, done)
-    return [spec for spec, _ in done.values()]
+    done: dict[str, Block] = {}
+    _convert(top, folder, language, origin, done)
+    return list(done.values())
 
 
-def _convert(instance: _Block, folder: Path, language: str, done: dict) -> None:
+def _convert(instance: _Block, folder: Path, language: str, origin: str | None, done: dict) -> None:
     spec = instance.kwargs["spec"]
     if spec.entity in done:
-        if done[spec.entity][0] != spec:
+        if done[spec.entity] != spec:
             raise ValueError(f"{spec.entity}: two different blocks want this entity name")
         return
     children = list(_entities(instance))
     for child in children:
-        _convert(child, folder, language, done)
-    with _replaced(instance, children, language, done):
+        _convert(child, folder, language, origin, done)
+    with _replaced(instance, children, language):
         instance.convert(
             hdl=LANGUAGES[language],
             path=str(folder),
@@ -98,9 +103,11 @@ def _convert(instance: _Block, folder: Path, language: str, done: dict) -> None:
             **({"testbench": False} if language == "verilog" else {}),
         )
     file = folder / f"{spec.entity}{SUFFIX[language]}"
-    text = _tidy(file.read_text(), language)
-    file.write_text(text)
-    done[spec.entity] = (spec, port_directions(text, language))
+    text = file.read_text(encoding="utf-8")
+    text = tidy(text, language, heading(instance, origin), _meanings(instance))
+    check_ports(spec, text, language)
+    file.write_text(comment_ports(spec, text, language), encoding="utf-8")
+    done[spec.entity] = spec
 
 
 def _entities(instance: _Block) -> Iterator[_Block]:
@@ -126,7 +133,7 @@ def _entities(instance: _Block) -> Iterator[_Block]:
 
 
 @contextmanager
-def _replaced(instance: _Block, children: list[_Block], language: str, done: dict):
+def _replaced(instance: _Block, children: list[_Block], language: str):
     """Let ``children`` convert as instances of their entities."""
     attribute = f"{language}_code"
     count: Counter[str] = Counter()
@@ -141,6 +148,7 @@ def _replaced(instance: _Block, children: list[_Block], language: str, done: dic
         label = f"u_{spec.block}_{count[spec.block]}"
         count[spec.block] += 1
         setattr(child, attribute, _INSTANCE[language](label, spec.entity, ports))
+        outputs = {port.name for port in spec.ports if port.direction == "out"}
         for name, signal in ports.items():
             # _inferInterface names the members of Words after the child's port, and MyHDL only
             # declares what has no name yet.
@@ -148,7 +156,7 @@ def _replaced(instance: _Block, children: list[_Block], language: str, done: dic
             signal._markUsed()
             # Marks outputs too: a parent may leave an output of a child open.
             signal.read = True
-            if done[spec.entity][1][name] == "out":
+            if name in outputs:
                 signal.driven = "wire"
         hidden.append((child, child.subs, child.sigdict, child.memdict))
         child.subs, child.sigdict, child.memdict = [], {}, {}
@@ -171,18 +179,16 @@ def _name_grouped_signals(instance: _Block) -> None:
             instance.sigdict.setdefault(name, value)
 
 
-def port_directions(text: str, language: str) -> dict[str, str]:
-    """Direction of each port, read from the converted header."""
-    return {port.name: port.direction for port in read_ports(text, language)}
+def _meanings(instance: _Block) -> dict[str, tuple[str, ...]]:
+    """By the label of the process that reads a table: what its words stand for."""
+    found: dict[str, tuple[str, ...]] = {}
 
+    def visit(parent: _Block, prefix: str) -> None:
+        for sub in parent.subs:
+            if isinstance(sub, _Block) and "spec" not in sub.kwargs:
+                if "meanings" in sub.kwargs:
+                    found[f"{prefix}{sub.name}_read"] = tuple(sub.kwargs["meanings"])
+                visit(sub, f"{prefix}{sub.name}_")
 
-def _tidy(text: str, language: str) -> str:
-    """Strict VHDL-93, no trailing blanks, no runs of empty lines.
-
-    ``0 to 9-1`` is written ``0 to 8``, because strict 93 wants literals as universal bounds.
-    """
-    if language == "vhdl":
-        text = re.sub(r"\b0 to (\d+)-1\b", lambda m: f"0 to {int(m[1]) - 1}", text)
-        text = re.sub(r"\b(\d+)-1 downto (\d+)\b", lambda m: f"{int(m[1]) - 1} downto {m[2]}", text)
-    text = re.sub(r"[ \t]+$", "", text, flags=re.M)
-    return re.sub(r"\n{3,}", "\n\n", text).strip() + "\n"
+    visit(instance, "")
+    return found

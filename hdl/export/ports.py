@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from golden.block import Block
+
 _VHDL = re.compile(
     r"^\s+(?P<name>\w+): (?P<direction>in|out) "
     r"(?P<kind>std_logic|signed|unsigned)(?: ?\((?P<top>\d+) downto 0\))?;?$",
@@ -50,3 +52,34 @@ def read_ports(text: str, language: str) -> list[Port]:
         )
         for found in PATTERN[language].finditer(text)
     ]
+
+
+def check_ports(spec: Block, text: str, language: str) -> None:
+    """Whether an entity or module has the ports that its twin publishes.
+
+    Raises
+    ------
+    ValueError
+        When it has not; the message names those that differ. The order does not matter: MyHDL puts
+        groups of ports behind the others.
+    """
+    found = {(p.name, p.direction, p.width, p.signed) for p in read_ports(text, language)}
+    published = {(p.name, p.direction, p.width, p.signed) for p in spec.ports}
+    if found != published:
+        raise ValueError(
+            f"{spec.entity}: got ports (name, direction, width, signed) "
+            f"{sorted(found - published)}, expected {sorted(published - found)}, which the twin "
+            "publishes"
+        )
+
+
+def comment_ports(spec: Block, text: str, language: str) -> str:
+    """The text with format and meaning of every port in a line above it."""
+    comments = {port.name: port.comment for port in spec.ports}
+    sign = {"vhdl": "--", "verilog": "//"}[language]
+
+    def commented(found: re.Match[str]) -> str:
+        indent = " " * (len(found[0]) - len(found[0].lstrip()))
+        return f"{indent}{sign} {comments[found['name']]}\n{found[0]}"
+
+    return PATTERN[language].sub(commented, text)

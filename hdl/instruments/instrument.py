@@ -4,7 +4,6 @@ from myhdl import block
 
 from golden.instruments.instrument import Instrument
 from golden.precision import SIGNAL
-from hdl.common.lookup import latency
 from hdl.common.signals import fixed, flag, reset, unsigned
 from hdl.instruments.readout import readout, result_ports
 from hdl.sensing.scan_sequencer import scan_sequencer
@@ -52,7 +51,6 @@ def instrument(
     )
 
 
-instrument.latency = lambda spec: latency(spec.scan_sequencer) + latency(spec.readout)
 instrument.ports = lambda spec: (
     flag(),
     reset(),

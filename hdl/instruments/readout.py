@@ -4,7 +4,7 @@ from myhdl import always_comb, always_seq, block
 
 from golden.instruments.readout import Readout
 from golden.precision import SIGNAL
-from hdl.common.lookup import hardware, latency
+from hdl.common.lookup import hardware
 from hdl.common.signals import Group, Words, fixed, flag, unsigned
 from hdl.common.stream import catch_word, position, stream_ports
 from hdl.visualisation.load_profile import load_profile
@@ -122,5 +122,4 @@ def result_ports(spec: Readout):
     return Words(spec.outputs, lambda: fixed(SIGNAL)), profile
 
 
-readout.latency = lambda spec: latency(spec.network)
 readout.ports = lambda spec: (*stream_ports(spec.network), *result_ports(spec))

@@ -112,6 +112,3 @@ def input_controller(
     finish = delay(clk, rst, done, capture, clocks=3)
     mark = delay(clk, rst, done, out_valid, clocks=4)
     return parts, look, judge, show, step, open_frame, gather, finish, mark
-
-
-input_controller.latency = lambda spec: 4

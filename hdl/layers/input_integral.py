@@ -26,6 +26,3 @@ def input_integral(clk, in_data, addr, preset, accumulate, capture, out_q, *, sp
         input_node(clk, in_data, addr, preset, accumulate, capture, out_q[j], spec=node)
         for j, node in enumerate(spec.nodes)
     ]
-
-
-input_integral.latency = lambda spec: input_node.latency(spec.nodes[0])

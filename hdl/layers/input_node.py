@@ -50,7 +50,7 @@ def input_node(clk, in_data, addr, preset, accumulate, capture, out_data, *, spe
     acc = signed(spec.acc_width)
     result = fixed(spec.out_fmt)
 
-    weights = rom(addr, word, words=spec.weights)
+    weights = rom(addr, word, words=spec.weights, meanings=spec.coeff_fmt.texts(spec.weights))
 
     @always(clk.posedge)
     def fetch():
@@ -104,6 +104,3 @@ def input_node(clk, in_data, addr, preset, accumulate, capture, out_data, *, spe
             out_data.next = result
 
     return weights, fetch, multiply, cut, load, move, choose, add, gather, finish, hold
-
-
-input_node.latency = lambda spec: 4

@@ -1,10 +1,11 @@
-"""A neuron that takes all of its samples at once."""
+"""Neuron: a weighted sum of samples that come all at once."""
 
 from myhdl import always, always_comb, block
 
 from golden.fixed import Rounding
 from golden.layers.neuron import Neuron
-from hdl.common.adder_tree import adder_tree, tree_depth
+from golden.layers.weighted_sum import tree_depth
+from hdl.common.adder_tree import adder_tree
 from hdl.common.delay import connect, delay
 from hdl.common.requantise import requantise
 from hdl.common.scale import scale
@@ -108,6 +109,3 @@ def neuron(clk, in_data, out_data, *, spec: Neuron):
         out_data.next = result
 
     return products, offset, tree, wait, scaling, finish, keep
-
-
-neuron.latency = lambda spec: 2 + tree_depth(len(spec.weights) + 1) + (spec.factor is not None)

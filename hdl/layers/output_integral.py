@@ -4,7 +4,8 @@ from myhdl import always, always_comb, block
 
 from golden.fixed import Rounding
 from golden.layers.output_integral import OutputIntegral
-from hdl.common.adder_tree import adder_tree, tree_depth
+from golden.layers.weighted_sum import tree_depth
+from hdl.common.adder_tree import adder_tree
 from hdl.common.delay import delay
 from hdl.common.requantise import requantise
 from hdl.common.rom import rom
@@ -17,7 +18,7 @@ def weigh(clk, addr, in_data, term, *, weights, coeff_fmt, shift: int):
     word, weight = fixed(coeff_fmt), fixed(coeff_fmt)
     operand = signed(len(in_data))
     product = signed(len(in_data) + coeff_fmt.width)
-    words = rom(addr, word, words=weights)
+    words = rom(addr, word, words=weights, meanings=coeff_fmt.texts(weights))
 
     @always(clk.posedge)
     def fetch():
@@ -41,7 +42,7 @@ def bias_term(clk, addr, term, *, biases, coeff_fmt, shift: int):
     word, bias = fixed(coeff_fmt), fixed(coeff_fmt)
     wide = signed(coeff_fmt.width + shift)
     moved = signed(coeff_fmt.width + shift)
-    words = rom(addr, word, words=biases)
+    words = rom(addr, word, words=biases, meanings=coeff_fmt.texts(biases))
 
     @always_comb
     def widen():
@@ -63,7 +64,7 @@ def bias_term(clk, addr, term, *, biases, coeff_fmt, shift: int):
 def scale(clk, addr, in_data, product, *, factors, width: int):
     """``in_data`` times the de-normalisation factor of row ``addr``, one clock later."""
     factor = signed(width)
-    words = rom(addr, factor, words=factors)
+    words = rom(addr, factor, words=factors, meanings=[str(f) for f in factors])
 
     @always(clk.posedge)
     def multiply():
@@ -147,10 +148,7 @@ def output_integral(
     def keep():
         out_data.next = result
 
-    clocks = output_integral.latency(spec)
+    clocks = spec.latency
     mark = delay(clk, rst, in_valid, out_valid, clocks=clocks)
     close = delay(clk, rst, in_last, out_last, clocks=clocks)
     return products, biases, tree, scaling, finish, keep, mark, close
-
-
-output_integral.latency = lambda spec: 3 + tree_depth(spec.hidden + 1) + (spec.factors is not None)

@@ -6,22 +6,9 @@ from golden.networks.axis_network import TDATA, AxisNetwork
 from golden.precision import SIGNAL
 from hdl.common.delay import connect
 from hdl.common.fifo import fifo
-from hdl.common.lookup import hardware, latency
+from hdl.common.lookup import hardware
 from hdl.common.signals import fixed, flag, reset, unsigned
 from hdl.common.stream import position
-
-# From a result to its place on the output: into the memory, and out of it.
-FIFO_CLOCKS = 2
-
-
-def frames_under_way(spec: AxisNetwork) -> int:
-    """Frames that may be between the last sample and the last output taken.
-
-    As many as keep the network busy while nobody waits: from a frame's last sample until the clock
-    in which another may take its place there are ``slots``, the latency, the outputs and 1 clock.
-    """
-    clocks = spec.slots + latency(spec.network) + spec.outputs + 1
-    return -(-clocks // spec.interval)
 
 
 @block
@@ -186,7 +173,7 @@ def axis_network(
     Notes
     -----
     The network cannot wait, so its results go into a memory, and a frame is completed only when
-    the memory has room for all of them. Let F be ``frames_under_way(spec)``, L the outputs and the
+    the memory has room for all of them. Let F be ``spec.frames_under_way``, L the outputs and the
     memory F L words deep. A frame takes a credit with its last sample, which waits while F credits
     are taken, and gives it back in the clock in which its last output is fetched from the memory.
     A word in the memory belongs to a frame that holds a credit, because frames are fetched in
@@ -198,10 +185,10 @@ def axis_network(
     depend on any input of the same clock, nor does any output.
 
     Latency from the last sample to the first output, where nobody waits:
-    ``axis_network.latency(spec)`` clocks; a frame every ``spec.interval`` clocks. Reset clears
+    ``spec.latency`` clocks; a frame every ``spec.interval`` clocks. Reset clears
     every flag and counter and empties the memory.
     """
-    frames = frames_under_way(spec)
+    frames = spec.frames_under_way
     outputs = spec.outputs
     final_place = outputs - 1
     valid, data, last = flag(), fixed(SIGNAL), flag()
@@ -275,7 +262,6 @@ def axis_network(
     )
 
 
-axis_network.latency = lambda spec: spec.slots + latency(spec.network) + FIFO_CLOCKS
 axis_network.ports = lambda spec: (
     *(flag(), reset()),
     *(flag(), flag(), fixed(TDATA), flag()),

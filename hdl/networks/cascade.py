@@ -5,12 +5,12 @@ from myhdl import block
 from golden.networks.cascade import Cascade
 from golden.precision import SIGNAL
 from hdl.common.delay import delay
-from hdl.common.lookup import latency
+from hdl.common.good_frame import good_frame
+from hdl.common.lookup import hardware
 from hdl.common.signals import Words, fixed, flag, unsigned
 from hdl.common.stream import catch, stream_ports, window
 from hdl.layers.input_controller import input_controller
 from hdl.layers.output_collector import output_collector
-from hdl.networks.hybrid import hybrid
 from hdl.sensing.stream_multiplexer import stream_multiplexer
 
 
@@ -29,7 +29,7 @@ def stage(
     multiplexer,
 ):
     """One network and the stream that the next one sees, with the result in its slot."""
-    clocks = latency(network)
+    clocks = network.latency
     seen_valid, seen_last = flag(), flag()
     result_valid, result = flag(), fixed(SIGNAL)
     late_valid, late_data, late_last = flag(), fixed(SIGNAL), flag()
@@ -38,7 +38,7 @@ def stage(
 
     return (
         window(clk, rst, valid, last, seen_valid, seen_last, elements=network.inputs),
-        hybrid(
+        hardware(network)(
             clk,
             rst,
             seen_valid,
@@ -90,6 +90,34 @@ def judge(clk, rst, valid, last, frame_error, *, controller):
 
 
 @block
+def store(
+    clk,
+    rst,
+    valid,
+    data,
+    last,
+    good_valid,
+    good_data,
+    good_last,
+    frame_error,
+    *,
+    controller,
+    collector,
+):
+    """Good frames, an element a clock; of others only their error."""
+    words = Words(collector.outputs, lambda: fixed(SIGNAL))
+    complete = flag()
+    return (
+        good_frame(
+            clk, rst, valid, data, last, words, complete, frame_error, controller=controller
+        ),
+        output_collector(
+            clk, rst, complete, words, good_valid, good_data, good_last, spec=collector
+        ),
+    )
+
+
+@block
 def cascade(
     clk,
     rst,
@@ -113,16 +141,17 @@ def cascade(
     out_valid, out_data, out_last : bool, signed Fix(14,13), bool
         One output a clock, in the order of the networks.
     frame_error : bool
-        One clock long for each frame of the wrong length, which yields no result.
+        One clock long for each frame of the wrong length, or that ends less than ``spec.interval``
+        clocks after the last good one; it yields no result.
     spec : Cascade
 
     Notes
     -----
-    Network i works on the first ``spec.inputs + i`` elements of its stream. That stream is then
+    Network i works on the samples and the first i slots of its stream. That stream is then
     delayed by the network's latency, so that the result is there when its slot comes, however
     long the sender pauses between elements, and is put into the slot: the next network's stream.
-    Latency from the last element to the first output: ``cascade.latency(spec)`` clocks; frames may
-    follow without a gap. Reset clears every flag and counter.
+    Latency from the last element to the first output: ``spec.latency`` clocks; a frame may
+    follow the last after ``spec.interval`` clocks. Reset clears every flag and counter.
     """
     final = spec.outputs - 1
     # Stream i, counted from 0, has the results up to that of network i.
@@ -134,17 +163,37 @@ def cascade(
     final_last, broken = flag(), flag()
     # The earlier outputs pass by in the last network's stream. One clock short of its latency,
     # because a word caught is there a clock later.
-    wait = latency(spec.networks[final]) - 1
+    wait = spec.networks[final].latency - 1
+
+    controller, collector = spec.input_controller, spec.frame_store
+    if collector is None:
+        first_valid, first_data, first_last = in_valid, in_data, in_last
+        front = judge(clk, rst, in_valid, in_last, frame_error, controller=controller)
+    else:
+        first_valid, first_data, first_last = flag(), fixed(SIGNAL), flag()
+        front = store(
+            clk,
+            rst,
+            in_valid,
+            in_data,
+            in_last,
+            first_valid,
+            first_data,
+            first_last,
+            frame_error,
+            controller=controller,
+            collector=collector,
+        )
 
     return (
-        judge(clk, rst, in_valid, in_last, frame_error, controller=spec.input_controller),
+        front,
         [
             stage(
                 clk,
                 rst,
-                valid[i - 1] if i else in_valid,
-                data[i - 1] if i else in_data,
-                last[i - 1] if i else in_last,
+                valid[i - 1] if i else first_valid,
+                data[i - 1] if i else first_data,
+                last[i - 1] if i else first_last,
                 valid[i],
                 data[i],
                 last[i],
@@ -153,7 +202,7 @@ def cascade(
             )
             for i in range(final)
         ],
-        hybrid(
+        hardware(spec.networks[final])(
             clk,
             rst,
             valid[final - 1],
@@ -191,7 +240,4 @@ def cascade(
     )
 
 
-cascade.latency = lambda spec: sum(
-    latency(part) for part in (*spec.networks, *spec.multiplexers, spec.output_collector)
-)
 cascade.ports = stream_ports

@@ -3,7 +3,7 @@
 from myhdl import block
 
 from golden.networks.hybrid import Hybrid
-from hdl.common.lookup import hardware, latency
+from hdl.common.lookup import hardware
 from hdl.common.signals import Words, fixed, flag, unsigned
 from hdl.common.stream import stream_ports
 from hdl.layers.input_controller import input_controller
@@ -40,7 +40,7 @@ def hybrid(
 
     Notes
     -----
-    Latency from the last sample to the first output: ``hybrid.latency(spec)`` clocks; a frame may
+    Latency from the last sample to the first output: ``spec.latency`` clocks; a frame may
     follow the last after ``spec.interval`` clocks. Reset clears every flag and counter.
     """
     hidden = len(spec.activations)
@@ -52,10 +52,6 @@ def hybrid(
     r_valid = Words(hidden, flag)
     row = unsigned(spec.output_controller.addr_width)
     row_valid, row_last = flag(), flag()
-
-    # The latencies must agree: all activations answer in the same clock.
-    if len({latency(a) for a in spec.activations}) != 1:
-        raise ValueError(f"{spec.entity}: activations of different latency, expected one latency")
 
     return (
         input_controller(
@@ -96,10 +92,4 @@ def hybrid(
     )
 
 
-hybrid.latency = lambda spec: (
-    latency(spec.input_controller)
-    + latency(spec.activations[0])
-    + latency(spec.output_controller)
-    + latency(spec.output_integral)
-)
 hybrid.ports = stream_ports

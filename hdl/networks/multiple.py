@@ -5,11 +5,10 @@ from myhdl import block
 from golden.networks.multiple import Multiple
 from golden.precision import SIGNAL
 from hdl.common.delay import delay
-from hdl.common.lookup import latency
+from hdl.common.lookup import hardware
 from hdl.common.signals import Words, fixed, flag
 from hdl.common.stream import stream_ports
 from hdl.layers.output_collector import output_collector
-from hdl.networks.hybrid import hybrid
 
 
 @block
@@ -44,7 +43,7 @@ def multiple(
     results of the others wait for it. Reset clears every flag and counter.
     """
     outputs = spec.outputs
-    clocks = [latency(network) for network in spec.networks]
+    clocks = [network.latency for network in spec.networks]
     slowest = clocks.index(max(clocks))
     result_valid = Words(outputs, flag)
     result = Words(outputs, lambda: fixed(SIGNAL))
@@ -57,7 +56,7 @@ def multiple(
         return result[i] if clocks[i] < clocks[slowest] else aligned[i]
 
     networks = [
-        hybrid(
+        hardware(network)(
             clk,
             rst,
             in_valid,
@@ -93,7 +92,4 @@ def multiple(
     )
 
 
-multiple.latency = lambda spec: (
-    max(latency(network) for network in spec.networks) + latency(spec.output_collector)
-)
 multiple.ports = stream_ports

@@ -5,7 +5,7 @@ from myhdl import block
 from golden.networks.parallel import Parallel
 from golden.precision import SIGNAL
 from hdl.common.delay import connect, delay
-from hdl.common.lookup import hardware, latency
+from hdl.common.lookup import hardware
 from hdl.common.signals import Words, fixed, flag, reset, unsigned
 from hdl.layers.input_controller import input_controller
 from hdl.layers.neuron import neuron
@@ -36,7 +36,7 @@ def parallel(clk, rst, in_valid, in_data, out_valid, out_data, frame_error, *, s
 
     Notes
     -----
-    Latency: ``parallel.latency(spec)`` clocks, a frame every ``spec.interval`` clocks. Reset clears
+    Latency: ``spec.latency`` clocks, a frame every ``spec.interval`` clocks. Reset clears
     every flag and counter.
     """
     hidden = len(spec.activations)
@@ -47,10 +47,6 @@ def parallel(clk, rst, in_valid, in_data, out_valid, out_data, frame_error, *, s
     q = Words(hidden, lambda: fixed(in_fmt))
     r = Words(hidden, lambda: fixed(SIGNAL))
     r_valid = Words(hidden, flag)
-
-    # The latencies must agree: all activations answer in the same clock.
-    if len({latency(a) for a in spec.activations}) != 1:
-        raise ValueError(f"{spec.entity}: activations of different latency, expected one latency")
 
     return (
         # A frame is one element, which is the last of its frame. Two ports of one entity take two
@@ -76,20 +72,17 @@ def parallel(clk, rst, in_valid, in_data, out_valid, out_data, frame_error, *, s
             rst,
             accepted,
             q_valid,
-            clocks=latency(spec.hidden_neurons[0]) - latency(controller) + 1,
+            clocks=spec.hidden_neurons[0].latency - controller.latency + 1,
         ),
         [
             hardware(activation)(clk, rst, q_valid, q[j], r_valid[j], r[j], spec=activation)
             for j, activation in enumerate(spec.activations)
         ],
         [neuron(clk, r, out_data[i], spec=part) for i, part in enumerate(spec.output_neurons)],
-        delay(clk, rst, r_valid[0], out_valid, clocks=latency(spec.output_neurons[0])),
+        delay(clk, rst, r_valid[0], out_valid, clocks=spec.output_neurons[0].latency),
     )
 
 
-parallel.latency = lambda spec: (
-    latency(spec.hidden_neurons[0]) + latency(spec.activations[0]) + latency(spec.output_neurons[0])
-)
 parallel.ports = lambda spec: (
     flag(),
     reset(),

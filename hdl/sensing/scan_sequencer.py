@@ -69,8 +69,10 @@ def scan_sequencer(clk, rst, adc, address, out_valid, out_data, out_last, *, spe
         decide,
         strobe,
         keep,
-        rom(slot, selected, words=np.array(spec.addresses)),
+        rom(
+            slot,
+            selected,
+            words=np.array(spec.addresses),
+            meanings=[str(address) for address in spec.addresses],
+        ),
     )
-
-
-scan_sequencer.latency = lambda spec: 1

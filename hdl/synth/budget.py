@@ -35,7 +35,10 @@ def budget_path(scene: Path) -> Path:
 
 def write_budget(path: Path, found: Cells) -> None:
     """Record what was found."""
-    with replace_file(path) as temporary, temporary.open("w", newline="") as handle:
+    with (
+        replace_file(path) as temporary,
+        temporary.open("w", newline="", encoding="utf-8") as handle,
+    ):
         writer = csv.writer(handle, lineterminator="\n")
         writer.writerow(COLUMNS)
         for family, entities in found.items():
@@ -56,7 +59,7 @@ def read_budget(path: Path) -> Cells:
     """
     if not path.is_file():
         raise FileNotFoundError(f"{path}: no such file")
-    with path.open(newline="") as handle:
+    with path.open(newline="", encoding="utf-8") as handle:
         reader = csv.DictReader(handle)
         if reader.fieldnames != COLUMNS:
             raise ValueError(

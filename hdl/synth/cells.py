@@ -50,7 +50,7 @@ def _synthesise(folder: Path, top: str, family: str) -> dict[str, dict[str, int]
         ],
         folder,
     )
-    stat = json.loads((folder / "stat.json").read_text())["modules"]
+    stat = json.loads((folder / "stat.json").read_text(encoding="utf-8"))["modules"]
     modules = {
         name.removeprefix("\\"): module["num_cells_by_type"]
         for name, module in stat.items()
@@ -67,6 +67,6 @@ def _synthesise(folder: Path, top: str, family: str) -> dict[str, dict[str, int]
     run_tool("yosys", ["-q", "-p", f"read_rtlil mapped.il; design -save mapped; {script}"], folder)
     found = {}
     for name in modules:
-        flat = json.loads((folder / f"{name}.json").read_text())["modules"][name]
+        flat = json.loads((folder / f"{name}.json").read_text(encoding="utf-8"))["modules"][name]
         found[name] = {**count(total(modules, name)), DEPTH: depth(flat)}
     return found

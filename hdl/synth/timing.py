@@ -70,7 +70,7 @@ def write_timing(path: Path, timing: Timing, verilog: Path) -> None:
     """Record what was reached, and by which Verilog."""
     record = {"verilog": digest(verilog), "timing": asdict(timing)}
     with replace_file(path) as temporary:
-        temporary.write_text(json.dumps(record, indent=1) + "\n")
+        temporary.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
 
 
 def read_timing(path: Path) -> tuple[Timing, str]:
@@ -81,7 +81,7 @@ def read_timing(path: Path) -> tuple[Timing, str]:
     FileNotFoundError
         When nothing was recorded.
     """
-    record = json.loads(path.read_text())
+    record = json.loads(path.read_text(encoding="utf-8"))
     return Timing(**record["timing"]), record["verilog"]
 
 
@@ -96,16 +96,16 @@ def _route(folder: Path, top: str) -> Timing:
         f"{synthesise} map_ffs:; flatten; opt_clean; write_json netlist.json"
     )
     run_tool("yosys", ["-q", "-p", script], folder)
-    netlist = json.loads((folder / "netlist.json").read_text())
+    netlist = json.loads((folder / "netlist.json").read_text(encoding="utf-8"))
     module = netlist["modules"][top]
     ports = [port["bits"] for port in module["ports"].values() if port["direction"] == "output"]
     absorb(module["cells"], {bit for bits in ports for bit in bits})
-    (folder / "netlist.json").write_text(json.dumps(netlist))
+    (folder / "netlist.json").write_text(json.dumps(netlist), encoding="utf-8")
     options = ["--lpf-allow-unconstrained", "--timing-allow-fail", "--report", "report.json"]
     options += ["--placer", PLACER, "--router", "router2"]
     files = ["--json", "netlist.json", "--freq", str(AIM_MHZ), "--seed", str(SEED)]
     run_tool("nextpnr-ecp5", [*DEVICE, *files, *options], folder)
-    report = json.loads((folder / "report.json").read_text())
+    report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
     if len(report["fmax"]) != 1:
         raise CommandError(f"{top}: {len(report['fmax'])} clocks, expected one")
     (clock,) = report["fmax"].values()

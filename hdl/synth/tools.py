@@ -42,8 +42,15 @@ def run_tool(name: str, arguments: list[str], folder: Path) -> str:
 
 
 def digest(verilog: Path) -> str:
-    """A digest of the ``.v`` files of a folder."""
-    return fingerprint(sorted(verilog.glob("*.v")))
+    """A digest of the code in the ``.v`` files of a folder, whatever their comments say."""
+    files = sorted(verilog.glob("*.v"))
+    return fingerprint([], *(f"{file.name}\n{_code(file.read_text())}" for file in files))
+
+
+def _code(text: str) -> str:
+    """Verilog without comments, empty lines and blanks at line ends."""
+    lines = (line.partition("//")[0].rstrip() for line in text.splitlines())
+    return "\n".join(line for line in lines if line)
 
 
 def stored(
@@ -66,12 +73,12 @@ def stored(
     key = fingerprint(scripts, digest(verilog), *facts, *map(version, tools))
     kept = STORE / f"{key}.json"
     if kept.is_file():
-        return dict(json.loads(kept.read_text()))
+        return dict(json.loads(kept.read_text(encoding="utf-8")))
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for file in verilog.glob("*.v"):
             shutil.copy(file, folder)
         answer = work(folder)
     with replace_file(kept) as temporary:
-        temporary.write_text(json.dumps(answer))
+        temporary.write_text(json.dumps(answer), encoding="utf-8")
     return answer

@@ -134,6 +134,3 @@ def divider(clk, rst, in_valid, in_distance, in_width, out_valid, out_data, *, s
         count,
         show,
     )
-
-
-divider.latency = lambda spec: spec.out_width + 2

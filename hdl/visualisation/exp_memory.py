@@ -21,7 +21,4 @@ def exp_memory(clk, addr, word, *, spec: ExpMemory):
     -----
     Latency 1 clock, one word a clock: a block RAM. There is nothing to reset.
     """
-    return registered_rom(clk, addr, word, words=spec.words)
-
-
-exp_memory.latency = lambda spec: 1
+    return registered_rom(clk, addr, word, words=spec.words, meanings=spec.meanings)

@@ -3,7 +3,7 @@
 from myhdl import always, always_comb, always_seq, block
 
 from golden.fixed import Rounding
-from golden.visualisation.load_profile import RECTANGLE, TRIANGLE, LoadProfile
+from golden.visualisation.load_profile import DISTANCE_CLOCKS, RECTANGLE, TRIANGLE, LoadProfile
 from hdl.common.delay import delay
 from hdl.common.requantise import requantise
 from hdl.common.signals import fixed, flag, signed, unsigned
@@ -91,7 +91,7 @@ def load_profile(
 
     Notes
     -----
-    Three multipliers. One point at a time: the first stands ``load_profile.latency(spec)`` clocks
+    Three multipliers. One point at a time: the first stands ``spec.latency`` clocks
     after ``in_valid``, each of the others as many after the one before. Results that come during
     a ramp wait until the clock after its last point, and are replaced by others that come
     meanwhile; they never change the ramp that is being drawn. Reset ends the ramp and forgets
@@ -185,14 +185,14 @@ def load_profile(
         advance,
         ramp(clk, rst, ask, x_valid, x, x_last, spec=spec.ramp),
         distance_from(clk, x, centre, distance),
-        delay(clk, rst, x_valid, distance_valid, clocks=_DISTANCE_CLOCKS),
+        delay(clk, rst, x_valid, distance_valid, clocks=DISTANCE_CLOCKS),
         clip,
         divider(clk, rst, distance_valid, distance, positive_width, t_valid, t, spec=spec.divider),
         choose,
         power_fold(clk, rst, t_valid, t, power, power_valid, powered, spec=spec.power_fold),
         split,
         exp_memory(clk, addr, word, spec=spec.exp_memory),
-        delay(clk, rst, power_valid, word_valid, clocks=exp_memory.latency(spec.exp_memory)),
+        delay(clk, rst, power_valid, word_valid, clocks=spec.exp_memory.latency),
         exp_interpolator(
             clk, rst, word_valid, word, offset, value_valid, value, spec=spec.exp_interpolator
         ),
@@ -204,21 +204,3 @@ def load_profile(
         keep,
         show,
     )
-
-
-# Difference and magnitude.
-_DISTANCE_CLOCKS = 2
-# Product with the load, and the register of the point.
-_END_CLOCKS = 2
-
-# One clock from a result, or from the point before, to the ramp.
-load_profile.latency = lambda spec: (
-    1
-    + ramp.latency(spec.ramp)
-    + _DISTANCE_CLOCKS
-    + divider.latency(spec.divider)
-    + power_fold.latency(spec.power_fold)
-    + exp_memory.latency(spec.exp_memory)
-    + exp_interpolator.latency(spec.exp_interpolator)
-    + _END_CLOCKS
-)

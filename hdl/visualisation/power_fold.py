@@ -77,6 +77,3 @@ def power_fold(clk, rst, in_valid, in_data, in_power, out_valid, out_data, *, sp
         count,
         show,
     )
-
-
-power_fold.latency = lambda spec: spec.interval

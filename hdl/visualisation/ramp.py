@@ -50,6 +50,3 @@ def ramp(clk, rst, in_valid, out_valid, out_data, out_last, *, spec: Ramp):
 
     mark = delay(clk, rst, in_valid, out_valid, clocks=1)
     return add, count, keep, mark
-
-
-ramp.latency = lambda spec: 1

@@ -67,7 +67,7 @@ class Recording:
 
 
 class Bench:
-    """One cocotb test: the twin, the published latency, a seeded generator and the count."""
+    """One cocotb test: the twin and its latency, a seeded generator and the count."""
 
     def __init__(self, dut):
         self.dut = dut
@@ -76,17 +76,13 @@ class Bench:
         self.design = self.scene.twin()
         entity = self.configuration["entity"]
         self.twin = next(block for block in walk(self.design) if block.entity == entity)
-        self.latency = self.latency_of(entity)
+        self.latency = self.twin.latency
         # cocotb derives RANDOM_SEED from the run's seed and the test's name.
         self.rng = np.random.default_rng(cocotb.RANDOM_SEED)
         self.frames = self.configuration["frames"]
         self.compared = 0
         self.facts: dict[str, float] = {}
         dut._log.info("rerun: %s", self.configuration["rerun"])
-
-    def latency_of(self, entity: str) -> int:
-        """Latency in clocks that an entity of the design publishes."""
-        return self.configuration["latencies"][entity]
 
     async def play(self, drive: dict[str, np.ndarray], watch: list[str]) -> Recording:
         """Reset the block, play one value per clock on every port of ``drive``, record ``watch``.
@@ -147,7 +143,7 @@ class Bench:
             f"{entity}: compared {self.compared} results, expected at least {at_least}"
         )
         line = {"compared": self.compared, **self.facts}
-        with Path(self.configuration["result"]).open("a") as handle:
+        with Path(self.configuration["result"]).open("a", encoding="utf-8") as handle:
             handle.write(json.dumps(line) + "\n")
 
 

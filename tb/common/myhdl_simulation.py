@@ -11,7 +11,7 @@ from myhdl import Simulation, StopSimulation, delay, instance
 
 from golden.fixed import Codes
 from golden.networks.network import Network
-from hdl.common.lookup import hardware, latency
+from hdl.common.lookup import hardware
 from hdl.export.quick_inspect import install
 
 install()
@@ -52,7 +52,7 @@ def simulate(design: Network, frames: Codes) -> tuple[Codes, float]:
     out_valid, out_data = ports[4:6] if whole else ports[5:7]
     error = ports[-1]
     clocks = [None, *_clocks(design, frames, whole)]
-    clocks += [None] * (latency(design) + design.outputs + 1)
+    clocks += [None] * (design.latency + design.outputs + 1)
     seen: list[int] = []
 
     @instance

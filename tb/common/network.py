@@ -8,6 +8,7 @@ import cocotb
 import numpy as np
 
 from golden.block import walk
+from golden.networks.design import Design
 from golden.precision import SIGNAL
 from tb.common.bench import Bench
 from tb.common.framing import random_lengths, scan
@@ -116,8 +117,9 @@ async def corners_and_random(dut):
     bench = Bench(dut)
     inputs = bench.twin.inputs
     random = random_elements(bench, bench.frames * inputs).reshape(-1, inputs)
-    nodes = [part for part in walk(bench.twin) if part.block == "input_node"]
-    ends = extreme_frames(SIGNAL, [node.weights[:inputs] for node in nodes])
+    designs = [part for part in walk(bench.twin) if isinstance(part, Design)]
+    hidden = [node for design in designs for node in design.exact_layers.hidden]
+    ends = extreme_frames(SIGNAL, [node.weights[:inputs] for node in hidden])
     for gap, count in ((0.0, bench.frames), (0.4, min(bench.frames, MOST_WITH_GAPS))):
         frames = np.concatenate([corner_frames(SIGNAL, inputs), ends, random[:count]])
         elements, last = whole_frames(bench, frames)

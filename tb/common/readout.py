@@ -44,7 +44,7 @@ def check_drawn(bench: Bench, recording: Recording, readout) -> np.ndarray:
     """The profile of every frame of outputs; see ``check_profile`` for what comes back."""
     ends, results = frames_out(bench, recording)
     kept = recording.undisturbed(ends, ends)
-    latency = bench.latency_of(readout.load_profile.entity)
+    latency = readout.load_profile.latency
     return check_profile(
         bench, recording, "profile", ends[kept] + 1, results[kept], latency, readout.profile
     )

@@ -30,7 +30,7 @@ def stored_results(scene: Scene) -> dict | None:
     """What the benches found, if nothing has changed since; None otherwise."""
     if not _store(scene).is_file():
         return None
-    results = json.loads(_store(scene).read_text())
+    results = json.loads(_store(scene).read_text(encoding="utf-8"))
     return results if results["state"] == state(scene) else None
 
 
@@ -52,7 +52,7 @@ def simulate(scene: Scene) -> dict:
     }
     if not results["failed"]:
         with replace_file(_store(scene)) as temporary:
-            temporary.write_text(json.dumps(results, indent=1))
+            temporary.write_text(json.dumps(results, indent=1), encoding="utf-8")
     return results | {"fresh": True}
 
 

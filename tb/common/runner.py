@@ -76,7 +76,7 @@ class Outcome:
 
     def complaint(self) -> str:
         """The line of the log that says what went wrong."""
-        text = self.log.read_text(errors="replace") if self.log.exists() else ""
+        text = self.log.read_text(encoding="utf-8", errors="replace") if self.log.exists() else ""
         marked = [line for line in text.splitlines() if "Error: " in line or "error: " in line]
         return marked[0].removeprefix("INFO cocotb:").strip() if marked else "no message"
 
@@ -203,12 +203,10 @@ def run_job(job: Job) -> Outcome:
     job.folder.mkdir(parents=True)
     result = job.folder / "compared.jsonl"
     sources = [str(job.hdl_folder / name) for name in job.files]
-    manifest = json.loads((job.hdl_folder / MANIFEST).read_text())
     rerun = f"make sim BLOCK={job.block} SIM={job.simulator} SCENE={_scene_argument(job.scene)}"
     configuration = {
         "scene": str(job.scene.path.resolve()),
         "entity": job.entity,
-        "latencies": {entry["entity"]: entry["latency"] for entry in manifest},
         "frames": job.frames,
         "result": str(result),
         "rerun": f"{rerun} SEED={job.seed}",
@@ -248,7 +246,8 @@ def run_job(job: Job) -> Outcome:
             check=False,
         ).returncode
     seconds = time.perf_counter() - started
-    lines = [json.loads(x) for x in result.read_text().splitlines()] if result.exists() else []
+    written = result.read_text(encoding="utf-8") if result.exists() else ""
+    lines = [json.loads(line) for line in written.splitlines()]
     compared = sum(line.pop("compared") for line in lines)
     facts = {key: value for line in lines for key, value in line.items()}
     # A run that compared nothing proves nothing, whatever its exit code says.

@@ -36,6 +36,9 @@ PARALLEL = {
     "precise-parallel": Case([(2, 3, 2)], "exact", activation="precise", design="parallel"),
 }
 
+# Networks that need more clocks from frame to frame than they see elements.
+SLOW = Case([(2, 1, 1), (3, 1, 1)], "exact", activation="pade", arrangement="cascade", spread=2.0)
+SLOWER = "{ rho = 1.5, iterations = 11 }"
 # Networks whose depth differs, so that results wait for each other, and more of them than samples.
 CASCADES = {
     "chain": Case([(2, 3, 1), (3, 3, 1), (4, 3, 1)], "exact", arrangement="cascade", seed=0),
@@ -43,6 +46,9 @@ CASCADES = {
     "deep-cascade": Case(
         [(2, 1, 1), (3, 9, 1), (4, 2, 1), (5, 5, 1)], "thesis", arrangement="cascade"
     ),
+    # As many clocks as a frame has elements, and more.
+    "slow-cascade": SLOW,
+    "slower-cascade": replace(SLOW, options=SLOWER),
 }
 MULTIPLES = {
     "three": Case([(2, 4, 1), (2, 3, 1), (2, 2, 1)], "exact", arrangement="multiple", seed=0),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 
@@ -44,3 +45,16 @@ def version(name: str) -> str:
         [SIMULATORS[name][0], flag], capture_output=True, text=True, check=False
     )
     return result.stdout.splitlines()[0] if result.stdout else "unknown"
+
+
+def simulator_versions() -> dict[str, str]:
+    """The version number of each simulator by name, ``none`` where it is not installed."""
+    return {
+        name: _number(version(name)) if shutil.which(program) else "none"
+        for name, (program, *_) in SIMULATORS.items()
+    }
+
+
+def _number(line: str) -> str:
+    found = re.search(r"\d+(\.\d+)+\S*", line)
+    return found[0] if found else line

@@ -47,7 +47,7 @@ async def check(bench, frames, resets=None):
     twin = bench.twin
     drawing = 0
     if twin.load_profile:
-        drawing = twin.load_profile.ramp.points * bench.latency_of(twin.load_profile.entity)
+        drawing = twin.load_profile.interval
     elements, last = whole_frames(bench, frames)
     length = len(elements) // len(frames)
     pause = np.zeros((len(frames), length), dtype=np.int64)

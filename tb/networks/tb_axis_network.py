@@ -25,7 +25,7 @@ from tb.common.bench import Bench
 from tb.common.cases import Case
 from tb.common.framing import random_lengths
 from tb.common.handshake import check_kept, exchange, transfers
-from tb.common.small import CASCADES
+from tb.common.small import CASCADES, SLOW, SLOWER
 from tb.common.stimulus import corner_frames, random_resets
 
 AXIS = Case([(2, 3, 5)], "exact", interface="axi_stream")
@@ -35,6 +35,7 @@ CASES = {
     "least-axis": replace(AXIS, shapes=[(1, 2, 1)], precision="thesis"),
     "pade-axis": replace(AXIS, shapes=[(2, 2, 2)], activation="pade"),
     "axis-cascade": replace(AXIS, shapes=[(2, 3, 1), (3, 2, 1), (4, 2, 1)], arrangement="cascade"),
+    "slow-axis-cascade": replace(SLOW, interface="axi_stream", options=SLOWER),
     "axis-multiple": replace(AXIS, shapes=[(2, 2, 1), (2, 4, 1)], arrangement="multiple"),
 }
 FAULTS = [

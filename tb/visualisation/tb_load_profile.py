@@ -73,7 +73,7 @@ def random_frames(bench, count):
 async def check(bench, frames, pause, resets=None):
     """Play frames; ``pause`` idle clocks before each. Returns the numbers of those drawn."""
     items = dict(zip(INPUTS, frames.T, strict=True))
-    ramp = bench.twin.ramp.points * bench.latency
+    ramp = bench.twin.interval
     drive = spread(bench.rng, items, "in_valid", 0.0, tail=2 * ramp + 4, pause=pause)
     if resets:
         drive["rst"] = random_resets(bench.rng, len(drive["in_valid"]), resets)
@@ -85,7 +85,7 @@ async def check(bench, frames, pause, resets=None):
 
 async def check_each(bench, frames):
     """Every frame is drawn: the next one comes with the last point."""
-    ramp = bench.twin.ramp.points * bench.latency
+    ramp = bench.twin.interval
     for start in range(0, len(frames), CHUNK):
         part = frames[start : start + CHUNK]
         drawn = await check(bench, part, pause=ramp - 1)
@@ -109,7 +109,7 @@ async def extremes_and_random(dut):
 async def during_a_ramp(dut):
     """Frames at all distances, some of them several to a ramp."""
     bench = Bench(dut)
-    ramp = bench.twin.ramp.points * bench.latency
+    ramp = bench.twin.interval
     frames = random_frames(bench, 30)
     pause = bench.rng.integers(0, ramp, len(frames))
     pause[::5] = 0
@@ -124,7 +124,7 @@ async def during_a_ramp(dut):
 @cocotb.test()
 async def resets(dut):
     bench = Bench(dut)
-    ramp = bench.twin.ramp.points * bench.latency
+    ramp = bench.twin.interval
     frames = random_frames(bench, 30)
     for every in (ramp, ramp // 5):
         await check(bench, frames, bench.rng.integers(0, ramp, len(frames)), resets=every)

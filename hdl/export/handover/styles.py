@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from string import Template
 
-from golden.instruments.instrument import Instrument
 from golden.networks.network import Network
 
 
@@ -159,8 +158,8 @@ _CONVERTER_SEND = Template("""\
 
 
 def _converter_send(design: Network) -> str:
-    assert isinstance(design, Instrument)
-    scan = design.scan_sequencer
+    scan = design.scanner
+    assert scan is not None
     return _CONVERTER_SEND.substitute(
         last=scan.scan_clocks - 1, slot=scan.slot_clocks, sample=scan.sample_clock
     )

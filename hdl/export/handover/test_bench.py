@@ -5,7 +5,6 @@ from __future__ import annotations
 from string import Template
 
 from golden.networks.network import Network
-from hdl.common.lookup import latency
 from hdl.export.handover.example import vhdl_map, vhdl_signals
 from hdl.export.handover.styles import STYLES
 from hdl.export.ports import Port
@@ -120,7 +119,7 @@ _REFUSED = """\
 def test_bench(scene: str, design: Network, ports: list[Port]) -> str:
     """Text of the entity ``<top>_tb``."""
     style = STYLES[design.stream]
-    clocks = latency(design)
+    clocks = design.latency
     # What is held is on the stream too; the profile is not recorded.
     used = [port for port in ports if not port.name.startswith(("held_", "profile_"))]
     left_open = tuple(port.name for port in ports if port not in used)

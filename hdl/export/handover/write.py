@@ -36,7 +36,7 @@ def write_handover(
         For a fault of the recorded vectors, see ``Scene.vectors``.
     """
     name, top, suffix = plain_name(scene.name), design.entity, SUFFIX[language]
-    ports = read_ports((folder / files[-1]).read_text(), language)
+    ports = read_ports((folder / files[-1]).read_text(encoding="utf-8"), language)
     texts = constraints(name, top, scene.clock_mhz)
     texts[f"{top}_example{suffix}"] = example(name, top, ports, language)
     benches = []
@@ -51,4 +51,4 @@ def write_handover(
     )
     texts[f"{name}.core"] = core(name, description, order, files, benches, language)
     for file, text in texts.items():
-        (folder / file).write_text(text)
+        (folder / file).write_text(text, encoding="utf-8")

@@ -2,23 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
-from golden.activation.rom import Rom
-from golden.block import Block, walk
-from golden.fixed import Fix
-from golden.instruments.instrument import Instrument
-from golden.instruments.readout import Readout
-from golden.layers.input_controller import InputController
-from golden.networks.axis_network import TDATA, AxisNetwork
-from golden.networks.cascade import Cascade
-from golden.networks.hybrid import Hybrid
-from golden.networks.multiple import Multiple
-from golden.networks.parallel import Parallel
-from golden.precision import SIGNAL
+from golden.block import Block
+from golden.flow import Alike, Beside, Carried, Controlled, Flow, Step
 from golden.scene import Scene
-from golden.visualisation.load_profile import LoadProfile
 from tb.report.draw.drawing import picture
 from tb.report.draw.layout import Part, arrow, column, labelled, row, side_by_side
 
@@ -27,7 +16,7 @@ MARGIN = 8.0
 STACK = 3
 
 
-def datapath(scene: Scene, latencies: Mapping[str, int]) -> str:
+def datapath(scene: Scene) -> str:
     """Every block of the scene's design, with how many there are, its formats and its latency.
 
     Blocks of one kind that stand side by side share a box; its tip names their entities. Within a
@@ -36,9 +25,6 @@ def datapath(scene: Scene, latencies: Mapping[str, int]) -> str:
     Parameters
     ----------
     scene : Scene
-    latencies : mapping of str to int
-        Clocks of each entity, which the hardware publishes: ``hdl.common.lookup.latency``, or
-        ``manifest.json`` of an export.
 
     Returns
     -------
@@ -48,26 +34,19 @@ def datapath(scene: Scene, latencies: Mapping[str, int]) -> str:
     Raises
     ------
     FileNotFoundError, ValueError
-        See ``Scene.twin``; also for an entity without a latency.
+        See ``Scene.twin``.
     """
     design = scene.twin()
-    for block in walk(design):
-        if block.entity not in latencies:
-            raise ValueError(
-                f"{scene.path}: datapath: no latency of {block.entity}, expected one for each "
-                "entity of the design"
-            )
-    drawn = _Diagram(latencies).blocks([design])
+    drawn = _Diagram().blocks([design])
     size = (drawn.width + 2 * MARGIN, drawn.height + 2 * MARGIN)
     title = f"Datapath of scene {scene.name}: the blocks of {design.entity}"
     return picture(title, size, drawn.draw((MARGIN, MARGIN)), min(size[0], 900), size[0] * 1.1)
 
 
 class _Diagram:
-    """Boxes of blocks, with the latencies that are written into them."""
+    """Boxes of blocks, with their latencies written into them."""
 
-    def __init__(self, latencies: Mapping[str, int]):
-        self.latencies = latencies
+    def __init__(self) -> None:
         # Entities in the order in which they were placed.
         self.placed: list[str] = []
 
@@ -81,18 +60,19 @@ class _Diagram:
 
     def _lines(self, same: Sequence[Block]) -> list[str]:
         """Clocks, from the least to the most, and the facts that all of the blocks share."""
-        clocks = sorted({self.latencies[block.entity] for block in same})
+        clocks = sorted({block.latency for block in same})
         words = " to ".join(str(n) for n in dict.fromkeys((clocks[0], clocks[-1])))
         shared = [fact for fact in _facts(same[0]) if all(fact in _facts(b) for b in same)]
         return [f"{words} clock{'' if clocks == [1] else 's'}", *shared]
 
     def _inside(self, same: Sequence[Block]) -> Part | None:
-        """The parts of blocks of one kind; what a plan does not know stands below it."""
+        """The parts of blocks of one kind; what their flow leaves out stands below it."""
         parts = [part for block in same for part in block.parts()]
         if not parts:
             return None
         start = len(self.placed)
-        planned = self._plan(same[0]) if len(same) == 1 else None
+        flow = same[0].flow() if len(same) == 1 else None
+        planned = self._flow(flow) if flow else None
         known = set(self.placed[start:])
         rest: dict[str, list[Block]] = {}
         for part in parts:
@@ -110,119 +90,34 @@ class _Diagram:
         tip = ", ".join(dict.fromkeys(block.entity for block in same))
         return labelled(same[0].block, self._lines(same), self._inside(same), tip)
 
-    def _plan(self, block: Block) -> Part | None:
-        """How the parts of a block stand to each other, where that is known."""
-        match block:
-            case Hybrid():
-                return self._hybrid(block)
-            case Parallel():
-                return self._parallel(block)
-            case Cascade():
-                return self._cascade(block)
-            case Multiple():
-                return self._multiple(block)
-            case LoadProfile():
-                return self._load_profile(block)
-            case Readout():
-                return self._readout(block)
-            case Instrument(scan_sequencer=scan, readout=readout):
-                given = arrow(_carried("codes of the converter", SIGNAL), False)
-                between = arrow((), False)
-                return column([given, self.blocks([scan]), between, self.blocks([readout])])
-            case AxisNetwork(network=network):
-                given = arrow(_carried("s_axis", TDATA), False)
-                return column(
-                    [given, self.blocks([network]), arrow(_carried("m_axis", TDATA), False)]
-                )
-        return None
+    def _flow(self, flow: Flow) -> Part:
+        """The steps in their order; what watches them above, or beside the end where they fall."""
+        parts = [self._step(step, flow.across) for step in flow.steps]
+        if flow.across:
+            watcher = [self.blocks([flow.watcher])] if flow.watcher else []
+            return column([*watcher, row(parts)], 10)
+        if flow.watcher:
+            last = max(n for n, step in enumerate(flow.steps) if isinstance(step, Block))
+            end = column(parts[last:], main=0)
+            watcher = [replace(self.blocks([flow.watcher]), ay=end.ay)]
+            parts[last:] = [row([end, *watcher], 90, main=0)]
+        return column(parts)
 
-    def _readout(self, block: Readout) -> Part:
-        flow = [arrow(_carried("samples", SIGNAL), False), self.blocks([block.network])]
-        flow.append(arrow(_carried("outputs", SIGNAL), False))
-        if block.load_profile:
-            flow.append(self.blocks([block.load_profile]))
-            flow.append(arrow(_carried("profile", SIGNAL), False))
-        return column(flow)
-
-    def _hybrid(self, block: Hybrid) -> Part:
-        node, activation = block.input_integral.nodes[0], block.activations[0]
-        hidden = len(block.activations)
-        down = arrow((), False, 14)
-        first = [self.blocks([block.input_controller]), down, self.blocks([block.input_integral])]
-        last = [self.blocks([block.output_controller]), down, self.blocks([block.output_integral])]
-        flow = [
-            arrow(_carried(f"{block.inputs} x", node.in_fmt)),
-            column(first, main=2),
-            arrow(_carried(f"{hidden} q", node.out_fmt)),
-            self.blocks(block.activations),
-            arrow(_carried(f"{hidden} r", activation.out_fmt)),
-            column(last, main=2),
-            arrow(_carried(f"{block.outputs} y", block.output_integral.out_fmt)),
-        ]
-        return row(flow)
-
-    def _parallel(self, block: Parallel) -> Part:
-        first, activation, last = block.hidden_neurons, block.activations, block.output_neurons
-        flow = [
-            arrow(_carried(f"{block.inputs} x", first[0].in_fmt)),
-            self.blocks(first),
-            arrow(_carried(f"{len(first)} q", first[0].out_fmt)),
-            self.blocks(activation),
-            arrow(_carried(f"{len(activation)} r", activation[0].out_fmt)),
-            self.blocks(last),
-            arrow(_carried(f"{block.outputs} y", last[0].out_fmt)),
-        ]
-        return column([self.blocks([block.input_controller]), row(flow)], 10)
-
-    def _cascade(self, block: Cascade) -> Part:
-        length = block.input_controller.inputs
-        flow = [arrow([f"frames of {length} elements", str(SIGNAL)], False)]
-        for network, multiplexer in zip(block.networks, block.multiplexers, strict=False):
-            flow += [self.blocks([network]), arrow((), False), self.blocks([multiplexer])]
-            flow.append(arrow([f"y in slot {multiplexer.slot}", str(SIGNAL)], False))
-        flow += [self.blocks([block.networks[-1]]), arrow(_carried("every y", SIGNAL), False)]
-        collector = self.blocks([block.output_collector])
-        end = column([collector, arrow(_carried("outputs", SIGNAL), False)], main=0)
-        # The controller looks at the frames alone: it takes no part in the flow.
-        judge = replace(self.blocks([block.input_controller]), ay=end.ay)
-        flow.append(row([end, judge], 90, main=0))
-        return column(flow)
-
-    def _multiple(self, block: Multiple) -> Part:
-        networks = side_by_side([self.blocks([network]) for network in block.networks])
-        flow = [
-            arrow(_carried("samples", SIGNAL), False),
-            networks,
-            arrow(_carried("every y", SIGNAL), False),
-            self.blocks([block.output_collector]),
-            arrow(_carried("outputs", SIGNAL), False),
-        ]
-        return column(flow)
-
-    def _load_profile(self, block: LoadProfile) -> Part:
-        divider, fold, memory = block.divider, block.power_fold, block.exp_memory
-        interpolator = block.exp_interpolator
-        flow = [
-            self.blocks([block.ramp]),
-            arrow(["distance", _bits(divider.distance_width)]),
-            self.blocks([divider]),
-            arrow(["t", _bits(divider.out_width)]),
-            self.blocks([fold]),
-            arrow(["x", _bits(fold.out_width)]),
-            self.blocks([memory]),
-            arrow(["word", _bits(memory.width)]),
-            self.blocks([interpolator]),
-            arrow(["exp(-x)", _bits(interpolator.word_width)]),
-        ]
-        return row(flow)
-
-
-def _carried(what: str, fmt: Fix) -> list[str]:
-    return [what, str(fmt)]
-
-
-def _bits(width: int) -> str:
-    return f"{width} bits"
+    def _step(self, step: Step, across: bool) -> Part:
+        match step:
+            case None:
+                return arrow((), across)
+            case Carried(what, form):
+                bits = f"{form} bits" if isinstance(form, int) else str(form)
+                return arrow((what, bits), across)
+            case Alike(blocks):
+                return self.blocks(blocks)
+            case Beside(blocks):
+                return side_by_side([self.blocks([block]) for block in blocks])
+            case Controlled(controller, block):
+                down = arrow((), False, 14)
+                return column([self.blocks([controller]), down, self.blocks([block])], main=2)
+        return self.blocks([step])
 
 
 def _facts(block: Block) -> list[str]:
@@ -234,8 +129,4 @@ def _facts(block: Block) -> list[str]:
     weights = getattr(block, "coeff_fmt", None)
     if weights:
         lines.append(f"weights {weights}")
-    if isinstance(block, Rom):
-        lines.append(f"{len(block.words)} words of {block.width} bits")
-    if isinstance(block, InputController):
-        lines.append(f"{block.inputs} element{'s' if block.inputs > 1 else ''} a frame")
-    return lines
+    return [*lines, *block.facts()]

@@ -165,8 +165,8 @@ def network_plots(table: Table) -> list[Plot]:
 
 
 def _form(row: Row) -> str:
-    design = row["arrangement"] if row["design"] == "hybrid" else row["design"]
-    return f"{design}, {str(row['activation']).split(' ')[0]}, {row['precision']}"
+    activation = str(row["activation"]).split(" ")[0]
+    return f"{row['design']}, {row['arrangement']}, {activation}, {row['precision']}"
 
 
 def training_plots(tables: Mapping[str, Table]) -> list[Plot]:

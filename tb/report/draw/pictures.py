@@ -9,7 +9,6 @@ from typing import Any
 from golden.block import walk
 from golden.scene import Scene
 from golden.scene.visualisation import RESULTS
-from hdl.common.lookup import latency
 from tb.report.draw.animation import animation
 from tb.report.draw.datapath import datapath
 from tb.report.draw.load import has_load
@@ -52,7 +51,7 @@ def pictures(scene: Scene) -> Iterator[Picture | Skipped]:
     yield Picture(
         "datapath",
         "Datapath",
-        datapath(scene, {block.entity: latency(block) for block in blocks}),
+        datapath(scene),
         f"{len(blocks)} entities, drawn from the design that is exported.",
         wide=True,
     )

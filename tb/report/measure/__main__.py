@@ -10,15 +10,14 @@ from __future__ import annotations
 
 import argparse
 import json
-import platform
 import sys
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 from golden.cli import CommandError, run
 from golden.files import replace_folder
 from golden.fingerprint import ROOT, fingerprint, sources
+from golden.machine import facts, versions
 from golden.table import suggest
 from tb.report.measure.registry import TABLES
 
@@ -42,12 +41,7 @@ def main() -> None:
     with replace_folder(folder) as temporary:
         data = {
             "seed": arguments.seed,
-            "versions": {
-                "tactus": version("tactus"),
-                "python": platform.python_version(),
-                "numpy": version("numpy"),
-                "scipy": version("scipy"),
-            },
+            "versions": versions("tactus", "python", "numpy", "scipy"),
             "sources": fingerprint([*sources("golden"), ROOT / "golden" / "data"]),
             "tables": {},
         }
@@ -62,8 +56,7 @@ def main() -> None:
             print("\n".join(table.lines()), end="\n\n", flush=True)
         _write_json(temporary / "figures.json", data)
         if times:
-            machine = {"machine": platform.machine(), "system": platform.platform()}
-            _write_json(temporary / "times.json", {**machine, "tables": times})
+            _write_json(temporary / "times.json", {"machine": facts(), "tables": times})
     print(f"wrote {folder}")
 
 

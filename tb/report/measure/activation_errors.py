@@ -10,7 +10,6 @@ from __future__ import annotations
 import argparse
 import csv
 import json
-import platform
 import sys
 import tomllib
 import warnings
@@ -30,6 +29,7 @@ from golden.activation.schemes import Scheme, forms
 from golden.cli import run
 from golden.files import replace_file
 from golden.fingerprint import ROOT
+from golden.machine import versions
 from golden.metrics import ACTIVATION_RANGE, activation_error
 from golden.precision import EXACT, SIGNAL, THESIS, Precision
 
@@ -73,7 +73,7 @@ class Row:
 def thesis_figure(name: str) -> float | None:
     """The mean error that the thesis prints for a scheme; none for a scheme of our own."""
     path = ROOT / "golden" / "data" / "thesis_numbers.toml"
-    table = tomllib.loads(path.read_text())["activation"]
+    table = tomllib.loads(path.read_text(encoding="utf-8"))["activation"]
     figure = table.get(name.removesuffix("_parallel"), {}).get("mean_percent_error")
     return None if figure is None else float(figure)
 
@@ -174,24 +174,19 @@ def table(rows: list[Row]) -> list[str]:
     return lines
 
 
-def versions() -> dict[str, str]:
-    """With what it was measured."""
-    return {
-        "python": platform.python_version(),
-        "numpy": np.__version__,
-        "matplotlib": matplotlib.__version__,
-    }
-
-
 def write(rows: list[Row], folder: Path) -> None:
     """``errors.csv`` and ``errors.json`` in ``folder``."""
     records = [asdict(row) for row in rows]
-    with replace_file(folder / "errors.csv") as path, path.open("w", newline="") as handle:
+    with (
+        replace_file(folder / "errors.csv") as path,
+        path.open("w", newline="", encoding="utf-8") as handle,
+    ):
         writer = csv.DictWriter(handle, list(records[0]), lineterminator="\n")
         writer.writeheader()
         writer.writerows(records)
     with replace_file(folder / "errors.json") as path:
-        path.write_text(json.dumps({"versions": versions(), "rows": records}, indent=1) + "\n")
+        data = {"versions": versions("python", "numpy", "matplotlib"), "rows": records}
+        path.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
 
 
 def plot_file(name: str) -> str:

@@ -6,7 +6,6 @@ from golden.activation.reference import stable_below
 from golden.activation.schemes import SCHEMES
 from golden.precision import PRECISIONS
 from tb.report.measure.activation_errors import THESIS_FACTOR, built, measured, variants
-from tb.report.measure.latency import latencies
 from tb.report.measure.table import Cell, Table
 
 RHOS = (1.0, 2.0, 3.0, 4.0, 4.5, 5.0, 6.0, 8.0)
@@ -15,7 +14,6 @@ ITERATIONS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
 
 def activations(_: int) -> Table:
     """Every scheme in every precision: equation 4.32, the largest error, and clocks."""
-    clocks = latencies("activation")
     rows: list[list[Cell]] = []
     for name, options, scheme in variants():
         full = f"{name}, {options}" if options else name
@@ -23,7 +21,7 @@ def activations(_: int) -> Table:
             timing: list[Cell] = [None, None]
             if row.arithmetic in PRECISIONS:
                 block = built(scheme, PRECISIONS[row.arithmetic], row.factor)
-                timing = [clocks[full, row.arithmetic], block.interval]
+                timing = [block.latency, block.interval]
             rows.append(
                 [
                     full,

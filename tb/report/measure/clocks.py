@@ -3,37 +3,23 @@
 from __future__ import annotations
 
 from golden.errors import scene_errors
-from golden.instruments.instrument import Instrument
 from golden.networks.network import Network
-from tb.report.measure.latency import latencies
 from tb.report.measure.networks import scenes
 from tb.report.measure.table import Cell, Table
 
 
-def clocks_per_frame(design: Network, latency: int) -> int:
+def clocks_per_frame(design: Network) -> int:
     """Clocks from a frame's first sample, that clock included, to its last output.
 
-    Parameters
-    ----------
-    design : Network
-    latency : int
-        Clocks from the last sample to the first output, which the hardware publishes.
-
-    Notes
-    -----
     The elements of a frame come in one a clock, and its outputs leave one a clock; of a parallel
     network either all at once. An instrument's frame begins with its scan.
     """
     outputs = 1 if design.stream == "words" else design.outputs
-    samples = design.input_controller.inputs
-    if isinstance(design, Instrument):
-        samples = int(design.scan_sequencer.sample_clocks[-1]) + 1
-    return samples + latency + outputs - 1
+    return design.frame_clocks + design.latency + outputs - 1
 
 
 def clocks(_: int) -> Table:
     """Every shipped scene and those for comparison; the seeds are those of their training."""
-    published = latencies("scene")
     rows: list[list[Cell]] = []
     for scene in scenes():
         design = scene.twin()
@@ -54,7 +40,7 @@ def clocks(_: int) -> Table:
                 scene.outputs[worst],
                 found[worst].largest_mean,
                 found[worst].mean,
-                clocks_per_frame(design, published[scene.name, scene.precision.name]),
+                clocks_per_frame(design),
                 design.interval,
             ]
         )

@@ -10,7 +10,6 @@ from golden.activation.schemes import SCHEMES
 from golden.block import walk
 from golden.networks.network import Network
 from golden.scene import Scene
-from hdl.common.lookup import latency
 from hdl.synth.budget import Cells, budget_path, by_block, read_budget
 from hdl.synth.cells import DEPTH, FAMILIES
 from hdl.synth.netlist import KINDS
@@ -60,7 +59,7 @@ def costs(scene: Scene, design: Network) -> Costs | None:
         cells,
         timing,
         shares(scene, design, cells),
-        latency(design) / timing.clock_mhz,
+        design.latency / timing.clock_mhz,
         1e6 * timing.clock_mhz / design.interval,
         verilog == digest(BUILD / scene.name / "verilog"),
     )

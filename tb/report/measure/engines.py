@@ -6,9 +6,7 @@ import dataclasses
 
 import numpy as np
 
-from golden.block import walk
 from golden.errors import scene_errors
-from golden.networks.network import Network
 from golden.scene import Scene
 from tb.common.myhdl_simulation import simulate
 from tb.common.runner import plan, run_job
@@ -17,15 +15,6 @@ from tb.report.measure.table import Cell, Table
 from tb.report.measure.timing import timed
 
 MANY = 1_000_000
-
-
-def network_of(scene: Scene) -> Network:
-    """The scene's network between two streams, without front end, readout or another interface."""
-    return next(
-        part
-        for part in reversed(list(walk(scene.twin())))
-        if isinstance(part, Network) and part.area == "networks" and part.block != "axis_network"
-    )
 
 
 def engines(scene: Scene) -> Table:
@@ -37,7 +26,7 @@ def engines(scene: Scene) -> Table:
         When an engine's results are not those of the twin.
     """
     vectors = scene.vectors()
-    design = network_of(scene)
+    design = scene.twin().core
     codes = vectors.codes
     found = scene_errors(scene)
     worst = {kind: max(e.mean for e in errors) for kind, errors in found.items()}

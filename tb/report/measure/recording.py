@@ -14,12 +14,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from golden.cli import CommandError
-from golden.instruments.readout import Readout
 from golden.networks.network import Network
-from golden.networks.several import Several
 from golden.precision import SIGNAL
 from golden.scene import Scene
-from hdl.common.lookup import latency
 from hdl.export.exporter import ORDER
 from hdl.export.ports import read_ports
 from tb.common.runner import BUILD, export
@@ -92,7 +89,7 @@ def _drive(design: Network, samples: list[int]) -> list[dict[str, int]]:
             for n, code in enumerate(elements)
         ]
     idle = dict.fromkeys(busy[0], 0)
-    return [idle] * BEFORE + busy + [idle] * (latency(design) + outputs - 1 + BEHIND)
+    return [idle] * BEFORE + busy + [idle] * (design.latency + outputs - 1 + BEHIND)
 
 
 def _watched(scene: Scene, design: Network, folder: Path) -> Iterator[Watched]:
@@ -103,22 +100,20 @@ def _watched(scene: Scene, design: Network, folder: Path) -> Iterator[Watched]:
     for name in names:
         if name.startswith("in_"):
             yield Watched(f"dut.{name}", entering, name)
-    inner, path = design, "dut"
-    if isinstance(design, Readout):
-        inner = design.network
-        path = f"dut.{_instance(folder, design.entity, inner.entity)}"
-    if isinstance(inner, Several):
-        for network, output in zip(inner.networks, scene.outputs, strict=True):
-            place = f"{path}.{_instance(folder, inner.entity, network.entity)}"
-            for name in MEMBER:
-                yield Watched(f"{place}.{name}", f"{network.entity}: {output}", name)
+    core, path = design.core, "dut"
+    if core is not design:
+        path = f"dut.{_instance(folder, design.entity, core.entity)}"
+    for network, output in zip(core.members, scene.outputs, strict=False):
+        place = f"{path}.{_instance(folder, core.entity, network.entity)}"
+        for name in MEMBER:
+            yield Watched(f"{place}.{name}", f"{network.entity}: {output}", name)
     for name in names:
         if name.startswith("out_"):
             yield Watched(f"dut.{name}", leaving, name)
 
 
 def _text(folder: Path, entity: str) -> str:
-    return (folder / f"{entity}.v").read_text()
+    return (folder / f"{entity}.v").read_text(encoding="utf-8")
 
 
 def _instance(folder: Path, parent: str, entity: str) -> str:
@@ -145,10 +140,10 @@ def _simulate(
         play += [tick[0], show, *tick[1:]]
     lines = ["`timescale 1ns/1ps", "module recorder;", *regs, f"    {top} dut({wires});"]
     lines += ["    initial begin", *(f"        {words}" for words in play), "    end", "endmodule"]
-    files = [str(folder / name) for name in (folder / ORDER).read_text().split()]
+    files = [str(folder / name) for name in (folder / ORDER).read_text(encoding="utf-8").split()]
     with tempfile.TemporaryDirectory() as work:
         source, program = Path(work) / "recorder.v", Path(work) / "recorder"
-        source.write_text("\n".join([*lines, ""]))
+        source.write_text("\n".join([*lines, ""]), encoding="utf-8")
         compiled = ["iverilog", "-g2012", "-s", "recorder", "-o", str(program), *files, str(source)]
         _run(compiled)
         printed = _run(["vvp", "-n", str(program)])

@@ -21,14 +21,16 @@ def kept(name: str, state: str) -> Any:
     path = STORE / f"{name}.json"
     if not path.is_file():
         return None
-    found = json.loads(path.read_text())
+    found = json.loads(path.read_text(encoding="utf-8"))
     return found["answer"] if found["state"] == state else None
 
 
 def keep(name: str, state: str, answer: Any) -> None:
     """Keep what JSON can hold for the next report."""
     with replace_file(STORE / f"{name}.json") as path:
-        path.write_text(json.dumps({"state": state, "answer": answer}, allow_nan=False))
+        path.write_text(
+            json.dumps({"state": state, "answer": answer}, allow_nan=False), encoding="utf-8"
+        )
 
 
 def once(name: str, state: str, tell: Progress, work: Callable[[], Any]) -> Any:

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import platform
 import time
-from importlib.metadata import version
 
 from golden.files import replace_file, replace_folder
+from golden.machine import facts, versions
 from golden.scene import Scene
 from tb.common.runner import BUILD
+from tb.common.tools import simulator_versions
 from tb.report.measure.table import Table
 from tb.report.page.content import content
 from tb.report.page.page import Page, Picture
-
-PACKAGES = ("tactus", "numpy", "scipy", "matplotlib", "myhdl", "cocotb")
 
 
 def tell(name: str, seconds: float, kept: bool) -> None:
@@ -53,10 +51,10 @@ def write(scene: Scene, page: Page) -> None:
 
 def made(seconds: float) -> list[str]:
     """With what the report was made."""
-    packages = ", ".join(f"{name} {version(name)}" for name in PACKAGES)
+    machine = facts(**versions("tactus", "matplotlib"), **simulator_versions())
     return [
-        f"Made by make report in {seconds:.0f} s on {platform.machine()}, Python "
-        f"{platform.python_version()}, {packages}.",
+        f"Made by make report in {seconds:.0f} s on {machine['processor']}; "
+        f"{machine['instructions']}; {machine['versions']}.",
         "Run times are those of this machine; every other figure comes out the same again. Each "
         "plot is an SVG and each table a CSV in the folder beside this file; report.json holds "
         "all of them.",

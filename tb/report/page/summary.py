@@ -8,7 +8,6 @@ from golden.block import walk
 from golden.errors import scene_errors
 from golden.networks.network import Network
 from golden.scene import Scene, thesis_figures
-from hdl.common.lookup import latency
 from hdl.synth.timing import DEVICE_NAME
 from tb.common.runner import ROOT
 from tb.report.draw.findings import number, rows_of
@@ -77,7 +76,7 @@ def _motion_errors(scene: Scene, motions: Table) -> Table:
 
 def cost_table(scene: Scene, design: Network, found: Costs | None) -> Table:
     """Clocks and, where ``make synth`` recorded them, clock and cells."""
-    clocks = clocks_per_frame(design, latency(design))
+    clocks = clocks_per_frame(design)
     rows: list[list[Cell]] = [
         ["clocks from first sample to last output", clocks, None],
         ["clocks from frame to frame", design.interval, None],

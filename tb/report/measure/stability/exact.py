@@ -35,12 +35,12 @@ def _column(one: ExactSum, frames: Codes) -> Codes:
 
 
 def _results(network: Design, frames: Codes) -> Codes:
-    hidden, outputs = network.exact_layers
+    layers = network.exact_layers
     r = [
         activation.compute(_column(one, frames))
-        for one, activation in zip(hidden, network.activations, strict=True)
+        for one, activation in zip(layers.hidden, layers.activations, strict=True)
     ]
-    return np.stack([_column(one, np.stack(r, axis=1)) for one in outputs], axis=1)
+    return np.stack([_column(one, np.stack(r, axis=1)) for one in layers.outputs], axis=1)
 
 
 def exact_network(design: Network, arrangement: str, frames: Codes) -> Codes:

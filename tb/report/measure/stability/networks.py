@@ -15,7 +15,8 @@ from golden.layers.input_node import InputNode
 from golden.layers.neuron import Neuron
 from golden.layers.output_integral import OutputIntegral
 from golden.networks.arrangement import seen
-from golden.networks.hybrid import Hybrid
+from golden.networks.constants import constants_of
+from golden.networks.designs import DESIGNS
 from golden.networks.mlp import Mlp
 from golden.precision import EXACT, SIGNAL, THESIS, normalisation
 from golden.scene import Scene, load_scene, scene_names
@@ -108,26 +109,26 @@ def huge_weights() -> Iterator[Row]:
     frames = np.concatenate(
         [_combinations((LOW, 0, HIGH), 4), rng.integers(LOW, HIGH + 1, (500, 4))]
     )
-    for precision in (THESIS, EXACT):
-        network = Hybrid.of(mlp, precision, precision.activation)
+    for (name, design), precision in itertools.product(DESIGNS.items(), (THESIS, EXACT)):
+        network = design.of(mlp, precision, precision.activation)
         found = network.process(frames)
         case = f"weights of 60, Q_j to {most}, {precision.name}"
         off = largest(found - exact_network(network, "single", frames))
-        yield Row("hybrid", case, EQUAL, "codes off", off, 0)
+        yield Row(name, case, EQUAL, "codes off", off, 0)
         ((error, bound),) = real_error(mlp, precision, network, frames, found)
-        yield Row("hybrid", case, BOUNDED, "error in 2^-13", error, bound)
+        yield Row(name, case, BOUNDED, "error in 2^-13", error, bound)
     one, none = np.ones((1, 1)), np.zeros(1)
     beyond = Mlp(2e5 * one, none, one, none)
     kinds = [name for name, scheme in SCHEMES.items() if THESIS in scheme.precisions]
-    count = accepted([partial(Hybrid.of, beyond, THESIS, name) for name in kinds])
+    count = accepted([partial(constants_of, beyond, THESIS, name) for name in kinds])
     must, figure = "refuse them", f"accepted of {len(kinds)}"
-    yield Row("hybrid", "Q_j of 200000, thesis, every activation", must, figure, count, 0)
-    count = accepted([partial(Hybrid.of, beyond, EXACT, "precise")])
-    yield Row("hybrid", "weights of 200000, exact", must, "accepted of 1", count, 0)
+    yield Row("constants", "Q_j of 200000, thesis, every activation", must, figure, count, 0)
+    count = accepted([partial(constants_of, beyond, EXACT, "precise")])
+    yield Row("constants", "weights of 200000, exact", must, "accepted of 1", count, 0)
     whole = Mlp(np.full((1, 2), -1.0), np.ones(1), 0.3 * one, none)
-    count = accepted([partial(Hybrid.of, whole, THESIS, "gradient")])
+    count = accepted([partial(constants_of, whole, THESIS, "gradient")])
     must = "refuse them: the sum would wrap"
-    yield Row("hybrid", "weights of whole numbers, thesis", must, "accepted of 1", count, 0)
+    yield Row("constants", "weights of whole numbers, thesis", must, "accepted of 1", count, 0)
 
 
 def accumulators() -> Iterator[Row]:

@@ -11,7 +11,6 @@ from golden.fixed import Codes
 from golden.networks.constants import Layer, quantised
 from golden.networks.design import Design
 from golden.networks.mlp import Mlp, Real
-from golden.networks.network import Network
 from golden.precision import SIGNAL, Precision
 
 
@@ -43,7 +42,7 @@ def _activation_error(activation: ActivationBlock, factor: int) -> float:
 
 
 def real_error(
-    mlp: Mlp, precision: Precision, network: Network, frames: Codes, found: Codes
+    mlp: Mlp, precision: Precision, network: Design, frames: Codes, found: Codes
 ) -> list[tuple[float, float]]:
     """Error and bound of each output, in units of 2**-13, the largest over the frames.
 
@@ -56,19 +55,18 @@ def real_error(
     ----------
     mlp : Mlp
     precision : Precision
-    network : Network
+    network : Design
         Bit-true, one activation for every hidden node of ``mlp``.
     frames, found : int64 arrays
         Samples and results.
     """
-    if not isinstance(network, Design):
-        raise TypeError(f"network: got {network.entity}, expected a design of one network")
     first = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights")
     second = quantised(mlp.w2, mlp.b2, precision, "layer 2 weights")
     hidden = precision.hidden_fmt
     q_off = _rounded(mlp.w1, mlp.b1, first, precision, hidden.frac)
+    activations = network.exact_layers.activations
     r_off = q_off + [
-        _activation_error(a, q) for a, q in zip(network.activations, first.factors, strict=True)
+        _activation_error(a, q) for a, q in zip(activations, first.factors, strict=True)
     ]
     bounds = _rounded(mlp.w2, mlp.b2, second, precision, SIGNAL.frac)
     bounds = bounds + np.abs(mlp.w2) @ r_off

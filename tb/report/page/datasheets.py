@@ -1,4 +1,4 @@
-"""``python -m hdl.synth.datasheets``: the recorded cells into the documentation.
+"""``python -m tb.report.page.datasheets``: the recorded cells into the documentation.
 
 Rewrites what stands between the markers of ``docs/synthesis.md`` and of each page in
 ``docs/blocks``; the rest of a page is left alone.
@@ -10,20 +10,17 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from golden.block import walk
-from golden.cli import CommandError
-from golden.files import replace_file
 from golden.fingerprint import ROOT
 from golden.scene import Scene, load_scene, scene_names
-from hdl.common.lookup import latency
 from hdl.export.repeatable import run_repeatable
 from hdl.synth.budget import Cells, budget_path, read_budget
 from hdl.synth.cells import DEPTH, FAMILIES
 from hdl.synth.netlist import KINDS
 from hdl.synth.shares import shares
 from hdl.synth.timing import read_timing, timing_path
+from tb.report.page.markers import put, write
 
-BEGIN = "<!-- from here: python -m hdl.synth.datasheets -->"
-END = "<!-- to here -->"
+COMMAND = "python -m tb.report.page.datasheets"
 # The networks of section 5.2.2 that no shipped scene has.
 COMPARED = ["digit-parallel-lut", "digit-parallel-pade", "digit-parallel-polynomial"]
 COLUMNS = [*KINDS, DEPTH]
@@ -87,42 +84,26 @@ def scene_table() -> str:
             *(top[kind] for kind in ("LUT", "flip-flop", "multiplier", DEPTH)),
             *percents,
             timing.clock_mhz,
-            f"{latency(design) / timing.clock_mhz:.2f}",
+            f"{design.latency / timing.clock_mhz:.2f}",
             f"{timing.clock_mhz * 1e6 / design.interval:,.0f}",
         ]
         lines.append(f"| {' | '.join(map(str, row))} |")
     return "\n".join(lines)
 
 
-def put(page: Path, text: str) -> str:
-    """The page with ``text`` between its markers.
-
-    Raises
-    ------
-    CommandError
-        When the page has not both markers, once each.
-    """
-    old = page.read_text(encoding="utf-8")
-    if old.count(BEGIN) != 1 or old.count(END) != 1:
-        raise CommandError(f"{page}: expected the markers {BEGIN} and {END} once each")
-    head, rest = old.split(BEGIN)
-    return f"{head}{BEGIN}\n\n{text}\n\n{END}{rest.split(END)[1]}"
-
-
 def pages() -> dict[Path, str]:
     """Every page that holds recorded cells, as it must be."""
     sheets = {ROOT / "docs" / "blocks" / f"{b}.md": text for b, text in block_tables().items()}
     sheets[ROOT / "docs" / "synthesis.md"] = scene_table()
-    return {page: put(page, text) for page, text in sheets.items()}
+    return {
+        page: put(page, page.read_text(encoding="utf-8"), text, COMMAND)
+        for page, text in sheets.items()
+    }
 
 
 def main() -> None:
-    for page, text in pages().items():
-        if page.read_text(encoding="utf-8") != text:
-            with replace_file(page) as temporary:
-                temporary.write_text(text, encoding="utf-8")
-            print(f"wrote {page.relative_to(ROOT)}")
+    write(pages())
 
 
 if __name__ == "__main__":
-    run_repeatable("hdl.synth.datasheets", main)
+    run_repeatable("tb.report.page.datasheets", main)

@@ -1,0 +1,71 @@
+"""On what a figure was measured: processor, instruction set, versions.
+
+The last bit of a floating-point result follows from the instructions that numpy and OpenBLAS choose
+when they are loaded, so a result from elsewhere can be placed only with them.
+"""
+
+from __future__ import annotations
+
+import os
+import platform
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+import scipy.linalg  # noqa: F401 - loads the BLAS that scipy brings
+import threadpoolctl
+
+CPUINFO = Path("/proc/cpuinfo")
+
+
+def processor() -> str:
+    """Name where the system tells it, architecture, cores."""
+    text = CPUINFO.read_text(encoding="utf-8", errors="replace") if CPUINFO.is_file() else ""
+    fields = dict(line.split(":", 1) for line in text.splitlines() if ":" in line)
+    found = {key.strip(): value.strip() for key, value in fields.items()}
+    name = found.get("model name") or platform.processor()
+    cores = os.cpu_count() or 1
+    facts = [name, platform.machine(), f"{cores} core{'s' if cores > 1 else ''}"]
+    return ", ".join(fact for fact in facts if fact)
+
+
+def numpy_targets() -> list[str]:
+    """The instruction sets that numpy runs its loops over float64 with."""
+    loops = np.lib.introspect.opt_func_info(signature="float64").values()
+    current = {kind["current"] for function in loops for kind in function.values()}
+    return sorted(name.removeprefix("baseline(").rstrip(")") for name in current)
+
+
+def blas_cores() -> list[str]:
+    """Core and threads of each linear algebra library that is loaded."""
+    found = {
+        f"{library['internal_api']} {library.get('architecture', 'of unknown core')}, threads: "
+        f"{library['num_threads']}"
+        for library in threadpoolctl.threadpool_info()
+        if library["user_api"] == "blas"
+    }
+    return sorted(found) or ["unknown linear algebra"]
+
+
+def versions(*packages: str) -> dict[str, str]:
+    """Versions by name; ``python`` is the interpreter's."""
+    return {
+        name: platform.python_version() if name == "python" else version(name) for name in packages
+    }
+
+
+def facts(**programs: str) -> dict[str, str]:
+    """Everything by name; ``programs`` are versions of what is no Python package."""
+    named = versions("python", "numpy", "scipy", "myhdl", "cocotb") | programs
+    return {
+        "processor": processor(),
+        "instructions": "; ".join([f"numpy {' '.join(numpy_targets())}", *blas_cores()]),
+        "system": platform.platform(),
+        "versions": ", ".join(f"{name} {number}" for name, number in named.items()),
+    }
+
+
+def closing(seconds: float, **programs: str) -> list[str]:
+    """The last lines of a command: ``facts``, and the time that it took."""
+    found = facts(**programs) | {"took": f"{seconds:.0f} s"}
+    return [f"{name:13} {text}" for name, text in found.items()]

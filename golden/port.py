@@ -1,0 +1,99 @@
+"""The ports of a block, as its twin publishes them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from golden.fixed import Fix
+
+
+@dataclass(frozen=True)
+class Unsigned:
+    """Format of an unsigned port.
+
+    Parameters
+    ----------
+    width : int
+        Bits in all.
+    frac : int, optional
+        Fraction bits; None for a count or an address, and where the block does not know.
+    """
+
+    width: int
+    frac: int | None = None
+
+    def __str__(self) -> str:
+        bits = f"{self.width} bit{'' if self.width == 1 else 's'}"
+        return bits if self.frac is None else f"{bits}, {self.frac} fraction bits"
+
+
+@dataclass(frozen=True)
+class Port:
+    """One port of an entity.
+
+    Parameters
+    ----------
+    name : str
+        As in the exported files.
+    direction : str
+        "in" or "out".
+    meaning : str
+        One line. In that of a group, ``*`` stands for the number of the port.
+    kind : Fix, Unsigned or None
+        Format of the codes; None is a single bit.
+    constant : str
+        Which constant of the twin gives the format; empty where it is always the same.
+    number : int, optional
+        Which port of a group it is.
+    """
+
+    name: str
+    direction: str
+    meaning: str
+    kind: Fix | Unsigned | None = None
+    constant: str = ""
+    number: int | None = None
+
+    @property
+    def width(self) -> int:
+        """Bits; 0 for a single bit, which is no vector."""
+        return 0 if self.kind is None else self.kind.width
+
+    @property
+    def signed(self) -> bool:
+        """Whether its codes are signed."""
+        return isinstance(self.kind, Fix)
+
+    @property
+    def row(self) -> str:
+        """Its name, and ``name_*`` for every port of a group."""
+        return self.name if self.number is None else f"{self.name.removesuffix(str(self.number))}*"
+
+    @property
+    def comment(self) -> str:
+        """Format and meaning in one line of plain text, for an exported file."""
+        meaning = self.meaning.replace("`", "")
+        if self.number is not None:
+            meaning = meaning.replace("*", str(self.number))
+        kind = "" if self.kind is None else f"{'signed ' if self.signed else ''}{self.kind}: "
+        return f"{kind}{meaning}"
+
+
+def taken(name: str, meaning: str, kind: Fix | Unsigned | None = None, constant: str = "") -> Port:
+    """An input."""
+    return Port(name, "in", meaning, kind, constant)
+
+
+def given(name: str, meaning: str, kind: Fix | Unsigned | None = None, constant: str = "") -> Port:
+    """An output."""
+    return Port(name, "out", meaning, kind, constant)
+
+
+def group(port: Port, count: int) -> tuple[Port, ...]:
+    """``count`` ports like ``port``: ``name_0``, ``name_1``, ..."""
+    return tuple(replace(port, name=f"{port.name}_{n}", number=n) for n in range(count))
+
+
+CLOCK = taken("clk", "clock, rising edge")
+RESET = taken("rst", "synchronous reset, active high")
+CLOCKED = (CLOCK, RESET)

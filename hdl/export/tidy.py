@@ -1,0 +1,179 @@
+"""The text that MyHDL writes, made to read as if written by hand.
+
+Each rule changes the text alone, never what it means: the code of a Verilog file keeps every
+token.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+
+_COMMENT = {"vhdl": "--", "verilog": "//"}
+# Calls of what pck_myhdl_011 declares: flags from and to conditions, and a negated unsigned.
+_PACKAGE_USED = re.compile(r"\b(?:stdl|bool|tern_op)\(|\bto_(?:un)?signed\((?!-?\d)|\(- (?!\d)")
+
+
+def tidy(
+    text: str, language: str, heading: Sequence[str], meanings: Mapping[str, Sequence[str]]
+) -> str:
+    """The text of a file.
+
+    Parameters
+    ----------
+    text : str
+        As MyHDL wrote it.
+    language : str
+        "vhdl" or "verilog".
+    heading : sequence of str
+        Lines of the comment at its top, instead of the docstring that MyHDL copies.
+    meanings : mapping of str to sequence of str
+        By the label of a process that reads a table: what each word stands for.
+    """
+    comment = _COMMENT[language]
+    text = re.sub(rf"^{comment}.*\n", "", text, flags=re.M)
+    if language == "vhdl":
+        for rule in _VHDL_RULES:
+            text = rule(text)
+    text = annotate_tables(text, language, meanings)
+    if language == "vhdl":
+        text = indent_architecture(drop_unused_packages(text))
+    top = "".join(f"{comment} {line}".rstrip() + "\n" for line in heading)
+    text = re.sub(r"[ \t]+$", "", text, flags=re.M).strip()
+    return re.sub(r"\n{3,}", "\n\n", f"{top}\n{text}\n")
+
+
+def name_architecture(text: str) -> str:
+    """Every architecture is called rtl."""
+    return re.sub(r"\barchitecture MyHDL\b", "architecture rtl", text)
+
+
+def fold_numbers(text: str) -> str:
+    """A difference of two numbers as a number: ``(4 - 1)`` is 3, ``0 to 9-1`` is ``0 to 8``.
+
+    Strict VHDL-93 wants literals as universal bounds.
+    """
+
+    def difference(found: re.Match[str]) -> str:
+        value = int(found[1]) - int(found[2])
+        return str(value) if value >= 0 else found[0]
+
+    text = re.sub(r"(?<![\w'])\((\d+) - (\d+)\)", difference, text)
+    text = re.sub(r"(?<=\b0 to )(\d+)-(1)\b", difference, text)
+    return re.sub(r"\b(\d+)-(1)(?= downto \d)", difference, text)
+
+
+def drop_shifts_by_nothing(text: str) -> str:
+    """``shift_right(x, 0)`` is ``x``."""
+    return re.sub(r"\bshift_(?:left|right)\((\w+), 0\)", r"\1", text)
+
+
+def compare_flags(text: str) -> str:
+    """``if bool(x) then`` with a std_logic ``x`` is ``if x = '1' then``."""
+    flags = set(re.findall(r"^\s*(?:signal )?(\w+): (?:in |out )?std_logic;?$", text, re.M))
+
+    def comparison(found: re.Match[str]) -> str:
+        return f"{found[1]} {found[2]} = '1' then" if found[2] in flags else found[0]
+
+    return re.sub(r"\b(if|elsif) bool\((\w+)\) then", comparison, text)
+
+
+def drop_parentheses(text: str) -> str:
+    """No parentheses around a whole assigned expression, a whole condition or ``- 5``."""
+    text = re.sub(r"(?<=[<>=] )\(- (\d+)\)", r"-\1", text)
+    return re.sub(r"( <= |if )\((.*)\)(;| then)$", _bare, text, flags=re.M)
+
+
+def _bare(found: re.Match[str]) -> str:
+    """Without the outermost parentheses, if they belong together."""
+    depth = 0
+    for character in found[2]:
+        depth += {"(": 1, ")": -1}.get(character, 0)
+        if depth < 0:
+            return found[0]
+    return "".join(found.groups())
+
+
+def close_ranges(text: str) -> str:
+    """``signed(13 downto 0)`` without a blank, as ``unsigned(13 downto 0)``."""
+    return text.replace("signed (", "signed(")
+
+
+def drop_unused_packages(text: str) -> str:
+    """``use`` of text files and of MyHDL's functions only where they are used."""
+    if not re.search(r"\b(?:write|writeline|line)\b", text):
+        text = text.replace("use std.textio.all;\n", "")
+    if not _PACKAGE_USED.search(text):
+        text = text.replace("use work.pck_myhdl_011.all;\n", "")
+    return text
+
+
+def annotate_tables(text: str, language: str, meanings: Mapping[str, Sequence[str]]) -> str:
+    """Beside each word of a table what it stands for; in VHDL, equal last words as one row.
+
+    A table of one word needs no rows: the word is assigned.
+
+    Raises
+    ------
+    ValueError
+        When a label is not that of a process that reads a table.
+    """
+    for label, words in meanings.items():
+        found = list(re.finditer(_PROCESS[language].format(label=label), text, re.M | re.S))
+        if len(found) != 1:
+            raise ValueError(f"{label}: got {len(found)} processes of this name, expected 1")
+        process = _annotate(found[0][0], language, words)
+        text = f"{text[: found[0].start()]}{process}{text[found[0].end() :]}"
+    return text
+
+
+# From the label to the end of the table.
+_PROCESS = {
+    "vhdl": r"^{label}: process\b.*?^ +end case;",
+    "verilog": r"\bbegin: {label}$.*?^ +endcase",
+}
+_ROW = re.compile(r"^ +(?:when )?(\w+)(?: =>|:) (\w+ <?= .*;)\n", re.M)
+
+
+def _annotate(process: str, language: str, words: Sequence[str]) -> str:
+    rows = list(_ROW.finditer(process))
+    if not rows:
+        raise ValueError(f"{process.splitlines()[0]}: got no table in this process, expected one")
+    before, after = process[: rows[0].start()], process[rows[-1].end() :]
+    lines = [row[0].rstrip() for row in rows]
+    if language == "vhdl":
+        while len(rows) > 1 and rows[-2][2] == rows[-1][2]:
+            del rows[-2], lines[-2]
+        if len(rows) == 1:
+            # Where the line of the case begins; the word takes its place.
+            case = before.rstrip("\n").rfind("\n") + 1
+            indent = before[case:].partition("case")[0]
+            before, after, lines = before[:case], "", [f"{indent}{rows[0][2]}"]
+    noted = (
+        f"{line}  {_COMMENT[language]} {words[min(place, len(words) - 1)]}"
+        for place, line in enumerate(lines)
+    )
+    return before + "\n".join(noted) + (f"\n{after}" if after else "")
+
+
+def indent_architecture(text: str) -> str:
+    """Declarations and statements stand four blanks in."""
+    begin = re.search(r"^architecture .*\n", text, re.M)
+    end = re.search(r"^end architecture ", text, re.M)
+    if not begin or not end:
+        return text
+    inside = text[begin.end() : end.start()].split("\n")
+    border = inside.index("begin")
+    lines = [f"    {line}" if line and i != border else line for i, line in enumerate(inside)]
+    body = "\n".join(lines).rstrip()
+    return f"{text[: begin.end()]}{body}\n\n{text[end.start() :]}"
+
+
+_VHDL_RULES = (
+    name_architecture,
+    fold_numbers,
+    drop_shifts_by_nothing,
+    compare_flags,
+    drop_parentheses,
+    close_ranges,
+)

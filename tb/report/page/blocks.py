@@ -1,0 +1,185 @@
+"""``python -m tb.report.page.blocks``: what the twins publish into the documentation.
+
+Rewrites what stands between the markers: the ports and the clocks of each page in ``docs/blocks``
+and the table of blocks in ``docs/README.md``. Formats and clocks are those of every scene, and of
+one network in every design, activation and precision.
+"""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import sys
+import warnings
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from golden.activation.pade import UnsettledWarning
+from golden.activation.schemes import SCHEMES
+from golden.block import Block, walk
+from golden.cli import run
+from golden.fingerprint import ROOT
+from golden.fixed import Fix
+from golden.networks.axis_network import AxisNetwork
+from golden.networks.designs import DESIGNS
+from golden.networks.network import Network
+from golden.port import Port, Unsigned
+from golden.precision import PRECISIONS
+from golden.scene import load_scene
+from tb.report.measure.networks import scenes
+from tb.report.page.markers import put, write
+
+COMMAND = "make pages"
+README = ROOT / "docs" / "README.md"
+# 4:16:4, one network for all outputs; its weights suit both precisions.
+EXAMPLE = "digit-single-thesis"
+AREAS = ("activation", "layers", "networks", "sensing", "visualisation", "instruments")
+
+# The twins of one block, by the name of the precision.
+Twins = dict[str, list[Block]]
+
+
+def shipped() -> Iterator[tuple[str, Network]]:
+    """Precision and design of every scene, then a network in every form that there is."""
+    for scene in scenes():
+        yield scene.precision.name, scene.twin()
+    (mlp,) = load_scene(EXAMPLE).mlps()
+    for design in DESIGNS.values():
+        for name, scheme in SCHEMES.items():
+            choices = [{o: c} for o, about in scheme.options.items() for c in about.choices]
+            for precision in scheme.precisions:
+                for options in choices or [{}]:
+                    yield precision.name, design.of(mlp, precision, name, options)
+
+
+def blocks_of(designs: Iterable[tuple[str, Network]]) -> dict[str, Twins]:
+    """By block its twins in the designs, the leaves first."""
+    found: dict[str, Twins] = {}
+    for precision, design in designs:
+        tops = [design]
+        # No shipped scene has this interface, and any network can have it.
+        if design.area == "networks" and design.stream == "serial":
+            tops.append(AxisNetwork(design))
+        for top in tops:
+            for block in walk(top):
+                twins = found.setdefault(block.block, {name: [] for name in PRECISIONS})
+                twins[precision].append(block)
+    return found
+
+
+def by_precision(texts: dict[str, str]) -> str:
+    """One text, or one for each precision where they differ."""
+    if len(set(texts.values())) == 1:
+        return next(iter(texts.values()))
+    return "; ".join(f"{text} in `{name}`" for name, text in texts.items())
+
+
+def numbers_text(found: dict[str, set[int]]) -> str:
+    """A number of each precision, or from the least to the most where it hangs on more."""
+    if all(len(numbers) == 1 for numbers in found.values()):
+        return by_precision({name: str(*numbers) for name, numbers in found.items()})
+    every = set().union(*found.values())
+    return f"{min(every)} to {max(every)}"
+
+
+def kinds_text(found: dict[str, set[Fix | Unsigned]]) -> str:
+    """A format of each precision; of unsigned ones that hang on more, the widths."""
+    every = set().union(*found.values())
+    if len(every) > len(found) and not any(isinstance(kind, Fix) for kind in every):
+        return f"{numbers_text({'': {kind.width for kind in every}})} bits"
+    return by_precision(
+        {name: " or ".join(sorted(str(kind) for kind in kinds)) for name, kinds in found.items()}
+    )
+
+
+def port_table(twins: Twins) -> str:
+    """The ports of every entity of a block; those of a group share a row."""
+    rows: dict[str, dict[str, list[Port]]] = {}
+    for precision, blocks in twins.items():
+        for port in (port for block in blocks for port in block.ports):
+            rows.setdefault(port.row, {}).setdefault(precision, []).append(port)
+    lines = ["| port | direction | type | format | meaning |", "|---|---|---|---|---|"]
+    for name, found in rows.items():
+        port = next(iter(found.values()))[0]
+        kind, text = "std_logic", ""
+        if port.kind is not None:
+            kind = "signed" if port.signed else "unsigned"
+            text = kinds_text(
+                {name: {p.kind for p in ports if p.kind} for name, ports in found.items()}
+            )
+            if port.constant:
+                text = f"`{port.constant}`: {text}"
+        lines.append(f"| `{name}` | {port.direction} | {kind} | {text} | {port.meaning} |")
+    return "\n".join(lines)
+
+
+def clocks(twins: Twins, name: str) -> str:
+    """The latency or the interval, which ``name`` says, in every design."""
+    return numbers_text(
+        {
+            precision: {getattr(block, name) for block in blocks}
+            for precision, blocks in twins.items()
+            if blocks
+        }
+    )
+
+
+def clocks_line(twins: Twins) -> str:
+    """Latency and interval of every entity of a block."""
+    return f"Clocks: latency {clocks(twins, 'latency')}, interval {clocks(twins, 'interval')}."
+
+
+def purpose(twins: Twins) -> str:
+    """What the block does: the first line of its twin's module, without the block's name."""
+    twin = next(block for blocks in twins.values() for block in blocks)
+    module = importlib.import_module(f"golden.{twin.area}.{twin.block}")
+    line = (inspect.getdoc(module) or "").partition("\n")[0].removesuffix(".")
+    return line.partition(": ")[2] or line
+
+
+def block_table(found: dict[str, Twins]) -> str:
+    """A line a block, by area."""
+    lines = [
+        "Clocks in the shipped scenes, in those for comparison, and in a 4:16:4 network in every",
+        "design, activation and precision; the pages say what they hang on. The interval is the",
+        "least from one input, or one frame of a network, to the next.",
+        "",
+        "| block | area | what it does | thesis | latency | interval |",
+        "|---|---|---|---|---|---|",
+    ]
+    for area in AREAS:
+        for name, twins in found.items():
+            twin = next(block for blocks in twins.values() for block in blocks)
+            if twin.area == area:
+                row = [
+                    f"[{name}](blocks/{name}.md)",
+                    area,
+                    purpose(twins),
+                    twin.section or "none",
+                    clocks(twins, "latency"),
+                    clocks(twins, "interval"),
+                ]
+                lines.append(f"| {' | '.join(row)} |")
+    return "\n".join(lines)
+
+
+def pages() -> dict[Path, str]:
+    """Every page that holds what twins publish, as it must be."""
+    with warnings.catch_warnings():
+        # Those who run a scene are told; here it is drawn up.
+        warnings.simplefilter("ignore", UnsettledWarning)
+        found = blocks_of(shipped())
+    written = {README: put(README, README.read_text("utf-8"), block_table(found), COMMAND)}
+    for name, twins in found.items():
+        page = ROOT / "docs" / "blocks" / f"{name}.md"
+        text = put(page, page.read_text("utf-8"), port_table(twins), COMMAND, "ports")
+        written[page] = put(page, text, clocks_line(twins), COMMAND, "clocks")
+    return written
+
+
+def main() -> None:
+    write(pages())
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

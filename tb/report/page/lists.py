@@ -1,0 +1,102 @@
+"""``python -m tb.report.page.lists``: what pages list and the project knows.
+
+Rewrites what stands between the markers of README.md and of pages in ``docs``, and the picture of
+the networks that the demo builds; the rest of a page is left alone.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+
+from golden.activation.segments import GRADIENT, INTERCEPT, UPPER
+from golden.cli import run
+from golden.fingerprint import ROOT
+from golden.scene import load_scene, scene_names
+from hdl.synth.budget import budget_path, read_budget
+from hdl.synth.timing import read_timing, timing_path
+from tb.report.draw.network import network
+from tb.report.page.markers import put, write
+
+COMMAND = "python -m tb.report.page.lists"
+DEMO = "digit"
+
+
+def scenes() -> str:
+    """Every shipped scene: the comment at the head of its file, and what it is made of."""
+    lines = [
+        "| shipped scene | what it is | design | activation | precision |",
+        "|---|---|---|---|---|",
+    ]
+    for name in sorted(scene_names()):
+        scene = load_scene(name)
+        head = scene.path.read_text(encoding="utf-8").partition("\n\n")[0]
+        text = " ".join(line.removeprefix("#").strip() for line in head.splitlines())
+        row = [f"`{name}`", text, *(f"`{word}`" for word in (scene.design, scene.activation))]
+        lines.append(f"| {' | '.join(row)} | `{scene.precision.name}` |")
+    return "\n".join(lines)
+
+
+def commands() -> str:
+    """Every command that ``make`` alone prints."""
+    text = (ROOT / "Makefile").read_text(encoding="utf-8")
+    lines = ["| command | what it does |", "|---|---|"]
+    words = r"make \w+(?: +(?:\[[^\]]*\]|[A-Z]+=\S+))*"
+    form = rf'@echo "({words})(?: +([^"]+))?"(?:\n\t@echo " +([^"]+)")?'
+    found = re.findall(form, text)
+    for command, beside, below in found:
+        what = re.sub(r"\S*<\w+>\S*", r"`\g<0>`", beside or below)
+        lines.append(f"| `{' '.join(command.split()).replace('|', ' or ')}` | {what} |")
+    return "\n".join(lines)
+
+
+def segments() -> str:
+    """Table 4.1 of the thesis."""
+    lines = ["| n | up to q_n | g_n | i_n |", "|---|---|---|---|"]
+    rows = zip(UPPER, GRADIENT, INTERCEPT, strict=True)
+    lines += [f"| {n} | {' | '.join(map(str, row))} |" for n, row in enumerate(rows, 1)]
+    return "\n".join(lines)
+
+
+def cost() -> str:
+    """What the demo's network takes, and the clock that it reaches."""
+    scene = load_scene(DEMO)
+    design = scene.twin()
+    cells = read_budget(budget_path(scene.path))
+    timing, _ = read_timing(timing_path(scene.path))
+    lines = ["| family | LUT | flip-flop | multiplier | block RAM |", "|---|---|---|---|---|"]
+    for family, name in (("xc2v", "Virtex-II"), ("xc7", "Series 7")):
+        top = cells[family][design.entity]
+        kinds = ("LUT", "flip-flop", "multiplier", "block RAM")
+        lines.append(f"| {name} | {' | '.join(str(top[kind]) for kind in kinds)} |")
+    lines.append(
+        f"| ECP5, placed and routed: {timing.clock_mhz} MHz | {timing.luts} | {timing.flip_flops} "
+        f"| {timing.multipliers} | {timing.block_rams} |"
+    )
+    return "\n".join(lines)
+
+
+def pages() -> dict[Path, str]:
+    """Every file that this command writes, as it must be."""
+    docs = ROOT / "docs"
+    sections = [
+        (ROOT / "README.md", "cost", cost),
+        (docs / "README.md", "commands", commands),
+        (docs / "scenes.md", "scenes", scenes),
+        (docs / "blocks" / "gradient.md", "segments", segments),
+    ]
+    found = {
+        page: put(page, page.read_text(encoding="utf-8"), text(), COMMAND, section)
+        for page, section, text in sections
+    }
+    found[docs / "networks.svg"] = network(load_scene(DEMO)) + "\n"
+    return found
+
+
+def main() -> None:
+    write(pages())
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

@@ -1,0 +1,49 @@
+"""What a command writes into a page stands between two markers; the rest of the page is written."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from golden.cli import CommandError
+from golden.files import replace_file
+from golden.fingerprint import ROOT
+
+END = "<!-- to here -->"
+
+
+def begin(command: str, section: str = "") -> str:
+    """The first marker: the command that writes what follows, and which of its sections it is."""
+    return f"<!-- {section and section + ', '}from here: {command} -->"
+
+
+def put(page: Path, old: str, text: str, command: str, section: str = "") -> str:
+    """The page's text ``old`` with ``text`` between its markers.
+
+    Parameters
+    ----------
+    page : Path
+        Named in the message.
+    old, text : str
+    command, section : str
+        See ``begin``.
+
+    Raises
+    ------
+    CommandError
+        When the page has not the first marker once, and the last one behind it.
+    """
+    first = begin(command, section)
+    head, _, rest = old.partition(first)
+    if old.count(first) != 1 or END not in rest:
+        raise CommandError(f"{page}: expected the markers {first} and {END} once each")
+    return f"{head}{first}\n\n{text}\n\n{END}{rest.partition(END)[2]}"
+
+
+def write(pages: Mapping[Path, str]) -> None:
+    """Write the pages that differ or are not there, and say which."""
+    for page, text in pages.items():
+        if not page.exists() or page.read_text(encoding="utf-8") != text:
+            with replace_file(page) as temporary:
+                temporary.write_text(text, encoding="utf-8")
+            print(f"wrote {page.relative_to(ROOT)}")

@@ -1,0 +1,81 @@
+"""On what something was measured, and the last lines that say it."""
+
+from __future__ import annotations
+
+import os
+import platform
+import re
+import subprocess
+import sys
+from importlib.metadata import version
+from pathlib import Path
+
+import pytest
+
+from golden import machine
+from tb.common import tools
+
+ROOT = Path(__file__).parents[1]
+NAMES = ["processor", "instructions", "system", "versions", "took"]
+
+
+def test_the_lines_name_what_is_here() -> None:
+    lines = machine.closing(61.7, **tools.simulator_versions())
+    assert [line.split()[0] for line in lines] == NAMES
+    text = "\n".join(lines)
+    assert platform.machine() in text
+    assert f"{os.cpu_count()} core" in text
+    for name in ("numpy", "scipy", "myhdl", "cocotb"):
+        assert f"{name} {version(name)}" in text
+    assert f"python {platform.python_version()}" in text
+    assert re.search(r"ghdl (\d+\.\d+\S*|none), icarus (\d+\.\d+\S*|none)$", text, re.M)
+    assert re.search(r"^took +62 s$", text, re.M)
+
+
+def test_a_processor_without_a_name_has_its_architecture(tmp_path: Path, monkeypatch) -> None:
+    cpuinfo = tmp_path / "cpuinfo"
+    cpuinfo.write_text("processor\t: 0\nCPU implementer\t: 0x41\n")
+    monkeypatch.setattr(machine, "CPUINFO", cpuinfo)
+    monkeypatch.setattr(platform, "processor", lambda: "")
+    monkeypatch.setattr(platform, "machine", lambda: "aarch64")
+    monkeypatch.setattr(os, "cpu_count", lambda: 1)
+    assert machine.processor() == "aarch64, 1 core"
+    cpuinfo.write_text("processor\t: 0\nmodel name\t: Some Processor: fast\n")
+    assert machine.processor() == "Some Processor: fast, aarch64, 1 core"
+
+
+def test_the_instructions_are_those_in_force() -> None:
+    """Not those that the processor could do."""
+    command = [sys.executable, "-c", "from golden.machine import *; print(facts())"]
+    said = {}
+    for threads in ("1", "2"):
+        environment = os.environ | {"OPENBLAS_NUM_THREADS": threads, "OPENBLAS_CORETYPE": "Nehalem"}
+        result = subprocess.run(
+            command, cwd=ROOT, env=environment, capture_output=True, text=True, check=True
+        )
+        said[threads] = result.stdout
+    assert "threads: 1" in said["1"]
+    if (os.cpu_count() or 1) > 1:
+        assert "threads: 2" in said["2"]
+    if platform.machine() == "x86_64":
+        assert "openblas Nehalem" in said["1"]
+
+
+def test_a_simulator_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", "")
+    assert set(tools.simulator_versions().values()) == {"none"}
+
+
+def test_the_tests_end_with_them() -> None:
+    """Before pytest's closing line, which stays the last."""
+    words = ["-q", "-p", "no:cacheprovider", "tests/test_fixed.py", "-k", "range_of_the_signal"]
+    result = subprocess.run(
+        [sys.executable, "-m", "pytest", *words],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    lines = result.stdout.splitlines()
+    assert [line.split()[0] for line in lines[-6:-1]] == NAMES
+    assert re.match(r"1 passed, \d+ deselected in", lines[-1])

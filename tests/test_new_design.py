@@ -1,0 +1,109 @@
+"""docs/new-design.md, typed in as it stands: four files, and everybody knows the design."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from conftest import random_mlp, write_scene
+
+ROOT = Path(__file__).parents[1]
+PAGE = (ROOT / "docs" / "new-design.md").read_text()
+NAMED = r"^`([\w/.-]+)`[^\n]*(?:\n[^\n]+)*\n\n```(?:python|markdown)\n(.*?)```"
+SHAPES = {"single": [(2, 5, 2)], "cascade": [(2, 4, 1), (3, 5, 1)]}
+# A network in the design and in hybrid, the cases of stability, and the words of its picture.
+ASKED = """
+import sys
+from xml.etree import ElementTree
+import numpy as np
+from golden.scene import load_scene
+from tb.report.draw.datapath import datapath
+from tb.report.measure.stability.networks import huge_weights
+scene, other = (load_scene(path).twin() for path in sys.argv[1:])
+frames = np.random.default_rng(1).integers(-8192, 8192, (2000, scene.inputs))
+assert np.array_equal(scene.process(frames), other.process(frames))
+assert scene.interval == 5
+rows = [row for row in huge_weights() if row.model == "rowwise"]
+assert len(rows) == 4 and all(row.holds for row in rows)
+drawn = ElementTree.fromstring(datapath(load_scene(sys.argv[1])))
+shown = {element.text for element in drawn.iter()}
+assert {"2 x", "5 q", "5 r", "2 y"} <= shown, shown
+"""
+
+Run = Callable[..., "subprocess.CompletedProcess[str]"]
+
+
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The project with the four files."""
+    folder = tmp_path_factory.mktemp("design") / "tactus"
+    for room in ("golden", "hdl", "tb", "docs", "tests"):
+        ignore = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(ROOT / room, folder / room, ignore=ignore)
+    shutil.copy(ROOT / "pyproject.toml", folder)
+    files = re.findall(NAMED, PAGE, re.M | re.S)
+    assert [name for name, _ in files] == [
+        "golden/networks/rowwise.py",
+        "hdl/networks/rowwise.py",
+        "tb/networks/tb_rowwise.py",
+        "docs/blocks/rowwise.md",
+    ]
+    for name, text in files:
+        assert not (folder / name).exists()
+        (folder / name).write_text(text)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def run(copy: Path) -> Run:
+    def in_copy(*words: str) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, *words]
+        return subprocess.run(command, cwd=copy, capture_output=True, text=True, check=False)
+
+    return in_copy
+
+
+def scene(folder: Path, arrangement: str, design: str = "rowwise") -> str:
+    mlps = [random_mlp(shape, 1.0, i) for i, shape in enumerate(SHAPES[arrangement])]
+    name = f"{design}-{arrangement}"
+    return str(write_scene(folder, name, "exact", mlps, arrangement, design=design))
+
+
+def test_the_rooms_are_complete(run: Run) -> None:
+    found = run("-m", "pytest", "-q", "tests/test_census.py")
+    assert found.returncode == 0, found.stdout
+    linted = run("-m", "ruff", "check", "golden", "hdl", "tb")
+    assert linted.returncode == 0, linted.stdout
+
+
+def test_everybody_asks_the_twin(run: Run, tmp_path: Path) -> None:
+    scenes = (scene(tmp_path, "single", design) for design in ("rowwise", "hybrid"))
+    asked = run("-c", ASKED, *scenes)
+    assert asked.returncode == 0, asked.stderr
+
+
+@pytest.mark.parametrize(("arrangement", "block"), [("single", "rowwise"), ("cascade", "cascade")])
+def test_its_benches_pass(run: Run, tmp_path: Path, arrangement: str, block: str) -> None:
+    simulated = run("-m", "tb.sim", scene(tmp_path, arrangement), "--block", block)
+    assert simulated.returncode == 0, simulated.stdout + simulated.stderr
+    assert "2 benches, 0 failed" in simulated.stdout
+
+
+def test_a_slip_is_found(copy: Path, run: Run, tmp_path: Path) -> None:
+    hardware = copy / "hdl" / "networks" / "rowwise.py"
+    sound = hardware.read_text()
+    called = "hold_word(clk, q_whole,"
+    assert sound.count(called) == 1
+    hardware.write_text(sound.replace(called, "hold_word(clk, q_ends,"))
+    try:
+        broken = run("-m", "tb.sim", scene(tmp_path, "single"), "--block", "rowwise")
+    finally:
+        hardware.write_text(sound)
+    assert broken.returncode == 1
+    assert "2 benches, 2 failed" in broken.stdout
+    assert "AssertionError" in broken.stdout

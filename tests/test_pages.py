@@ -1,0 +1,66 @@
+"""What commands write into the pages stands there, and the rest of a page is left alone."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from golden.cli import CommandError
+from golden.fingerprint import ROOT
+from tb.report.page import lists
+from tb.report.page.markers import END, begin, put
+
+HDL, SCENES = ROOT / "hdl", ROOT / "golden" / "scenes"
+PAGE = Path("page.md")
+COMMAND = "python -m this"
+
+
+def test_text_goes_between_its_own_markers() -> None:
+    one, two = begin(COMMAND), begin(COMMAND, "second")
+    page = f"# Page\n{one}\nold\n{END}\nbetween\n{two}\n{END}\nend\n"
+    once = put(PAGE, page, "a", COMMAND)
+    assert once == f"# Page\n{one}\n\na\n\n{END}\nbetween\n{two}\n{END}\nend\n"
+    twice = put(PAGE, once, "b", COMMAND, "second")
+    assert twice == f"# Page\n{one}\n\na\n\n{END}\nbetween\n{two}\n\nb\n\n{END}\nend\n"
+
+
+@pytest.mark.parametrize(
+    "page",
+    [
+        "# Page\n",
+        f"{begin(COMMAND)}\n",
+        f"{END}\n{begin(COMMAND)}\n",
+        f"{begin(COMMAND)}\n{END}\n" * 2,
+        f"{begin(COMMAND, 'another')}\n{END}\n",
+    ],
+)
+def test_a_page_without_its_markers_once_each_is_refused(page: str) -> None:
+    with pytest.raises(CommandError, match=r"page\.md: expected the markers"):
+        put(PAGE, page, "text", COMMAND)
+
+
+def test_the_lists_are_those_of_the_project() -> None:
+    for page, text in lists.pages().items():
+        assert page.read_text(encoding="utf-8") == text, f"{page}: run: {lists.COMMAND}"
+
+
+def test_every_target_of_the_makefile_is_a_command_that_is_listed() -> None:
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    phony = set(makefile.split(".PHONY:")[1].splitlines()[0].split())
+    listed = set(re.findall(r"`make (\w+)", lists.commands()))
+    # They serve other targets.
+    assert listed == phony - {"help", "tools", "browser"}
+
+
+def test_every_shipped_scene_is_listed() -> None:
+    listed = re.findall(r"^\| `([\w-]+)` \|", lists.scenes(), re.M)
+    assert listed == sorted(path.name for path in SCENES.iterdir() if path.name != "comparison")
+
+
+def test_the_handover_page_names_every_design_that_can_be_the_top() -> None:
+    page = (ROOT / "docs" / "handover.md").read_text(encoding="utf-8")
+    sentence = page.partition("is the top entity:")[2].partition(".")[0]
+    tops = {path.stem for room in ("networks", "instruments") for path in HDL.glob(f"{room}/*.py")}
+    assert set(re.findall(r"`(\w+)`", sentence)) == tops - {"__init__"}

@@ -1,0 +1,179 @@
+"""The exporter's rules of text, one by one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from textwrap import dedent
+
+import pytest
+
+from golden.fixed import Fix
+from golden.layers.output_controller import OutputController
+from hdl.export import tidy
+from hdl.export.describe import describe
+
+
+@pytest.mark.parametrize(
+    ("rule", "before", "after"),
+    [
+        (
+            tidy.name_architecture,
+            "architecture MyHDL of a is\nend architecture MyHDL;",
+            "architecture rtl of a is\nend architecture rtl;",
+        ),
+        (
+            tidy.fold_numbers,
+            "(signed(resize(count, 3)) = (4 - 1))",
+            "(signed(resize(count, 3)) = 3)",
+        ),
+        (tidy.fold_numbers, "for i in 0 to 9-1 loop", "for i in 0 to 8 loop"),
+        (tidy.fold_numbers, "a(11-1 downto (11 - 6))", "a(10 downto 5)"),
+        (tidy.fold_numbers, "a <= b - 1", "a <= b - 1"),
+        (tidy.fold_numbers, "a <= (2 - 5)", "a <= (2 - 5)"),
+        (tidy.fold_numbers, "x(4 - 1)", "x(4 - 1)"),
+        (tidy.drop_shifts_by_nothing, "a <= shift_right(b, 0);", "a <= b;"),
+        (tidy.drop_shifts_by_nothing, "a <= shift_left(b, 0);", "a <= b;"),
+        (tidy.drop_shifts_by_nothing, "a <= shift_right(b, 10);", "a <= shift_right(b, 10);"),
+        (
+            tidy.compare_flags,
+            "signal a: std_logic;\nif bool(a) then\nelsif bool(a) then",
+            "signal a: std_logic;\nif a = '1' then\nelsif a = '1' then",
+        ),
+        (
+            tidy.compare_flags,
+            "signal a: unsigned(3 downto 0);\nif bool(a) then",
+            "signal a: unsigned(3 downto 0);\nif bool(a) then",
+        ),
+        (tidy.drop_parentheses, "a <= (b + c);", "a <= b + c;"),
+        (tidy.drop_parentheses, "if (a = 1) then", "if a = 1 then"),
+        (tidy.drop_parentheses, "elsif (a < (- 3)) then", "elsif a < -3 then"),
+        (tidy.drop_parentheses, "a <= (b + c) - (d + e);", "a <= (b + c) - (d + e);"),
+        (tidy.drop_parentheses, "a <= b - (- 3);", "a <= b - (- 3);"),
+        (tidy.close_ranges, "signed (3 downto 0)", "signed(3 downto 0)"),
+        (tidy.drop_unused_packages, "use std.textio.all;\nentity a is", "entity a is"),
+        (
+            tidy.drop_unused_packages,
+            "use std.textio.all;\nvariable L: line;",
+            "use std.textio.all;\nvariable L: line;",
+        ),
+        (tidy.drop_unused_packages, "use work.pck_myhdl_011.all;\na <= b;", "a <= b;"),
+        (
+            tidy.drop_unused_packages,
+            "use work.pck_myhdl_011.all;\na <= stdl(b = 1);",
+            "use work.pck_myhdl_011.all;\na <= stdl(b = 1);",
+        ),
+        (
+            tidy.indent_architecture,
+            "architecture rtl of a is\nsignal b: bit;\nbegin\nb <= c;\nend architecture rtl;",
+            "architecture rtl of a is\n    signal b: bit;\nbegin\n    b <= c;\n\n"
+            "end architecture rtl;",
+        ),
+    ],
+)
+def test_rule(rule: Callable[[str], str], before: str, after: str) -> None:
+    assert rule(before) == after
+
+
+TABLE = {
+    "vhdl": """\
+rom0_read: process (addr) is
+begin
+    case to_integer(addr) is
+        when 0 => word <= "0100";
+        when 1 => word <= "1110";
+        when 2 => word <= "1110";
+        when others => word <= "1110";
+    end case;
+end process rom0_read;
+""",
+    "verilog": """\
+always @(addr) begin: rom0_read
+    case (addr)
+        0: word = 4;
+        1: word = (-2);
+        2: word = (-2);
+        default: word = (-2);
+    endcase
+end
+""",
+}
+
+
+def test_a_vhdl_table_says_what_its_words_stand_for_and_ends_with_others() -> None:
+    meanings = {"rom0_read": Fix(4, 3).texts([4, -2])}
+    assert tidy.annotate_tables(TABLE["vhdl"], "vhdl", meanings) == dedent(
+        """\
+        rom0_read: process (addr) is
+        begin
+            case to_integer(addr) is
+                when 0 => word <= "0100";  -- 0.5
+                when others => word <= "1110";  -- -0.25
+            end case;
+        end process rom0_read;
+        """
+    )
+
+
+def test_a_verilog_table_says_what_its_words_stand_for_and_keeps_its_rows() -> None:
+    meanings = {"rom0_read": Fix(4, 3).texts([4, -2])}
+    assert tidy.annotate_tables(TABLE["verilog"], "verilog", meanings) == dedent(
+        """\
+        always @(addr) begin: rom0_read
+            case (addr)
+                0: word = 4;  // 0.5
+                1: word = (-2);  // -0.25
+                2: word = (-2);  // -0.25
+                default: word = (-2);  // -0.25
+            endcase
+        end
+        """
+    )
+
+
+def test_a_table_of_one_word_is_that_word() -> None:
+    text = TABLE["vhdl"].replace("0100", "1110")
+    assert tidy.annotate_tables(text, "vhdl", {"rom0_read": ["-0.25"]}) == dedent(
+        """\
+        rom0_read: process (addr) is
+        begin
+            word <= "1110";  -- -0.25
+        end process rom0_read;
+        """
+    )
+
+
+@pytest.mark.parametrize("language", ["vhdl", "verilog"])
+def test_a_table_that_is_not_there_is_a_fault(language: str) -> None:
+    with pytest.raises(ValueError, match="rom1_read: got 0 processes of this name, expected 1"):
+        tidy.annotate_tables(TABLE[language], language, {"rom1_read": ["1"]})
+
+
+def test_a_docstring_is_resolved() -> None:
+    docstring = """Row address.
+
+    Parameters
+    ----------
+    addr : unsigned ``spec.addr_width`` bits
+        A row, of which the line above the port tells.
+    spec : OutputController
+
+    Notes
+    -----
+    Row ``spec.addr_width`` bits, for ``twice(spec.outputs)`` clocks; see ``in_valid``.
+    """
+    spec = OutputController(outputs=2)
+    assert describe(docstring, spec, {"twice": lambda count: 2 * count}) == dedent(
+        """\
+        Row address.
+
+        Row 1 bit, for 4 clocks; see in_valid."""
+    )
+
+
+def test_the_heading_takes_the_place_of_the_copied_docstring() -> None:
+    text = "library IEEE;\nend entity a;\n-- Copied.\n--\n-- More.\n\n\n\n"
+    text += "architecture MyHDL of a is\nbegin\nend architecture MyHDL;\n"
+    assert tidy.tidy(text, "vhdl", ["a of scene b.", "", "Text."], {}) == (
+        "-- a of scene b.\n--\n-- Text.\n\nlibrary IEEE;\nend entity a;\n\n"
+        "architecture rtl of a is\nbegin\n\nend architecture rtl;\n"
+    )
