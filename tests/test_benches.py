@@ -17,9 +17,9 @@ from tb.report.measure.clocks import clocks_per_frame
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
-# The networks that every run plays all recorded frames through: the one that is exported by
-# default, the design of the thesis in its arithmetic, and the one with every multiplication at once.
-# The other arrangements and interfaces are among the cases.
+# Every run plays all recorded frames through these: the scene that is exported by default, the
+# design of the thesis in its arithmetic, and the one with every multiplication at once. The cases
+# hold the other arrangements and interfaces.
 NETWORKS = ("digit", "digit-parallel", "digit-single-thesis")
 
 
