@@ -20,8 +20,9 @@ COLOURS = (
     *("#e69f00", "#000000", "#999999", "#8c510a", "#762a83"),
 )
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "d", "<", ">")
-# Others than those of activations, so that none stands for two things.
-DESIGN_MARKERS = ("*", "p", "h", "8", "H", "1", "2", "3", "4", "+")
+# No marker stands for an activation and for a design.
+ACTIVATION_MARKERS = ("v", "P", "X", "d", "<", ">", "p", "1", "2", "3")
+DESIGN_MARKERS = ("o", "^", "s", "D", "*", "h", "8", "H", "+", "x")
 
 
 @dataclass(frozen=True)
@@ -40,8 +41,9 @@ def nth(index: int) -> Look:
 
 def activation_look(form: str, precision: str) -> Look:
     """An activation by the name of its form, as ``schemes.forms`` has it."""
-    look = nth(_place(form, list(forms())))
-    return Look(look.colour, look.marker, precision != THESIS.name)
+    place = _place(form, list(forms()))
+    marker = ACTIVATION_MARKERS[place % len(ACTIVATION_MARKERS)]
+    return Look(nth(place).colour, marker, precision != THESIS.name)
 
 
 def network_look(design: str, form: str, precision: str) -> Look:
