@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from typing import Any
 
 import numpy as np
 
@@ -67,7 +68,7 @@ def length_lines(scene: Scene) -> list[str]:
     return lines
 
 
-def report(scene: Scene, results: dict) -> str:
+def report(scene: Scene, results: dict[str, Any]) -> str:
     """Errors, clocks, what was left out, and speed."""
     vectors = scene.vectors()
     facts = results["facts"]
@@ -98,7 +99,7 @@ def report(scene: Scene, results: dict) -> str:
     return "\n".join(lines)
 
 
-def bench_table(results: dict) -> str:
+def bench_table(results: dict[str, Any]) -> str:
     """Entities and values compared, a line per block."""
     lines = [
         "",

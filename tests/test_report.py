@@ -13,16 +13,17 @@ from pathlib import Path
 import pytest
 from shared import Shared
 
+from golden.activation.schemes import forms
 from golden.scene import load_scene
 from tb.common.runner import BUILD
-from tb.report.draw import findings
+from tb.report.draw import findings, looks
 from tb.report.draw.plots import Plot
 from tb.report.measure import store
 from tb.report.measure.clocks import clocks_per_frame
 from tb.report.measure.engines import engines
 from tb.report.measure.registry import TABLES
 from tb.report.measure.steps import TIMED
-from tb.report.measure.table import Table
+from tb.report.measure.table import Cell, Table
 from tb.report.page import build
 from tb.report.page.content import content
 from tb.report.page.page import Page, Picture, Section
@@ -154,6 +155,42 @@ def test_tables_with_run_times_run_alone(data: dict, report: Path) -> None:
 def test_a_plot_of_nothing_is_refused() -> None:
     with pytest.raises(ValueError, match="plot empty: no points for b"):
         Plot("empty", "t", "x", "y", {"a": [(1, 1)], "b": []}, "s.", [])
+
+
+def test_every_plot_draws_activations_and_designs_alike(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Colour and marker of each label are those of ``looks``, in the drawing itself too."""
+    names = list(forms())
+    columns = ["scheme", "arithmetic", "latency clocks", "LUT", "mean %", "largest units"]
+    rows: list[list[Cell]] = [[n, "exact", i + 1, 9, 0.1, 1.0] for i, n in enumerate(names)]
+    activations = Table("a", columns, rows, "")
+    some = findings.activation_plots(activations)
+    fewer = findings.activation_plots(Table("a", columns, rows[::-2], ""))
+    columns = ["data", "arrangement", "design", "activation", "precision", "outputs", "scene"]
+    columns += ["clocks a frame", "LUT", "largest %", "mean %"]
+    nets: list[list[Cell]] = [
+        ["appendix2", arrangement, design, name, "exact", 4, "s", 9, 9, 1.0, 0.5]
+        for name in ("precise", "gradient")
+        for arrangement, design in (("single", "parallel"), ("cascade", "hybrid"))
+    ]
+    several = findings.network_plots(Table("n", columns, nets, ""))
+    assert len(some) == len(fewer) == len(several) == 4
+    colours: dict[str, set[str]] = {}
+    markers: dict[str, set[str]] = {}
+    for plot in [*some, *fewer, *several]:
+        assert set(plot.looks) == set(plot.groups)
+        for label, look in plot.looks.items():
+            *design, activation, _ = label.split(", ")
+            colours.setdefault(activation, set()).add(look.colour)
+            markers.setdefault(design[0] if design else activation, set()).add(look.marker)
+        text = plot.draw()
+        assert all(look.colour in text for look in plot.looks.values())
+    for seen in (colours, markers):
+        assert all(len(found) == 1 for found in seen.values())
+        assert len(set().union(*seen.values())) == len(seen)
+    monkeypatch.setattr(looks, "COLOURS", ("#123456",) * 10)
+    for plot in findings.activation_plots(activations):
+        drawn = set(re.findall(r"#[0-9a-f]{6}", plot.draw())) - {"#000000", "#ffffff", "#b0b0b0"}
+        assert drawn == {"#123456"}
 
 
 def test_a_sentence_follows_its_figures() -> None:

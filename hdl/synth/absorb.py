@@ -20,7 +20,8 @@ def plain(cell: Cell) -> bool:
     """Whether a register has neither enable nor reset, which all bits of a multiplier share."""
     enable, reset = cell["connections"].get("CE", ["1"]), cell["connections"].get("LSR", ["0"])
     always = cell["parameters"].get("CEMUX", "1").strip() == "1" or enable == ["1"]
-    return always and reset == ["0"] and cell["parameters"].get("CLKMUX", "CLK") == "CLK"
+    clocked: bool = cell["parameters"].get("CLKMUX", "CLK") == "CLK"
+    return always and reset == ["0"] and clocked
 
 
 def absorb(cells: dict[str, Cell], outputs: set[Any]) -> int:

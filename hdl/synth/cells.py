@@ -57,15 +57,15 @@ def _synthesise(folder: Path, top: str, family: str) -> dict[str, dict[str, int]
         if not name.startswith("$paramod")
     }
     for name, cells in modules.items():
-        found = [cell for cell in cells if cell.startswith(LATCHES)]
-        if found:
-            raise CommandError(f"{name}, {family}: a latch ({found[0]}), expected none")
+        latches = [cell for cell in cells if cell.startswith(LATCHES)]
+        if latches:
+            raise CommandError(f"{name}, {family}: a latch ({latches[0]}), expected none")
     script = "; ".join(
         f"design -load mapped; hierarchy -top {name}; flatten; write_json {name}.json"
         for name in modules
     )
     run_tool("yosys", ["-q", "-p", f"read_rtlil mapped.il; design -save mapped; {script}"], folder)
-    found = {}
+    found: dict[str, dict[str, int]] = {}
     for name in modules:
         flat = json.loads((folder / f"{name}.json").read_text(encoding="utf-8"))["modules"][name]
         found[name] = {**count(total(modules, name)), DEPTH: depth(flat)}

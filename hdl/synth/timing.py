@@ -114,6 +114,9 @@ def _route(folder: Path, top: str) -> Timing:
     used = {kind: cells["used"] for kind, cells in report["utilization"].items()}
     return Timing(
         round(clock["achieved"], 1),
-        *(used[kind] for kind in ("TRELLIS_COMB", "TRELLIS_FF", "MULT18X18D", "DP16KD")),
+        used["TRELLIS_COMB"],
+        used["TRELLIS_FF"],
+        used["MULT18X18D"],
+        used["DP16KD"],
         " to ".join(ends),
     )

@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import sys
 from collections import defaultdict
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from golden.files import replace_file
 from golden.fingerprint import fingerprint, sources
@@ -26,7 +28,7 @@ def state(scene: Scene) -> str:
     return fingerprint(inputs, *(version(s) for s in SIMULATORS))
 
 
-def stored_results(scene: Scene) -> dict | None:
+def stored_results(scene: Scene) -> dict[str, Any] | None:
     """What the benches found, if nothing has changed since; None otherwise."""
     if not _store(scene).is_file():
         return None
@@ -34,7 +36,7 @@ def stored_results(scene: Scene) -> dict | None:
     return results if results["state"] == state(scene) else None
 
 
-def simulate(scene: Scene) -> dict:
+def simulate(scene: Scene) -> dict[str, Any]:
     """Run all benches of the scene, or take over the results of unchanged ones."""
     jobs = plan(scene, SIMULATORS)
     results = stored_results(scene)
@@ -56,7 +58,7 @@ def simulate(scene: Scene) -> dict:
     return results | {"fresh": True}
 
 
-def _progress(scene: Scene):
+def _progress(scene: Scene) -> Callable[[Outcome], None]:
     """Counts benches as they end; only failures get a line of their own."""
     done = 0
 
@@ -73,9 +75,9 @@ def _progress(scene: Scene):
     return listen
 
 
-def _by_block(outcomes: list[Outcome]) -> dict:
+def _by_block(outcomes: list[Outcome]) -> dict[str, Any]:
     """Entities and values compared, per block and simulator."""
-    table: dict = defaultdict(lambda: {s: [0, 0] for s in SIMULATORS})
+    table: dict[str, Any] = defaultdict(lambda: {s: [0, 0] for s in SIMULATORS})
     for outcome in outcomes:
         cell = table[outcome.job.block][outcome.job.simulator]
         cell[0] += 1

@@ -16,6 +16,7 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from golden.block import Block, walk
 from golden.cli import CommandError
@@ -67,7 +68,7 @@ class Outcome:
     passed: bool
     compared: int
     seconds: float
-    facts: dict = field(default_factory=dict)
+    facts: dict[str, Any] = field(default_factory=dict)
 
     @property
     def log(self) -> Path:
@@ -174,7 +175,7 @@ def jobs(
     ]
 
 
-def _needed(order: list[str], manifest: list[dict], part: Block) -> tuple[str, ...]:
+def _needed(order: list[str], manifest: list[dict[str, Any]], part: Block) -> tuple[str, ...]:
     """The files of ``part`` and of what it contains, in compile order, with the package."""
     entities = {block.entity for block in walk(part)}
     others = {entry["file"] for entry in manifest if entry["entity"] not in entities}

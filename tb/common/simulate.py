@@ -31,7 +31,7 @@ def main() -> None:
     tests = list(ElementTree.parse(results).iter("testcase"))
     if not tests:
         raise SystemExit("no test was executed")
-    skipped = [t.get("name") for t in tests if t.find("skipped") is not None]
+    skipped = [t.get("name", "") for t in tests if t.find("skipped") is not None]
     if skipped:
         raise SystemExit(f"skipped tests: {', '.join(skipped)}")
 

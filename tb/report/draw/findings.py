@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from tb.report.draw.looks import activation_look, network_look
 from tb.report.draw.plots import Plot
 from tb.report.measure.table import Cell, Table
 
@@ -107,7 +108,10 @@ def _activation_plot(
         f"the least, {least_cost:g}, and has {least_error:.3g}.",
         [table],
         joined=False,
-        hollow="thesis",
+        looks={
+            label: activation_look(*(text.strip() for text in label.rsplit(",", 1)))
+            for label in points
+        },
     )
 
 
@@ -159,6 +163,7 @@ def network_plots(table: Table) -> list[Plot]:
                     f"{number(least, x):,.0f}, and has {number(least, y):.2g} %.",
                     [table.name],
                     joined=False,
+                    looks={label: network_look(*label.split(", ")) for label in points},
                 )
             )
     return plots

@@ -9,15 +9,10 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
+from tb.report.draw.looks import Look, nth
 from tb.report.draw.svg import PLOT_INCHES, style, svg
 
 Points = Sequence[tuple[float, float]]
-# Told apart by colour on a screen, by marker and line in a print without colour.
-_COLOURS = (
-    *("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9"),
-    *("#e69f00", "#000000", "#999999", "#8c510a", "#762a83"),
-)
-_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*", "<", ">")
 # A ratio of the ends of an axis below which powers of ten alone are too few numbers.
 FEW = 300
 _LINES = ("-", "--", ":", "-.")
@@ -45,8 +40,8 @@ class Plot:
         Horizontal lines: what is compared with.
     tables : sequence of str
         The tables that hold every number of the plot.
-    hollow : str
-        Ending of labels that are drawn hollow, otherwise as the label with another ending.
+    looks : mapping of str to Look
+        By label, for activations and networks; other groups look as ``looks.nth`` has it.
     floor : float
         Where an error of 0 is drawn.
 
@@ -66,7 +61,7 @@ class Plot:
     joined: bool = True
     linear: str = ""
     levels: Mapping[str, float] = field(default_factory=dict)
-    hollow: str = ""
+    looks: Mapping[str, Look] = field(default_factory=dict)
     floor: float = 1e-17
 
     def __post_init__(self) -> None:
@@ -79,17 +74,14 @@ class Plot:
         with style():
             figure = Figure(figsize=PLOT_INCHES, layout="constrained")
             axes = figure.add_subplot()
-            families: dict[str, int] = {}
-            for label, points in self.groups.items():
-                hollow = bool(self.hollow) and label.endswith(self.hollow)
-                family = label.rpartition(", ")[0] if self.hollow else label
-                i = families.setdefault(family, len(families))
+            for i, (label, points) in enumerate(self.groups.items()):
+                look = self.looks.get(label) or nth(i)
                 axes.plot(
                     [x for x, _ in points],
                     [y if "y" in self.linear else max(y, self.floor) for _, y in points],
-                    marker=_MARKERS[i % len(_MARKERS)],
-                    color=_COLOURS[i % len(_COLOURS)],
-                    markerfacecolor="white" if hollow else None,
+                    marker=look.marker,
+                    color=look.colour,
+                    markerfacecolor=None if look.filled else "white",
                     linestyle=_LINES[i // 2 % len(_LINES)] if self.joined else "none",
                     label=label,
                 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +37,7 @@ def measured(tell: Progress) -> dict[str, Table]:
             answers[name] = answer
     for name in TABLES:
         if name not in answers:
-            answers[name] = once(name, state, tell, lambda name=name: _measure(name))
+            answers[name] = once(name, state, tell, partial(_measure, name))
     return {name: unpacked(answers[name]) for name in TABLES}
 
 

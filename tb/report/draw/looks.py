@@ -1,0 +1,59 @@
+"""How groups of points look: an activation and a design look the same in every plot.
+
+An activation has a colour, and a marker where designs are not told apart; a design has a marker.
+What is hollow has ``thesis`` precision. Colours differ on a screen, markers in a print without
+colour.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from golden.activation.schemes import forms
+from golden.networks.arrangement import ARRANGEMENTS
+from golden.networks.designs import DESIGNS
+from golden.precision import THESIS
+
+COLOURS = (
+    *("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9"),
+    *("#e69f00", "#000000", "#999999", "#8c510a", "#762a83"),
+)
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "d", "<", ">")
+# No marker stands for an activation and for a design.
+ACTIVATION_MARKERS = ("v", "P", "X", "d", "<", ">", "p", "1", "2", "3")
+DESIGN_MARKERS = ("o", "^", "s", "D", "*", "h", "8", "H", "+", "x")
+
+
+@dataclass(frozen=True)
+class Look:
+    """Colour and marker of a group, and whether the marker is filled."""
+
+    colour: str
+    marker: str
+    filled: bool = True
+
+
+def nth(index: int) -> Look:
+    """Of groups that are neither activations nor designs, one after the other."""
+    return Look(COLOURS[index % len(COLOURS)], MARKERS[index % len(MARKERS)])
+
+
+def activation_look(form: str, precision: str) -> Look:
+    """An activation by the name of its form, as ``schemes.forms`` has it."""
+    place = _place(form, list(forms()))
+    marker = ACTIVATION_MARKERS[place % len(ACTIVATION_MARKERS)]
+    return Look(nth(place).colour, marker, precision != THESIS.name)
+
+
+def network_look(design: str, form: str, precision: str) -> Look:
+    """A network: the colour is its activation's, the marker that of its arrangement or design."""
+    place = _place(design, [*ARRANGEMENTS, *DESIGNS])
+    marker = DESIGN_MARKERS[place % len(DESIGN_MARKERS)]
+    return Look(activation_look(form, precision).colour, marker, precision != THESIS.name)
+
+
+def _place(name: str, known: Sequence[str]) -> int:
+    if name not in known:
+        raise ValueError(f"plot: got {name!r}, expected one of {', '.join(known)}")
+    return known.index(name)
