@@ -9,10 +9,20 @@ import sys
 from pathlib import Path
 
 import pytest
+from pages import ROUNDING, cells, shows
 
 from golden.activation.schemes import forms
 from tb.report.measure import activation_errors as errors
-from tb.report.measure.activation_errors import FACTORS, PLOTS, Row, measure, plot, plot_file, table
+from tb.report.measure.activation_errors import (
+    FACTORS,
+    PLOTS,
+    THESIS_FACTOR,
+    Row,
+    measure,
+    plot,
+    plot_file,
+    table,
+)
 
 ROOT = Path(__file__).parents[1]
 
@@ -92,9 +102,23 @@ def test_every_datasheet_shows_its_plot() -> None:
 
 
 def test_the_page_shows_what_the_command_prints(rows: list[Row]) -> None:
+    """Its words as they are, its figures as this machine measures them."""
     page = (ROOT / "docs" / "activations.md").read_text()
-    for line in table(rows):
+    lines = table(rows)
+    groups: dict[tuple[str, str, str], list[Row]] = {}
+    for row in rows:
+        groups.setdefault((row.scheme, row.options, row.arithmetic), []).append(row)
+    figures = lines[4 : 4 + len(groups)]
+    for line in set(lines) - set(figures):
         assert f"    {line}".rstrip() + "\n" in page
+    for (scheme, options, arithmetic), group in groups.items():
+        name = f"{scheme} {'as thesis' if options else ''} {arithmetic}"
+        at_three = next((row for row in group if row.factor == THESIS_FACTOR), group[0])
+        means = (at_three.mean_percent, at_three.mean_percent_thesis, at_three.thesis)
+        found = [*(m for m in means if m is not None), *(row.largest for row in group)]
+        for text in (page, "\n".join(lines)):
+            for shown, figure in zip(cells(text, *name.split()), found, strict=True):
+                assert shows(shown, figure, ROUNDING), name
 
 
 def test_a_scheme_of_our_own_has_no_figure_of_the_thesis() -> None:

@@ -11,10 +11,12 @@ from pathlib import Path
 
 import pytest
 from collected import CASES_OF
+from pages import ROUNDING, cells, shows
 from shared import Shared
 
 from golden.block import Block, walk
-from golden.scene import load_scene
+from golden.errors import scene_errors
+from golden.scene import load_scene, thesis_figures
 from tb.demo import error_table
 from tb.report.page.blocks import pages as published
 
@@ -89,8 +91,18 @@ def test_the_pages_hold_what_the_twins_publish() -> None:
 
 def test_the_readme_shows_what_the_demo_prints() -> None:
     readme = (ROOT / "README.md").read_text()
-    for line in error_table(load_scene("digit")):
-        assert f"    {line.rstrip()}\n" in readme
+    scene = load_scene("digit")
+    printed = error_table(scene)
+    for line in printed[:2]:
+        assert f"    {line}\n" in readme
+    errors = scene_errors(scene).values()
+    thesis = thesis_figures(scene.reference, len(scene.outputs), scene.path)
+    for n, name in enumerate(scene.outputs):
+        known = [(e[n].mean, e[n].largest_mean, e[n].worst) for e in errors]
+        figures = [*(figure for kind in known for figure in kind), thesis[n]]
+        for page in (readme, "\n".join(printed)):
+            for text, figure in zip(cells(page, name), figures, strict=True):
+                assert shows(text, figure, ROUNDING), name
 
 
 def apply(diff: str, folder: Path) -> None:

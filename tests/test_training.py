@@ -19,7 +19,7 @@ from golden.scene import Scene, load_scene, scene_names
 from golden.training import __main__ as command
 from golden.training.objective import Objective, Rows, pack, unpack
 from golden.training.scg import minimise
-from golden.training.search import OPTIMISERS, Result, search, train
+from golden.training.search import OPTIMISERS, Result, bit_true_errors, search, train
 from golden.training.task import Task, split_rows, task_for
 from tb.common.cases import random_mlp
 
@@ -299,6 +299,20 @@ def test_a_cascade_is_written_whole_or_not_at_all(
     with pytest.raises(ValueError, match="no candidate fits"):
         command.main()
     assert [path.read_bytes() for path in small_cascade.weights_paths] == before
+
+
+def test_what_is_stated_is_what_the_written_network_does(
+    small_scene: Scene, tmp_path: Path, monkeypatch
+) -> None:
+    """A candidate that another processor measured comes out otherwise here."""
+    monkeypatch.setattr(command, "choose", lambda *_: (Result(5, 1, 0.5, 0.5), 0))
+    command.train_scene(small_scene, tmp_path, 1)
+    (member,) = small_scene.members
+    task = task_for(small_scene, small_scene.vectors(), [])
+    provenance = tomllib.loads(provenance_path(member.weights_path).read_text())
+    errors = [round(error, 4) for error in bit_true_errors(task, member.load())]
+    assert 0.5 not in errors
+    assert [provenance[f"{part}_rms_percent"] for part in ("validation", "test")] == errors
 
 
 @pytest.mark.parametrize(("column", "key"), [(1, "sensors"), (4, "outputs")])

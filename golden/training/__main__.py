@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,7 @@ from golden.fingerprint import fingerprint, sources
 from golden.network_files.network_file import provenance_path, save_network
 from golden.networks.mlp import Mlp
 from golden.scene import Scene, load_scene
-from golden.training.search import Result, candidates, search, train
+from golden.training.search import Result, bit_true_errors, candidates, search, train
 from golden.training.task import Task, task_for
 
 # Least seconds between two lines of progress.
@@ -58,9 +59,17 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=-1, help="processes; -1: one a core")
     parser.add_argument("--cluster", help="address of a Dask scheduler to compute on instead")
     parser.add_argument("--build", type=Path, default=Path("build"))
+    parser.add_argument("--into", type=Path, help="folder for the networks; beside the scene")
     arguments = parser.parse_args()
+    scene = load_scene(arguments.scene)
+    if arguments.into:
+        members = (
+            replace(member, weights_path=arguments.into / member.weights_path.name)
+            for member in scene.members
+        )
+        scene = replace(scene, members=tuple(members))
     with computed_on(arguments.cluster):
-        train_scene(load_scene(arguments.scene), arguments.build, arguments.workers)
+        train_scene(scene, arguments.build, arguments.workers)
 
 
 @contextmanager
@@ -94,6 +103,9 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
         task = task_for(scene, vectors, mlps)
         best, refused = choose(task, records / f"{number}.jsonl", workers)
         mlps.append(train(task, best.hidden, best.restart))
+        # Another processor, of a cluster or of a search begun elsewhere, rounds otherwise: what is
+        # stated is what the network that is written does.
+        validation, test = bit_true_errors(task, mlps[-1])
         total = len(candidates(task))
         stories.append(
             {
@@ -115,8 +127,8 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
                 "weight_decay": settings.weight_decay,
                 "steps": settings.steps,
                 "patience": settings.patience,
-                "validation_rms_percent": round(best.validation, 4),
-                "test_rms_percent": round(best.test, 4),
+                "validation_rms_percent": round(validation, 4),
+                "test_rms_percent": round(test, 4),
                 "python": versions[2],
                 "numpy": versions[0],
                 "scipy": versions[1],

@@ -1,0 +1,107 @@
+"""How far figures differ between processors: what the command finds, and that it finds anything."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from golden.cli import CommandError
+from golden.fingerprint import fingerprint
+from golden.scene import Scene
+from tb.report.measure import spread
+
+ROOT = Path(__file__).parents[1]
+
+
+def tables(*rows: list) -> dict:
+    return {"t": {"columns": ["name", "a", "b"], "rows": list(rows)}}
+
+
+def test_the_largest_difference_of_each_column_is_found() -> None:
+    found = {
+        "one": tables(["x", 1.0, 7], ["y", 2.0, None]),
+        "two": tables(["x", 1.0, 7], ["y", 2.5, 3]),
+        "three": tables(["x", 1.1, 7], ["y", 2.0, None]),
+    }
+    assert spread.differences(found).rows == [
+        ["t", "a", pytest.approx(0.2), 2.0, 2.5, 2],
+        ["t", "b", None, None, None, 2],
+    ]
+    assert spread.differences({"one": found["one"], "again": found["one"]}).rows == []
+
+
+def test_tables_of_other_lengths_differ() -> None:
+    found = {"one": tables(["x", 1.0, 7]), "two": tables(["x", 1.0, 7], ["y", 0, 0])}
+    assert spread.differences(found).rows == [["t", "number of rows", 0.5, 1, 2, None]]
+
+
+def test_words_that_differ_are_no_figure() -> None:
+    found = {"one": tables(["x", 1.0, 0.0]), "two": tables(["z", 1.0, -0.0])}
+    assert spread.differences(found).rows == [["t", "name", None, None, None, 1]]
+
+
+def test_the_settings_reach_numpy() -> None:
+    """One that had no effect would show that nothing differs."""
+    code = "import numpy._core._multiarray_umath as m; print(m.__cpu_features__.get('X86_V3'))"
+    known = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    if known.stdout.strip() != "True":
+        pytest.skip("numpy has no AVX2 to leave out here")
+    env = spread.SETTINGS["numpy without AVX2"]
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=env, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == "False"
+
+
+def test_the_command_measures_tables_under_settings() -> None:
+    command = [sys.executable, "-m", "tb.report.measure.spread", "figures", "operations"]
+    for name in ("as it is", "one BLAS thread"):
+        command += ["--setting", name]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    assert re.search(r"^one BLAS thread: measured$", done.stdout, re.M)
+    assert "between 2 runs" in done.stdout
+    assert "operations " not in done.stdout
+
+
+def test_a_training_is_measured_and_leaves_the_scene_alone(small_cascade: Scene) -> None:
+    before = fingerprint([small_cascade.path.parent])
+    table = spread.training(small_cascade, ["as it is", "one BLAS thread"], [], more=1)
+    assert fingerprint([small_cascade.path.parent]) == before
+    assert [row[:2] for row in table.rows] == [
+        [name, kind]
+        for name in small_cascade.outputs
+        for kind in ("as it is", "one BLAS thread", "moved start 1", "least", "most")
+    ]
+    for n in range(0, len(table.rows), 5):
+        figures = np.array([row[2:] for row in table.rows[n : n + 3]])
+        assert (figures > 0).all()
+        assert np.array_equal(figures.min(axis=0), table.rows[n + 3][2:])
+        assert np.array_equal(figures.max(axis=0), table.rows[n + 4][2:])
+
+
+def test_a_start_is_moved_by_a_few_last_bits(small_scene: Scene, monkeypatch) -> None:
+    seen = []
+    monkeypatch.setattr(
+        spread.Objective, "search", lambda self, descend, start, steps: seen.append(start) or start
+    )
+    for number in (1, 1, 2):
+        next(spread.moved(small_scene, number))
+    assert np.array_equal(seen[0], seen[len(seen) // 3])
+    assert not np.array_equal(seen[0], seen[2 * len(seen) // 3])
+    apart = np.abs(seen[0] / seen[2 * len(seen) // 3] - 1).max()
+    assert 0 < apart < 1e-15
+
+
+def test_what_fails_says_why() -> None:
+    with pytest.raises(CommandError, match=r"golden\.training nowhere: error: scene 'nowhere'"):
+        spread.finished([sys.executable, "-m", "golden.training", "nowhere"], {})
+
+
+def test_a_processor_without_the_instructions_is_no_fault() -> None:
+    code = "import os, signal; os.kill(os.getpid(), signal.SIGILL)"
+    assert not spread.finished([sys.executable, "-c", code], {})
