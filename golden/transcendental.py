@@ -55,10 +55,9 @@ def tanh_floors(step: Fraction, points: int, frac: int) -> Codes:
     # (1 - e) / (1 + e) with e = exp(-2 q) falls with e.
     values, apart = _decays(2 * step, 2 * step, points - 1)
     less, more = _ONE - apart, _ONE + apart
-    return _decided(
-        [0, *(((less - e) << frac) // (more + e) for e in values)],
-        [0, *(((_ONE - e) << frac) // (_ONE + e) for e in values)],
-    )
+    lower = [((less - e) << frac) // (more + e) for e in values]
+    upper = [((_ONE - e) << frac) // (_ONE + e) for e in values]
+    return _decided([0, *lower], [0, *upper])
 
 
 def exp_floors(start: Fraction, step: Fraction, points: int, frac: int) -> Codes:
@@ -82,7 +81,7 @@ def _decided(lower: list[int], upper: list[int]) -> Codes:
     """The results on which both bounds agree."""
     if lower != upper:
         n = next(n for n, pair in enumerate(zip(lower, upper, strict=True)) if len(set(pair)) > 1)
-        raise ArithmeticError(f"value {n}: {BITS} fraction bits leave {lower[n]} or {upper[n]}")
+        raise ArithmeticError(f"result {n}: {BITS} fraction bits leave {lower[n]} or {upper[n]}")
     return np.array(lower, dtype=np.int64)
 
 

@@ -24,8 +24,8 @@ from golden.transcendental import tanh_floors
 _NEAR_GRADIENT = 5
 _NEAR_CURVE = 2
 
-# From here on tanh is within a quarter unit of 2**-13 of 1, and every result the largest code.
-_SATURATED = 6
+# From here on the code nearest to tanh is the largest: 8191.26 units, and rising.
+_SATURATED = 5
 
 # Bits that hold how many zeros an intercept ends with.
 _ZEROS_WIDTH = 6
@@ -196,11 +196,10 @@ def _fit(
         allowed &= intercept % unit == unit // 2
     # Between equals, the intercept with the most zeros at its end: it takes less logic.
     zeros = np.bitwise_count((intercept & -intercept) - 1)
-    merit = np.where(allowed, (correct << _ZEROS_WIDTH) + zeros, -1)
-    for place in np.argsort(-merit, axis=None, kind="stable"):
+    candidates = np.flatnonzero(allowed)
+    merit = ((correct << _ZEROS_WIDTH) + zeros).ravel()[candidates]
+    for place in candidates[np.argsort(-merit, kind="stable")]:
         k, i = divmod(int(place), span)
-        if merit[k, i] < 0:
-            break
         results = ((int(intercept[i]) << fmt.intercept_shift) + linear[k]) >> fmt.out_shift
         if results[0] >= last and (np.diff(results) >= 0).all():
             return (int(intercept[i]), int(gradients[k]), int(curves[k])), results
