@@ -2,7 +2,8 @@
 
 ``build/figures`` holds what the last call measured: a CSV a table, and figures.json with all of
 them, the seed and the versions of everything that took part. The same versions and seed give the
-same bytes. Run times do not: tables that hold some stand in full in times.json, with the machine,
+same bytes on one machine; on another, figures from floating point differ (``golden.spread``). Run
+times differ from call to call: tables that hold some stand in full in times.json, with the machine,
 and without them in the other files.
 """
 
