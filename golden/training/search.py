@@ -3,9 +3,10 @@
 Each candidate runs three steps: the optimiser on tanh; the same on the activation that the hardware
 has, where that is not tanh, so that the weights make up for its error; and a shift of the output
 biases by the mean bit-true error, which takes out what truncation adds. The candidate with the
-least bit-true error on the validation rows is kept. A candidate depends on the task, its hidden
-nodes and its number alone, so neither the number of workers nor an interruption changes the
-outcome.
+least bit-true error on the validation rows is kept. On one machine a candidate depends on the task,
+its hidden nodes and its number alone, so neither the number of workers nor an interruption changes
+the outcome. Elsewhere it comes out otherwise: where BLAS or tanh round the last bit in another way,
+which another processor does, and for SCG on some ten thousand rows another number of threads too.
 """
 
 from __future__ import annotations
@@ -150,8 +151,8 @@ def search(task: Task, record: Path, workers: int = -1) -> Iterator[Result]:
     record : Path
         Results are appended to this file; those it already holds are not computed again.
     workers : int
-        Processes; -1 for one a core. The outcome does not depend on it. joblib runs them, so a
-        cluster can be named with ``joblib.parallel_config``.
+        Processes; -1 for one a core. On one machine the outcome does not depend on it. joblib runs
+        them, so a cluster can be named with ``joblib.parallel_config``.
     """
     known = {(r.hidden, r.restart): r for r in _read(record)}
     missing = [c for c in candidates(task) if c not in known]

@@ -2,8 +2,9 @@
 
 ``build/figures`` holds what the last call measured: a CSV a table, and figures.json with all of
 them, the seed and the versions of everything that took part. The same versions and seed give the
-same bytes. Run times do not: tables that hold some stand in full in times.json, with the machine,
-and without them in the other files.
+same bytes on one machine; on another, figures from floating point differ by what
+``tb.report.measure.spread`` measures. Run times differ from call to call: tables that hold some
+stand in full in times.json, with the machine, and without them in the other files.
 """
 
 from __future__ import annotations

@@ -70,7 +70,7 @@ class Table:
         ]
 
     def without_times(self) -> Table:
-        """The table without its timed columns: what the same versions and seed give again."""
+        """The table without its timed columns: what a machine gives again for the same seed."""
         kept = [c for c, heading in enumerate(self.columns) if heading not in self.timed]
         return Table(
             self.name,
