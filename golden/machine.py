@@ -17,6 +17,30 @@ import threadpoolctl
 
 CPUINFO = Path("/proc/cpuinfo")
 
+# Variables that make an x86-64 processor compute as another does; on others they change nothing.
+SETTINGS: dict[str, dict[str, str]] = {
+    "numpy-avx2": {"NPY_DISABLE_CPU_FEATURES": "X86_V4"},
+    "numpy-sse": {"NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4"},
+    "openblas-prescott": {"OPENBLAS_CORETYPE": "Prescott"},
+    "openblas-haswell": {"OPENBLAS_CORETYPE": "Haswell"},
+    "openblas-skylakex": {"OPENBLAS_CORETYPE": "SkylakeX"},
+    "glibc-sse": {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-AVX512F"},
+    "one-thread": {"OPENBLAS_NUM_THREADS": "1"},
+    "two-threads": {"OPENBLAS_NUM_THREADS": "2"},
+}
+# A core that the processor has not would end in an illegal instruction.
+_FLAGS = {"openblas-haswell": "avx2", "openblas-skylakex": "avx512f"}
+
+
+def possible_settings() -> dict[str, dict[str, str]]:
+    """The settings that this processor has the instructions for."""
+    flags = CPUINFO.read_text(encoding="utf-8").split() if CPUINFO.is_file() else []
+    return {
+        name: setting
+        for name, setting in SETTINGS.items()
+        if name not in _FLAGS or _FLAGS[name] in flags
+    }
+
 
 def processor() -> str:
     """Name where the system tells it, architecture, cores."""

@@ -13,6 +13,8 @@ import pytest
 import yaml
 from machines import MACHINES, NOT_COPIED, ROOT, SIMULATED, Machine, copy_checkout, main
 
+from golden.machine import SETTINGS
+
 OTHERS = {
     "green": Machine("passes", {"TZ": "Pacific/Chatham"}),
     "never": Machine("cannot be", holds="False", needs="another world"),
@@ -92,6 +94,10 @@ def test_simulated_tests_are_those_of_files_that_are_there() -> None:
         file, _, function = name.partition("::")
         text = (ROOT / "tests" / file).read_text()
         assert f"def {function or 'test_'}" in text, name
+
+
+def test_the_settings_are_those_that_figures_are_measured_under() -> None:
+    assert {name: MACHINES[name].environment for name in SETTINGS} == SETTINGS
 
 
 def test_every_night_runs_every_machine() -> None:

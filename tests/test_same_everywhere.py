@@ -24,6 +24,7 @@ from golden.activation.polynomial import COEFFICIENTS, polynomial_for
 from golden.activation.precise_table import FORMATS, curve_table
 from golden.activation.segments import COEFF_WIDTH_LIMIT, GRADIENT, coefficient_codes
 from golden.fixed import Fix
+from golden.machine import possible_settings
 from golden.networks.constants import quantised
 from golden.precision import EXACT, PRECISIONS, THESIS, Precision
 from golden.scene import load_scene, scene_names
@@ -33,14 +34,7 @@ from golden.visualisation.exp_memory import exp_memory
 ROOT = Path(__file__).parents[1]
 
 # What other machines have or lack, as environment variables that this one understands.
-SETTINGS = {
-    "numpy without AVX-512": {"NPY_DISABLE_CPU_FEATURES": "X86_V4"},
-    "numpy without AVX": {"NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4"},
-    "OpenBLAS of Prescott": {"OPENBLAS_CORETYPE": "Prescott"},
-    "OpenBLAS of Haswell": {"OPENBLAS_CORETYPE": "Haswell"},
-    "OpenBLAS of SkylakeX": {"OPENBLAS_CORETYPE": "SkylakeX"},
-    "glibc without AVX and FMA": {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-AVX512F"},
-}
+SETTINGS = possible_settings()
 
 IN_TESTS = {"PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests")])}
 

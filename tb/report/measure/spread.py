@@ -32,6 +32,7 @@ from typing import Any
 
 import numpy as np
 
+from golden import machine
 from golden.cli import CommandError, run
 from golden.fingerprint import ROOT
 from golden.network_files.network_file import provenance_path
@@ -42,22 +43,14 @@ from golden.training.search import bit_true_errors, candidates, train
 from golden.training.task import task_for
 from tb.report.measure.table import Cell, Table
 
-OLDEST_NUMPY = {"NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4"}
-OLDEST_GLIBC = {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-AVX512F"}
 SETTINGS: dict[str, dict[str, str]] = {
     "as it is": {},
-    "numpy without AVX-512": {"NPY_DISABLE_CPU_FEATURES": "X86_V4"},
-    "numpy without AVX2": OLDEST_NUMPY,
-    "glibc without AVX2 and FMA": OLDEST_GLIBC,
-    **{
-        f"OpenBLAS for {core}": {"OPENBLAS_CORETYPE": core}
-        for core in ("Prescott", "Nehalem", "Haswell", "SkylakeX")
-    },
-    "one BLAS thread": {"OPENBLAS_NUM_THREADS": "1"},
-    "two BLAS threads": {"OPENBLAS_NUM_THREADS": "2"},
-    "all of the oldest": OLDEST_NUMPY
-    | OLDEST_GLIBC
-    | {"OPENBLAS_CORETYPE": "Prescott", "OPENBLAS_NUM_THREADS": "1"},
+    **machine.SETTINGS,
+    "openblas-nehalem": {"OPENBLAS_CORETYPE": "Nehalem"},
+    "oldest": machine.SETTINGS["numpy-sse"]
+    | machine.SETTINGS["glibc-sse"]
+    | machine.SETTINGS["openblas-prescott"]
+    | machine.SETTINGS["one-thread"],
 }
 Tables = Mapping[str, Mapping[str, Any]]
 
