@@ -18,13 +18,14 @@ from shared import Shared
 from golden.physics.plate import TERMS
 from golden.physics.swing import LIGHT, METHODS, STRONG, STRONG_DAMPING
 from golden.physics.swing_data import NOISE
-from tb.report.measure.rbf import printed_figures
+from tb.report.measure.rbf import classes, printed_figures
 from tb.report.measure.recordings import FORMS, NOISES
 from tb.report.measure.registry import TABLES
 from tb.report.measure.steps import TIMED
 from tb.report.measure.table import Table
 
 ROOT = Path(__file__).parents[1]
+NETWORKS = ("MLP 2:6:2", "RBF 2:6:2", "RBF 2:7:2")
 
 
 def run(*words: str) -> subprocess.CompletedProcess[str]:
@@ -295,12 +296,28 @@ def test_the_mlp_is_better_than_the_rbf_and_of_the_printed_size(tables) -> None:
             chosen, worst = found[network, output]
             assert mlp < chosen <= worst
             assert chosen < 4 * printed_figures(network)[f"{output}_error_max"]
+
+
+def test_the_classes_of_the_page_are_those_of_five_seeds() -> None:
+    """Of an MLP either end may be that of another version of SciPy, which ends trainings at other
+    points: the two that the page names are 14 % apart."""
     page = section("figures", "classes")
+    found: dict[tuple[str, str], list[tuple[float, float]]] = {}
+    for seed in range(1, 6):
+        for network, output, chosen, worst, *_ in classes(seed).rows:
+            found.setdefault((network, output), []).append((chosen, worst))
+    for output in ("load", "position"):
+        networks = zip(*(found[network, output] for network in NETWORKS), strict=True)
+        assert all(mlp[0] < min(rbf[0] for rbf in others) for mlp, *others in networks)
     for (network, output), figures in found.items():
-        # Ranges over five seeds; the worst of their hundred starts.
-        chosen, worst, printed = cells(page, network, output)
-        assert shows(chosen, figures[0], SEARCHED), (network, output)
-        assert figures[1] < (1 + SEARCHED) * float(worst), (network, output)
+        chosen, worst = zip(*figures, strict=True)
+        ends, shown, printed = cells(page, network, output)
+        bound = 0.15 if network.startswith("MLP") else ROUNDING
+        for text, figure in (
+            *zip(ends.split(" to "), (min(chosen), max(chosen)), strict=True),
+            (shown, max(worst)),
+        ):
+            assert shows(text, figure, bound), (network, output)
         assert float(printed) == printed_figures(network)[f"{output}_error_max"]
 
 
