@@ -13,6 +13,8 @@ from types import SimpleNamespace
 
 from myhdl import _block, _instance, _util
 
+from hdl.export.local_names import Caller, forget
+
 
 def _once(function):
     """``function`` of a Python function, worked out once for all closures of its code."""
@@ -28,14 +30,17 @@ def _once(function):
 
 
 def _stack():
-    """Frames of the callers and names of their functions, placed as in ``inspect.stack``."""
-    records = []
+    """The callers and names of their functions, placed as in ``inspect.stack``."""
+    frames = []
     frame = sys._getframe(1)
     while frame is not None:
-        code = frame.f_code
-        records.append((frame, code.co_filename, frame.f_lineno, code.co_name))
+        frames.append(frame)
         frame = frame.f_back
-    return records
+    forget(frames)
+    return [
+        (Caller(frame), frame.f_code.co_filename, frame.f_lineno, frame.f_code.co_name)
+        for frame in frames
+    ]
 
 
 def install() -> None:
