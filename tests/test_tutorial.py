@@ -11,11 +11,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from golden.network_file import provenance_path
 from pages import TRAINED, cells, shows
 from shared import Shared
 
 from golden.errors import scene_errors
+from golden.network_files.network_file import provenance_path
 from golden.scene import load_scene
 
 ROOT = Path(__file__).parents[1]
