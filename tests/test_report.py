@@ -170,7 +170,11 @@ def test_every_plot_draws_activations_and_designs_alike(monkeypatch: pytest.Monk
     nets: list[list[Cell]] = [
         ["appendix2", arrangement, design, name, "exact", 4, "s", 9, 9, 1.0, 0.5]
         for name in ("precise", "gradient")
-        for arrangement, design in (("single", "parallel"), ("cascade", "hybrid"))
+        for arrangement, design in (
+            ("single", "parallel"),
+            ("single", "hybrid"),
+            ("cascade", "hybrid"),
+        )
     ]
     several = findings.network_plots(Table("n", columns, nets, ""))
     assert len(some) == len(fewer) == len(several) == 4
@@ -181,7 +185,7 @@ def test_every_plot_draws_activations_and_designs_alike(monkeypatch: pytest.Monk
         for label, look in plot.looks.items():
             *design, activation, _ = label.split(", ")
             colours.setdefault(activation, set()).add(look.colour)
-            markers.setdefault(design[0] if design else activation, set()).add(look.marker)
+            markers.setdefault(" ".join(design) or activation, set()).add(look.marker)
         text = plot.draw()
         assert all(look.colour in text for look in plot.looks.values())
     for seen in (colours, markers):

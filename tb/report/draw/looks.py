@@ -1,6 +1,7 @@
 """How groups of points look: an activation and a design look the same in every plot.
 
-An activation has a colour, and a marker where designs are not told apart; a design has a marker.
+An activation has a colour, and a marker where designs are not told apart; a design has a marker in
+each of its arrangements.
 What is hollow has ``thesis`` precision. Colours differ on a screen, markers in a print without
 colour.
 """
@@ -11,7 +12,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from golden.activation.schemes import forms
-from golden.networks.arrangement import ARRANGEMENTS
 from golden.networks.designs import DESIGNS
 from golden.precision import THESIS
 
@@ -46,9 +46,10 @@ def activation_look(form: str, precision: str) -> Look:
     return Look(nth(place).colour, marker, precision != THESIS.name)
 
 
-def network_look(design: str, form: str, precision: str) -> Look:
-    """A network: the colour is its activation's, the marker that of its arrangement or design."""
-    place = _place(design, [*ARRANGEMENTS, *DESIGNS])
+def network_look(design: str, arrangement: str, form: str, precision: str) -> Look:
+    """A network: the colour is its activation's, the marker that of design and arrangement."""
+    known = [f"{name}, {other}" for name in DESIGNS for other in DESIGNS[name].arrangements]
+    place = _place(f"{design}, {arrangement}", known)
     marker = DESIGN_MARKERS[place % len(DESIGN_MARKERS)]
     return Look(activation_look(form, precision).colour, marker, precision != THESIS.name)
 

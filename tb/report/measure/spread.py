@@ -179,7 +179,7 @@ def written(scene: Scene, folder: Path) -> Iterator[Trained]:
 
 
 def training(scene: Scene, settings: Sequence[str], pythons: Sequence[str], more: int = 0) -> Table:
-    """Train a scene under every setting; the sum of |w1| and the errors of each network."""
+    """Train a scene under every setting; the sum of ``|w1|`` and the errors of each network."""
     found: dict[str, list[Trained]] = {}
     for name, python, setting in runs(settings, pythons):
         with tempfile.TemporaryDirectory() as folder:
