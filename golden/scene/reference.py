@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import tomllib
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 NUMBERS = Path(__file__).parents[1] / "data" / "thesis_numbers.toml"
 
 
+@cache
+def _numbers() -> dict[str, Any]:
+    return tomllib.loads(NUMBERS.read_text(encoding="utf-8"))
+
+
 def thesis_table(key: str) -> dict[str, Any]:
     """A table of golden/data/thesis_numbers.toml by its dotted name; empty where there is none."""
-    table: Any = tomllib.loads(NUMBERS.read_text(encoding="utf-8"))
+    table: Any = _numbers()
     for part in key.split("."):
         table = table.get(part) if isinstance(table, dict) else None
     return table if isinstance(table, dict) else {}

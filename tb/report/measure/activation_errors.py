@@ -11,7 +11,6 @@ import argparse
 import csv
 import json
 import sys
-import tomllib
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
@@ -32,6 +31,7 @@ from golden.fingerprint import ROOT
 from golden.machine import versions
 from golden.metrics import ACTIVATION_RANGE, activation_error
 from golden.precision import EXACT, SIGNAL, THESIS, Precision
+from golden.scene import thesis_table
 
 FACTORS = (1, 3, 8, 32, 128, 512)
 THESIS_FACTOR = 3
@@ -72,9 +72,7 @@ class Row:
 
 def thesis_figure(name: str) -> float | None:
     """The mean error that the thesis prints for a scheme; none for a scheme of our own."""
-    path = ROOT / "golden" / "data" / "thesis_numbers.toml"
-    table = tomllib.loads(path.read_text(encoding="utf-8"))["activation"]
-    figure = table.get(name.removesuffix("_parallel"), {}).get("mean_percent_error")
+    figure = thesis_table(f"activation.{name.removesuffix('_parallel')}").get("mean_percent_error")
     return None if figure is None else float(figure)
 
 

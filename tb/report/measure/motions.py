@@ -7,7 +7,7 @@ import tomllib
 from golden.fingerprint import ROOT
 from golden.metrics import displacement_errors
 from golden.precision import SIGNAL
-from golden.scene import load_scene
+from golden.scene import load_scene, thesis_table
 from golden.table import read_table
 from tb.report.measure.table import Cell, Table
 
@@ -18,7 +18,7 @@ RUNS = ("swing-test-1", "swing-test-2")
 
 def motions(seed: int) -> Table:
     """Equation 6.6 per output; the seeds are those of the scenes' training and of the runs."""
-    printed = tomllib.loads((DATA / "thesis_numbers.toml").read_text(encoding="utf-8"))["swing"]
+    printed = thesis_table("swing")
     millimetres = tomllib.loads((DATA / "swing.toml").read_text(encoding="utf-8"))["mm_per_unit"]
     rows: list[list[Cell]] = []
     for form in FORMS:

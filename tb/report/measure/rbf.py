@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable
 from typing import Protocol
 
@@ -12,6 +11,7 @@ from golden.fingerprint import ROOT
 from golden.metrics import millimetres, percent_errors, summarise
 from golden.networks.mlp import Mlp, Real, tanh
 from golden.networks.operations import mlp_operations, rbf_operations, rbf_operations_drawn
+from golden.scene import thesis_table
 from golden.table import read_table, rows_where
 from golden.training import levenberg_marquardt
 from golden.training.objective import Objective, Rows, pack, unpack
@@ -37,9 +37,7 @@ WEIGHT_DECAY = 1e-6
 
 def printed_figures(network: str) -> dict[str, float]:
     """What the thesis prints of a network, such as "RBF 2:6:2"."""
-    text = (DATA / "thesis_numbers.toml").read_text(encoding="utf-8")
-    figures: dict[str, float] = tomllib.loads(text)[network.lower().translate(_KEY)]
-    return figures
+    return thesis_table(network.lower().translate(_KEY))
 
 
 _KEY = str.maketrans(" :", "__")

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import tomllib
-
 import numpy as np
 
-from golden.fingerprint import ROOT
 from golden.metrics import displacement_errors
 from golden.networks.mlp import Mlp, Real, tanh
 from golden.physics.swing_data import ANGLES, NOISE, Coding, record
+from golden.scene import thesis_table
 from golden.training.levenberg_marquardt import descend
 from golden.training.objective import Objective, Rows, pack, unpack
 from golden.training.search import starting_weights
 from tb.report.measure.table import Cell, Table
 
-PRINTED = ROOT / "golden" / "data" / "thesis_numbers.toml"
 FORMS = ("single", "multiple", "cascade")
 HIDDEN = {"x": 7, "y": 7, "z": 9}  # the Multiple network of section 6.5
 NOISES = (0.0, NOISE, 2 * NOISE)
@@ -40,7 +37,7 @@ def _network(data: Real, column: int, hidden: int, rng: np.random.Generator) -> 
 
 def recordings(seed: int) -> Table:
     """Errors on an independent run, beside those of Table 6.2."""
-    printed = tomllib.loads(PRINTED.read_text(encoding="utf-8"))["swing"]
+    printed = thesis_table("swing")
     rows: list[list[Cell]] = []
     for noise in NOISES:
         train, test = (record(angle, seed + n, noise) for n, angle in enumerate(ANGLES[:2]))
