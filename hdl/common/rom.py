@@ -2,7 +2,8 @@
 
 from collections.abc import Sequence
 
-from myhdl import always, always_comb, block
+from myhdl import always, always_comb, block, intbv
+from myhdl._Signal import Constant
 
 from golden.fixed import Codes
 
@@ -41,3 +42,11 @@ def registered_rom(clk, addr, word, *, words: Codes, meanings: Sequence[str] = (
         word.next = contents[addr]
 
     return read
+
+
+def constants(words: Sequence[int], width: int):
+    """Words as a list that MyHDL writes as one table, whoever reads it.
+
+    For a memory with more than one read port, which a ``case`` statement would make twice.
+    """
+    return [Constant(intbv(word, min=0, max=1 << width)) for word in words]

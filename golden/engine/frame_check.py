@@ -1,0 +1,100 @@
+"""frame_check: takes the samples of good frames, refuses others, and tells when the engine runs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.block import Block
+from golden.engine.pipeline import Pipeline
+from golden.layers.input_controller import FrameScan
+from golden.port import CLOCKED, Port, Unsigned, given, taken
+
+
+@dataclass(frozen=True)
+class FrameCheck(Block):
+    """Counts samples and results, and starts the program after a good frame.
+
+    Parameters
+    ----------
+    inputs : int
+        Samples of a frame, 1 or more.
+    addr_width : int
+        Bits of the operand memory's address.
+    busy : int
+        Clocks from a frame's last sample to its last output.
+    pipeline : Pipeline
+
+    Raises
+    ------
+    ValueError
+        When the memory has no room for the samples.
+
+    Notes
+    -----
+    A frame is wrong when ``last`` comes too early or does not come with the last sample, or when
+    its first sample comes while the frame before is computed. A wrong frame raises one error;
+    everything from the sample that breaks it up to and including its ``last`` is dropped.
+    """
+
+    block = "frame_check"
+    area = "engine"
+    inputs: int
+    addr_width: int
+    busy: int
+    pipeline: Pipeline = Pipeline()
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.inputs < 1 << self.addr_width:
+            raise ValueError(
+                f"{self.entity}: got inputs={self.inputs}, expected 1 to "
+                f"{(1 << self.addr_width) - 1} with addresses of {self.addr_width} bits"
+            )
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            *CLOCKED,
+            taken("in_valid", "a sample stands on the stream"),
+            taken("in_last", "it is the last of its frame; ignored without `in_valid`"),
+            taken("store", "a result is ready; ignored while no frame is computed"),
+            taken("finish", "the last output of the frame leaves"),
+            given("run", "a frame is computed"),
+            given("write", "one clock after a sample that is taken or a result"),
+            given("write_addr", "where it goes", Unsigned(self.addr_width), "addr_width"),
+            given("frame_error", "one clock long, one clock after the sample that breaks a frame"),
+        )
+
+    @property
+    def latency(self) -> int:
+        return 1
+
+    def facts(self) -> tuple[str, ...]:
+        return (f"{self.inputs} sample{'s' if self.inputs > 1 else ''} a frame",)
+
+    def process(self, last: ArrayLike, clock: ArrayLike) -> FrameScan:
+        """Decisions for samples that arrive after a reset; see ``InputController.process``."""
+        flags = np.asarray(last, dtype=bool)
+        times = np.asarray(clock, dtype=np.int64)
+        addr = np.zeros(len(flags), dtype=np.int64)
+        accept, done, error = (np.zeros(len(flags), dtype=bool) for _ in range(3))
+        count, dropping, free_at = 0, False, None
+        for k, (is_last, time) in enumerate(zip(flags, times, strict=True)):
+            if dropping:
+                dropping = not is_last
+                continue
+            if free_at is not None and time < free_at:
+                error[k] = True
+                dropping = not is_last
+                continue
+            accept[k], addr[k] = True, count
+            complete = count == self.inputs - 1
+            done[k] = complete and is_last
+            error[k] = complete != is_last
+            dropping = complete and not is_last
+            count = 0 if complete or is_last else count + 1
+            if done[k]:
+                free_at = time + self.busy + self.pipeline.free
+        return FrameScan(addr, accept, done, error)

@@ -1,0 +1,94 @@
+"""multiply_accumulate: one product a clock, added up."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.block import Block
+from golden.engine.formats import DROPPED, OUTPUT_SHIFT, WIDTH
+from golden.engine.operand_memory import WORD
+from golden.fixed import Codes, Fix
+from golden.port import CLOCK, Port, Unsigned, given, taken
+
+PRODUCT_WIDTH = 2 * WIDTH
+
+
+@dataclass(frozen=True)
+class MultiplyAccumulate(Block):
+    """acc = operand x coefficient + (acc, or half a unit of the result).
+
+    Parameters
+    ----------
+    acc_width : int
+        Bits of the sum, 36 or more; sums of a program that was assembled for it do not leave them.
+
+    Raises
+    ------
+    ValueError
+        For an ``acc_width`` outside 36 to 48.
+
+    Notes
+    -----
+    The coefficient is the OR of the program's weight and of a word of the table; one of them is 0.
+    Products and sums are exact. The half unit with which a sum starts rounds its result half up.
+    """
+
+    block = "multiply_accumulate"
+    area = "engine"
+    acc_width: int
+
+    def __post_init__(self) -> None:
+        if not PRODUCT_WIDTH <= self.acc_width <= 48:
+            raise ValueError(
+                f"{self.entity}: got acc_width={self.acc_width}, expected {PRODUCT_WIDTH} to 48"
+            )
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            CLOCK,
+            taken("operand", "multiplicand", WORD),
+            taken("weight", "of the program, 0 where the table has it", Unsigned(WIDTH)),
+            taken("take_intercept", "the table's intercept is meant, not its slope"),
+            taken("table_word", "intercept and slope, or 0", Unsigned(PRODUCT_WIDTH)),
+            taken("first", "two clocks after an operand: a sum starts with its product"),
+            taken("first_of_output", "the same, and the sum is that of an output"),
+            given("acc", "the sum, three clocks after the operand", Fix(self.acc_width, 0)),
+        )
+
+    @property
+    def latency(self) -> int:
+        return 3
+
+    def process(
+        self,
+        operand: ArrayLike,
+        weight: ArrayLike,
+        take_intercept: ArrayLike,
+        table_word: ArrayLike,
+        first: ArrayLike,
+        first_of_output: ArrayLike,
+    ) -> Codes:
+        """The sum after each product, the first of which starts one.
+
+        ``first`` and ``first_of_output`` are those of the product.
+        """
+        table = np.asarray(table_word, dtype=np.int64)
+        mask = (1 << WIDTH) - 1
+        chosen = np.where(take_intercept, table >> WIDTH, table & mask)
+        bits = np.asarray(weight, dtype=np.int64) | chosen
+        product = np.asarray(operand, dtype=np.int64) * (bits - ((bits >> (WIDTH - 1)) << WIDTH))
+        half = 1 << (DROPPED - 1)
+        acc, found = 0, []
+        for value, opens, output in zip(
+            product.tolist(),
+            np.asarray(first).tolist(),
+            np.asarray(first_of_output).tolist(),
+            strict=True,
+        ):
+            acc = value + ((half << (OUTPUT_SHIFT if output else 0)) if opens else acc)
+            found.append(acc)
+        return np.array(found, dtype=np.int64)

@@ -1,0 +1,66 @@
+"""operand_memory: samples, hidden sums, tanh and outputs of one frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.block import Block
+from golden.engine.formats import WIDTH
+from golden.fixed import Codes, Fix
+from golden.port import CLOCK, Port, Unsigned, given, taken
+
+WORD = Fix(WIDTH, 0)
+
+
+@dataclass(frozen=True)
+class OperandMemory(Block):
+    """Words of 18 bits, one written and one read a clock.
+
+    Parameters
+    ----------
+    addr_width : int
+    registers : int
+        Registers behind the memory.
+
+    Notes
+    -----
+    A word that is read in the clock in which it is written is the one before. What was never
+    written is undefined.
+    """
+
+    block = "operand_memory"
+    area = "engine"
+    addr_width: int
+    registers: int = 0
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        addr = Unsigned(self.addr_width)
+        return (
+            CLOCK,
+            taken("write", "`data` is kept"),
+            taken("write_addr", "where", addr, "addr_width"),
+            taken("data", "a sample or a result, whose format is that of its neuron", WORD),
+            taken("read_addr", "which word is read", addr, "addr_width"),
+            given("word", f"it, {self.latency} clock{'s' * (self.latency > 1)} later", WORD),
+        )
+
+    @property
+    def latency(self) -> int:
+        return 1 + self.registers
+
+    def process(
+        self, write: ArrayLike, write_addr: ArrayLike, data: ArrayLike, read_addr: ArrayLike
+    ) -> Codes:
+        """What is read in each clock; words that were never written are 0."""
+        memory = np.zeros(1 << self.addr_width, dtype=np.int64)
+        columns = zip(*(np.asarray(c).tolist() for c in (write, write_addr, data, read_addr)))
+        found = []
+        for flag, to, word, source in columns:
+            found.append(memory[source])
+            if flag:
+                memory[to] = word
+        return np.array(found, dtype=np.int64)

@@ -1,0 +1,57 @@
+"""operand_select: the multiplier's operand, made of the word that was read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.block import Block
+from golden.engine.formats import DROPPED, WIDTH
+from golden.engine.graph import Kind
+from golden.engine.operand_memory import WORD
+from golden.fixed import Codes
+from golden.port import CLOCK, Port, Unsigned, given, taken
+
+
+@dataclass(frozen=True)
+class OperandSelect(Block):
+    """The word, the number one with its sign, its distance from a segment's middle, or one.
+
+    Parameters
+    ----------
+    segment_width : int
+        Bits of q within a segment.
+    registers : int
+        Registers beyond the first, for a table that answers later.
+    """
+
+    block = "operand_select"
+    area = "engine"
+    segment_width: int
+    registers: int = 0
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            CLOCK,
+            taken("word", "what was read", WORD),
+            taken("kind", "0 the word, 1 one with its sign, 2 the distance, 3 one", Unsigned(2)),
+            given("operand", "operand, registered", WORD),
+        )
+
+    @property
+    def latency(self) -> int:
+        return 1 + self.registers
+
+    def process(self, word: ArrayLike, kind: ArrayLike) -> Codes:
+        """The operand of each word and kind."""
+        words, kinds = WORD.check(word, f"{self.entity} word"), np.asarray(kind)
+        one = 1 << DROPPED
+        span = 1 << self.segment_width
+        return np.select(
+            [kinds == Kind.WORD, kinds == Kind.INTERCEPT, kinds == Kind.DISTANCE],
+            [words, np.where(words < 0, -one, one), (words & (span - 1)) - span // 2],
+            one,
+        )

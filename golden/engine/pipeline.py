@@ -1,0 +1,69 @@
+"""In which clock each field of a step is used: the registers between the engine's memories."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Pipeline:
+    """Clocks of a step, counted from the one in which the operand's address is there.
+
+    A field that is used k clocks later stands k words later in the program, so control needs no
+    registers of its own.
+
+    Parameters
+    ----------
+    memory_registers : int
+        Registers behind each memory, 0 or 1: for faster clocks.
+    """
+
+    memory_registers: int = 0
+
+    @property
+    def operand(self) -> int:
+        """The word that was read is there: its kind chooses the multiplier's operand."""
+        return 1 + self.memory_registers
+
+    @property
+    def weight(self) -> int:
+        """The word of the table is there, and the weight is chosen."""
+        return self.operand + 1 + self.memory_registers
+
+    @property
+    def start(self) -> int:
+        """The product is there, behind the multiplier's two registers."""
+        return self.weight + 2
+
+    @property
+    def done(self) -> int:
+        """The sum is there."""
+        return self.start + 1
+
+    @property
+    def result(self) -> int:
+        """The rounded result is there, and goes to the operand memory."""
+        return self.done + 1
+
+    @property
+    def result_ready(self) -> int:
+        """Steps from a neuron's last term to the first that reads its result."""
+        return self.result + 1
+
+    @property
+    def begin(self) -> int:
+        """Clocks from the last sample until its frame's first step."""
+        return 1 + self.memory_registers
+
+    @property
+    def sample_ready(self) -> int:
+        """The first step that reads the last sample, which is written two clocks after it came."""
+        return 2 - self.begin
+
+    @property
+    def free(self) -> int:
+        """Clocks from a frame's last output until a sample is taken again.
+
+        Words that were on their way have left the program memory before the next frame begins.
+        """
+        return 1

@@ -1,0 +1,54 @@
+"""round_saturate: a sum becomes a word, or a sample does."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.block import Block
+from golden.engine.formats import DROPPED, SAMPLE_SHIFT
+from golden.engine.operand_memory import WORD
+from golden.fixed import Codes, Fix
+from golden.port import CLOCK, Port, given, taken
+from golden.precision import SIGNAL
+
+
+@dataclass(frozen=True)
+class RoundSaturate(Block):
+    """The sum without its lowest bits, saturated; while no frame is computed, the sample.
+
+    Parameters
+    ----------
+    acc_width : int
+        Bits of the sum.
+
+    Notes
+    -----
+    Half a unit is part of the sum, so dropping bits rounds half up.
+    """
+
+    block = "round_saturate"
+    area = "engine"
+    acc_width: int
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            CLOCK,
+            taken("run", "a frame is computed"),
+            taken("acc", "the sum", Fix(self.acc_width, 0)),
+            taken("sample", "sample x", SIGNAL),
+            given("word", "what goes to the operand memory, one clock later", WORD),
+        )
+
+    @property
+    def latency(self) -> int:
+        return 1
+
+    def process(self, run: ArrayLike, acc: ArrayLike, sample: ArrayLike) -> Codes:
+        """The word of each sum or sample."""
+        kept = np.clip(np.asarray(acc, dtype=np.int64) >> DROPPED, WORD.low, WORD.high)
+        moved = SIGNAL.check(sample, f"{self.entity} sample") << SAMPLE_SHIFT
+        return np.where(run, kept, moved)

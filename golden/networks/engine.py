@@ -1,0 +1,198 @@
+"""Engine: a whole scene on one multiplier and a program."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Self
+
+from golden.block import Block
+from golden.engine.frame_check import FrameCheck
+from golden.engine.graph import Graph, graph_of
+from golden.engine.multiply_accumulate import PRODUCT_WIDTH, MultiplyAccumulate
+from golden.engine.operand_memory import OperandMemory
+from golden.engine.operand_select import OperandSelect
+from golden.engine.pipeline import Pipeline
+from golden.engine.program import Program, assemble
+from golden.engine.program_memory import ProgramMemory
+from golden.engine.round_saturate import RoundSaturate
+from golden.engine.table_address import TableAddress
+from golden.engine.tanh_table import tanh_table
+from golden.fixed import Codes
+from golden.flow import Carried, Flow
+from golden.networks.design import Design
+from golden.networks.mlp import Mlp
+from golden.precision import EXACT, SIGNAL, Precision
+
+
+@dataclass(frozen=True)
+class Engine(Design):
+    """Every neuron of a scene, one product a clock (ours; single, multiple and cascade alike).
+
+    Parameters
+    ----------
+    program : Program
+    acc_width : int
+        Bits of the sum: no sum of the program leaves them.
+    """
+
+    block = "engine"
+    arrangements = ("single", "multiple", "cascade")
+    precisions = (EXACT,)
+    activations = ("precise",)
+    folds_arrangement = True
+    program: Program
+    acc_width: int
+    graph: Graph
+
+    @classmethod
+    def of_scene(
+        cls,
+        arrangement: str,
+        mlps: Sequence[Mlp],
+        options: Mapping[str, object] | None = None,
+        variant: str = "",
+        lean: bool = True,
+    ) -> Self:
+        """The engine of all networks of a scene.
+
+        Parameters
+        ----------
+        arrangement : str
+        mlps : sequence of Mlp
+        options : mapping, optional
+            ``OPTIONS`` that the scene chooses.
+        variant : str
+        lean : bool
+            Leave out terms of zero weight, hidden nodes that no output uses, and segments of the
+            table that no hidden sum reaches. Results are the same either way.
+        """
+        pipeline = Pipeline()
+        table = tanh_table(9)
+        graph = graph_of(arrangement, mlps, lean)
+        segments = len(table.slopes)
+        if lean:
+            segments = min(segments, (graph.reach(table) >> table.width) + 1)
+        program, _ = assemble(graph, table, segments, pipeline)
+        bound = max(graph.bound(neuron, table) for neuron in graph.neurons)
+        return cls(
+            program,
+            max(PRODUCT_WIDTH, bound.bit_length() + 1),
+            graph,
+            useless_nodes=graph.useless_nodes,
+            variant=variant,
+        )
+
+    @classmethod
+    def of(
+        cls,
+        mlp: Mlp,
+        precision: Precision,
+        activation: str,
+        options: Mapping[str, object] | None = None,
+        variant: str = "",
+        lean: bool = True,
+    ) -> Self:
+        return cls.of_scene("single", [mlp], None, variant, lean)
+
+    @property
+    def inputs(self) -> int:
+        return self.program.inputs
+
+    @cached_property
+    def outputs(self) -> int:  # type: ignore[override]
+        return len(self.output_clocks)
+
+    @cached_property
+    def output_clocks(self) -> tuple[int, ...]:  # type: ignore[override]
+        """The steps of the outputs, from the last sample on."""
+        pipeline = self.program.pipeline
+        return tuple(
+            pipeline.begin + step + pipeline.result for step in self.program.output_steps
+        )
+
+    @property
+    def latency(self) -> int:
+        return self.output_clocks[0]
+
+    @property
+    def interval(self) -> int:
+        """Samples of a frame come when the last output of the one before has left."""
+        return self.output_clocks[-1] + self.program.pipeline.free + self.inputs - 1
+
+    @property
+    def addr_width(self) -> int:
+        """Bits of the operand memory's address."""
+        return max(2, self.program.addresses.bit_length())
+
+    @property
+    def input_controller(self) -> FrameCheck:  # type: ignore[override]
+        return self.frame_check
+
+    @property
+    def frame_check(self) -> FrameCheck:
+        return FrameCheck(
+            self.inputs, self.addr_width, self.output_clocks[-1], self.program.pipeline
+        )
+
+    @property
+    def program_memory(self) -> ProgramMemory:
+        return ProgramMemory(
+            self.program.table,
+            self.program.words,
+            self.program.notes,
+            self.table_address.addr_width,
+            self.program.pipeline.memory_registers,
+        )
+
+    @property
+    def operand_memory(self) -> OperandMemory:
+        return OperandMemory(self.addr_width, self.program.pipeline.memory_registers)
+
+    @property
+    def table_address(self) -> TableAddress:
+        return TableAddress(self.program.segment_width, len(self.program.table))
+
+    @property
+    def operand_select(self) -> OperandSelect:
+        return OperandSelect(self.program.segment_width, self.program.pipeline.memory_registers)
+
+    @property
+    def multiply_accumulate(self) -> MultiplyAccumulate:
+        return MultiplyAccumulate(self.acc_width)
+
+    @property
+    def round_saturate(self) -> RoundSaturate:
+        return RoundSaturate(self.acc_width)
+
+    def parts(self) -> tuple[Block, ...]:
+        return (
+            self.frame_check,
+            self.program_memory,
+            self.operand_memory,
+            self.table_address,
+            self.operand_select,
+            self.multiply_accumulate,
+            self.round_saturate,
+        )
+
+    def flow(self) -> Flow:
+        return Flow(
+            (
+                Carried(f"{self.inputs} x", SIGNAL),
+                self.round_saturate,
+                Carried("words", self.round_saturate.latency),
+                self.operand_memory,
+                self.operand_select,
+                self.multiply_accumulate,
+                Carried(f"{self.outputs} y", SIGNAL),
+            ),
+            watcher=self.frame_check,
+        )
+
+    def left_out(self) -> list[str]:
+        return []
+
+    def compute(self, frames: Codes) -> Codes:
+        return self.program.execute(frames)

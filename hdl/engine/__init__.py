@@ -1,0 +1,1 @@
+"""Blocks of the engine: a program, its memories and one multiply-accumulate unit."""

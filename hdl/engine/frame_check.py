@@ -1,0 +1,124 @@
+"""frame_check: takes the samples of good frames, refuses others, and tells when the engine runs."""
+
+from myhdl import Signal, always_comb, always_seq, block, modbv
+
+from golden.engine.frame_check import FrameCheck
+from hdl.common.delay import delay
+from hdl.common.signals import flag
+
+
+@block
+def frame_check(
+    clk,
+    rst,
+    in_valid,
+    in_last,
+    store,
+    finish,
+    run,
+    write,
+    write_addr,
+    frame_error,
+    *,
+    spec: FrameCheck,
+):
+    """Counts samples and results, and lets the program run after a good frame.
+
+    Parameters
+    ----------
+    in_valid, in_last : bool
+        The sample stream without its data.
+    store : bool
+        A result is ready.
+    finish : bool
+        The last output of the frame leaves.
+    run : bool
+        A frame is computed: from ``spec.pipeline.begin`` clocks after its last sample to ``finish``.
+    write, write_addr : bool, unsigned ``spec.addr_width`` bits
+        One clock after a sample that is taken or a result.
+    frame_error : bool
+        One clock long, one clock after the sample that breaks a frame: ``last`` too early or
+        missing, or a first sample that comes while a frame is computed.
+    spec : FrameCheck
+
+    Notes
+    -----
+    One counter is the address of samples and results. It counts from -1, so that it is the address
+    of the word that is written a clock later. Reset clears everything: the next sample starts a
+    frame.
+    """
+    span = 1 << spec.addr_width
+    start = span - 1
+    before_last = (spec.inputs - 2) % span
+    # The address wraps from -1 to 0.
+    addr = Signal(modbv(start, min=0, max=span))
+    running, dropping = flag(), flag()
+    busy, accept, complete, good, early, broken = (flag() for _ in range(6))
+
+    @always_comb
+    def look():
+        accept.next = in_valid and not busy and not dropping
+        early.next = in_valid and busy and not dropping
+        complete.next = addr == before_last
+
+    @always_comb
+    def judge():
+        good.next = accept and complete and in_last
+        broken.next = accept and (complete != in_last)
+
+    @always_seq(clk.posedge, reset=rst)
+    def drop():
+        frame_error.next = early or broken
+        if in_valid:
+            dropping.next = not in_last and (dropping or early or broken)
+
+    @always_seq(clk.posedge, reset=rst)
+    def count():
+        if finish or broken:
+            addr.next = start
+        elif accept or (running and store):
+            addr.next = addr + 1
+
+    @always_seq(clk.posedge, reset=rst)
+    def mark():
+        write.next = accept or (running and store)
+
+    @always_comb
+    def show():
+        run.next = running
+        write_addr.next = addr
+
+    if spec.pipeline.begin == 1:
+
+        @always_seq(clk.posedge, reset=rst)
+        def turn():
+            if finish:
+                running.next = False
+            elif good:
+                running.next = True
+
+        @always_comb
+        def wait():
+            busy.next = running
+
+        return look, judge, drop, count, mark, show, turn, wait
+
+    begin, waiting = flag(), flag()
+
+    @always_seq(clk.posedge, reset=rst)
+    def turn():
+        if finish:
+            running.next = False
+        elif begin:
+            running.next = True
+        if good:
+            waiting.next = True
+        elif begin:
+            waiting.next = False
+
+    @always_comb
+    def wait():
+        busy.next = running or waiting
+
+    late = delay(clk, rst, good, begin, clocks=spec.pipeline.begin - 1)
+    return look, judge, drop, count, mark, show, turn, wait, late

@@ -1,0 +1,66 @@
+"""operand_select: the multiplier's operand, made of the word that was read."""
+
+from myhdl import always, always_comb, block, concat
+
+from golden.engine.formats import DROPPED, WIDTH
+from golden.engine.operand_memory import WORD
+from golden.engine.operand_select import OperandSelect
+from hdl.common.delay import delay
+from hdl.common.signals import fixed, signed, unsigned
+
+
+@block
+def operand_select(clk, word, kind, operand, *, spec: OperandSelect):
+    """The word, the number one with its sign, its distance from a segment's middle, or one.
+
+    Parameters
+    ----------
+    word : signed 18 bits
+    kind : unsigned 2 bits
+        0 the word, 1 one with its sign, 2 the distance, 3 one.
+    operand : signed 18 bits
+        ``spec.latency`` clocks later.
+    spec : OperandSelect
+    """
+    sign = WIDTH - 1
+    middle = spec.segment_width - 1
+    one = 1 << DROPPED
+    minus_one = -one
+    width = spec.segment_width
+    bits = unsigned(width)
+    chosen, late = fixed(WORD), fixed(WORD)
+    distance = signed(width)
+
+    @always_comb
+    def measure():
+        # Less half a segment: the highest bit of the distance inverted is a sign.
+        bits.next = concat(not word[middle], word[middle:])
+
+    @always_comb
+    def sign_distance():
+        distance.next = bits[width:].signed()
+
+    @always_comb
+    def choose():
+        if kind == 0:
+            chosen.next = word
+        elif kind == 2:
+            chosen.next = distance
+        elif kind == 1 and word[sign]:
+            chosen.next = minus_one
+        else:
+            chosen.next = one
+
+    if spec.registers:
+
+        @always(clk.posedge)
+        def keep():
+            late.next = chosen
+
+        return measure, sign_distance, choose, keep, delay(clk, None, late, operand, clocks=spec.registers)
+
+    @always(clk.posedge)
+    def keep():
+        operand.next = chosen
+
+    return measure, sign_distance, choose, keep

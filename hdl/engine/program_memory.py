@@ -1,0 +1,70 @@
+"""program_memory: the words of program and table, and the counter that steps through them."""
+
+from myhdl import Signal, always, always_comb, always_seq, block, modbv
+
+from golden.engine.program import WORD_WIDTH
+from golden.engine.program_memory import ProgramMemory
+from hdl.common.delay import connect, delay
+from hdl.common.rom import constants
+from hdl.common.signals import flag, unsigned
+
+
+@block
+def program_memory(
+    clk, rst, run, finish, segment, look_up, word, table_word, *, spec: ProgramMemory
+):
+    """Words of 36 bits, read twice a clock: by a counter, and by the segment of a hidden sum.
+
+    Parameters
+    ----------
+    run, finish : bool
+        The counter steps while ``run``; otherwise, and from ``finish`` on, it stands at the
+        program's first word.
+    segment : unsigned ``spec.segment_addr_width`` bits
+    look_up : bool
+        Without it ``table_word`` is 0.
+    word, table_word : unsigned 36 bits
+        ``spec.latency`` clocks later.
+    spec : ProgramMemory
+
+    Notes
+    -----
+    The table stands before the program, so its address needs no addition. One memory with two read
+    ports: a block RAM of 512 words. Reset puts the counter to the program's first word.
+    """
+    begin = spec.begin
+    memory = constants(spec.contents, WORD_WIDTH)
+    counter = Signal(modbv(begin, min=0, max=1 << spec.addr_width))
+    stands = flag()
+    fetched, found = unsigned(WORD_WIDTH), unsigned(WORD_WIDTH)
+
+    @always_comb
+    def decide():
+        stands.next = finish or not run
+
+    @always_seq(clk.posedge, reset=rst)
+    def step():
+        if stands:
+            counter.next = begin
+        else:
+            counter.next = counter + 1
+
+    @always(clk.posedge)
+    def fetch():
+        fetched.next = memory[counter]
+
+    @always(clk.posedge)
+    def read_table():
+        if look_up:
+            found.next = memory[segment]
+        else:
+            found.next = 0
+
+    if spec.registers:
+        late = (
+            delay(clk, None, fetched, word, clocks=spec.registers),
+            delay(clk, None, found, table_word, clocks=spec.registers),
+        )
+    else:
+        late = connect(fetched, word), connect(found, table_word)
+    return decide, step, fetch, read_table, late

@@ -1,0 +1,71 @@
+"""round_saturate: a sum becomes a word, or a sample does."""
+
+from myhdl import always, always_comb, block
+
+from golden.engine.formats import DROPPED, SAMPLE_SHIFT, WIDTH
+from golden.engine.operand_memory import WORD
+from golden.engine.round_saturate import RoundSaturate
+from hdl.common.signals import fixed, flag, unsigned
+
+
+@block
+def round_saturate(clk, run, acc, sample, word, *, spec: RoundSaturate):
+    """The sum without its lowest bits, saturated; while no frame is computed, the sample.
+
+    Parameters
+    ----------
+    run : bool
+    acc : signed ``spec.acc_width`` bits
+    sample : signed Fix(14,13)
+    word : signed 18 bits
+        One clock later.
+    spec : RoundSaturate
+    """
+    sign = spec.acc_width - 1
+    # From the highest bit that is kept: all of them are alike where nothing saturates.
+    lowest = DROPPED + WIDTH - 1
+    above = unsigned(sign - lowest + 1)
+    ones = (1 << (sign - lowest + 1)) - 1
+    high, low = WORD.high, WORD.low
+    beyond = flag()
+    kept, result, wide, moved = (fixed(WORD) for _ in range(4))
+    top = sign + 1
+    end = lowest + 1
+
+    @always_comb
+    def look():
+        above.next = acc[top:lowest]
+
+    @always_comb
+    def compare():
+        beyond.next = above != 0 and above != ones
+
+    @always_comb
+    def cut():
+        kept.next = acc[end:DROPPED].signed()
+
+    @always_comb
+    def saturate():
+        if not beyond:
+            result.next = kept
+        elif acc[sign]:
+            result.next = low
+        else:
+            result.next = high
+
+    @always_comb
+    def widen():
+        wide.next = sample
+
+    @always_comb
+    def move():
+        moved.next = wide << SAMPLE_SHIFT
+
+    @always(clk.posedge)
+    def keep():
+        if run:
+            word.next = result
+        else:
+            word.next = moved
+
+    return look, compare, cut, saturate, widen, move, keep

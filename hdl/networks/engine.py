@@ -1,0 +1,138 @@
+"""Engine: a whole scene on one multiplier and a program."""
+
+from myhdl import always_comb, always_seq, block
+
+from golden.engine.formats import OUTPUT_SHIFT, WIDTH
+from golden.engine.operand_memory import WORD
+from golden.engine.program import (
+    END,
+    FIRST,
+    FIRST_OF_OUTPUT,
+    KIND,
+    OUTPUT,
+    SOURCE,
+    STORE,
+    TAKE_INTERCEPT,
+    WORD_WIDTH,
+)
+from golden.networks.engine import Engine
+from hdl.common.signals import fixed, flag, signed, unsigned
+from hdl.engine.frame_check import frame_check
+from hdl.engine.multiply_accumulate import multiply_accumulate
+from hdl.engine.operand_memory import operand_memory
+from hdl.engine.operand_select import operand_select
+from hdl.engine.program_memory import program_memory
+from hdl.engine.round_saturate import round_saturate
+from hdl.engine.table_address import table_address
+
+
+@block
+def engine(
+    clk,
+    rst,
+    in_valid,
+    in_data,
+    in_last,
+    out_valid,
+    out_data,
+    out_last,
+    frame_error,
+    *,
+    spec: Engine,
+):
+    """A frame of sensor samples in, a frame of outputs out, on one multiplier.
+
+    Parameters
+    ----------
+    in_valid, in_data, in_last : bool, signed Fix(14,13), bool
+        One sample a clock at most; ``in_last`` with the last sensor of a scan.
+    out_valid, out_data, out_last : bool, signed Fix(14,13), bool
+        Outputs as the program computes them; ``out_last`` with the last.
+    frame_error : bool
+        One clock long for each frame of the wrong length, or that begins before the last output of
+        the one before has left; it yields no result.
+    spec : Engine
+
+    Notes
+    -----
+    The fields of a step stand in several words of the program, each where the clock of its use
+    finds it; docs/blocks/engine.md shows which. Latency from the last sample to the outputs:
+    ``spec.output_clocks`` clocks. Reset clears every flag and counter.
+    """
+    check, table = spec.frame_check, spec.table_address
+    word, table_word = unsigned(WORD_WIDTH), unsigned(WORD_WIDTH)
+    run, finish, write, look_up = flag(), flag(), flag(), flag()
+    write_addr, source = unsigned(spec.addr_width), unsigned(spec.addr_width)
+    data, read, operand = (fixed(WORD) for _ in range(3))
+    segment = unsigned(table.addr_width)
+    weight, kind = unsigned(WIDTH), unsigned(KIND[1])
+    take_intercept, first, first_of_output, store, leaves, ends = (flag() for _ in range(6))
+    acc = signed(spec.acc_width)
+    source_low, kind_low = SOURCE[0], KIND[0]
+    source_top, kind_top = source_low + spec.addr_width, sum(KIND)
+    take_bit, first_bit, first_of_output_bit = TAKE_INTERCEPT[0], FIRST[0], FIRST_OF_OUTPUT[0]
+    store_bit, output_bit, end_bit = STORE[0], OUTPUT[0], END[0]
+
+    @always_comb
+    def split():
+        weight.next = word[WIDTH:]
+        source.next = word[source_top:source_low]
+        kind.next = word[kind_top:kind_low]
+        take_intercept.next = word[take_bit]
+        first.next = word[first_bit]
+        first_of_output.next = word[first_of_output_bit]
+        store.next = word[store_bit]
+        leaves.next = word[output_bit]
+        ends.next = word[end_bit]
+
+    @always_comb
+    def ask():
+        look_up.next = kind == 1 or kind == 2
+
+    @always_seq(clk.posedge, reset=rst)
+    def leave():
+        out_valid.next = run and leaves
+        finish.next = run and ends
+
+    @always_comb
+    def show():
+        out_data.next = data[WIDTH:OUTPUT_SHIFT].signed()
+        out_last.next = finish
+
+    return (
+        split,
+        ask,
+        leave,
+        show,
+        frame_check(
+            clk,
+            rst,
+            in_valid,
+            in_last,
+            store,
+            finish,
+            run,
+            write,
+            write_addr,
+            frame_error,
+            spec=check,
+        ),
+        program_memory(
+            clk, rst, run, finish, segment, look_up, word, table_word, spec=spec.program_memory
+        ),
+        operand_memory(clk, write, write_addr, data, source, read, spec=spec.operand_memory),
+        table_address(read, segment, spec=table),
+        operand_select(clk, read, kind, operand, spec=spec.operand_select),
+        multiply_accumulate(
+            clk,
+            operand,
+            weight,
+            take_intercept,
+            table_word,
+            first,
+            first_of_output,
+            acc,
+            spec=spec.multiply_accumulate,
+        ),
+        round_saturate(clk, run, acc, in_data, data, spec=spec.round_saturate),
+    )
