@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.block import Block
-from golden.engine.formats import DROPPED, WIDTH
+from golden.engine.formats import DROPPED
 from golden.engine.graph import Kind
 from golden.engine.operand_memory import WORD
 from golden.fixed import Codes

@@ -51,19 +51,27 @@ class Pipeline:
         return self.result + 1
 
     @property
-    def begin(self) -> int:
-        """Clocks from the last sample until its frame's first step."""
+    def run(self) -> int:
+        """Clocks from the last sample until the program runs.
+
+        Words that a reset left on their way have passed by then.
+        """
         return 1 + self.memory_registers
 
     @property
-    def sample_ready(self) -> int:
-        """The first step that reads the last sample, which is written two clocks after it came."""
-        return 2 - self.begin
+    def begin(self) -> int:
+        """Clocks from the last sample until its frame's first step.
+
+        The word of that step stands ready; the second comes with the counter's first step.
+        """
+        return self.run + 1 + self.memory_registers
+
+    @property
+    def padding(self) -> int:
+        """Words without effect behind the last one, which are read until the program stands."""
+        return 1 + self.memory_registers
 
     @property
     def free(self) -> int:
-        """Clocks from a frame's last output until a sample is taken again.
-
-        Words that were on their way have left the program memory before the next frame begins.
-        """
+        """Clocks from a frame's last output until a sample is taken again."""
         return 1

@@ -164,7 +164,7 @@ def assemble(
     pipeline : Pipeline
     """
     steps = schedule(graph, pipeline)
-    words = [0] * (len(steps) + pipeline.done)
+    words = [0] * (len(steps) + pipeline.done + pipeline.padding)
     addresses = {k: k for k in range(graph.inputs)} | {-1: 0}
     final = len(steps) - 1
     for n, step in enumerate(steps):

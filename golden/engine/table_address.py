@@ -49,7 +49,9 @@ class TableAddress(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             taken("q", "a hidden sum", HIDDEN),
-            given("addr", "its segment, in the same clock", Unsigned(self.addr_width), "addr_width"),
+            given(
+                "addr", "its segment, in the same clock", Unsigned(self.addr_width), "addr_width"
+            ),
         )
 
     @property

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 
-from golden.engine.formats import DROPPED, HIDDEN, RESULT, WIDTH
+from golden.engine.formats import HIDDEN, RESULT, WIDTH
 from golden.transcendental import tanh_floors
 
 # By w, bits of the distance within a segment: where the table ends. The word of the last segment

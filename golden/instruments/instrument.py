@@ -8,7 +8,7 @@ from golden.block import Block
 from golden.fixed import Codes
 from golden.flow import Carried, Flow
 from golden.instruments.readout import Readout
-from golden.layers.input_controller import InputController
+from golden.layers.input_controller import FrameJudge
 from golden.networks.network import Network
 from golden.port import CLOCKED, Port
 from golden.precision import SIGNAL
@@ -54,6 +54,14 @@ class Instrument(Network):
                 f"{scan.scan_clocks} clocks, expected {self.readout.interval} or more, which the "
                 "network needs"
             )
+        samples = scan.sample_clocks
+        left = scan.scan_clocks - int(samples[-1]) + int(samples[0]) - 1
+        if left < self.readout.busy:
+            raise ValueError(
+                f"{self.entity}: got counter_width={scan.counter_width}, a scan that leaves {left} "
+                f"clocks between two frames, expected {self.readout.busy} or more, in which the "
+                "network computes"
+            )
 
     @property
     def inputs(self) -> int:
@@ -83,7 +91,11 @@ class Instrument(Network):
         return self.scan_sequencer.latency + self.readout.latency
 
     @property
-    def input_controller(self) -> InputController:
+    def output_clocks(self) -> tuple[int, ...]:
+        return tuple(self.scan_sequencer.latency + c for c in self.readout.output_clocks)
+
+    @property
+    def input_controller(self) -> FrameJudge:
         return self.readout.input_controller
 
     @property

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from golden.block import Block
 from golden.fixed import Codes
 from golden.flow import Carried, Flow, Step
-from golden.layers.input_controller import InputController
+from golden.layers.input_controller import FrameJudge
 from golden.networks.network import Network, serial_ports
 from golden.port import Port, given, group
 from golden.precision import SIGNAL
@@ -95,7 +95,15 @@ class Readout(Network):
         return self.network.latency
 
     @property
-    def input_controller(self) -> InputController:
+    def output_clocks(self) -> tuple[int, ...]:
+        return self.network.output_clocks
+
+    @property
+    def busy(self) -> int:
+        return self.network.busy
+
+    @property
+    def input_controller(self) -> FrameJudge:
         return self.network.input_controller
 
     @property

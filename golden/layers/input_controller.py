@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -32,6 +33,17 @@ class FrameScan:
     accept: NDArray[np.bool_]
     done: NDArray[np.bool_]
     error: NDArray[np.bool_]
+
+
+class FrameJudge(Protocol):
+    """What decides which frames a network takes."""
+
+    @property
+    def inputs(self) -> int:
+        """Elements of a good frame."""
+
+    def process(self, last: ArrayLike, clock: ArrayLike) -> FrameScan:
+        """Decisions for elements that arrive after a reset; see ``InputController.process``."""
 
 
 @dataclass(frozen=True)

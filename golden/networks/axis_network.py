@@ -81,11 +81,16 @@ class AxisNetwork(Network):
         """Frames that may be between the last sample and the last output taken.
 
         As many as keep the network busy while nobody waits: from a frame's last sample until the
-        clock in which another may take its place there are ``slots``, the latency, the outputs and
-        1 clock.
+        clock in which another may take its place there are ``slots``, the clocks to the last output
+        and 2 clocks.
         """
-        clocks = self.slots + self.network.latency + self.outputs + 1
+        clocks = self.slots + self.network.output_clocks[-1] + 2
         return -(-clocks // self.interval)
+
+    @property
+    def output_clocks(self) -> tuple[int, ...]:
+        """Where nobody waits."""
+        return tuple(self.slots + FIFO_CLOCKS + c for c in self.network.output_clocks)
 
     @property
     def slots(self) -> int:
@@ -94,7 +99,13 @@ class AxisNetwork(Network):
 
     @property
     def spacing(self) -> int:
-        """Clocks from frame to frame that a frame does not take by its own length, or 0."""
+        """Clocks from frame to frame that a frame does not take by its own length, or 0.
+
+        They are counted from a frame's last sample, to the next frame's last, or to its first where
+        the network takes none before.
+        """
+        if self.network.busy:
+            return self.network.busy + 1
         return self.interval if self.interval > self.inputs + self.slots else 0
 
     @property

@@ -11,7 +11,7 @@ from golden.layers.weighted_sum import WeightedSum
 from golden.networks.constants import Constants, constants_of
 from golden.networks.mlp import Mlp
 from golden.networks.network import Network
-from golden.precision import Precision
+from golden.precision import PRECISIONS, Precision
 
 
 @dataclass(frozen=True)
@@ -60,6 +60,12 @@ class Design(Network):
     ----------
     arrangements : tuple of str
         Those in which a scene may use it.
+    precisions : tuple of str
+        Those that it is made for.
+    known_activations : tuple of str
+        Those that it computes; empty for all.
+    options : tuple of str
+        Keys of the section ``[hardware]`` that are about this design alone.
     min_interval : int
         Clocks that whoever takes the outputs needs from one frame to the next.
     useless_nodes : int
@@ -67,6 +73,9 @@ class Design(Network):
     """
 
     arrangements: ClassVar[tuple[str, ...]] = ()
+    precisions: ClassVar[tuple[str, ...]] = tuple(PRECISIONS)
+    known_activations: ClassVar[tuple[str, ...]] = ()
+    options: ClassVar[tuple[str, ...]] = ()
     min_interval: int = field(default=1, kw_only=True)
     useless_nodes: int = field(default=0, kw_only=True)
 
@@ -91,9 +100,29 @@ class Design(Network):
         options: Mapping[str, object] | None = None,
         variant: str = "",
         lean: bool = True,
+        hardware: Mapping[str, object] | None = None,
     ) -> Self:
-        """The design of a network in real weights; see ``constants_of``."""
+        """The design of a network in real weights; see ``constants_of``.
+
+        ``hardware`` has what a scene chooses of the design's own ``options``.
+        """
         return cls.from_constants(constants_of(mlp, precision, activation, options, lean), variant)
+
+    @classmethod
+    def of_several(
+        cls,
+        arrangement: str,
+        mlps: Sequence[Mlp],
+        lean: bool = True,
+        hardware: Mapping[str, object] | None = None,
+    ) -> Network | None:
+        """All networks of a scene as one, for a design that arranges them by itself."""
+        return None
+
+    @property
+    def hidden_weights(self) -> list[Sequence[int]]:
+        """A code for each input of each hidden sum; their signs tell what drives it to an end."""
+        return [node.weights for node in self.exact_layers.hidden]
 
     @property
     def exact_layers(self) -> ExactLayers:

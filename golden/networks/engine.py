@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Self
 
 from golden.block import Block
+from golden.engine.formats import HIDDEN
 from golden.engine.frame_check import FrameCheck
 from golden.engine.graph import Graph, graph_of
 from golden.engine.multiply_accumulate import PRODUCT_WIDTH, MultiplyAccumulate
@@ -39,21 +40,21 @@ class Engine(Design):
 
     block = "engine"
     arrangements = ("single", "multiple", "cascade")
-    precisions = (EXACT,)
-    activations = ("precise",)
-    folds_arrangement = True
+    precisions = (EXACT.name,)
+    known_activations = ("precise",)
+    options = ("segment_width",)
     program: Program
     acc_width: int
     graph: Graph
 
     @classmethod
-    def of_scene(
+    def of_several(
         cls,
         arrangement: str,
         mlps: Sequence[Mlp],
-        options: Mapping[str, object] | None = None,
-        variant: str = "",
         lean: bool = True,
+        hardware: Mapping[str, object] | None = None,
+        variant: str = "",
     ) -> Self:
         """The engine of all networks of a scene.
 
@@ -61,15 +62,16 @@ class Engine(Design):
         ----------
         arrangement : str
         mlps : sequence of Mlp
-        options : mapping, optional
-            ``OPTIONS`` that the scene chooses.
-        variant : str
         lean : bool
             Leave out terms of zero weight, hidden nodes that no output uses, and segments of the
             table that no hidden sum reaches. Results are the same either way.
+        hardware : mapping, optional
+            What the scene chooses of ``options``.
+        variant : str
         """
+        chosen = {"segment_width": 9} | dict(hardware or {})
         pipeline = Pipeline()
-        table = tanh_table(9)
+        table = tanh_table(chosen["segment_width"])
         graph = graph_of(arrangement, mlps, lean)
         segments = len(table.slopes)
         if lean:
@@ -93,12 +95,21 @@ class Engine(Design):
         options: Mapping[str, object] | None = None,
         variant: str = "",
         lean: bool = True,
+        hardware: Mapping[str, object] | None = None,
     ) -> Self:
-        return cls.of_scene("single", [mlp], None, variant, lean)
+        return cls.of_several("single", [mlp], lean, hardware, variant)
 
     @property
     def inputs(self) -> int:
         return self.program.inputs
+
+    @property
+    def hidden_weights(self) -> list[Sequence[int]]:
+        sums = [neuron for neuron in self.graph.neurons if neuron.result == HIDDEN]
+        return [
+            [sum(t.weight for t in neuron.terms if t.source == k) for k in range(self.inputs)]
+            for neuron in sums
+        ]
 
     @cached_property
     def outputs(self) -> int:  # type: ignore[override]
@@ -108,9 +119,7 @@ class Engine(Design):
     def output_clocks(self) -> tuple[int, ...]:  # type: ignore[override]
         """The steps of the outputs, from the last sample on."""
         pipeline = self.program.pipeline
-        return tuple(
-            pipeline.begin + step + pipeline.result for step in self.program.output_steps
-        )
+        return tuple(pipeline.begin + step + pipeline.result for step in self.program.output_steps)
 
     @property
     def latency(self) -> int:
@@ -122,12 +131,16 @@ class Engine(Design):
         return self.output_clocks[-1] + self.program.pipeline.free + self.inputs - 1
 
     @property
+    def busy(self) -> int:
+        return self.output_clocks[-1] + self.program.pipeline.free - 1
+
+    @property
     def addr_width(self) -> int:
         """Bits of the operand memory's address."""
         return max(2, self.program.addresses.bit_length())
 
     @property
-    def input_controller(self) -> FrameCheck:  # type: ignore[override]
+    def input_controller(self) -> FrameCheck:
         return self.frame_check
 
     @property

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.fixed import Codes
-from golden.layers.input_controller import InputController
+from golden.layers.input_controller import FrameJudge
 from golden.port import CLOCKED, Port, given, group, taken
 from golden.precision import SIGNAL
 from golden.sensing.scan_sequencer import ScanSequencer
@@ -63,9 +63,19 @@ class Network(Block):
         raise NotImplementedError
 
     @property
-    def input_controller(self) -> InputController:
-        """The controller that judges frames; its ``inputs`` are the elements of the stream."""
+    def input_controller(self) -> FrameJudge:
+        """What judges frames; its ``inputs`` are the elements of the stream."""
         raise NotImplementedError
+
+    @property
+    def busy(self) -> int:
+        """Clocks after a frame's last element in which none of the next frame is taken."""
+        return 0
+
+    @property
+    def output_clocks(self) -> tuple[int, ...]:
+        """Clocks from a frame's last element to each output; the first is the latency."""
+        return tuple(range(self.latency, self.latency + self.outputs))
 
     @property
     def frame_clocks(self) -> int:

@@ -9,6 +9,7 @@ from golden.instruments.instrument import Instrument
 from golden.instruments.readout import Readout
 from golden.networks.arrangement import arrange
 from golden.networks.axis_network import AxisNetwork
+from golden.networks.designs import DESIGNS
 from golden.networks.network import Network
 
 if TYPE_CHECKING:
@@ -26,7 +27,10 @@ def build_twin(scene: Scene, lean: bool) -> Network:
         See ``load_network`` and ``constants_of``; also for a front end that cannot make the
         network's frames.
     """
-    network = arrange(scene.arrangement, scene.mlps(), partial(scene.build, lean=lean))
+    design = DESIGNS[scene.design]
+    network = design.of_several(
+        scene.arrangement, scene.mlps(), lean, scene.design_options
+    ) or arrange(scene.arrangement, scene.mlps(), partial(scene.build, lean=lean))
     if scene.interface == "axi_stream":
         return AxisNetwork(network)
     drawn = scene.visualisation

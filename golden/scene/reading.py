@@ -15,6 +15,7 @@ from golden.scene.sections import (
     check_activation,
     check_data,
     check_hardware,
+    design_options,
     members,
     training,
 )
@@ -83,6 +84,7 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
         arrangement=network["arrangement"],
         members=members(data, network, path),
         design=hardware["design"],
+        design_options=design_options(hardware, path),
         activation=activation,
         activation_options=hardware["activation_options"],
         precision=PRECISIONS[hardware["precision"]],

@@ -48,6 +48,8 @@ class Scene:
         The networks, in the order of the outputs.
     design : str
         A name of ``DESIGNS``.
+    design_options : dict
+        What the scene chooses of the design's options.
     activation : str
     activation_options : dict
         What the scene chooses of the activation's options.
@@ -75,6 +77,7 @@ class Scene:
     arrangement: str
     members: tuple[Member, ...]
     design: str
+    design_options: dict[str, Any]
     activation: str
     activation_options: dict[str, Any]
     precision: Precision
@@ -134,7 +137,13 @@ class Scene:
     def build(self, mlp: Mlp, variant: str = "", lean: bool = True) -> Design:
         """The bit-true network of ``mlp`` in this scene's hardware; see ``constants_of``."""
         return DESIGNS[self.design].of(
-            mlp, self.precision, self.activation, self.activation_options, variant, lean
+            mlp,
+            self.precision,
+            self.activation,
+            self.activation_options,
+            variant,
+            lean,
+            self.design_options,
         )
 
     def twin(self, lean: bool = True) -> Network:

@@ -38,6 +38,10 @@ KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
         "precision": (str, None),
         "clock_mhz": (float, 64.0),
         "interface": (str, "stream"),
+        "multiplier": (str, ""),
+        "segment_width": (int, 0),
+        "clocks": (int, 0),
+        "reload": (bool, False),
     },
     "training": {
         "optimiser": (str, "levenberg-marquardt"),
@@ -60,6 +64,7 @@ CHOICES = {
     ("hardware", "activation"): tuple(SCHEMES),
     ("hardware", "precision"): tuple(PRECISIONS),
     ("hardware", "interface"): ("stream", "axi_stream"),
+    ("hardware", "multiplier"): ("dsp", "serial"),
     ("training", "optimiser"): ("levenberg-marquardt", "scg"),
     ("training", "earlier_outputs"): ("bit-true", "float"),
 }
@@ -105,7 +110,14 @@ def _is(value: Any, kind: Any) -> bool:
 def _kind(kind: Any) -> str:
     if isinstance(kind, list):
         return f"{_kind(kind[0])}, or a list with one for each network"
-    names = {str: "text", int: "a whole number", float: "a number", list: "a list", dict: "a table"}
+    names = {
+        str: "text",
+        bool: "true or false",
+        int: "a whole number",
+        float: "a number",
+        list: "a list",
+        dict: "a table",
+    }
     return names[kind]
 
 

@@ -137,6 +137,11 @@ def check_hardware(values: dict[str, dict[str, Any]], path: Path) -> None:
             f"{path}: network.arrangement: got {arrangement!r} with design {design.block!r}, "
             f"expected {' or '.join(design.arrangements)}"
         )
+    if hardware["precision"] not in design.precisions:
+        raise ValueError(
+            f"{path}: hardware.precision: got {hardware['precision']!r} with design "
+            f"{design.block!r}, expected {' or '.join(design.precisions)}"
+        )
     if not 0 < hardware["clock_mhz"] < math.inf:
         raise ValueError(
             f"{path}: hardware.clock_mhz: got {hardware['clock_mhz']!r}, expected above 0"
@@ -164,6 +169,26 @@ def check_hardware(values: dict[str, dict[str, Any]], path: Path) -> None:
         )
 
 
+def design_options(hardware: dict[str, Any], path: Path) -> dict[str, Any]:
+    """What is chosen of the design's own options.
+
+    Raises
+    ------
+    ValueError
+        For an option of another design.
+    """
+    design = DESIGNS[hardware["design"]]
+    known = sorted({name for other in DESIGNS.values() for name in other.options})
+    for name in known:
+        if hardware[name] and name not in design.options:
+            fitting = " or ".join(n for n, other in DESIGNS.items() if name in other.options)
+            raise ValueError(
+                f"{path}: hardware.{name}: got {hardware[name]!r} with design {design.block!r}, "
+                f"expected design {fitting}"
+            )
+    return {name: hardware[name] for name in design.options if hardware[name]}
+
+
 def check_activation(hardware: dict[str, Any], path: Path) -> str:
     """The activation's name, that of the precision where the scene names none.
 
@@ -181,6 +206,12 @@ def check_activation(hardware: dict[str, Any], path: Path) -> str:
         raise ValueError(
             f"{path}: hardware.activation: got {activation!r} with precision {precision.name!r}, "
             f"expected one of {fitting}"
+        )
+    design = DESIGNS[hardware["design"]]
+    if design.known_activations and activation not in design.known_activations:
+        raise ValueError(
+            f"{path}: hardware.activation: got {activation!r} with design {design.block!r}, "
+            f"expected {' or '.join(design.known_activations)}"
         )
     return activation
 

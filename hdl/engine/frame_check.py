@@ -33,7 +33,7 @@ def frame_check(
     finish : bool
         The last output of the frame leaves.
     run : bool
-        A frame is computed: from ``spec.pipeline.begin`` clocks after its last sample to ``finish``.
+        A frame is computed: from ``spec.pipeline.run`` clocks after its last sample to ``finish``.
     write, write_addr : bool, unsigned ``spec.addr_width`` bits
         One clock after a sample that is taken or a result.
     frame_error : bool
@@ -88,7 +88,7 @@ def frame_check(
         run.next = running
         write_addr.next = addr
 
-    if spec.pipeline.begin == 1:
+    if spec.pipeline.run == 1:
 
         @always_seq(clk.posedge, reset=rst)
         def turn():
@@ -120,5 +120,5 @@ def frame_check(
     def wait():
         busy.next = running or waiting
 
-    late = delay(clk, rst, good, begin, clocks=spec.pipeline.begin - 1)
+    late = delay(clk, rst, good, begin, clocks=spec.pipeline.run - 1)
     return look, judge, drop, count, mark, show, turn, wait, late

@@ -24,7 +24,9 @@ def operand_memory(clk, write, write_addr, data, read_addr, word, *, spec: Opera
     A word that is read while it is written is the one before. No reset, so that it can be a block
     RAM.
     """
-    memory = [Signal(intbv(0, min=WORD.low, max=WORD.high + 1)) for _ in range(1 << spec.addr_width)]
+    memory = [
+        Signal(intbv(0, min=WORD.low, max=WORD.high + 1)) for _ in range(1 << spec.addr_width)
+    ]
     found = fixed(WORD)
 
     @always(clk.posedge)

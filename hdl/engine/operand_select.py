@@ -6,7 +6,7 @@ from golden.engine.formats import DROPPED, WIDTH
 from golden.engine.operand_memory import WORD
 from golden.engine.operand_select import OperandSelect
 from hdl.common.delay import delay
-from hdl.common.signals import fixed, signed, unsigned
+from hdl.common.signals import fixed, flag, signed, unsigned
 
 
 @block
@@ -28,13 +28,18 @@ def operand_select(clk, word, kind, operand, *, spec: OperandSelect):
     minus_one = -one
     width = spec.segment_width
     bits = unsigned(width)
+    below = flag()
     chosen, late = fixed(WORD), fixed(WORD)
     distance = signed(width)
 
+    # Less half a segment: the highest bit of the distance inverted is a sign.
+    @always_comb
+    def invert():
+        below.next = not word[middle]
+
     @always_comb
     def measure():
-        # Less half a segment: the highest bit of the distance inverted is a sign.
-        bits.next = concat(not word[middle], word[middle:])
+        bits.next = concat(below, word[middle:])
 
     @always_comb
     def sign_distance():
@@ -57,10 +62,17 @@ def operand_select(clk, word, kind, operand, *, spec: OperandSelect):
         def keep():
             late.next = chosen
 
-        return measure, sign_distance, choose, keep, delay(clk, None, late, operand, clocks=spec.registers)
+        return (
+            invert,
+            measure,
+            sign_distance,
+            choose,
+            keep,
+            delay(clk, None, late, operand, clocks=spec.registers),
+        )
 
     @always(clk.posedge)
     def keep():
         operand.next = chosen
 
-    return measure, sign_distance, choose, keep
+    return invert, measure, sign_distance, choose, keep

@@ -169,7 +169,17 @@ def indent_architecture(text: str) -> str:
     return f"{text[: begin.end()]}{body}\n\n{text[end.start() :]}"
 
 
+def shorten_bit_strings(text: str) -> str:
+    """``36X"..."`` is VHDL-2008; without its length, where that is four bits a digit, it is older."""
+
+    def literal(found: re.Match[str]) -> str:
+        return found[0] if int(found[1]) != 4 * len(found[2]) else f'X"{found[2]}"'
+
+    return re.sub(r'\b(\d+)X"([0-9a-f]+)"', literal, text)
+
+
 _VHDL_RULES = (
+    shorten_bit_strings,
     name_architecture,
     fold_numbers,
     drop_shifts_by_nothing,

@@ -28,16 +28,18 @@ def gate(
     inputs: int,
     slots: int,
     spacing: int,
+    whole: bool,
 ):
     """Samples into the network's stream, the slots behind them, and when to wait.
 
     ``done`` comes with the last sample of a good frame; while ``full`` that sample waits. So does
-    one that comes less than ``spacing`` clocks after the last of the good frame before.
+    one that comes less than ``spacing`` clocks after the last of the good frame before; with
+    ``whole`` so does every sample.
     """
     final_place = inputs - 1
     bits = SIGNAL.width
     place = unsigned(max(1, final_place.bit_length()))
-    final, held, dropping = flag(), flag(), flag()
+    final, held, dropping, shut = flag(), flag(), flag(), flag()
     ready, accept, good = flag(), flag(), flag()
     parts = []
 
@@ -85,12 +87,26 @@ def gate(
     else:
         parts.append(connect(full, held))
 
+    if whole:
+
+        @always_comb
+        def close():
+            shut.next = remaining != 0 or (final and held)
+
+    else:
+
+        @always_comb
+        def close():
+            shut.next = final and held
+
+    parts.append(close)
+
     if slots:
         empty = unsigned(slots.bit_length())
 
         @always_comb
         def look():
-            ready.next = dropping or (empty == 0 and not (final and held))
+            ready.next = dropping or (empty == 0 and not shut)
 
         @always_seq(clk.posedge, reset=rst)
         def count():
@@ -114,7 +130,7 @@ def gate(
 
         @always_comb
         def look():
-            ready.next = dropping or not (final and held)
+            ready.next = dropping or not shut
 
         # The network drops by itself what is dropped here.
         parts += [look, connect(accept, valid), connect(s_axis_tlast, last)]
@@ -230,6 +246,7 @@ def axis_network(
             inputs=spec.inputs,
             slots=spec.slots,
             spacing=spec.spacing,
+            whole=spec.network.busy > 0,
         ),
         hardware(spec.network)(
             clk,

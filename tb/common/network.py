@@ -28,7 +28,7 @@ async def check(bench, elements, last, gap, resets=None, pause=0):
     twin = bench.twin
     length = twin.input_controller.inputs
     items = {"in_data": elements, "in_last": last}
-    tail = bench.latency + twin.outputs + 4
+    tail = twin.output_clocks[-1] + 5
     drive = spread(bench.rng, items, "in_valid", gap, tail=tail, pause=pause)
     if resets is not None:
         drive["rst"] = resets(len(drive["in_valid"]))
@@ -51,7 +51,7 @@ def check_outputs(bench, recording, started, ended, frames):
     """
     outputs = bench.twin.outputs
     results = bench.twin.process(frames)
-    at = ended[:, np.newaxis] + bench.latency + np.arange(outputs)
+    at = ended[:, np.newaxis] + np.array(bench.twin.output_clocks)
     alive = recording.undisturbed(np.repeat(started, outputs), (at - 1).ravel())
     alive &= at.ravel() < recording.clocks
     expected_rows = at.ravel()[alive]
@@ -118,8 +118,8 @@ async def corners_and_random(dut):
     inputs = bench.twin.inputs
     random = random_elements(bench, bench.frames * inputs).reshape(-1, inputs)
     designs = [part for part in walk(bench.twin) if isinstance(part, Design)]
-    hidden = [node for design in designs for node in design.exact_layers.hidden]
-    ends = extreme_frames(SIGNAL, [node.weights[:inputs] for node in hidden])
+    rows = [row[:inputs] for design in designs for row in design.hidden_weights]
+    ends = extreme_frames(SIGNAL, rows)
     for gap, count in ((0.0, bench.frames), (0.4, min(bench.frames, MOST_WITH_GAPS))):
         frames = np.concatenate([corner_frames(SIGNAL, inputs), ends, random[:count]])
         elements, last = whole_frames(bench, frames)
@@ -144,7 +144,7 @@ async def resets_in_mid_frame(dut):
     """Resets at random clocks among frames of all lengths."""
     bench = Bench(dut)
     last = random_lengths(bench.rng, bench.twin.input_controller.inputs, 800)
-    every = 2 * (bench.twin.input_controller.inputs + bench.latency)
+    every = 2 * (bench.twin.input_controller.inputs + bench.twin.output_clocks[-1])
     await check(
         bench,
         random_elements(bench, len(last)),
@@ -162,7 +162,7 @@ async def reset_at_every_clock(dut):
     bench = Bench(dut)
     twin = bench.twin
     inputs, length = twin.inputs, twin.input_controller.inputs
-    span = length + bench.latency + twin.outputs + 2
+    span = length + twin.output_clocks[-1] + 3
     frames = random_elements(bench, 2 * span * inputs).reshape(-1, inputs)
     pause = np.zeros((2 * span, length), dtype=np.int64)
     pause[:, 0] = max(span, twin.interval)

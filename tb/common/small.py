@@ -98,6 +98,22 @@ INSTRUMENTS = DRAWN | {
     "one-sensor": Case([(1, 2, 4)], "thesis", sections=f"{FRONT_END}counter_width = 4\n"),
 }
 
+# One hardware for every arrangement; weights that take several steps, one sensor, and more outputs
+# than samples.
+ENGINE = Case([(3, 4, 3)], "exact", activation="precise", design="engine", spread=20.0, seed=2)
+ENGINES = {
+    "rails-engine": ENGINE,
+    "least-engine": replace(ENGINE, shapes=[(1, 1, 1)], spread=1.0),
+    "wide-engine": replace(ENGINE, shapes=[(2, 3, 5)], spread=0.5),
+    "huge-engine": replace(ENGINE, shapes=[(4, 3, 2)], spread=100.0),
+    "chain-engine": replace(
+        ENGINE, shapes=[(2, 3, 1), (3, 3, 1), (4, 3, 1)], arrangement="cascade", spread=1.0
+    ),
+    "three-engine": replace(
+        ENGINE, shapes=[(2, 4, 1), (2, 3, 1), (2, 2, 1)], arrangement="multiple", spread=1.0
+    ),
+}
+
 
 def both_precisions(activation: str) -> dict[str, Case]:
     """An activation in a network with a neuron that reaches all of its segments."""

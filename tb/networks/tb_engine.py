@@ -1,0 +1,34 @@
+"""engine, a whole scene on one multiplier, against its twin.
+
+Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one
+sensor alone); frames that drive each hidden sum to its ends; 100 random frames; frames too short
+and too long among good ones.
+Drives: as close as the design takes frames, with random gaps, closer than it takes them, with
+resets in mid-frame, and with one reset at each clock of a frame.
+Checks: every output, ``out_last`` and ``frame_error`` bit for bit in its clock, and that nothing
+comes out in any other clock. Measures the clocks of a frame.
+Does not prove: anything about the accuracy of the network (the report of `make demo` does).
+"""
+
+from tb.common.network import (
+    corners_and_random,
+    recorded,
+    reset_at_every_clock,
+    resets_in_mid_frame,
+    wrong_lengths,
+)
+from tb.common.small import ENGINES
+
+CASES = ENGINES
+FAULTS = [
+    (r"first_bit|word\[31\]", "word[30]"),
+    (r"out_valid <= .*;", "out_valid <= leaves;"),
+]
+
+__all__ = [
+    "corners_and_random",
+    "recorded",
+    "reset_at_every_clock",
+    "resets_in_mid_frame",
+    "wrong_lengths",
+]
