@@ -44,7 +44,7 @@ class FrameCheck(Block):
     inputs: int
     addr_width: int
     busy: int
-    pipeline: Pipeline = Pipeline()
+    pipeline: Pipeline
 
     def __post_init__(self) -> None:
         if not 1 <= self.inputs < 1 << self.addr_width:
