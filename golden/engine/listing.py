@@ -17,11 +17,8 @@ def operand_text(graph: Graph, step: Step) -> str:
     if term.source < graph.inputs:
         return f"sample {term.source + 1}"
     name = graph.neurons[term.source - graph.inputs].name
-    return {
-        Kind.WORD: name,
-        Kind.INTERCEPT: f"sign of {name}",
-        Kind.DISTANCE: f"low bits of {name}",
-    }[term.kind]
+    before = {Kind.WORD: "", Kind.INTERCEPT: "sign of ", Kind.DISTANCE: "low bits of "}
+    return f"{before[term.kind]}{name}"
 
 
 def weight_text(graph: Graph, step: Step) -> str:

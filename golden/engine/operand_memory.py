@@ -57,9 +57,9 @@ class OperandMemory(Block):
     ) -> Codes:
         """What is read in each clock; words that were never written are 0."""
         memory = np.zeros(1 << self.addr_width, dtype=np.int64)
-        columns = zip(*(np.asarray(c).tolist() for c in (write, write_addr, data, read_addr)))
+        columns = [np.asarray(c).tolist() for c in (write, write_addr, data, read_addr)]
         found = []
-        for flag, to, word, source in columns:
+        for flag, to, word, source in zip(*columns, strict=True):
             found.append(memory[source])
             if flag:
                 memory[to] = word

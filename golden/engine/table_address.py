@@ -68,4 +68,5 @@ class TableAddress(Block):
         """
         codes = HIDDEN.check(q, f"{self.entity} q")
         complement = np.where(codes < 0, ~codes, codes)
-        return np.minimum(complement >> self.segment_width, self.segments - 1)
+        segments = np.minimum(complement >> self.segment_width, self.segments - 1)
+        return np.asarray(segments, dtype=np.int64)

@@ -15,6 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
+from itertools import pairwise
 
 from golden.engine.formats import HIDDEN, RESULT, WIDTH
 from golden.transcendental import tanh_floors
@@ -82,7 +83,7 @@ def tanh_table(width: int) -> TanhTable:
     # Level, half way between tanh at its beginning and 1.
     level = min(_even((int(curve[-1]) + (1 << _FRAC)) // 2), RESULT.high - 1)
     borders += [level, level]
-    pairs = list(zip(borders, borders[1:], strict=False))
+    pairs = list(pairwise(borders))
     rise = HIDDEN.frac - width
     return TanhTable(
         width,

@@ -112,11 +112,11 @@ class Engine(Design):
         ]
 
     @cached_property
-    def outputs(self) -> int:  # type: ignore[override]
+    def outputs(self) -> int:
         return len(self.output_clocks)
 
     @cached_property
-    def output_clocks(self) -> tuple[int, ...]:  # type: ignore[override]
+    def output_clocks(self) -> tuple[int, ...]:
         """The steps of the outputs, from the last sample on."""
         pipeline = self.program.pipeline
         return tuple(pipeline.begin + step + pipeline.result for step in self.program.output_steps)

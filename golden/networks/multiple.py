@@ -9,7 +9,7 @@ import numpy as np
 from golden.block import Block
 from golden.fixed import Codes
 from golden.flow import Beside, Carried, Flow
-from golden.layers.input_controller import InputController
+from golden.layers.input_controller import FrameJudge
 from golden.networks.several import Several
 from golden.precision import SIGNAL
 
@@ -43,7 +43,7 @@ class Multiple(Several):
         return self.inputs
 
     @property
-    def input_controller(self) -> InputController:
+    def input_controller(self) -> FrameJudge:
         return self.networks[0].input_controller
 
     @property

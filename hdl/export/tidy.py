@@ -170,7 +170,7 @@ def indent_architecture(text: str) -> str:
 
 
 def shorten_bit_strings(text: str) -> str:
-    """``36X"..."`` is VHDL-2008; without its length, where that is four bits a digit, it is older."""
+    """``36X"..."`` is VHDL-2008; without its length, at four bits a digit, it is older."""
 
     def literal(found: re.Match[str]) -> str:
         return found[0] if int(found[1]) != 4 * len(found[2]) else f'X"{found[2]}"'
