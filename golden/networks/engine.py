@@ -27,6 +27,9 @@ from golden.networks.design import Design
 from golden.networks.mlp import Mlp, Real
 from golden.precision import EXACT, SIGNAL, Precision
 
+# Smaller memories would be made of LUTs in some devices, which are slower behind a block RAM.
+LEAST_ADDR_WIDTH = 7
+
 
 @dataclass(frozen=True)
 class Engine(Design):
@@ -138,7 +141,7 @@ class Engine(Design):
     @property
     def addr_width(self) -> int:
         """Bits of the operand memory's address."""
-        return max(2, self.program.addresses.bit_length())
+        return max(LEAST_ADDR_WIDTH, (self.program.addresses - 1).bit_length())
 
     @property
     def input_controller(self) -> FrameCheck:
@@ -166,11 +169,14 @@ class Engine(Design):
 
     @property
     def table_address(self) -> TableAddress:
-        return TableAddress(self.program.segment_width, len(self.program.table))
+        width, kept = self.program.segment_width, len(self.program.table)
+        return TableAddress(width, kept, beyond=kept == len(tanh_table(width).slopes))
 
     @property
     def operand_select(self) -> OperandSelect:
-        return OperandSelect(self.program.segment_width, self.program.pipeline.memory_registers)
+        # As late as the word of the table.
+        registers = self.table_address.latency + self.program.pipeline.memory_registers
+        return OperandSelect(self.program.segment_width, registers)
 
     @property
     def multiply_accumulate(self) -> MultiplyAccumulate:

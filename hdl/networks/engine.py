@@ -1,6 +1,6 @@
 """Engine: a whole scene on one multiplier and a program."""
 
-from myhdl import always_comb, always_seq, block
+from myhdl import always, always_comb, always_seq, block
 
 from golden.engine.formats import OUTPUT_SHIFT, WIDTH
 from golden.engine.operand_memory import WORD
@@ -61,7 +61,7 @@ def engine(
     """
     check, table = spec.frame_check, spec.table_address
     word, table_word = unsigned(WORD_WIDTH), unsigned(WORD_WIDTH)
-    run, finish, write, look_up = flag(), flag(), flag(), flag()
+    start, run, finish, write, look_up = (flag() for _ in range(5))
     write_addr, source = unsigned(spec.addr_width), unsigned(spec.addr_width)
     data, read, operand = (fixed(WORD) for _ in range(3))
     segment = unsigned(table.addr_width)
@@ -81,18 +81,24 @@ def engine(
         take_intercept.next = word[take_bit]
         first.next = word[first_bit]
         first_of_output.next = word[first_of_output_bit]
-        store.next = word[store_bit]
-        leaves.next = word[output_bit]
-        ends.next = word[end_bit]
 
-    @always_comb
+    # As late as the segment.
+    @always(clk.posedge)
     def ask():
         look_up.next = kind == 1 or kind == 2
 
+    # Registers behind a block RAM, before counters. Words that were on their way when a reset or the
+    # last output stopped the program do nothing.
+    @always_seq(clk.posedge, reset=rst)
+    def mark():
+        store.next = run and word[store_bit]
+        leaves.next = run and word[output_bit]
+        ends.next = run and word[end_bit]
+
     @always_seq(clk.posedge, reset=rst)
     def leave():
-        out_valid.next = run and leaves
-        finish.next = run and ends
+        out_valid.next = leaves
+        finish.next = ends
 
     @always_comb
     def show():
@@ -102,6 +108,7 @@ def engine(
     return (
         split,
         ask,
+        mark,
         leave,
         show,
         frame_check(
@@ -111,6 +118,7 @@ def engine(
             in_last,
             store,
             finish,
+            start,
             run,
             write,
             write_addr,
@@ -118,10 +126,19 @@ def engine(
             spec=check,
         ),
         program_memory(
-            clk, rst, run, finish, segment, look_up, word, table_word, spec=spec.program_memory
+            clk,
+            rst,
+            start,
+            run,
+            finish,
+            segment,
+            look_up,
+            word,
+            table_word,
+            spec=spec.program_memory,
         ),
         operand_memory(clk, write, write_addr, data, source, read, spec=spec.operand_memory),
-        table_address(read, segment, spec=table),
+        table_address(clk, read, segment, spec=table),
         operand_select(clk, read, kind, operand, spec=spec.operand_select),
         multiply_accumulate(
             clk,
