@@ -29,6 +29,8 @@ from golden.precision import EXACT, SIGNAL, Precision
 
 # Smaller memories would be made of LUTs in some devices, which are slower behind a block RAM.
 LEAST_ADDR_WIDTH = 7
+# Bits of a sum that no scene of weights below 512 leaves.
+WHOLE_ACC_WIDTH = 44
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,7 @@ class Engine(Design):
     arrangements = ("single", "multiple", "cascade")
     precisions = (EXACT.name,)
     known_activations = ("precise",)
-    options = ("segment_width",)
+    options = ("segment_width", "pipeline")
     program: Program
     acc_width: int
     graph: Graph
@@ -73,18 +75,19 @@ class Engine(Design):
             What the scene chooses of ``options``.
         variant : str
         """
-        chosen = {"segment_width": 9} | dict(hardware or {})
-        pipeline = Pipeline()
+        chosen = {"segment_width": 9, "pipeline": "short"} | dict(hardware or {})
+        pipeline = Pipeline(int(chosen["pipeline"] == "deep"))
         table = tanh_table(chosen["segment_width"])
         graph = graph_of(arrangement, mlps, lean)
         segments = len(table.slopes)
         if lean:
             segments = min(segments, (graph.reach(table) >> table.width) + 1)
         program, _ = assemble(graph, table, segments, pipeline)
-        bound = max(graph.bound(neuron, table) for neuron in graph.neurons)
+        bound = max(graph.bound(neuron, table) for neuron in graph.neurons).bit_length() + 1
+        least = PRODUCT_WIDTH if lean else WHOLE_ACC_WIDTH
         return cls(
             program,
-            max(PRODUCT_WIDTH, bound.bit_length() + 1),
+            max(least, bound),
             graph,
             useless_nodes=graph.useless_nodes,
             variant=variant,
@@ -175,8 +178,7 @@ class Engine(Design):
     @property
     def operand_select(self) -> OperandSelect:
         # As late as the word of the table.
-        registers = self.table_address.latency + self.program.pipeline.memory_registers
-        return OperandSelect(self.program.segment_width, registers)
+        return OperandSelect(self.program.segment_width, self.program.pipeline.table)
 
     @property
     def multiply_accumulate(self) -> MultiplyAccumulate:
@@ -212,7 +214,22 @@ class Engine(Design):
         )
 
     def left_out(self) -> list[str]:
-        return []
+        """What is counted as words costs memory and, one each, a clock of every frame."""
+        graph, program = self.graph, self.program
+        texts = []
+        if graph.useless_nodes:
+            texts.append(f"{graph.useless_nodes} hidden nodes whose weights to the outputs are 0")
+        if graph.useless_terms:
+            texts.append(f"{graph.useless_terms} steps of weight 0")
+        words = len(tanh_table(program.segment_width).slopes) - len(program.table)
+        if words:
+            texts.append(f"{words} words of tanh that no hidden sum reaches, and their comparison")
+        bits = WHOLE_ACC_WIDTH - self.acc_width
+        if bits:
+            texts.append(
+                f"{bits} bits of the sum, which {WHOLE_ACC_WIDTH} would hold for any scene"
+            )
+        return texts
 
     def exact(self, frames: Codes) -> Codes:
         return exact(self.graph, self.program.segment_width, frames)

@@ -107,23 +107,23 @@ def frame_check(
 
         return look, judge, drop, count, mark, show, turn, wait
 
-    begin, waiting = flag(), flag()
+    opening, waiting = flag(), flag()
 
     @always_seq(clk.posedge, reset=rst)
     def turn():
         if finish:
             running.next = False
-        elif begin:
+        elif opening:
             running.next = True
         if good:
             waiting.next = True
-        elif begin:
+        elif opening:
             waiting.next = False
 
     @always_comb
     def wait():
         busy.next = running or waiting
-        start.next = begin
+        start.next = opening
 
-    late = delay(clk, rst, good, begin, clocks=spec.pipeline.run - 1)
+    late = delay(clk, rst, good, opening, clocks=spec.pipeline.run - 1)
     return look, judge, drop, count, mark, show, turn, wait, late
