@@ -9,6 +9,7 @@ import numpy as np
 
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, RESULT, SAMPLE_SHIFT, WIDTH
 from golden.engine.graph import Graph, Kind
+from golden.engine.listing import text_of
 from golden.engine.pipeline import Pipeline
 from golden.engine.schedule import Step, schedule
 from golden.engine.tanh_table import TanhTable
@@ -101,6 +102,10 @@ class Program:
     def output_steps(self) -> list[int]:
         """The steps whose results leave."""
         return [n for n, step in enumerate(self.instructions) if step.output]
+
+    def clock(self, step: int) -> int:
+        """The clock, from a frame's last sample on, in which a step's result is there."""
+        return self.pipeline.begin + step + self.pipeline.result
 
     @property
     def addresses(self) -> int:
@@ -200,9 +205,8 @@ def _table_notes(table: TanhTable, segments: int) -> list[str]:
 
 
 def _step_notes(graph: Graph, steps: Sequence[Step], count: int) -> list[str]:
-    from golden.engine.listing import text_of
-
-    return [text_of(graph, step) for step in steps] + [""] * (count - len(steps))
+    behind = ["fields of steps above"] * (count - len(steps))
+    return [text_of(graph, step) for step in steps] + behind
 
 
 def _put(words: list[int], place: int, field: tuple[int, int], value: int) -> None:
