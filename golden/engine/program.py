@@ -167,7 +167,18 @@ def assemble(
     segments : int
         Words of the table that are kept.
     pipeline : Pipeline
+
+    Raises
+    ------
+    ValueError
+        When the samples and results of a frame are more than a program can address.
     """
+    values, most = graph.inputs + len(graph.neurons), (1 << SOURCE[1]) - 1
+    if values > most:
+        raise ValueError(
+            f"program: got {values} words of the operand memory, {graph.inputs} samples and "
+            f"{len(graph.neurons)} results, expected {most} at most"
+        )
     steps = schedule(graph, pipeline)
     words = [0] * (len(steps) + pipeline.done + pipeline.padding)
     addresses = {k: k for k in range(graph.inputs)} | {-1: 0}

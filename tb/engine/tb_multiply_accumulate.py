@@ -36,7 +36,7 @@ def words(rng):
     return np.where(rng.random(PRODUCTS) < 1 / 3, rng.choice(CORNERS, PRODUCTS), random)
 
 
-def timeline(rng):
+def timeline(rng, latency):
     """A sum starts with the first product; from then on with one of six."""
     mask = (1 << WIDTH) - 1
     weight, intercept, slope = (words(rng) & mask for _ in range(3))
@@ -46,22 +46,22 @@ def timeline(rng):
     first[0] = True
     of_output = first & (rng.random(PRODUCTS) < 1 / 2)
     # Products that only fill the pipeline.
-    end = np.zeros(ON_ITS_WAY + 1, dtype=np.int64)
-    begin = end[:ON_ITS_WAY]
+    end = np.zeros(latency, dtype=np.int64)
+    begin, more = np.split(end, [ON_ITS_WAY])
     return {
         "operand": np.concatenate([words(rng), end]),
         "weight": np.concatenate([np.where(source == 3, 0, weight), end]),
         "take_intercept": np.concatenate([rng.integers(0, 2, PRODUCTS), end]),
         "table_word": np.concatenate([table, end]),
-        "first": np.concatenate([begin, first, [1]]),
-        "first_of_output": np.concatenate([begin, of_output, [0]]),
+        "first": np.concatenate([begin, first, more]),
+        "first_of_output": np.concatenate([begin, of_output, more]),
     }
 
 
 @cocotb.test()
 async def sums(dut):
     bench = Bench(dut)
-    recording = await bench.play(timeline(bench.rng), ["acc"])
+    recording = await bench.play(timeline(bench.rng, bench.latency), ["acc"])
     rows = np.arange(RESET_CLOCKS, recording.clocks - bench.latency)
     operand = recording.signed("operand", rows)
     names = ("weight", "take_intercept", "table_word")
