@@ -17,7 +17,7 @@ from tb.common.framing import random_lengths, scan
 from tb.common.small import ENGINES
 from tb.common.stimulus import random_resets, spread
 
-CASES = {name: ENGINES[name] for name in ("rails-engine", "least-engine")}
+CASES = {name: ENGINES[name] for name in ("rails-engine", "least-engine", "deep-least-engine")}
 FAULTS = [
     (r"frame_error <= \(early \|\| broken\)", "frame_error <= broken"),
     (r"dropping <= \(\(!in_last\)", "dropping <= (0"),
