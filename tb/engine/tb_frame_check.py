@@ -30,7 +30,7 @@ SAMPLES = 1000
 
 
 def computed(twin, drive):
-    """The clocks of ``finish``, as the engine gives it ``busy`` clocks after a good frame, and those
+    """The clocks of ``finish``, ``busy`` clocks after a good frame as in the engine, and those
     in which a frame is computed.
     """
     length = len(drive["in_valid"])
