@@ -127,8 +127,9 @@ ENGINES = {
     # Sums that reach few segments of a finer table.
     "fine-engine": replace(ENGINE, shapes=[(2, 3, 2)], spread=0.5, hardware="segment_width = 7"),
 }
-# For a block inside an engine: every segment of the table, and few of a finer one.
-ENGINE_PARTS = {name: ENGINES[name] for name in ("rails-engine", "fine-engine")}
+# For a block inside an engine: every segment of the table, few of a finer one, and registers behind
+# the memories.
+ENGINE_PARTS = {name: ENGINES[name] for name in ("rails-engine", "fine-engine", "deep-engine")}
 
 
 def both_precisions(activation: str) -> dict[str, Case]:

@@ -17,7 +17,7 @@ from tb.common.framing import random_lengths, scan
 from tb.common.small import ENGINES
 from tb.common.stimulus import random_resets, spread
 
-CASES = {name: ENGINES[name] for name in ("rails-engine", "least-engine")}
+CASES = {name: ENGINES[name] for name in ("rails-engine", "least-engine", "deep-least-engine")}
 FAULTS = [
     (r"frame_error <= \(early \|\| broken\)", "frame_error <= broken"),
     (r"dropping <= \(\(!in_last\)", "dropping <= (0"),
@@ -30,7 +30,7 @@ SAMPLES = 1000
 
 
 def computed(twin, drive):
-    """The clocks of ``finish``, ``busy`` clocks after a good frame as an engine gives it, and those
+    """The clocks of ``finish``, ``busy`` clocks after a good frame as in the engine, and those
     in which a frame is computed.
     """
     length = len(drive["in_valid"])
