@@ -118,8 +118,8 @@ def test_a_hidden_sum_that_wraps_says_no(monkeypatch) -> None:
 
     monkeypatch.setattr(input_integral, "requantise", wrapping)
     found = broken(networks.rails)
-    assert ("digit", "codes off") in found
-    assert ("digit", "error in 2^-13") in found
+    assert ("digit-hybrid", "codes off") in found
+    assert ("digit-hybrid", "error in 2^-13") in found
     assert ("hybrid", "codes off") in broken(networks.huge_weights)
 
 

@@ -254,13 +254,17 @@ def test_the_network_file_decides_the_hidden_nodes(small_scene: Scene) -> None:
 
 @pytest.mark.parametrize("name", scene_names())
 def test_shipped_networks_have_the_errors_of_their_provenance(name: str) -> None:
+    """In the design that they were trained for: another one has their networks too."""
     scene = load_scene(name)
+    first = tomllib.loads(provenance_path(scene.members[0].weights_path).read_text())
+    scene = replace(scene, design=first["design"], design_options={})
     vectors = scene.vectors()
     results = SIGNAL.to_real(scene.twin().process(vectors.codes))
     errors = percent_errors(results, vectors.targets, scene.outputs, scene.full_scale)
     split = split_rows(len(vectors.inputs), scene.training.seed)
     for member in scene.members:
         provenance = tomllib.loads(provenance_path(member.weights_path).read_text())
+        assert provenance["design"] == scene.design
         columns = [scene.outputs.index(name) for name in member.outputs]
         for part in ("validation", "test"):
             rms = np.sqrt((errors[getattr(split, part)][:, columns] ** 2).mean())

@@ -114,6 +114,7 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
                 "arrangement": scene.arrangement,
                 "outputs": ", ".join(member.outputs),
                 "precision": scene.precision.name,
+                "design": scene.design,
                 "activation": scene.activation_text,
                 "network": ":".join(str(n) for n in mlps[-1].shape),
                 "optimiser": settings.optimiser,

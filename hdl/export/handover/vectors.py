@@ -9,7 +9,7 @@ from golden.fixed import Codes
 # Constants that any simulator elaborates in a second, and scans that it plays in a minute; longer
 # recordings are cut there.
 FRAMES = 4096
-CLOCKS = 40_000
+CLOCKS = 48_000
 
 _TEXT = Template("""\
 -- Recorded frames of scene $scene: sample codes and the output codes of the bit-true model.
