@@ -75,3 +75,21 @@ class Pipeline:
     def free(self) -> int:
         """Clocks from a frame's last output until a sample is taken again."""
         return 1
+
+
+@dataclass(frozen=True)
+class SerialPipeline(Pipeline):
+    """The same without a multiplier: a coefficient is added in the clock in which it is there.
+
+    A neuron's words are read more than once, so all fields of a step stand in one word, and
+    registers carry them to the clock of their use.
+    """
+
+    @property
+    def start(self) -> int:
+        return self.weight
+
+    @property
+    def begin(self) -> int:
+        """The first word stands ready, and is read once more after its first clock."""
+        return self.run

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from golden.engine.fields import get, put, signed_code
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, RESULT, SAMPLE_SHIFT, WIDTH
 from golden.engine.graph import Graph, Kind
 from golden.engine.pipeline import Pipeline
@@ -82,15 +83,15 @@ class Program:
         for n in range(len(self.words) - at.done):
             found.append(
                 Instruction(
-                    weight=_signed(_get(self.words[n + at.weight], WEIGHT)),
-                    source=_get(self.words[n], SOURCE),
-                    kind=_get(self.words[n + at.operand], KIND),
-                    take_intercept=_get(self.words[n + at.weight], TAKE_INTERCEPT),
-                    first=_get(self.words[n + at.start], FIRST),
-                    first_of_output=_get(self.words[n + at.start], FIRST_OF_OUTPUT),
-                    store=_get(self.words[n + at.done], STORE),
-                    output=_get(self.words[n + at.done], OUTPUT),
-                    end=_get(self.words[n + at.done], END),
+                    weight=signed_code(get(self.words[n + at.weight], WEIGHT)),
+                    source=get(self.words[n], SOURCE),
+                    kind=get(self.words[n + at.operand], KIND),
+                    take_intercept=get(self.words[n + at.weight], TAKE_INTERCEPT),
+                    first=get(self.words[n + at.start], FIRST),
+                    first_of_output=get(self.words[n + at.start], FIRST_OF_OUTPUT),
+                    store=get(self.words[n + at.done], STORE),
+                    output=get(self.words[n + at.done], OUTPUT),
+                    end=get(self.words[n + at.done], END),
                 )
             )
             if found[-1].end:
@@ -98,9 +99,25 @@ class Program:
         return found
 
     @property
-    def output_steps(self) -> list[int]:
-        """The steps whose results leave."""
-        return [n for n, step in enumerate(self.instructions) if step.output]
+    def output_clocks(self) -> tuple[int, ...]:
+        """Clocks from the last sample to each output."""
+        steps = [n for n, step in enumerate(self.instructions) if step.output]
+        return tuple(self.pipeline.begin + step + self.pipeline.result for step in steps)
+
+    @property
+    def intercepts(self) -> Codes:
+        """The intercept of each segment."""
+        return np.array([signed_code(get(word, INTERCEPT)) for word in self.table])
+
+    @property
+    def slopes(self) -> Codes:
+        """The slope of each segment."""
+        return np.array([signed_code(get(word, SLOPE)) for word in self.table])
+
+    @property
+    def segments(self) -> int:
+        """Segments of the table."""
+        return len(self.slopes)
 
     @property
     def addresses(self) -> int:
@@ -113,8 +130,7 @@ class Program:
         Step by step as the hardware does it; only the sum is wider.
         """
         memory = [np.ascontiguousarray(samples[:, k]) << SAMPLE_SHIFT for k in range(self.inputs)]
-        intercepts = np.array([_signed(_get(word, INTERCEPT)) for word in self.table])
-        slopes = np.array([_signed(_get(word, SLOPE)) for word in self.table])
+        intercepts, slopes = self.intercepts, self.slopes
         distances = 1 << self.segment_width
         segments: tuple[int, Codes, Codes] | None = None
         acc = product = np.zeros(len(samples), dtype=np.int64)
@@ -129,7 +145,7 @@ class Program:
                 if segments is None or segments[0] != step.source:
                     negative = word >> (WIDTH - 1)
                     segment = (word ^ negative) >> self.segment_width
-                    np.minimum(segment, len(self.table) - 1, out=segment)
+                    np.minimum(segment, len(intercepts) - 1, out=segment)
                     segments = step.source, negative, segment
                 coeffs = intercepts if step.take_intercept else slopes
                 if step.kind == Kind.INTERCEPT:
@@ -172,17 +188,17 @@ def assemble(
         if step.last:
             addresses[graph.inputs + step.neuron] = len(addresses) - 1
         output = step.neuron >= 0 and graph.neurons[step.neuron].output
-        _put(words, n, SOURCE, addresses[term.source])
-        _put(words, n + pipeline.operand, KIND, int(term.kind))
-        _put(words, n + pipeline.weight, WEIGHT, term.weight)
-        _put(words, n + pipeline.weight, TAKE_INTERCEPT, term.kind is Kind.INTERCEPT)
-        _put(words, n + pipeline.start, FIRST, step.first)
-        _put(words, n + pipeline.start, FIRST_OF_OUTPUT, step.first and output)
-        _put(words, n + pipeline.done, STORE, step.last)
-        _put(words, n + pipeline.done, OUTPUT, step.last and output)
-        _put(words, n + pipeline.done, END, n == final)
+        put(words, n, SOURCE, addresses[term.source])
+        put(words, n + pipeline.operand, KIND, int(term.kind))
+        put(words, n + pipeline.weight, WEIGHT, term.weight)
+        put(words, n + pipeline.weight, TAKE_INTERCEPT, term.kind is Kind.INTERCEPT)
+        put(words, n + pipeline.start, FIRST, step.first)
+        put(words, n + pipeline.start, FIRST_OF_OUTPUT, step.first and output)
+        put(words, n + pipeline.done, STORE, step.last)
+        put(words, n + pipeline.done, OUTPUT, step.last and output)
+        put(words, n + pipeline.done, END, n == final)
     kept = table_words(table, segments)
-    notes = (*_table_notes(table, segments), *_step_notes(graph, steps, len(words)))
+    notes = (*table_notes(table, segments), *step_notes(graph, steps, len(words)))
     return Program(graph.inputs, table.width, kept, tuple(words), pipeline, notes), steps
 
 
@@ -193,27 +209,15 @@ def table_words(table: TanhTable, segments: int) -> tuple[int, ...]:
     return tuple((intercept << WIDTH) | (slope & mask) for intercept, slope in pairs)
 
 
-def _table_notes(table: TanhTable, segments: int) -> list[str]:
+def table_notes(table: TanhTable, segments: int) -> list[str]:
+    """What the first words of the table stand for."""
     intercepts = RESULT.texts(table.intercepts[:segments])
     slopes = RESULT.texts(table.slopes[:segments])
     return [f"tanh {i}, slope {s}" for i, s in zip(intercepts, slopes, strict=True)]
 
 
-def _step_notes(graph: Graph, steps: Sequence[Step], count: int) -> list[str]:
+def step_notes(graph: Graph, steps: Sequence[Step], count: int) -> list[str]:
+    """What ``count`` words stand for, the first of which are those of the steps."""
     from golden.engine.listing import text_of
 
     return [text_of(graph, step) for step in steps] + [""] * (count - len(steps))
-
-
-def _put(words: list[int], place: int, field: tuple[int, int], value: int) -> None:
-    low, bits = field
-    words[place] |= (int(value) & ((1 << bits) - 1)) << low
-
-
-def _get(word: int, field: tuple[int, int]) -> int:
-    low, bits = field
-    return (word >> low) & ((1 << bits) - 1)
-
-
-def _signed(code: int) -> int:
-    return code - ((code >> (WIDTH - 1)) << WIDTH)

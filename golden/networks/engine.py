@@ -1,4 +1,4 @@
-"""Engine: a whole scene on one multiplier and a program."""
+"""Engine: a whole scene on one multiplier, or on none, and a program."""
 
 from __future__ import annotations
 
@@ -14,10 +14,14 @@ from golden.engine.graph import Graph, graph_of
 from golden.engine.multiply_accumulate import PRODUCT_WIDTH, MultiplyAccumulate
 from golden.engine.operand_memory import OperandMemory
 from golden.engine.operand_select import OperandSelect
-from golden.engine.pipeline import Pipeline
+from golden.engine.pipeline import Pipeline, SerialPipeline
+from golden.engine.plane_select import PlaneSelect
 from golden.engine.program import Program, assemble
 from golden.engine.program_memory import ProgramMemory
+from golden.engine.replay_memory import ReplayMemory
 from golden.engine.round_saturate import RoundSaturate
+from golden.engine.serial_accumulate import SerialAccumulate
+from golden.engine.serial_program import SerialProgram, assemble_serial
 from golden.engine.table_address import TableAddress
 from golden.engine.tanh_table import tanh_table
 from golden.fixed import Codes
@@ -31,6 +35,9 @@ from golden.precision import EXACT, SIGNAL, Precision
 class Engine(Design):
     """Every neuron of a scene, one product a clock (ours; single, multiple and cascade alike).
 
+    Without a multiplier, with ``multiplier = "serial"``, a product takes as many clocks as its
+    operand has bits. Results are the same.
+
     Parameters
     ----------
     program : Program
@@ -42,7 +49,7 @@ class Engine(Design):
     arrangements = ("single", "multiple", "cascade")
     precisions = (EXACT.name,)
     known_activations = ("precise",)
-    options = ("segment_width",)
+    options = ("segment_width", "multiplier")
     program: Program
     acc_width: int
     graph: Graph
@@ -69,14 +76,17 @@ class Engine(Design):
             What the scene chooses of ``options``.
         variant : str
         """
-        chosen = {"segment_width": 9} | dict(hardware or {})
-        pipeline = Pipeline()
+        chosen = {"segment_width": 9, "multiplier": "dsp"} | dict(hardware or {})
         table = tanh_table(chosen["segment_width"])
         graph = graph_of(arrangement, mlps, lean)
         segments = len(table.slopes)
         if lean:
             segments = min(segments, (graph.reach(table) >> table.width) + 1)
-        program, _ = assemble(graph, table, segments, pipeline)
+        program: Program
+        if chosen["multiplier"] == "serial":
+            program, _ = assemble_serial(graph, table, segments, SerialPipeline())
+        else:
+            program, _ = assemble(graph, table, segments, Pipeline())
         bound = max(graph.bound(neuron, table) for neuron in graph.neurons)
         return cls(
             program,
@@ -117,9 +127,8 @@ class Engine(Design):
 
     @cached_property
     def output_clocks(self) -> tuple[int, ...]:
-        """The steps of the outputs, from the last sample on."""
-        pipeline = self.program.pipeline
-        return tuple(pipeline.begin + step + pipeline.result for step in self.program.output_steps)
+        """Of each output, from the last sample on."""
+        return self.program.output_clocks
 
     @property
     def latency(self) -> int:
@@ -133,6 +142,11 @@ class Engine(Design):
     @property
     def busy(self) -> int:
         return self.output_clocks[-1] + self.program.pipeline.free - 1
+
+    @property
+    def serial(self) -> bool:
+        """Whether it does without a multiplier."""
+        return isinstance(self.program, SerialProgram)
 
     @property
     def addr_width(self) -> int:
@@ -165,7 +179,7 @@ class Engine(Design):
 
     @property
     def table_address(self) -> TableAddress:
-        return TableAddress(self.program.segment_width, len(self.program.table))
+        return TableAddress(self.program.segment_width, self.program.segments)
 
     @property
     def operand_select(self) -> OperandSelect:
@@ -179,14 +193,42 @@ class Engine(Design):
     def round_saturate(self) -> RoundSaturate:
         return RoundSaturate(self.acc_width)
 
+    @property
+    def replay_memory(self) -> ReplayMemory:
+        """Takes the place of ``program_memory`` where there is no multiplier."""
+        return ReplayMemory(
+            self.program.table,
+            self.program.words,
+            self.program.notes,
+            self.table_address.addr_width + 1,
+        )
+
+    @property
+    def plane_select(self) -> PlaneSelect:
+        """Takes the place of ``operand_select``."""
+        return PlaneSelect(self.program.segment_width)
+
+    @property
+    def serial_accumulate(self) -> SerialAccumulate:
+        """Takes the place of ``multiply_accumulate``."""
+        return SerialAccumulate(self.acc_width)
+
+    @property
+    def steps(self) -> tuple[Block, ...]:
+        """What reads the program, chooses operands and adds up."""
+        if self.serial:
+            return self.replay_memory, self.plane_select, self.serial_accumulate
+        return self.program_memory, self.operand_select, self.multiply_accumulate
+
     def parts(self) -> tuple[Block, ...]:
+        program, select, accumulate = self.steps
         return (
             self.frame_check,
-            self.program_memory,
+            program,
             self.operand_memory,
             self.table_address,
-            self.operand_select,
-            self.multiply_accumulate,
+            select,
+            accumulate,
             self.round_saturate,
         )
 
@@ -197,8 +239,7 @@ class Engine(Design):
                 self.round_saturate,
                 Carried("words", self.round_saturate.latency),
                 self.operand_memory,
-                self.operand_select,
-                self.multiply_accumulate,
+                *self.steps[1:],
                 Carried(f"{self.outputs} y", SIGNAL),
             ),
             watcher=self.frame_check,

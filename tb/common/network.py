@@ -15,6 +15,8 @@ from tb.common.framing import random_lengths, scan
 from tb.common.stimulus import corner_frames, extreme_frames, random_resets, spread
 
 WATCH = ["out_valid", "out_data", "out_last", "frame_error"]
+# Resets of ``reset_at_every_clock``: frames that take longer have one at some of their clocks.
+MOST_RESETS = 250
 # Frames that are played with gaps too, random and recorded ones.
 MOST_WITH_GAPS = 100
 MOST_RECORDED_WITH_GAPS = 200
@@ -158,24 +160,32 @@ async def resets_in_mid_frame(dut):
 
 @cocotb.test()
 async def reset_at_every_clock(dut):
-    """One frame, a reset a given number of clocks after its first element, and a good frame."""
+    """One frame, a reset a given number of clocks after its first element, and a good frame.
+
+    A reset at each clock of a frame; of a long one at its beginning, its end, and in between at
+    random.
+    """
     bench = Bench(dut)
     twin = bench.twin
     inputs, length = twin.inputs, twin.input_controller.inputs
     span = length + twin.output_clocks[-1] + 3
-    frames = random_elements(bench, 2 * span * inputs).reshape(-1, inputs)
-    pause = np.zeros((2 * span, length), dtype=np.int64)
+    ends = min(span, MOST_RESETS) // 3
+    between = np.arange(ends, span - ends)
+    some = bench.rng.permutation(between)[: MOST_RESETS - 2 * ends]
+    at = [*range(ends), *np.sort(some), *range(span - ends, span)]
+    frames = random_elements(bench, 2 * len(at) * inputs).reshape(-1, inputs)
+    pause = np.zeros((2 * len(at), length), dtype=np.int64)
     pause[:, 0] = max(span, twin.interval)
 
     def resets(clocks):
         column = np.zeros(clocks, dtype=np.int64)
-        for t in range(span):
-            # Frame 2 t starts at this clock, frame 2 t + 1 a span and a frame later.
-            column[2 * t * (pause[0, 0] + length) + pause[0, 0] + t] = 1
+        for k, t in enumerate(at):
+            # Frame 2 k starts at this clock, frame 2 k + 1 a span and a frame later.
+            column[2 * k * (pause[0, 0] + length) + pause[0, 0] + t] = 1
         return column
 
     _, _, scanned = await check(
         bench, *whole_frames(bench, frames), gap=0.0, resets=resets, pause=pause.ravel()
     )
-    assert scanned.done.sum() >= span, "a frame after a reset was refused"
-    bench.finish(at_least=span * twin.outputs)
+    assert scanned.done.sum() >= len(at), "a frame after a reset was refused"
+    bench.finish(at_least=len(at) * twin.outputs)

@@ -113,6 +113,18 @@ ENGINES = {
         ENGINE, shapes=[(2, 4, 1), (2, 3, 1), (2, 2, 1)], arrangement="multiple", spread=1.0
     ),
 }
+SERIAL = 'multiplier = "serial"\n'
+SERIAL_ENGINES = {
+    name.replace("engine", "serial"): replace(case, hardware=case.hardware + SERIAL)
+    for name, case in ENGINES.items()
+}
+# For a block inside an engine without a multiplier; a finer table.
+SERIAL_PARTS = {
+    "rails-serial": SERIAL_ENGINES["rails-serial"],
+    "fine-serial": replace(
+        ENGINE, shapes=[(2, 3, 2)], spread=0.5, hardware=f"segment_width = 7\n{SERIAL}"
+    ),
+}
 
 
 def both_precisions(activation: str) -> dict[str, Case]:

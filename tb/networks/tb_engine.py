@@ -17,9 +17,9 @@ from tb.common.network import (
     resets_in_mid_frame,
     wrong_lengths,
 )
-from tb.common.small import ENGINES
+from tb.common.small import ENGINES, SERIAL_ENGINES
 
-CASES = ENGINES
+CASES = ENGINES | SERIAL_ENGINES
 FAULTS = [
     (r"first_bit|word\[31\]", "word[30]"),
     (r"out_valid <= .*;", "out_valid <= leaves;"),
