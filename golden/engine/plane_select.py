@@ -13,7 +13,7 @@ from golden.engine.graph import Kind
 from golden.engine.operand_memory import WORD
 from golden.engine.replay import CLEAR, SIGN
 from golden.fixed import Codes
-from golden.port import Port, Unsigned, given, taken
+from golden.port import CLOCK, Port, Unsigned, given, taken
 
 
 @dataclass(frozen=True)
@@ -38,17 +38,18 @@ class PlaneSelect(Block):
     @property
     def ports(self) -> tuple[Port, ...]:
         return (
+            CLOCK,
             taken("word", "what was read", WORD),
             taken("plane", "one bit of 19, the highest clears", Unsigned(CLEAR + 1)),
             taken("kind", "0 the word, 1 one with its sign, 2 the distance, 3 one", Unsigned(2)),
-            given("take_weight", "the program's weight counts"),
+            given("take_weight", "the program's weight counts; one clock later, as the next two"),
             given("look_up", "the table's word counts"),
             given("subtract", "it is subtracted"),
         )
 
     @property
     def latency(self) -> int:
-        return 0
+        return 1
 
     def process(
         self, word: ArrayLike, plane: ArrayLike, kind: ArrayLike

@@ -80,7 +80,7 @@ class Program:
         """The steps, up to the end of the frame."""
         at = self.pipeline
         found = []
-        for n in range(len(self.words) - at.done):
+        for n in range(len(self.words) - at.mark):
             found.append(
                 Instruction(
                     weight=signed_code(get(self.words[n + at.weight], WEIGHT)),
@@ -89,9 +89,9 @@ class Program:
                     take_intercept=get(self.words[n + at.weight], TAKE_INTERCEPT),
                     first=get(self.words[n + at.start], FIRST),
                     first_of_output=get(self.words[n + at.start], FIRST_OF_OUTPUT),
-                    store=get(self.words[n + at.done], STORE),
-                    output=get(self.words[n + at.done], OUTPUT),
-                    end=get(self.words[n + at.done], END),
+                    store=get(self.words[n + at.mark], STORE),
+                    output=get(self.words[n + at.mark], OUTPUT),
+                    end=get(self.words[n + at.mark], END),
                 )
             )
             if found[-1].end:
@@ -180,7 +180,7 @@ def assemble(
     pipeline : Pipeline
     """
     steps = schedule(graph, pipeline)
-    words = [0] * (len(steps) + pipeline.done + pipeline.padding)
+    words = [0] * (len(steps) + pipeline.mark + pipeline.padding)
     addresses = {k: k for k in range(graph.inputs)} | {-1: 0}
     final = len(steps) - 1
     for n, step in enumerate(steps):
@@ -194,9 +194,9 @@ def assemble(
         put(words, n + pipeline.weight, TAKE_INTERCEPT, term.kind is Kind.INTERCEPT)
         put(words, n + pipeline.start, FIRST, step.first)
         put(words, n + pipeline.start, FIRST_OF_OUTPUT, step.first and output)
-        put(words, n + pipeline.done, STORE, step.last)
-        put(words, n + pipeline.done, OUTPUT, step.last and output)
-        put(words, n + pipeline.done, END, n == final)
+        put(words, n + pipeline.mark, STORE, step.last)
+        put(words, n + pipeline.mark, OUTPUT, step.last and output)
+        put(words, n + pipeline.mark, END, n == final)
     kept = table_words(table, segments)
     notes = (*table_notes(table, segments), *step_notes(graph, steps, len(words)))
     return Program(graph.inputs, table.width, kept, tuple(words), pipeline, notes), steps

@@ -56,10 +56,14 @@ class ProgramMemory(Block):
     @property
     def ports(self) -> tuple[Port, ...]:
         word = Unsigned(WORD_WIDTH)
-        later = f"{self.latency} clock{'s' * (self.latency > 1)} later"
+        later, looked_up = (
+            f"{clocks} clock{'s' * (clocks > 1)} later"
+            for clocks in (self.latency, self.look_up_latency)
+        )
         return (
             *CLOCKED,
-            taken("run", "the counter steps; it stands at the program's first word otherwise"),
+            taken("start", "the counter steps"),
+            taken("run", "so it does; it stands at the program's first word otherwise"),
             taken("finish", "the counter returns to it"),
             taken(
                 "segment",
@@ -69,20 +73,27 @@ class ProgramMemory(Block):
             ),
             taken("look_up", "it is read; otherwise `table_word` is 0"),
             given("word", f"the counter's word, {later}", word),
-            given("table_word", f"that of the table, {later}", word),
+            given("table_word", f"that of the table, {looked_up}", word),
         )
 
     @property
     def latency(self) -> int:
         return 1 + self.registers
 
-    def process(self, run: ArrayLike, finish: ArrayLike, reset: ArrayLike) -> Codes:
+    @property
+    def look_up_latency(self) -> int:
+        """Clocks from a segment to its word."""
+        return 1 + 2 * self.registers
+
+    def process(
+        self, start: ArrayLike, run: ArrayLike, finish: ArrayLike, reset: ArrayLike
+    ) -> Codes:
         """The word at the counter of each clock, from a clock in which it stands."""
         contents, counter, found = self.contents, self.begin, []
-        columns = (np.asarray(c, dtype=bool).tolist() for c in (run, finish, reset))
-        for runs, ends, resets in zip(*columns, strict=True):
+        columns = (np.asarray(c, dtype=bool).tolist() for c in (start, run, finish, reset))
+        for starts, runs, ends, resets in zip(*columns, strict=True):
             found.append(contents[counter])
-            stands = resets or ends or not runs
+            stands = resets or ends or not (starts or runs)
             counter = self.begin if stands else (counter + 1) % len(contents)
         return np.array(found, dtype=np.int64)
 

@@ -23,6 +23,7 @@ from dataclasses import dataclass
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, SAMPLE_SHIFT, WIDTH
 from golden.engine.graph import Graph, Kind, Term
 from golden.engine.schedule import Plan, Ready, Step
+from golden.engine.tanh_table import ENDS
 
 # The pass that clears the sum; it reads a neuron's first word.
 CLEAR = WIDTH
@@ -102,5 +103,5 @@ def _rank(term: Term, graph: Graph) -> int:
 
 
 def _first_plane(term: Term) -> int:
-    """The first plane in which an operand's bits count: a distance has none above the table's."""
-    return SIGN if term.kind is Kind.WORD else ONE_PLANE
+    """The first plane in which an operand's bits count."""
+    return {Kind.WORD: SIGN, Kind.DISTANCE: max(ENDS) - 1}.get(term.kind, ONE_PLANE)

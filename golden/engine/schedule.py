@@ -75,8 +75,8 @@ def schedule(
     order.
     """
     pending = list(range(len(graph.neurons)))
-    # The last sample is written two clocks after it came; no step is earlier.
     ready = dict.fromkeys(range(-1, graph.inputs), 0)
+    ready[graph.inputs - 1] = pipeline.sample_ready
     urgency = _urgency(graph)
     steps: list[Step] = []
     now = 0

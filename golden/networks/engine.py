@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Self
 
 from golden.block import Block
+from golden.engine.exact import error_bounds, exact
 from golden.engine.formats import HIDDEN
 from golden.engine.frame_check import FrameCheck
 from golden.engine.graph import Graph, graph_of
@@ -27,8 +28,13 @@ from golden.engine.tanh_table import tanh_table
 from golden.fixed import Codes
 from golden.flow import Carried, Flow
 from golden.networks.design import Design
-from golden.networks.mlp import Mlp
+from golden.networks.mlp import Mlp, Real
 from golden.precision import EXACT, SIGNAL, Precision
+
+# Smaller memories would be made of LUTs in some devices, which are slower behind a block RAM.
+LEAST_ADDR_WIDTH = 7
+# Bits of a sum that no scene of weights below 512 leaves.
+WHOLE_ACC_WIDTH = 44
 
 
 @dataclass(frozen=True)
@@ -49,7 +55,7 @@ class Engine(Design):
     arrangements = ("single", "multiple", "cascade")
     precisions = (EXACT.name,)
     known_activations = ("precise",)
-    options = ("segment_width", "multiplier")
+    options = ("segment_width", "pipeline", "multiplier")
     program: Program
     acc_width: int
     graph: Graph
@@ -76,21 +82,31 @@ class Engine(Design):
             What the scene chooses of ``options``.
         variant : str
         """
-        chosen = {"segment_width": 9, "multiplier": "dsp"} | dict(hardware or {})
+        chosen = {"segment_width": 9, "pipeline": "short", "multiplier": "dsp"} | dict(
+            hardware or {}
+        )
+        serial = chosen["multiplier"] == "serial"
+        if serial and chosen["pipeline"] != "short":
+            raise ValueError(
+                f"hardware.pipeline: got {chosen['pipeline']!r} with multiplier 'serial', "
+                "expected 'short'"
+            )
         table = tanh_table(chosen["segment_width"])
         graph = graph_of(arrangement, mlps, lean)
         segments = len(table.slopes)
         if lean:
             segments = min(segments, (graph.reach(table) >> table.width) + 1)
         program: Program
-        if chosen["multiplier"] == "serial":
+        if serial:
             program, _ = assemble_serial(graph, table, segments, SerialPipeline())
         else:
-            program, _ = assemble(graph, table, segments, Pipeline())
-        bound = max(graph.bound(neuron, table) for neuron in graph.neurons)
+            pipeline = Pipeline(int(chosen["pipeline"] == "deep"))
+            program, _ = assemble(graph, table, segments, pipeline)
+        bound = max(graph.bound(neuron, table) for neuron in graph.neurons).bit_length() + 1
+        least = PRODUCT_WIDTH if lean else WHOLE_ACC_WIDTH
         return cls(
             program,
-            max(PRODUCT_WIDTH, bound.bit_length() + 1),
+            max(least, bound),
             graph,
             useless_nodes=graph.useless_nodes,
             variant=variant,
@@ -151,7 +167,7 @@ class Engine(Design):
     @property
     def addr_width(self) -> int:
         """Bits of the operand memory's address."""
-        return max(2, self.program.addresses.bit_length())
+        return max(LEAST_ADDR_WIDTH, (self.program.addresses - 1).bit_length())
 
     @property
     def input_controller(self) -> FrameCheck:
@@ -179,11 +195,13 @@ class Engine(Design):
 
     @property
     def table_address(self) -> TableAddress:
-        return TableAddress(self.program.segment_width, self.program.segments)
+        width, kept = self.program.segment_width, self.program.segments
+        return TableAddress(width, kept, beyond=kept == len(tanh_table(width).slopes))
 
     @property
     def operand_select(self) -> OperandSelect:
-        return OperandSelect(self.program.segment_width, self.program.pipeline.memory_registers)
+        # As late as the word of the table.
+        return OperandSelect(self.program.segment_width, self.program.pipeline.table)
 
     @property
     def multiply_accumulate(self) -> MultiplyAccumulate:
@@ -246,7 +264,28 @@ class Engine(Design):
         )
 
     def left_out(self) -> list[str]:
-        return []
+        """What is counted as words costs memory and, one each, a clock of every frame."""
+        graph, program = self.graph, self.program
+        texts = []
+        if graph.useless_nodes:
+            texts.append(f"{graph.useless_nodes} hidden nodes whose weights to the outputs are 0")
+        if graph.useless_terms:
+            texts.append(f"{graph.useless_terms} steps of weight 0")
+        words = len(tanh_table(program.segment_width).slopes) - program.segments
+        if words:
+            texts.append(f"{words} words of tanh that no hidden sum reaches, and their comparison")
+        bits = WHOLE_ACC_WIDTH - self.acc_width
+        if bits:
+            texts.append(
+                f"{bits} bits of the sum, which {WHOLE_ACC_WIDTH} would hold for any scene"
+            )
+        return texts
+
+    def exact(self, frames: Codes) -> Codes:
+        return exact(self.graph, self.program.segment_width, frames)
+
+    def error_bounds(self, mlp: Mlp, precision: Precision, sensors: int) -> Real:
+        return error_bounds(mlp, self.program.segment_width, sensors)
 
     def compute(self, frames: Codes) -> Codes:
         return self.program.execute(frames)

@@ -15,7 +15,8 @@ from golden.flow import Alike, Carried, Flow
 from golden.layers.input_controller import InputController
 from golden.layers.neuron import Neuron
 from golden.networks.constants import Constants, Layer
-from golden.networks.design import Design, ExactLayers, ExactSum
+from golden.networks.design import Design
+from golden.networks.exact import ExactLayers, ExactSum
 from golden.precision import SIGNAL
 
 
@@ -122,7 +123,7 @@ class Parallel(Design):
     def input_controller(self) -> InputController:
         """A frame is one element: it keeps frames as far apart as the activation needs."""
         spacing = self.interval if self.interval > 1 else 0
-        return InputController(1, spacing, variant=self.variant)
+        return InputController(1, spacing)
 
     def parts(self) -> tuple[Block, ...]:
         return (

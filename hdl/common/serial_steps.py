@@ -41,9 +41,10 @@ def serial_steps(
     """
     memory = design.replay_memory
     word, plane, plane_late = unsigned(WORD_WIDTH), unsigned(CLEAR + 1), unsigned(CLEAR + 1)
-    weight, weight_late, table_word = unsigned(WIDTH), unsigned(WIDTH), unsigned(WIDTH)
-    kind, kind_late = unsigned(KIND[1]), unsigned(KIND[1])
-    first, first_late, of_output, of_output_late = flag(), flag(), flag(), flag()
+    plane_later, weight, weight_later = unsigned(CLEAR + 1), unsigned(WIDTH), unsigned(WIDTH)
+    table_word = unsigned(WIDTH)
+    kind, kind_late, kind_later = unsigned(KIND[1]), unsigned(KIND[1]), unsigned(KIND[1])
+    first, first_later, of_output, of_output_later = flag(), flag(), flag(), flag()
     take_weight, look_up, subtract = flag(), flag(), flag()
     before, waits, late = unsigned(BEFORE[1]), unsigned(BEFORE[1]), unsigned(BEFORE[1])
     coefficient = unsigned(memory.segment_addr_width)
@@ -62,7 +63,7 @@ def serial_steps(
 
     @always_comb
     def ask():
-        coefficient.next = concat(segment, kind_late[0])
+        coefficient.next = concat(segment, kind_later[0])
 
     @always_seq(clk.posedge, reset=rst)
     def follow():
@@ -72,36 +73,45 @@ def serial_steps(
             waits.next = NOTHING
         late.next = waits
 
-    @always_comb
-    def tell():
-        store.next = late != NOTHING
-        leaves.next = late >= LEAVES
-        ends.next = late == ENDS
+    @always_seq(clk.posedge, reset=rst)
+    def mark():
+        store.next = run and late != NOTHING
+        leaves.next = run and late >= LEAVES
+        ends.next = run and late == ENDS
 
     return (
         split,
         ask,
         follow,
-        tell,
+        mark,
         delay(clk, None, plane, plane_late, clocks=1),
-        delay(clk, None, weight, weight_late, clocks=1),
+        delay(clk, None, plane_late, plane_later, clocks=1),
         delay(clk, None, kind, kind_late, clocks=1),
-        delay(clk, None, first, first_late, clocks=1),
-        delay(clk, None, of_output, of_output_late, clocks=1),
+        delay(clk, None, kind_late, kind_later, clocks=1),
+        delay(clk, None, weight, weight_later, clocks=2),
+        delay(clk, None, first, first_later, clocks=2),
+        delay(clk, None, of_output, of_output_later, clocks=2),
         replay_memory(
             clk, rst, run, finish, coefficient, look_up, word, plane, first, table_word, spec=memory
         ),
         plane_select(
-            read, plane_late, kind_late, take_weight, look_up, subtract, spec=design.plane_select
+            clk,
+            read,
+            plane_late,
+            kind_late,
+            take_weight,
+            look_up,
+            subtract,
+            spec=design.plane_select,
         ),
         serial_accumulate(
             clk,
-            weight_late,
+            weight_later,
             take_weight,
             subtract,
-            plane_late,
-            first_late,
-            of_output_late,
+            plane_later,
+            first_later,
+            of_output_later,
             table_word,
             acc,
             spec=design.serial_accumulate,

@@ -1,6 +1,6 @@
 """plane_select: the bit of an operand that a pass is about, and what it does to the sum."""
 
-from myhdl import always_comb, block
+from myhdl import always, always_comb, block
 
 from golden.engine.formats import WIDTH
 from golden.engine.plane_select import PlaneSelect
@@ -9,7 +9,7 @@ from hdl.common.signals import flag, unsigned
 
 
 @block
-def plane_select(word, plane, kind, take_weight, look_up, subtract, *, spec: PlaneSelect):
+def plane_select(clk, word, plane, kind, take_weight, look_up, subtract, *, spec: PlaneSelect):
     """Whether a coefficient is added, subtracted or neither.
 
     Parameters
@@ -20,7 +20,7 @@ def plane_select(word, plane, kind, take_weight, look_up, subtract, *, spec: Pla
     kind : unsigned 2 bits
         0 the word, 1 one with its sign, 2 the distance, 3 one.
     take_weight, look_up : bool
-        The program's weight counts, or the table's word.
+        One clock later: the program's weight counts, or the table's word.
     subtract : bool
         It is subtracted.
     spec : PlaneSelect
@@ -46,7 +46,7 @@ def plane_select(word, plane, kind, take_weight, look_up, subtract, *, spec: Pla
         low.next = lower != 0
 
     # The highest bit of a distance inverted is its sign.
-    @always_comb
+    @always(clk.posedge)
     def choose():
         take_weight.next = kind == 3 or (kind == 0 and (high or low))
         look_up.next = kind == 1 or (kind == 2 and low != plane[middle])

@@ -95,6 +95,14 @@ INSTRUMENTS = DRAWN | {
     ),
     # No profile; the narrowest counter, one clock after the address is there.
     "least-instrument": Case([(3, 2, 3)], "exact", sections=f"{FRONT_END}counter_width = 3\n"),
+    # The least scan that leaves the engine its clocks.
+    "engine-instrument": Case(
+        [(3, 2, 3)],
+        "exact",
+        activation="precise",
+        design="engine",
+        sections=f"{FRONT_END}counter_width = 7\n",
+    ),
     "one-sensor": Case([(1, 2, 4)], "thesis", sections=f"{FRONT_END}counter_width = 4\n"),
 }
 
@@ -109,14 +117,19 @@ ENGINES = {
     "chain-engine": replace(
         ENGINE, shapes=[(2, 3, 1), (3, 3, 1), (4, 3, 1)], arrangement="cascade", spread=1.0
     ),
+    "deep-engine": replace(ENGINE, hardware='pipeline = "deep"', spread=1.0),
+    "deep-least-engine": replace(
+        ENGINE, shapes=[(1, 1, 1)], hardware='pipeline = "deep"', spread=1.0
+    ),
     "three-engine": replace(
         ENGINE, shapes=[(2, 4, 1), (2, 3, 1), (2, 2, 1)], arrangement="multiple", spread=1.0
     ),
 }
 SERIAL = 'multiplier = "serial"\n'
 SERIAL_ENGINES = {
-    name.replace("engine", "serial"): replace(case, hardware=case.hardware + SERIAL)
+    name.replace("engine", "serial"): replace(case, hardware=SERIAL)
     for name, case in ENGINES.items()
+    if not case.hardware
 }
 # For a block inside an engine without a multiplier; a finer table.
 SERIAL_PARTS = {

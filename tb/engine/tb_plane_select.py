@@ -37,11 +37,11 @@ async def every_plane_and_kind(dut):
     names = ["take_weight", "look_up", "subtract"]
     recording = await bench.play(drive, names)
 
-    rows = np.arange(RESET_CLOCKS, recording.clocks)
+    rows = np.arange(RESET_CLOCKS, recording.clocks - bench.latency)
     word = recording.signed("word", rows)
     seen = [recording.unsigned(name, rows) for name in ("plane", "kind")]
     take, table, subtract = bench.twin.process(word, *seen)
-    got = [recording.unsigned(name, rows) for name in names]
+    got = [recording.unsigned(name, rows + bench.latency) for name in names]
     context = {"word": word, "plane": seen[0], "kind": seen[1]}
     bench.compare("take_weight", got[0], take, **context)
     bench.compare("look_up", got[1], table, **context)

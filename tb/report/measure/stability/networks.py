@@ -11,17 +11,18 @@ import numpy as np
 from golden.activation.schemes import SCHEMES
 from golden.fixed import Codes, Fix, signed_width
 from golden.layers.input_controller import InputController
-from golden.layers.input_node import InputNode
+from golden.layers.input_integral import InputIntegral
 from golden.layers.neuron import Neuron
 from golden.layers.output_integral import OutputIntegral
 from golden.networks.arrangement import seen
 from golden.networks.constants import constants_of
 from golden.networks.designs import DESIGNS
+from golden.networks.exact import exact_sum
 from golden.networks.mlp import Mlp
 from golden.precision import EXACT, SIGNAL, THESIS, normalisation
 from golden.scene import Scene, load_scene, scene_names
 from tb.report.measure.stability.case import Row, accepted, largest
-from tb.report.measure.stability.exact import exact_network, exact_sum
+from tb.report.measure.stability.exact import exact_network
 from tb.report.measure.stability.real import real_error
 
 LOW, HIGH = SIGNAL.low, SIGNAL.high
@@ -97,7 +98,8 @@ def _worst(scene: Scene, frames: Codes, found: Codes) -> tuple[float, float]:
     for i, mlp in enumerate(scene.mlps()):
         codes = seen(scene.arrangement, frames, columns[:i])
         given = found if scene.arrangement == "single" else columns[i]
-        pairs += real_error(mlp, scene.precision, scene.build(mlp, lean=False), codes, given)
+        twin = scene.build(mlp, lean=False)
+        pairs += real_error(mlp, scene.precision, twin, codes, given, len(scene.sensors))
     return max(pairs, key=lambda pair: pair[0] / pair[1])
 
 
@@ -110,12 +112,14 @@ def huge_weights() -> Iterator[Row]:
         [_combinations((LOW, 0, HIGH), 4), rng.integers(LOW, HIGH + 1, (500, 4))]
     )
     for (name, design), precision in itertools.product(DESIGNS.items(), (THESIS, EXACT)):
+        if precision.name not in design.precisions:
+            continue
         network = design.of(mlp, precision, precision.activation)
         found = network.process(frames)
         case = f"weights of 60, Q_j to {most}, {precision.name}"
         off = largest(found - exact_network(network, "single", frames))
         yield Row(name, case, EQUAL, "codes off", off, 0)
-        ((error, bound),) = real_error(mlp, precision, network, frames, found)
+        ((error, bound),) = real_error(mlp, precision, network, frames, found, 4)
         yield Row(name, case, BOUNDED, "error in 2^-13", error, bound)
     one, none = np.ones((1, 1)), np.zeros(1)
     beyond = Mlp(2e5 * one, none, one, none)
@@ -136,14 +140,14 @@ def accumulators() -> Iterator[Row]:
     wide = Fix(EXACT.coeff_width, EXACT.coeff_width - 1)
     for precision, fmt in ((THESIS, SIGNAL), (EXACT, wide)):
         shift, hidden = precision.product_shift, precision.hidden_fmt
-        blocks: dict[str, list[InputNode | Neuron | OutputIntegral]] = {}
+        blocks: dict[str, list[InputIntegral | Neuron | OutputIntegral]] = {}
         # A weight and a bias fill 31 bits or the 32nd, where the twin changes its integers.
         for count, bias, weight in itertools.product(
             (1, 2, 25), (fmt.low, fmt.high), (fmt.low, fmt.high)
         ):
             weights = (weight,) * count
             for block in (
-                InputNode(SIGNAL, fmt, hidden, shift, weights, bias),
+                InputIntegral(SIGNAL, fmt, hidden, shift, (weights,), (bias,)),
                 Neuron(SIGNAL, fmt, SIGNAL, shift, weights, bias, factor=FACTOR),
                 OutputIntegral(SIGNAL, fmt, SIGNAL, shift, (weights,), (bias,), (FACTOR,)),
             ):
@@ -158,13 +162,13 @@ def accumulators() -> Iterator[Row]:
             yield Row(name, case, must, "bits of the sum", bits, width)
 
 
-def _filled(block: InputNode | Neuron | OutputIntegral) -> tuple[float, int, int]:
+def _filled(block: InputIntegral | Neuron | OutputIntegral) -> tuple[float, int, int]:
     """Codes off Python's integers, bits of the largest sum, and those that the hardware has."""
-    if isinstance(block, OutputIntegral):
-        weights, bias, factor = block.weights[0], block.biases[0], FACTOR
-    else:
+    if isinstance(block, Neuron):
         weights, bias = block.weights, block.bias
-        factor = FACTOR if isinstance(block, Neuron) else 1
+    else:
+        weights, bias = block.weights[0], block.biases[0]
+    factor = 1 if isinstance(block, InputIntegral) else FACTOR
     count = len(weights)
     frames = np.concatenate([np.full((1, count), LOW), np.full((1, count), HIGH)])
     frames = np.concatenate([frames, _alternating(count)])
