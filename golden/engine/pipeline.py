@@ -105,5 +105,5 @@ class SerialPipeline(Pipeline):
 
     @property
     def done(self) -> int:
-        """The sum is there, one register behind the coefficient."""
-        return self.weight + 1
+        """The sum is there, behind the coefficient's register and its own."""
+        return self.weight + 2

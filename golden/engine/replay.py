@@ -76,24 +76,36 @@ def replay_of(graph: Graph, terms: Sequence[Term]) -> Replay:
 
 
 def replayed(graph: Graph, number: int, ready: Ready, now: int) -> Plan:
-    """A neuron's words in the order that its passes need, those that are there first in front.
+    """A neuron's words in an order that its passes allow, those that are there first in front.
 
-    Words that fill time stand before them, where an operand would be read before it is there, and
-    where a neuron has nothing but the number one.
+    Of two orders that which takes fewer clocks: deep words before wide ones, or both by the clock
+    in which their operands are there, and the lowest planes read wide ones too.
     """
-    terms = sorted(
-        graph.neurons[number].terms, key=lambda term: (_rank(term, graph), ready[term.source])
-    )
-    waits = 0 if any(_rank(term, graph) < 2 for term in terms) else 1
+    terms = graph.neurons[number].terms
+    orders = [
+        sorted(terms, key=lambda term: (_rank(term, graph), ready[term.source])),
+        sorted(terms, key=lambda term: (_rank(term, graph) == 2, ready[term.source])),
+    ]
+    filled = [_filled(graph, order, ready, now) for order in orders]
+    clocks = [replay_of(graph, words).clocks for words in filled]
+    words = filled[clocks.index(min(clocks))]
+    least = replay_of(graph, _filled(graph, orders[0], ready, max(ready.values()))).clocks
+    steps = [Step(number, term, k == 0, k == len(words) - 1) for k, term in enumerate(words)]
+    return Plan(tuple(steps), min(clocks) - least, now + min(clocks))
+
+
+def _filled(graph: Graph, terms: list[Term], ready: Ready, now: int) -> list[Term]:
+    """As many words that fill time before others as no operand is read before it is there.
+
+    One is before those of a neuron that has nothing but the number one.
+    """
+    words = terms if any(_rank(term, graph) < 2 for term in terms) else [FILLING, *terms]
     while True:
-        words = [FILLING] * waits + terms
         replay = replay_of(graph, words)
         used = [now + replay.before(_first_plane(term)) + k for k, term in enumerate(words)]
         if all(ready[term.source] <= clock for term, clock in zip(words, used, strict=True)):
-            break
-        waits += 1
-    steps = [Step(number, term, k == 0, k == len(words) - 1) for k, term in enumerate(words)]
-    return Plan(tuple(steps), waits, now + replay.clocks)
+            return words
+        words = [FILLING, *words]
 
 
 def _rank(term: Term, graph: Graph) -> int:

@@ -12,7 +12,7 @@ from golden.engine.fields import get
 from golden.engine.formats import SAMPLE_SHIFT, WIDTH
 from golden.engine.program import WORD_WIDTH
 from golden.engine.replay import CLEAR, ONE_PLANE
-from golden.engine.serial_program import END_ALL, END_DEEP, END_WIDE
+from golden.engine.serial_program import ALL, DEEP, END, WIDE
 from golden.fixed import Codes
 from golden.port import CLOCKED, Port, Unsigned, given, taken
 
@@ -112,12 +112,11 @@ class ReplayMemory(Block):
 
     def _ends(self, word: int, plane: int) -> bool:
         """Whether a pass ends with this word."""
-        return bool(
-            plane == CLEAR
-            or get(word, END_ALL)
-            or (get(word, END_WIDE) and plane != ONE_PLANE)
-            or (get(word, END_DEEP) and plane < SAMPLE_SHIFT)
-        )
+        if plane == CLEAR:
+            return True
+        if plane == ONE_PLANE:
+            return get(word, END) == ALL
+        return get(word, END) >= (WIDE if plane >= SAMPLE_SHIFT else DEEP)
 
     def look_up(self, segment: ArrayLike, look_up: ArrayLike) -> Codes:
         """The word of the table for each address, 0 where none is asked for."""

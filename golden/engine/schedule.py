@@ -43,7 +43,7 @@ class Plan:
     ----------
     steps : tuple of Step
     waits : int
-        Steps that only wait.
+        Clocks that it takes longer than if all operands were there.
     end : int
         The clock after the last.
     """

@@ -56,12 +56,12 @@ class SerialAccumulate(Block):
             taken("first", "the first word of its pass"),
             taken("of_output", "the sum is that of an output"),
             taken("table_word", "of the table, or 0; one clock later", Unsigned(WIDTH)),
-            given("acc", "the sum, two clocks later", Fix(self.acc_width, 0)),
+            given("acc", "the sum, three clocks later", Fix(self.acc_width, 0)),
         )
 
     @property
     def latency(self) -> int:
-        return 2
+        return 3
 
     def process(
         self,

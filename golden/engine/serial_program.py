@@ -26,14 +26,14 @@ from golden.engine.schedule import Step, schedule
 from golden.engine.tanh_table import TanhTable
 from golden.fixed import Codes
 
-# Where the passes of a neuron end that read its deep words, its deep and wide ones, and all.
-END_DEEP = (30, 1)
-END_WIDE = (31, 1)
-END_ALL = (32, 1)
+# The last word of the passes that read a neuron's deep words, of those that read its wide ones too,
+# or of all.
+END = (30, 2)
+DEEP, WIDE, ALL = 1, 2, 3
 # The sum is that of an output: it is rounded to fewer bits.
-OF_OUTPUT = (33, 1)
+OF_OUTPUT = (32, 1)
 # In a neuron's first word, what becomes of the sum before it.
-BEFORE = (34, 2)
+BEFORE = (33, 2)
 NOTHING, STORED, LEAVES, ENDS = range(4)
 
 
@@ -58,7 +58,7 @@ class SerialProgram(Program):
         found = []
         first = True
         for word, following in zip(self.words, self.words[1:], strict=False):
-            last = bool(get(word, END_ALL))
+            last = get(word, END) == ALL
             then = get(following, BEFORE) if last else NOTHING
             found.append(
                 Instruction(
@@ -87,15 +87,15 @@ class SerialProgram(Program):
 
     def _neurons(self) -> Iterator[tuple[int, Replay]]:
         """The place of each neuron's first word, and how its words are read."""
-        ends = (END_DEEP, END_WIDE, END_ALL)
         place = 0
         while place < len(self.words) - 1:
-            words = self.words[place:]
-            deep, wide, words_in_all = (
-                next(k + 1 for k, word in enumerate(words) if get(word, end)) for end in ends
+            ends = [get(word, END) for word in self.words[place:]]
+            deep, wide, words = (
+                next(k + 1 for k, found in enumerate(ends) if found >= end)
+                for end in (DEEP, WIDE, ALL)
             )
-            yield place, Replay(deep, wide, words_in_all)
-            place += words_in_all
+            yield place, Replay(deep, wide, words)
+            place += words
 
 
 def assemble_serial(
@@ -115,15 +115,14 @@ def assemble_serial(
             put(words, k, SOURCE, addresses[term.source])
             put(words, k, KIND, int(term.kind))
             put(words, k, OF_OUTPUT, output)
-        put(words, place + replay.deep - 1, END_DEEP, 1)
-        put(words, place + replay.wide - 1, END_WIDE, 1)
-        put(words, place + replay.words - 1, END_ALL, 1)
+        ends = {replay.deep: DEEP} | {replay.wide: WIDE} | {replay.words: ALL}
+        for length, end in ends.items():
+            put(words, place + length - 1, END, end)
         place += replay.words
         put(words, place, BEFORE, LEAVES if output else STORED)
         addresses[graph.inputs + number] = len(addresses) - 1
     put(words, place, BEFORE, ENDS)
-    for end in (END_DEEP, END_WIDE, END_ALL):
-        put(words, place, end, 1)
+    put(words, place, END, ALL)
     pairs = zip(table.slopes[:segments], table.intercepts[:segments], strict=True)
     mask = (1 << WIDTH) - 1
     kept = tuple(code & mask for pair in pairs for code in pair)

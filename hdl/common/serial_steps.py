@@ -46,7 +46,7 @@ def serial_steps(
     kind, kind_late, kind_later = unsigned(KIND[1]), unsigned(KIND[1]), unsigned(KIND[1])
     first, first_later, of_output, of_output_later = flag(), flag(), flag(), flag()
     take_weight, look_up, subtract = flag(), flag(), flag()
-    before, waits, late = unsigned(BEFORE[1]), unsigned(BEFORE[1]), unsigned(BEFORE[1])
+    before, waits, late, later = (unsigned(BEFORE[1]) for _ in range(4))
     coefficient = unsigned(memory.segment_addr_width)
     source_low, kind_low, before_low = SOURCE[0], KIND[0], BEFORE[0]
     source_top, kind_top = source_low + design.addr_width, sum(KIND)
@@ -72,12 +72,13 @@ def serial_steps(
         else:
             waits.next = NOTHING
         late.next = waits
+        later.next = late
 
     @always_seq(clk.posedge, reset=rst)
     def mark():
-        store.next = run and late != NOTHING
-        leaves.next = run and late >= LEAVES
-        ends.next = run and late == ENDS
+        store.next = run and later != NOTHING
+        leaves.next = run and later >= LEAVES
+        ends.next = run and later == ENDS
 
     return (
         split,

@@ -29,7 +29,8 @@ def plane_select(clk, word, plane, kind, take_weight, look_up, subtract, *, spec
     middle = width - 1
     bits = unsigned(WIDTH)
     upper, lower = unsigned(WIDTH - width), unsigned(width)
-    high, low = flag(), flag()
+    high, low, negative, in_sign, in_middle = (flag() for _ in range(5))
+    late = unsigned(2)
 
     @always_comb
     def copy():
@@ -40,16 +41,21 @@ def plane_select(clk, word, plane, kind, take_weight, look_up, subtract, *, spec
         upper.next = bits[WIDTH:width] & plane[WIDTH:width]
         lower.next = bits[width:] & plane[width:]
 
-    @always_comb
+    # Registers behind a block RAM.
+    @always(clk.posedge)
     def look():
         high.next = upper != 0
         low.next = lower != 0
+        negative.next = bits[SIGN]
+        in_sign.next = plane[SIGN]
+        in_middle.next = plane[middle]
+        late.next = kind
 
     # The highest bit of a distance inverted is its sign.
-    @always(clk.posedge)
+    @always_comb
     def choose():
-        take_weight.next = kind == 3 or (kind == 0 and (high or low))
-        look_up.next = kind == 1 or (kind == 2 and low != plane[middle])
-        subtract.next = plane[SIGN] or (kind == 2 and plane[middle]) or (kind == 1 and bits[SIGN])
+        take_weight.next = late == 3 or (late == 0 and (high or low))
+        look_up.next = late == 1 or (late == 2 and low != in_middle)
+        subtract.next = in_sign or (late == 2 and in_middle) or (late == 1 and negative)
 
     return copy, mask, look, choose

@@ -6,7 +6,7 @@ from golden.engine.formats import SAMPLE_SHIFT, WIDTH
 from golden.engine.program import WORD_WIDTH
 from golden.engine.replay import CLEAR, ONE_PLANE
 from golden.engine.replay_memory import ReplayMemory
-from golden.engine.serial_program import END_ALL, END_DEEP, END_WIDE
+from golden.engine.serial_program import ALL, END
 from hdl.common.rom import constants
 from hdl.common.signals import flag, unsigned
 
@@ -54,36 +54,49 @@ def replay_memory(
     begin = spec.begin
     memory = constants(spec.contents, WORD_WIDTH)
     span = 1 << spec.addr_width
-    # Where the next pass begins, and the next neuron.
+    # Where the next pass begins, and the next neuron, and the words behind these: no sum stands
+    # behind the memory.
     base = Signal(intbv(begin, min=0, max=span))
-    following = unsigned(spec.addr_width)
+    second = Signal(intbv(begin + 1, min=0, max=span))
+    following, beside = unsigned(spec.addr_width), unsigned(spec.addr_width)
     address = unsigned(spec.addr_width)
-    # The word behind that of this clock.
-    counter = Signal(modbv(0, min=0, max=span))
+    # The word behind that of this clock, and one further.
+    counter = unsigned(spec.addr_width)
+    further = Signal(modbv(0, min=0, max=span))
+    second_begin = begin + 1
     top = 1 << CLEAR
     place = Signal(intbv(top, min=0, max=2 * top))
-    low_planes = unsigned(SAMPLE_SHIFT)
-    low, stands, ends = flag(), flag(), flag()
+    # What ends a pass: 3 any word, 2 any end, 1 that of all words, 0 that of wide ones or all.
+    sort = Signal(intbv(3, min=0, max=4))
+    low_planes = unsigned(SAMPLE_SHIFT + 1)
+    low, one, stands, ends = flag(), flag(), flag(), flag()
+    end_field = unsigned(END[1])
     fetched, found = unsigned(WORD_WIDTH), unsigned(WORD_WIDTH)
-    end_all, end_wide, end_deep = END_ALL[0], END_WIDE[0], END_DEEP[0]
+    end_low, end_top = END[0], sum(END)
+    above_one, above_low = ONE_PLANE + 1, SAMPLE_SHIFT + 1
     last = CLEAR + 1
 
+    # Of the plane that follows; behind plane 0 the one that clears.
     @always_comb
     def look():
-        low_planes.next = place[SAMPLE_SHIFT:]
+        low_planes.next = place[above_low:]
+        end_field.next = fetched[end_top:end_low]
 
     @always_comb
     def compare():
         low.next = low_planes != 0
+        one.next = place[above_one] or place[0]
 
     @always_comb
     def decide():
-        ends.next = (
-            place[CLEAR]
-            or fetched[end_all]
-            or (fetched[end_wide] and not place[ONE_PLANE])
-            or (fetched[end_deep] and low)
-        )
+        if sort == 3:
+            ends.next = True
+        elif sort == 2:
+            ends.next = end_field != 0
+        elif sort == 1:
+            ends.next = end_field == ALL
+        else:
+            ends.next = end_field[1]
 
     @always_comb
     def halt():
@@ -96,22 +109,34 @@ def replay_memory(
         else:
             address.next = counter
 
+    @always_comb
+    def add():
+        further.next = counter + 1
+
     @always(clk.posedge)
     def step():
-        counter.next = address + 1
         first.next = ends
+        if ends:
+            counter.next = second
+        else:
+            counter.next = further
         if ends and place[ONE_PLANE]:
             following.next = counter
+            beside.next = further
 
     @always_seq(clk.posedge, reset=rst)
     def keep():
         if stands:
             base.next = begin
+            second.next = second_begin
             place.next = top
+            sort.next = 3
         elif ends:
             place.next = concat(place[0], place[last:1])
+            sort.next = concat(low, one)
             if place[1]:
                 base.next = following
+                second.next = beside
 
     @always(clk.posedge)
     def fetch():
@@ -130,4 +155,4 @@ def replay_memory(
         plane.next = place
         table_word.next = found[WIDTH:]
 
-    return look, compare, decide, halt, choose, step, keep, fetch, read_table, show
+    return look, compare, decide, halt, choose, add, step, keep, fetch, read_table, show

@@ -42,7 +42,7 @@ def serial_accumulate(
     table_word : unsigned 18 bits
         One clock later: of the table, or 0.
     acc : signed ``spec.acc_width`` bits
-        Two clocks later.
+        Three clocks later.
     spec : SerialAccumulate
 
     Notes
@@ -55,6 +55,7 @@ def serial_accumulate(
     coeff = fixed(WORD)
     wide = signed(width)
     minus, doubles, half, clears = flag(), flag(), flag(), flag()
+    minus_late, doubles_late, half_late, clears_late = flag(), flag(), flag(), flag()
     # The sums of a program stay inside; what is added up between frames may wrap.
     span = 1 << width
     total, base = unsigned(width), unsigned(width)
@@ -90,9 +91,14 @@ def serial_accumulate(
         else:
             turned.next = bits
 
-    @always_comb
+    # Registers between a block RAM and an adder.
+    @always(clk.posedge)
     def sign():
         coeff.next = turned[WIDTH:].signed()
+        minus_late.next = minus
+        doubles_late.next = doubles
+        half_late.next = half
+        clears_late.next = clears
 
     @always_comb
     def widen():
@@ -100,15 +106,15 @@ def serial_accumulate(
 
     @always_comb
     def double():
-        if doubles:
-            base.next = concat(total[highest:], half)
+        if doubles_late:
+            base.next = concat(total[highest:], half_late)
         else:
             base.next = total
 
     @always_comb
     def carry():
-        left.next = concat(wide[width:], minus)
-        right.next = concat(base, minus)
+        left.next = concat(wide[width:], minus_late)
+        right.next = concat(base, minus_late)
 
     @always_comb
     def add():
@@ -116,7 +122,7 @@ def serial_accumulate(
 
     @always(clk.posedge)
     def store():
-        if clears:
+        if clears_late:
             total.next = 0
         else:
             total.next = grown[top:1]

@@ -18,10 +18,10 @@ from tb.common.small import SERIAL_PARTS
 
 CASES = SERIAL_PARTS
 FAULTS = [
-    (r"plane\[17\]", "1'b0"),
-    (r"low != plane", "low == plane"),
-    (r"bits\[17\]", "bits[16]"),
-    (r"kind == 3", "kind == 2"),
+    (r"in_sign <= plane\[17\]", "in_sign <= 1'b0"),
+    (r"low != in_middle", "low == in_middle"),
+    (r"negative <= bits\[17\]", "negative <= bits[16]"),
+    (r"late == 3", "late == 2"),
 ]
 
 

@@ -18,8 +18,9 @@ from tb.common.stimulus import random_resets
 
 CASES = SERIAL_PARTS
 FAULTS = [
-    (r"!place\[14\]", "!place[13]"),
-    (r"fetched\[30\] && low", "fetched[30]"),
+    (r"place\[15\]", "place[14]"),
+    (r"place\[4-1:0\]", "{1'b0, place[2:0]}"),
+    (r"\(end_field == 3\)", "end_field[1]"),
     (r"base <= following", "base <= counter"),
     (r"stands = \(finish \|\| \(!run\)\)", "stands = (!run)"),
     (r"if \(rst == 1\)", "if (0)"),

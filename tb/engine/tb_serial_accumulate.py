@@ -22,9 +22,9 @@ FAULTS = [
     (r"kept \| table_word", "kept"),
     (r"plane\[17\]", "plane[16]"),
     (r"plane\[13\]", "plane[12]"),
-    (r"if \(clears\)", "if (0)"),
+    (r"if \(clears_late\)", "if (0)"),
     (r"if \(take_weight\)", "if (1)"),
-    (r"right = \{base, minus\}", "right = {base, 1'b0}"),
+    (r"right = \{base, minus_late\}", "right = {base, 1'b0}"),
 ]
 
 CORNERS = [WORD.low, WORD.low + 1, -1, 0, 1, WORD.high - 1, WORD.high]
@@ -53,10 +53,10 @@ def timeline(rng):
         "first": rng.random(WORDS) < 1 / 3,
         "of_output": rng.integers(0, 2, WORDS),
     }
-    fill = np.zeros(2, dtype=np.int64)
+    fill = np.zeros(3, dtype=np.int64)
     columns = {name: np.concatenate([column, fill]) for name, column in drive.items()}
     table = np.where(source < 2, words(rng), 0)
-    return columns | {"table_word": np.concatenate([fill[:1], table, fill[:1]])}
+    return columns | {"table_word": np.concatenate([fill[:1], table, fill[1:]])}
 
 
 @cocotb.test()
