@@ -10,6 +10,7 @@ import numpy as np
 from golden.engine.fields import get, put, signed_code
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, RESULT, SAMPLE_SHIFT, WIDTH
 from golden.engine.graph import Graph, Kind
+from golden.engine.listing import text_of
 from golden.engine.pipeline import Pipeline
 from golden.engine.schedule import Step, schedule
 from golden.engine.tanh_table import TanhTable
@@ -99,10 +100,9 @@ class Program:
         return found
 
     @property
-    def output_clocks(self) -> tuple[int, ...]:
-        """Clocks from the last sample to each output."""
-        steps = [n for n, step in enumerate(self.instructions) if step.output]
-        return tuple(self.pipeline.begin + step + self.pipeline.result for step in steps)
+    def output_steps(self) -> list[int]:
+        """The steps whose results leave."""
+        return [n for n, step in enumerate(self.instructions) if step.output]
 
     @property
     def intercepts(self) -> Codes:
@@ -118,6 +118,14 @@ class Program:
     def segments(self) -> int:
         """Segments of the table."""
         return len(self.slopes)
+
+    def scheduled(self, graph: Graph) -> list[Step]:
+        """The steps of the graph that it was assembled from."""
+        return schedule(graph, self.pipeline)
+
+    def clock(self, step: int) -> int:
+        """The clock, from a frame's last sample on, in which a step's result is there."""
+        return self.pipeline.begin + step + self.pipeline.result
 
     @property
     def addresses(self) -> int:
@@ -178,7 +186,13 @@ def assemble(
     segments : int
         Words of the table that are kept.
     pipeline : Pipeline
+
+    Raises
+    ------
+    ValueError
+        See ``check_values``.
     """
+    check_values(graph)
     steps = schedule(graph, pipeline)
     words = [0] * (len(steps) + pipeline.mark + pipeline.padding)
     addresses = {k: k for k in range(graph.inputs)} | {-1: 0}
@@ -198,8 +212,24 @@ def assemble(
         put(words, n + pipeline.mark, OUTPUT, step.last and output)
         put(words, n + pipeline.mark, END, n == final)
     kept = table_words(table, segments)
-    notes = (*table_notes(table, segments), *step_notes(graph, steps, len(words)))
+    notes = (*table_notes(table, segments), *_step_notes(graph, steps, len(words)))
     return Program(graph.inputs, table.width, kept, tuple(words), pipeline, notes), steps
+
+
+def check_values(graph: Graph) -> None:
+    """Refuse a graph that is too large.
+
+    Raises
+    ------
+    ValueError
+        When the samples and results of a frame are more than a program can address.
+    """
+    values, most = graph.inputs + len(graph.neurons), (1 << SOURCE[1]) - 1
+    if values > most:
+        raise ValueError(
+            f"program: got {values} words of the operand memory, {graph.inputs} samples and "
+            f"{len(graph.neurons)} results, expected {most} at most"
+        )
 
 
 def table_words(table: TanhTable, segments: int) -> tuple[int, ...]:
@@ -216,8 +246,6 @@ def table_notes(table: TanhTable, segments: int) -> list[str]:
     return [f"tanh {i}, slope {s}" for i, s in zip(intercepts, slopes, strict=True)]
 
 
-def step_notes(graph: Graph, steps: Sequence[Step], count: int) -> list[str]:
-    """What ``count`` words stand for, the first of which are those of the steps."""
-    from golden.engine.listing import text_of
-
-    return [text_of(graph, step) for step in steps] + [""] * (count - len(steps))
+def _step_notes(graph: Graph, steps: Sequence[Step], count: int) -> list[str]:
+    behind = ["fields of steps above"] * (count - len(steps))
+    return [text_of(graph, step) for step in steps] + behind

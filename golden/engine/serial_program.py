@@ -11,6 +11,7 @@ import numpy as np
 from golden.engine.fields import get, put, signed_code
 from golden.engine.formats import WIDTH
 from golden.engine.graph import Graph, Kind
+from golden.engine.listing import text_of
 from golden.engine.pipeline import SerialPipeline
 from golden.engine.program import (
     KIND,
@@ -18,7 +19,7 @@ from golden.engine.program import (
     WEIGHT,
     Instruction,
     Program,
-    step_notes,
+    check_values,
     table_notes,
 )
 from golden.engine.replay import Replay, replay_of, replayed
@@ -76,14 +77,13 @@ class SerialProgram(Program):
             first = last
         return found
 
-    @property
-    def output_clocks(self) -> tuple[int, ...]:
-        clock, found = self.pipeline.begin, []
-        for place, replay in self._neurons():
-            clock += replay.clocks
-            if get(self.words[place + replay.words], BEFORE) in (LEAVES, ENDS):
-                found.append(clock - 1 + self.pipeline.result)
-        return tuple(found)
+    def scheduled(self, graph: Graph) -> list[Step]:
+        return schedule(graph, self.pipeline, replayed)
+
+    def clock(self, step: int) -> int:
+        """The clock, from a frame's last sample on, in which a step's neuron has its result."""
+        clocks = sum(replay.clocks for place, replay in self._neurons() if place <= step)
+        return self.pipeline.begin + clocks - 1 + self.pipeline.result
 
     def _neurons(self) -> Iterator[tuple[int, Replay]]:
         """The place of each neuron's first word, and how its words are read."""
@@ -102,6 +102,7 @@ def assemble_serial(
     graph: Graph, table: TanhTable, segments: int, pipeline: SerialPipeline
 ) -> tuple[SerialProgram, list[Step]]:
     """The program of a graph, and its steps; see ``assemble``."""
+    check_values(graph)
     steps = schedule(graph, pipeline, replayed)
     words = [0] * (len(steps) + 1)
     addresses = {k: k for k in range(graph.inputs)} | {-1: 0}
@@ -126,12 +127,13 @@ def assemble_serial(
     pairs = zip(table.slopes[:segments], table.intercepts[:segments], strict=True)
     mask = (1 << WIDTH) - 1
     kept = tuple(code & mask for pair in pairs for code in pair)
-    notes = [note for pair in table_notes(table, segments) for note in pair.split(", ")[::-1]]
+    table_texts = [note for pair in table_notes(table, segments) for note in pair.split(", ")[::-1]]
+    texts = [text_of(graph, step) for step in steps]
     return SerialProgram(
         graph.inputs,
         table.width,
         kept,
         tuple(words),
         pipeline,
-        (*notes, *step_notes(graph, steps, len(words))),
+        (*table_texts, *texts, "what becomes of the last sum"),
     ), steps

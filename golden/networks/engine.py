@@ -12,7 +12,7 @@ from golden.engine.exact import error_bounds, exact
 from golden.engine.formats import HIDDEN
 from golden.engine.frame_check import FrameCheck
 from golden.engine.graph import Graph, graph_of
-from golden.engine.multiply_accumulate import PRODUCT_WIDTH, MultiplyAccumulate
+from golden.engine.multiply_accumulate import MultiplyAccumulate
 from golden.engine.operand_memory import OperandMemory
 from golden.engine.operand_select import OperandSelect
 from golden.engine.pipeline import Pipeline, SerialPipeline
@@ -33,6 +33,8 @@ from golden.precision import EXACT, SIGNAL, Precision
 
 # Smaller memories would be made of LUTs in some devices, which are slower behind a block RAM.
 LEAST_ADDR_WIDTH = 7
+# With fewer, Yosys makes the test for saturation anew for each bit that it chooses.
+LEAST_ACC_WIDTH = 38
 # Bits of a sum that no scene of weights below 512 leaves.
 WHOLE_ACC_WIDTH = 44
 
@@ -103,7 +105,7 @@ class Engine(Design):
             pipeline = Pipeline(int(chosen["pipeline"] == "deep"))
             program, _ = assemble(graph, table, segments, pipeline)
         bound = max(graph.bound(neuron, table) for neuron in graph.neurons).bit_length() + 1
-        least = PRODUCT_WIDTH if lean else WHOLE_ACC_WIDTH
+        least = LEAST_ACC_WIDTH if lean else WHOLE_ACC_WIDTH
         return cls(
             program,
             max(least, bound),
@@ -143,8 +145,8 @@ class Engine(Design):
 
     @cached_property
     def output_clocks(self) -> tuple[int, ...]:
-        """Of each output, from the last sample on."""
-        return self.program.output_clocks
+        """The steps of the outputs, from the last sample on."""
+        return tuple(map(self.program.clock, self.program.output_steps))
 
     @property
     def latency(self) -> int:

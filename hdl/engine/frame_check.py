@@ -101,29 +101,29 @@ def frame_check(
                 running.next = True
 
         @always_comb
-        def wait():
+        def refuse():
             busy.next = running
             start.next = good
 
-        return look, judge, drop, count, mark, show, turn, wait
+        return look, judge, drop, count, mark, show, turn, refuse
 
-    opening, waiting = flag(), flag()
+    opens, waiting = flag(), flag()
 
     @always_seq(clk.posedge, reset=rst)
     def turn():
         if finish:
             running.next = False
-        elif opening:
+        elif opens:
             running.next = True
         if good:
             waiting.next = True
-        elif opening:
+        elif opens:
             waiting.next = False
 
     @always_comb
-    def wait():
+    def refuse():
         busy.next = running or waiting
-        start.next = opening
+        start.next = opens
 
-    late = delay(clk, rst, good, opening, clocks=spec.pipeline.run - 1)
-    return look, judge, drop, count, mark, show, turn, wait, late
+    late = delay(clk, rst, good, opens, clocks=spec.pipeline.run - 1)
+    return look, judge, drop, count, mark, show, turn, refuse, late

@@ -7,7 +7,7 @@ from golden.engine.program import WORD_WIDTH
 from golden.engine.replay import CLEAR, ONE_PLANE
 from golden.engine.replay_memory import ReplayMemory
 from golden.engine.serial_program import ALL, END
-from hdl.common.rom import constants
+from hdl.common.rom import Constants
 from hdl.common.signals import flag, unsigned
 
 
@@ -52,7 +52,7 @@ def replay_memory(
     later.
     """
     begin = spec.begin
-    memory = constants(spec.contents, WORD_WIDTH)
+    memory = Constants(spec.contents, WORD_WIDTH, spec.meanings)
     span = 1 << spec.addr_width
     # Where the next pass begins, and the next neuron, and the words behind these: no sum stands
     # behind the memory.

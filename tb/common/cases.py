@@ -85,9 +85,8 @@ def write_scene(
 ) -> Path:
     """A scene with random vectors and the given networks; returns its TOML file.
 
-    ``hardware`` are further lines of that section.
-
-    ``sections`` are those that a scene may do without; where there are any, y1 and y2 have lengths.
+    ``hardware`` has the keys that are about the design alone. ``sections`` are those that a scene
+    may do without; where there are any, y1 and y2 have lengths.
     """
     inputs = mlps[0].shape[0]
     outputs = sum(mlp.shape[2] for mlp in mlps)

@@ -124,20 +124,20 @@ ENGINES = {
     "three-engine": replace(
         ENGINE, shapes=[(2, 4, 1), (2, 3, 1), (2, 2, 1)], arrangement="multiple", spread=1.0
     ),
+    # Sums that reach few segments of a finer table.
+    "fine-engine": replace(ENGINE, shapes=[(2, 3, 2)], spread=0.5, hardware="segment_width = 7"),
 }
+# For a block inside an engine: every segment of the table, few of a finer one, and registers behind
+# the memories.
+ENGINE_PARTS = {name: ENGINES[name] for name in ("rails-engine", "fine-engine", "deep-engine")}
 SERIAL = 'multiplier = "serial"\n'
 SERIAL_ENGINES = {
-    name.replace("engine", "serial"): replace(case, hardware=SERIAL)
+    name.replace("engine", "serial"): replace(case, hardware=f"{case.hardware}\n{SERIAL}")
     for name, case in ENGINES.items()
-    if not case.hardware
+    if "pipeline" not in case.hardware
 }
-# For a block inside an engine without a multiplier; a finer table.
-SERIAL_PARTS = {
-    "rails-serial": SERIAL_ENGINES["rails-serial"],
-    "fine-serial": replace(
-        ENGINE, shapes=[(2, 3, 2)], spread=0.5, hardware=f"segment_width = 7\n{SERIAL}"
-    ),
-}
+# For a block inside an engine without a multiplier.
+SERIAL_PARTS = {name: SERIAL_ENGINES[name] for name in ("rails-serial", "fine-serial")}
 
 
 def both_precisions(activation: str) -> dict[str, Case]:
