@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from golden.engine.formats import HIDDEN, ONE, coeff_frac
 from golden.engine.graph import Graph, Kind
-from golden.engine.schedule import Step, schedule
+from golden.engine.schedule import Step
 
 if TYPE_CHECKING:
     from golden.engine.program import Program
@@ -60,7 +60,7 @@ def listing(graph: Graph, program: Program) -> list[str]:
     rows: list[Sequence[str]] = [_COLUMNS]
     kept = graph.inputs
     for n, (step, code) in enumerate(
-        zip(schedule(graph, program.pipeline), program.instructions, strict=True)
+        zip(program.scheduled(graph), program.instructions, strict=True)
     ):
         waits = step.neuron < 0
         then = ""

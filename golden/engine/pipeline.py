@@ -93,3 +93,17 @@ class Pipeline:
     def free(self) -> int:
         """Clocks from a frame's last output until a sample is taken again."""
         return 1
+
+
+@dataclass(frozen=True)
+class SerialPipeline(Pipeline):
+    """The same without a multiplier: a coefficient is added in the clock in which it is there.
+
+    A neuron's words are read more than once, so all fields of a step stand in one word, and
+    registers carry them to the clock of their use.
+    """
+
+    @property
+    def done(self) -> int:
+        """The sum is there, behind the coefficient's register and its own."""
+        return self.weight + 2

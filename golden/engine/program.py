@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from golden.engine.fields import get, put, signed_code
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, RESULT, SAMPLE_SHIFT, WIDTH
 from golden.engine.graph import Graph, Kind
 from golden.engine.listing import text_of
@@ -83,15 +84,15 @@ class Program:
         for n in range(len(self.words) - at.mark):
             found.append(
                 Instruction(
-                    weight=_signed(_get(self.words[n + at.weight], WEIGHT)),
-                    source=_get(self.words[n], SOURCE),
-                    kind=_get(self.words[n + at.operand], KIND),
-                    take_intercept=_get(self.words[n + at.weight], TAKE_INTERCEPT),
-                    first=_get(self.words[n + at.start], FIRST),
-                    first_of_output=_get(self.words[n + at.start], FIRST_OF_OUTPUT),
-                    store=_get(self.words[n + at.mark], STORE),
-                    output=_get(self.words[n + at.mark], OUTPUT),
-                    end=_get(self.words[n + at.mark], END),
+                    weight=signed_code(get(self.words[n + at.weight], WEIGHT)),
+                    source=get(self.words[n], SOURCE),
+                    kind=get(self.words[n + at.operand], KIND),
+                    take_intercept=get(self.words[n + at.weight], TAKE_INTERCEPT),
+                    first=get(self.words[n + at.start], FIRST),
+                    first_of_output=get(self.words[n + at.start], FIRST_OF_OUTPUT),
+                    store=get(self.words[n + at.mark], STORE),
+                    output=get(self.words[n + at.mark], OUTPUT),
+                    end=get(self.words[n + at.mark], END),
                 )
             )
             if found[-1].end:
@@ -102,6 +103,25 @@ class Program:
     def output_steps(self) -> list[int]:
         """The steps whose results leave."""
         return [n for n, step in enumerate(self.instructions) if step.output]
+
+    @property
+    def intercepts(self) -> Codes:
+        """The intercept of each segment."""
+        return np.array([signed_code(get(word, INTERCEPT)) for word in self.table])
+
+    @property
+    def slopes(self) -> Codes:
+        """The slope of each segment."""
+        return np.array([signed_code(get(word, SLOPE)) for word in self.table])
+
+    @property
+    def segments(self) -> int:
+        """Segments of the table."""
+        return len(self.slopes)
+
+    def scheduled(self, graph: Graph) -> list[Step]:
+        """The steps of the graph that it was assembled from."""
+        return schedule(graph, self.pipeline)
 
     def clock(self, step: int) -> int:
         """The clock, from a frame's last sample on, in which a step's result is there."""
@@ -118,8 +138,7 @@ class Program:
         Step by step as the hardware does it; only the sum is wider.
         """
         memory = [np.ascontiguousarray(samples[:, k]) << SAMPLE_SHIFT for k in range(self.inputs)]
-        intercepts = np.array([_signed(_get(word, INTERCEPT)) for word in self.table])
-        slopes = np.array([_signed(_get(word, SLOPE)) for word in self.table])
+        intercepts, slopes = self.intercepts, self.slopes
         distances = 1 << self.segment_width
         segments: tuple[int, Codes, Codes] | None = None
         acc = product = np.zeros(len(samples), dtype=np.int64)
@@ -134,7 +153,7 @@ class Program:
                 if segments is None or segments[0] != step.source:
                     negative = word >> (WIDTH - 1)
                     segment = (word ^ negative) >> self.segment_width
-                    np.minimum(segment, len(self.table) - 1, out=segment)
+                    np.minimum(segment, len(intercepts) - 1, out=segment)
                     segments = step.source, negative, segment
                 coeffs = intercepts if step.take_intercept else slopes
                 if step.kind == Kind.INTERCEPT:
@@ -171,14 +190,9 @@ def assemble(
     Raises
     ------
     ValueError
-        When the samples and results of a frame are more than a program can address.
+        See ``check_values``.
     """
-    values, most = graph.inputs + len(graph.neurons), (1 << SOURCE[1]) - 1
-    if values > most:
-        raise ValueError(
-            f"program: got {values} words of the operand memory, {graph.inputs} samples and "
-            f"{len(graph.neurons)} results, expected {most} at most"
-        )
+    check_values(graph)
     steps = schedule(graph, pipeline)
     words = [0] * (len(steps) + pipeline.mark + pipeline.padding)
     addresses = {k: k for k in range(graph.inputs)} | {-1: 0}
@@ -188,18 +202,34 @@ def assemble(
         if step.last:
             addresses[graph.inputs + step.neuron] = len(addresses) - 1
         output = step.neuron >= 0 and graph.neurons[step.neuron].output
-        _put(words, n, SOURCE, addresses[term.source])
-        _put(words, n + pipeline.operand, KIND, int(term.kind))
-        _put(words, n + pipeline.weight, WEIGHT, term.weight)
-        _put(words, n + pipeline.weight, TAKE_INTERCEPT, term.kind is Kind.INTERCEPT)
-        _put(words, n + pipeline.start, FIRST, step.first)
-        _put(words, n + pipeline.start, FIRST_OF_OUTPUT, step.first and output)
-        _put(words, n + pipeline.mark, STORE, step.last)
-        _put(words, n + pipeline.mark, OUTPUT, step.last and output)
-        _put(words, n + pipeline.mark, END, n == final)
+        put(words, n, SOURCE, addresses[term.source])
+        put(words, n + pipeline.operand, KIND, int(term.kind))
+        put(words, n + pipeline.weight, WEIGHT, term.weight)
+        put(words, n + pipeline.weight, TAKE_INTERCEPT, term.kind is Kind.INTERCEPT)
+        put(words, n + pipeline.start, FIRST, step.first)
+        put(words, n + pipeline.start, FIRST_OF_OUTPUT, step.first and output)
+        put(words, n + pipeline.mark, STORE, step.last)
+        put(words, n + pipeline.mark, OUTPUT, step.last and output)
+        put(words, n + pipeline.mark, END, n == final)
     kept = table_words(table, segments)
-    notes = (*_table_notes(table, segments), *_step_notes(graph, steps, len(words)))
+    notes = (*table_notes(table, segments), *_step_notes(graph, steps, len(words)))
     return Program(graph.inputs, table.width, kept, tuple(words), pipeline, notes), steps
+
+
+def check_values(graph: Graph) -> None:
+    """Refuse a graph that is too large.
+
+    Raises
+    ------
+    ValueError
+        When the samples and results of a frame are more than a program can address.
+    """
+    values, most = graph.inputs + len(graph.neurons), (1 << SOURCE[1]) - 1
+    if values > most:
+        raise ValueError(
+            f"program: got {values} words of the operand memory, {graph.inputs} samples and "
+            f"{len(graph.neurons)} results, expected {most} at most"
+        )
 
 
 def table_words(table: TanhTable, segments: int) -> tuple[int, ...]:
@@ -209,7 +239,8 @@ def table_words(table: TanhTable, segments: int) -> tuple[int, ...]:
     return tuple((intercept << WIDTH) | (slope & mask) for intercept, slope in pairs)
 
 
-def _table_notes(table: TanhTable, segments: int) -> list[str]:
+def table_notes(table: TanhTable, segments: int) -> list[str]:
+    """What the first words of the table stand for."""
     intercepts = RESULT.texts(table.intercepts[:segments])
     slopes = RESULT.texts(table.slopes[:segments])
     return [f"tanh {i}, slope {s}" for i, s in zip(intercepts, slopes, strict=True)]
@@ -218,17 +249,3 @@ def _table_notes(table: TanhTable, segments: int) -> list[str]:
 def _step_notes(graph: Graph, steps: Sequence[Step], count: int) -> list[str]:
     behind = ["fields of steps above"] * (count - len(steps))
     return [text_of(graph, step) for step in steps] + behind
-
-
-def _put(words: list[int], place: int, field: tuple[int, int], value: int) -> None:
-    low, bits = field
-    words[place] |= (int(value) & ((1 << bits) - 1)) << low
-
-
-def _get(word: int, field: tuple[int, int]) -> int:
-    low, bits = field
-    return (word >> low) & ((1 << bits) - 1)
-
-
-def _signed(code: int) -> int:
-    return code - ((code >> (WIDTH - 1)) << WIDTH)

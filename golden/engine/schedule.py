@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from golden.engine.graph import Graph, Kind, Term
@@ -30,47 +31,75 @@ class Step:
 WAIT = Step(-1, Term(Kind.WORD, -1, 0))
 
 
-def schedule(graph: Graph, pipeline: Pipeline) -> list[Step]:
+# The clock from which on each value can be read.
+Ready = Mapping[int, int]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A neuron's steps, if it comes next.
+
+    Parameters
+    ----------
+    steps : tuple of Step
+    waits : int
+        Clocks that it takes longer than if all operands were there.
+    end : int
+        The clock after the last.
+    """
+
+    steps: tuple[Step, ...]
+    waits: int
+    end: int
+
+
+def one_by_one(graph: Graph, number: int, ready: Ready, now: int) -> Plan:
+    """A neuron's terms in the order in which their operands are there, one a clock."""
+    terms = sorted(graph.neurons[number].terms, key=lambda term: ready[term.source])
+    steps: list[Step] = []
+    for place, term in enumerate(terms):
+        steps += [WAIT] * (ready[term.source] - now - len(steps))
+        steps.append(Step(number, term, place == 0, place == len(terms) - 1))
+    return Plan(tuple(steps), len(steps) - len(terms), now + len(steps))
+
+
+def schedule(
+    graph: Graph,
+    pipeline: Pipeline,
+    plan: Callable[[Graph, int, Ready, int], Plan] = one_by_one,
+) -> list[Step]:
     """Steps neuron by neuron, in an order that waits as little as a greedy choice finds.
 
     At each point the neurons whose operands are computed or on their way compete. The one that
     waits least is taken; of several, that on the longest way to an output. Outputs keep their
-    order. Within a neuron the terms stand in the order in which their operands are there.
+    order.
     """
     pending = list(range(len(graph.neurons)))
     ready = dict.fromkeys(range(-1, graph.inputs), 0)
     ready[graph.inputs - 1] = pipeline.sample_ready
     urgency = _urgency(graph)
     steps: list[Step] = []
+    now = 0
     while pending:
         next_output = next((n for n in pending if graph.neurons[n].output), -1)
-        best: tuple[tuple[int, int, int], list[Term]] | None = None
+        best: tuple[tuple[int, int, int], Plan] | None = None
         for n in pending:
             neuron = graph.neurons[n]
             if neuron.output and n != next_output:
                 continue
             if any(term.source not in ready for term in neuron.terms):
                 continue
-            terms = sorted(neuron.terms, key=lambda term: ready[term.source])
-            waits = _waits(terms, ready, len(steps))
-            if best is None or (waits, -urgency[n], n) < best[0]:
-                best = (waits, -urgency[n], n), terms
+            planned = plan(graph, n, ready, now)
+            rank = (planned.waits, -urgency[n], n)
+            if best is None or rank < best[0]:
+                best = rank, planned
         assert best is not None, "a neuron comes before those whose results it reads"
-        n, terms = best[0][2], best[1]
-        for place, term in enumerate(terms):
-            steps += [WAIT] * (ready[term.source] - len(steps))
-            steps.append(Step(n, term, place == 0, place == len(terms) - 1))
-        ready[graph.inputs + n] = len(steps) - 1 + pipeline.result_ready
+        n, chosen = best[0][2], best[1]
+        steps += chosen.steps
+        now = chosen.end
+        ready[graph.inputs + n] = now - 1 + pipeline.result_ready
         pending.remove(n)
     return steps
-
-
-def _waits(terms: list[Term], ready: dict[int, int], now: int) -> int:
-    """Steps that wait, when a neuron starts now."""
-    at = now
-    for term in terms:
-        at = max(at, ready[term.source]) + 1
-    return at - now - len(terms)
 
 
 def _urgency(graph: Graph) -> list[int]:

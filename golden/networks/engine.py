@@ -1,4 +1,4 @@
-"""Engine: a whole scene on one multiplier and a program."""
+"""Engine: a whole scene on one multiplier, or on none, and a program."""
 
 from __future__ import annotations
 
@@ -15,10 +15,14 @@ from golden.engine.graph import Graph, graph_of
 from golden.engine.multiply_accumulate import MultiplyAccumulate
 from golden.engine.operand_memory import OperandMemory
 from golden.engine.operand_select import OperandSelect
-from golden.engine.pipeline import Pipeline
+from golden.engine.pipeline import Pipeline, SerialPipeline
+from golden.engine.plane_select import PlaneSelect
 from golden.engine.program import Program, assemble
 from golden.engine.program_memory import ProgramMemory
+from golden.engine.replay_memory import ReplayMemory
 from golden.engine.round_saturate import RoundSaturate
+from golden.engine.serial_accumulate import SerialAccumulate
+from golden.engine.serial_program import SerialProgram, assemble_serial
 from golden.engine.table_address import TableAddress
 from golden.engine.tanh_table import tanh_table
 from golden.fixed import Codes
@@ -39,6 +43,9 @@ WHOLE_ACC_WIDTH = 44
 class Engine(Design):
     """Every neuron of a scene, one product a clock (ours; single, multiple and cascade alike).
 
+    Without a multiplier, with ``multiplier = "serial"``, a product takes as many clocks as its
+    operand has bits. Results are the same.
+
     Parameters
     ----------
     program : Program
@@ -50,7 +57,7 @@ class Engine(Design):
     arrangements = ("single", "multiple", "cascade")
     precisions = (EXACT.name,)
     known_activations = ("precise",)
-    options = ("segment_width", "pipeline")
+    options = ("segment_width", "pipeline", "multiplier")
     program: Program
     acc_width: int
     graph: Graph
@@ -77,14 +84,26 @@ class Engine(Design):
             What the scene chooses of ``options``.
         variant : str
         """
-        chosen = {"segment_width": 9, "pipeline": "short"} | dict(hardware or {})
-        pipeline = Pipeline(int(chosen["pipeline"] == "deep"))
+        chosen = {"segment_width": 9, "pipeline": "short", "multiplier": "dsp"} | dict(
+            hardware or {}
+        )
+        serial = chosen["multiplier"] == "serial"
+        if serial and chosen["pipeline"] != "short":
+            raise ValueError(
+                f"hardware.pipeline: got {chosen['pipeline']!r} with multiplier 'serial', "
+                "expected 'short'"
+            )
         table = tanh_table(chosen["segment_width"])
         graph = graph_of(arrangement, mlps, lean)
         segments = len(table.slopes)
         if lean:
             segments = min(segments, (graph.reach(table) >> table.width) + 1)
-        program, _ = assemble(graph, table, segments, pipeline)
+        program: Program
+        if serial:
+            program, _ = assemble_serial(graph, table, segments, SerialPipeline())
+        else:
+            pipeline = Pipeline(int(chosen["pipeline"] == "deep"))
+            program, _ = assemble(graph, table, segments, pipeline)
         bound = max(graph.bound(neuron, table) for neuron in graph.neurons).bit_length() + 1
         least = LEAST_ACC_WIDTH if lean else WHOLE_ACC_WIDTH
         return cls(
@@ -143,6 +162,11 @@ class Engine(Design):
         return self.output_clocks[-1] + self.program.pipeline.free - 1
 
     @property
+    def serial(self) -> bool:
+        """Whether it does without a multiplier."""
+        return isinstance(self.program, SerialProgram)
+
+    @property
     def addr_width(self) -> int:
         """Bits of the operand memory's address."""
         return max(LEAST_ADDR_WIDTH, (self.program.addresses - 1).bit_length())
@@ -173,7 +197,7 @@ class Engine(Design):
 
     @property
     def table_address(self) -> TableAddress:
-        width, kept = self.program.segment_width, len(self.program.table)
+        width, kept = self.program.segment_width, self.program.segments
         return TableAddress(width, kept, beyond=kept == len(tanh_table(width).slopes))
 
     @property
@@ -189,14 +213,42 @@ class Engine(Design):
     def round_saturate(self) -> RoundSaturate:
         return RoundSaturate(self.acc_width)
 
+    @property
+    def replay_memory(self) -> ReplayMemory:
+        """Takes the place of ``program_memory`` where there is no multiplier."""
+        return ReplayMemory(
+            self.program.table,
+            self.program.words,
+            self.program.notes,
+            self.table_address.addr_width + 1,
+        )
+
+    @property
+    def plane_select(self) -> PlaneSelect:
+        """Takes the place of ``operand_select``."""
+        return PlaneSelect(self.program.segment_width)
+
+    @property
+    def serial_accumulate(self) -> SerialAccumulate:
+        """Takes the place of ``multiply_accumulate``."""
+        return SerialAccumulate(self.acc_width)
+
+    @property
+    def steps(self) -> tuple[Block, ...]:
+        """What reads the program, chooses operands and adds up."""
+        if self.serial:
+            return self.replay_memory, self.plane_select, self.serial_accumulate
+        return self.program_memory, self.operand_select, self.multiply_accumulate
+
     def parts(self) -> tuple[Block, ...]:
+        program, select, accumulate = self.steps
         return (
             self.frame_check,
-            self.program_memory,
+            program,
             self.operand_memory,
             self.table_address,
-            self.operand_select,
-            self.multiply_accumulate,
+            select,
+            accumulate,
             self.round_saturate,
         )
 
@@ -207,8 +259,7 @@ class Engine(Design):
                 self.round_saturate,
                 Carried("words", self.round_saturate.latency),
                 self.operand_memory,
-                self.operand_select,
-                self.multiply_accumulate,
+                *self.steps[1:],
                 Carried(f"{self.outputs} y", SIGNAL),
             ),
             watcher=self.frame_check,
@@ -222,7 +273,7 @@ class Engine(Design):
             texts.append(f"{graph.useless_nodes} hidden nodes whose weights to the outputs are 0")
         if graph.useless_terms:
             texts.append(f"{graph.useless_terms} steps of weight 0")
-        words = len(tanh_table(program.segment_width).slopes) - len(program.table)
+        words = len(tanh_table(program.segment_width).slopes) - program.segments
         if words:
             texts.append(f"{words} words of tanh that no hidden sum reaches, and their comparison")
         bits = WHOLE_ACC_WIDTH - self.acc_width

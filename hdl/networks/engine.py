@@ -1,4 +1,4 @@
-"""Engine: a whole scene on one multiplier and a program."""
+"""Engine: a whole scene on one multiplier, or on none, and a program."""
 
 from myhdl import always, always_comb, always_seq, block
 
@@ -16,6 +16,7 @@ from golden.engine.program import (
     WORD_WIDTH,
 )
 from golden.networks.engine import Engine
+from hdl.common.serial_steps import serial_steps
 from hdl.common.signals import fixed, flag, signed, unsigned
 from hdl.engine.frame_check import frame_check
 from hdl.engine.multiply_accumulate import multiply_accumulate
@@ -40,7 +41,7 @@ def engine(
     *,
     spec: Engine,
 ):
-    """A frame of sensor samples in, a frame of outputs out, on one multiplier.
+    """A frame of sensor samples in, a frame of outputs out, on one multiplier or on none.
 
     Parameters
     ----------
@@ -55,9 +56,9 @@ def engine(
 
     Notes
     -----
-    The fields of a step stand in several words of the program, each where the clock of its use
-    finds it; docs/blocks/engine.md shows which. Latency from the last sample to the outputs:
-    ``spec.output_clocks`` clocks. Reset clears every flag and counter.
+    With a multiplier the fields of a step stand in several words of the program, each where the
+    clock of its use finds it; docs/blocks/engine.md shows which. Latency from the last sample to
+    the outputs: ``spec.output_clocks`` clocks. Reset clears every flag and counter.
     """
     check, table = spec.frame_check, spec.table_address
     word, table_word = unsigned(WORD_WIDTH), unsigned(WORD_WIDTH)
@@ -72,6 +73,42 @@ def engine(
     source_top, kind_top = source_low + spec.addr_width, sum(KIND)
     take_bit, first_bit, first_of_output_bit = TAKE_INTERCEPT[0], FIRST[0], FIRST_OF_OUTPUT[0]
     store_bit, output_bit, end_bit = STORE[0], OUTPUT[0], END[0]
+
+    @always_seq(clk.posedge, reset=rst)
+    def leave():
+        out_valid.next = leaves
+        finish.next = ends
+
+    @always_comb
+    def show():
+        out_data.next = data[WIDTH:OUTPUT_SHIFT].signed()
+        out_last.next = finish
+
+    common = (
+        leave,
+        show,
+        frame_check(
+            clk,
+            rst,
+            in_valid,
+            in_last,
+            store,
+            finish,
+            start,
+            run,
+            write,
+            write_addr,
+            frame_error,
+            spec=check,
+        ),
+        operand_memory(clk, write, write_addr, data, source, read, spec=spec.operand_memory),
+        table_address(clk, read, segment, spec=table),
+        round_saturate(clk, run, acc, in_data, data, spec=spec.round_saturate),
+    )
+    if spec.serial:
+        return common, serial_steps(
+            clk, rst, run, finish, segment, read, source, store, leaves, ends, acc, design=spec
+        )
 
     @always_comb
     def split():
@@ -95,36 +132,11 @@ def engine(
         leaves.next = run and word[output_bit]
         ends.next = run and word[end_bit]
 
-    @always_seq(clk.posedge, reset=rst)
-    def leave():
-        out_valid.next = leaves
-        finish.next = ends
-
-    @always_comb
-    def show():
-        out_data.next = data[WIDTH:OUTPUT_SHIFT].signed()
-        out_last.next = finish
-
     return (
+        common,
         split,
         ask,
         mark,
-        leave,
-        show,
-        frame_check(
-            clk,
-            rst,
-            in_valid,
-            in_last,
-            store,
-            finish,
-            start,
-            run,
-            write,
-            write_addr,
-            frame_error,
-            spec=check,
-        ),
         program_memory(
             clk,
             rst,
@@ -137,8 +149,6 @@ def engine(
             table_word,
             spec=spec.program_memory,
         ),
-        operand_memory(clk, write, write_addr, data, source, read, spec=spec.operand_memory),
-        table_address(clk, read, segment, spec=table),
         operand_select(clk, read, kind, operand, spec=spec.operand_select),
         multiply_accumulate(
             clk,
@@ -151,5 +161,4 @@ def engine(
             acc,
             spec=spec.multiply_accumulate,
         ),
-        round_saturate(clk, run, acc, in_data, data, spec=spec.round_saturate),
     )

@@ -15,6 +15,8 @@ from tb.common.framing import random_lengths, scan
 from tb.common.stimulus import corner_frames, extreme_frames, random_resets, spread
 
 WATCH = ["out_valid", "out_data", "out_last", "frame_error"]
+# About the clocks that a test plays; designs that take hundreds for a frame get fewer frames.
+MOST_CLOCKS = 200_000
 # Frames that are played with gaps too, random and recorded ones.
 MOST_WITH_GAPS = 100
 MOST_RECORDED_WITH_GAPS = 200
@@ -88,6 +90,17 @@ def random_elements(bench, count):
     return bench.rng.integers(SIGNAL.low, SIGNAL.high + 1, count)
 
 
+def affordable(bench, frames):
+    """A number of frames, or as many as a quarter of the clocks has room for."""
+    return min(frames, max(20, MOST_CLOCKS // 4 // bench.twin.interval))
+
+
+def frames_of_all_lengths(bench, samples):
+    """``last`` flags of as many samples, or as many as there are clocks for."""
+    length = bench.twin.input_controller.inputs
+    return random_lengths(bench.rng, length, min(samples, length * affordable(bench, samples)))
+
+
 @cocotb.test()
 async def recorded(dut):
     """All recorded frames as close as the design takes them, then the first ones with gaps."""
@@ -106,7 +119,8 @@ async def recorded(dut):
         "clocks_per_frame": int(final - first + 1),
         "interval": int(np.diff(entered).min()),
     }
-    some = MOST_RECORDED_WITH_GAPS * bench.twin.input_controller.inputs
+    most = affordable(bench, MOST_RECORDED_WITH_GAPS)
+    some = most * bench.twin.input_controller.inputs
     await check(bench, elements[:some], last[:some], gap=0.3, pause=pause[:some])
     bench.finish(at_least=len(codes) * bench.twin.outputs)
 
@@ -120,11 +134,12 @@ async def corners_and_random(dut):
     designs = [part for part in walk(bench.twin) if isinstance(part, Design)]
     rows = [row[:inputs] for design in designs for row in design.hidden_weights]
     ends = extreme_frames(SIGNAL, rows)
-    for gap, count in ((0.0, bench.frames), (0.4, min(bench.frames, MOST_WITH_GAPS))):
+    most = affordable(bench, bench.frames)
+    for gap, count in ((0.0, most), (0.4, min(most, MOST_WITH_GAPS))):
         frames = np.concatenate([corner_frames(SIGNAL, inputs), ends, random[:count]])
         elements, last = whole_frames(bench, frames)
         await check(bench, elements, last, gap, pause=pauses(bench, last, closest=True))
-    bench.finish(at_least=bench.frames)
+    bench.finish(at_least=most)
 
 
 @cocotb.test()
@@ -132,7 +147,7 @@ async def wrong_lengths(dut):
     """Frames too short and too long among good ones."""
     bench = Bench(dut)
     for gap in (0.0, 0.4):
-        last = random_lengths(bench.rng, bench.twin.input_controller.inputs, 500)
+        last = frames_of_all_lengths(bench, 500)
         elements = random_elements(bench, len(last))
         _, _, frames = await check(bench, elements, last, gap, pause=pauses(bench, last))
         assert frames.error.any(), "no wrong frame was driven"
@@ -143,7 +158,7 @@ async def wrong_lengths(dut):
 async def resets_in_mid_frame(dut):
     """Resets at random clocks among frames of all lengths."""
     bench = Bench(dut)
-    last = random_lengths(bench.rng, bench.twin.input_controller.inputs, 800)
+    last = frames_of_all_lengths(bench, 800)
     every = 2 * (bench.twin.input_controller.inputs + bench.twin.output_clocks[-1])
     await check(
         bench,
@@ -158,24 +173,33 @@ async def resets_in_mid_frame(dut):
 
 @cocotb.test()
 async def reset_at_every_clock(dut):
-    """One frame, a reset a given number of clocks after its first element, and a good frame."""
+    """One frame, a reset a given number of clocks after its first element, and a good frame.
+
+    A reset at each clock of a frame; of a long one at its beginning, its end, and in between at
+    random.
+    """
     bench = Bench(dut)
     twin = bench.twin
     inputs, length = twin.inputs, twin.input_controller.inputs
     span = length + twin.output_clocks[-1] + 3
-    frames = random_elements(bench, 2 * span * inputs).reshape(-1, inputs)
-    pause = np.zeros((2 * span, length), dtype=np.int64)
+    most = min(span, MOST_CLOCKS // (2 * span))
+    ends = most // 3
+    between = np.arange(ends, span - ends)
+    some = bench.rng.permutation(between)[: most - 2 * ends]
+    at = [*range(ends), *np.sort(some), *range(span - ends, span)]
+    frames = random_elements(bench, 2 * len(at) * inputs).reshape(-1, inputs)
+    pause = np.zeros((2 * len(at), length), dtype=np.int64)
     pause[:, 0] = max(span, twin.interval)
 
     def resets(clocks):
         column = np.zeros(clocks, dtype=np.int64)
-        for t in range(span):
-            # Frame 2 t starts at this clock, frame 2 t + 1 a span and a frame later.
-            column[2 * t * (pause[0, 0] + length) + pause[0, 0] + t] = 1
+        for k, t in enumerate(at):
+            # Frame 2 k starts at this clock, frame 2 k + 1 a span and a frame later.
+            column[2 * k * (pause[0, 0] + length) + pause[0, 0] + t] = 1
         return column
 
     _, _, scanned = await check(
         bench, *whole_frames(bench, frames), gap=0.0, resets=resets, pause=pause.ravel()
     )
-    assert scanned.done.sum() >= span, "a frame after a reset was refused"
-    bench.finish(at_least=span * twin.outputs)
+    assert scanned.done.sum() >= len(at), "a frame after a reset was refused"
+    bench.finish(at_least=len(at) * twin.outputs)

@@ -130,6 +130,14 @@ ENGINES = {
 # For a block inside an engine: every segment of the table, few of a finer one, and registers behind
 # the memories.
 ENGINE_PARTS = {name: ENGINES[name] for name in ("rails-engine", "fine-engine", "deep-engine")}
+SERIAL = 'multiplier = "serial"\n'
+SERIAL_ENGINES = {
+    name.replace("engine", "serial"): replace(case, hardware=f"{case.hardware}\n{SERIAL}")
+    for name, case in ENGINES.items()
+    if "pipeline" not in case.hardware
+}
+# For a block inside an engine without a multiplier.
+SERIAL_PARTS = {name: SERIAL_ENGINES[name] for name in ("rails-serial", "fine-serial")}
 
 
 def both_precisions(activation: str) -> dict[str, Case]:

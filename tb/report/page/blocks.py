@@ -29,6 +29,7 @@ from golden.networks.network import Network
 from golden.port import Port, Unsigned
 from golden.precision import PRECISIONS
 from golden.scene import load_scene
+from golden.scene.schema import CHOICES
 from tb.report.measure.networks import scenes
 from tb.report.page.markers import put, write
 
@@ -69,6 +70,10 @@ def shipped() -> Iterator[tuple[str, Network]]:
                     continue
                 for options in choices or [{}]:
                     yield precision.name, design.of(mlp, precision, name, options)
+        for key in design.options:
+            for choice in CHOICES.get(("hardware", key), ()):
+                precision, name = PRECISIONS[design.precisions[0]], design.known_activations[0]
+                yield precision.name, design.of(mlp, precision, name, hardware={key: choice})
 
 
 def blocks_of(designs: Iterable[tuple[str, Network]]) -> dict[str, Twins]:

@@ -1,0 +1,75 @@
+"""plane_select: the bit of an operand that a pass is about, and what it does to the sum."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.block import Block
+from golden.engine.formats import WIDTH
+from golden.engine.graph import Kind
+from golden.engine.operand_memory import WORD
+from golden.engine.replay import CLEAR, SIGN
+from golden.fixed import Codes
+from golden.port import CLOCK, Port, Unsigned, given, taken
+
+
+@dataclass(frozen=True)
+class PlaneSelect(Block):
+    """Whether a coefficient is added, subtracted or neither.
+
+    Parameters
+    ----------
+    segment_width : int
+        Bits of q within a segment.
+
+    Notes
+    -----
+    The number one, with either sign, is only read in its own plane, so its bit is always there.
+    Where nothing is added ``subtract`` does not matter.
+    """
+
+    block = "plane_select"
+    area = "engine"
+    segment_width: int
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            CLOCK,
+            taken("word", "what was read", WORD),
+            taken("plane", "one bit of 19, the highest clears", Unsigned(CLEAR + 1)),
+            taken("kind", "0 the word, 1 one with its sign, 2 the distance, 3 one", Unsigned(2)),
+            given("take_weight", "the program's weight counts; one clock later, as the next two"),
+            given("look_up", "the table's word counts"),
+            given("subtract", "it is subtracted"),
+        )
+
+    @property
+    def latency(self) -> int:
+        return 1
+
+    def process(
+        self, word: ArrayLike, plane: ArrayLike, kind: ArrayLike
+    ) -> tuple[Codes, Codes, Codes]:
+        """``take_weight``, ``look_up`` and ``subtract`` of each word, with ``plane`` one bit."""
+        words, kinds = WORD.check(word, f"{self.entity} word"), np.asarray(kind)
+        planes = np.asarray(plane, dtype=np.int64)
+        # The highest bit of a distance inverted is its sign.
+        middle = 1 << (self.segment_width - 1)
+        within = 2 * middle - 1
+        bit = words & planes & ((1 << WIDTH) - 1) != 0
+        distance_bit = (words ^ middle) & planes & within != 0
+        take = np.select([kinds == Kind.WORD, kinds == Kind.ONE], [bit, True], False)
+        table = np.select(
+            [kinds == Kind.INTERCEPT, kinds == Kind.DISTANCE], [True, distance_bit], False
+        )
+        sign = planes == 1 << SIGN
+        subtract = np.select(
+            [kinds == Kind.INTERCEPT, kinds == Kind.DISTANCE],
+            [sign | (words < 0), sign | (planes == middle)],
+            sign,
+        )
+        return take.astype(np.int64), table.astype(np.int64), subtract.astype(np.int64)

@@ -1,0 +1,129 @@
+"""replay_memory: the words of table and program, read again for every bit plane of the operands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.block import Block
+from golden.engine.fields import get
+from golden.engine.formats import SAMPLE_SHIFT, WIDTH
+from golden.engine.program import WORD_WIDTH
+from golden.engine.replay import CLEAR, ONE_PLANE
+from golden.engine.serial_program import ALL, DEEP, END, WIDE
+from golden.fixed import Codes
+from golden.port import CLOCKED, Port, Unsigned, given, taken
+
+
+@dataclass(frozen=True)
+class ReplayMemory(Block):
+    """Words of 36 bits, read neuron by neuron and pass by pass, and the table beside them.
+
+    Parameters
+    ----------
+    table, words : tuple of int
+        The memory holds the table, slope and intercept in turn, and behind it the program.
+    notes : tuple of str
+        What each of them stands for, for the exported file.
+    segment_addr_width : int
+        Bits of the address of a slope or an intercept.
+
+    Notes
+    -----
+    A pass ends with the word that says so for its plane; the next one begins with the neuron's
+    first word. After the pass of plane 0 comes the next neuron, which stands behind the last word
+    of the pass that read them all.
+    """
+
+    block = "replay_memory"
+    area = "engine"
+    table: tuple[int, ...]
+    words: tuple[int, ...]
+    notes: tuple[str, ...]
+    segment_addr_width: int
+
+    @property
+    def contents(self) -> tuple[int, ...]:
+        """Every word, up to a power of two of them."""
+        given_words = (*self.table, *self.words)
+        return given_words + (0,) * ((1 << self.addr_width) - len(given_words))
+
+    @property
+    def meanings(self) -> tuple[str, ...]:
+        """What each word stands for; the last holds for all beyond."""
+        return (*self.notes, "not used")
+
+    @property
+    def addr_width(self) -> int:
+        """Bits of the program counter."""
+        return max(1, (len(self.table) + len(self.words) - 1).bit_length())
+
+    @property
+    def begin(self) -> int:
+        """The program's first address."""
+        return len(self.table)
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            *CLOCKED,
+            taken("run", "words are read; the program's first one otherwise, in the first plane"),
+            taken("finish", "the same as without `run` from the next clock on"),
+            taken(
+                "segment",
+                "which slope or intercept is read",
+                Unsigned(self.segment_addr_width),
+                "segment_addr_width",
+            ),
+            taken("look_up", "it is read; otherwise `table_word` is 0"),
+            given("word", "the word of this clock", Unsigned(WORD_WIDTH)),
+            given("plane", "its plane: one bit of 19, the highest clears", Unsigned(CLEAR + 1)),
+            given("first", "it is the first of its pass"),
+            given("table_word", "that of the table, 1 clock later", Unsigned(WIDTH)),
+        )
+
+    @property
+    def latency(self) -> int:
+        return 1
+
+    def facts(self) -> tuple[str, ...]:
+        return (f"{CLEAR} planes",)
+
+    def process(
+        self, run: ArrayLike, finish: ArrayLike, reset: ArrayLike
+    ) -> tuple[Codes, Codes, Codes]:
+        """Word, plane and first of each clock, from one in which the first word stands."""
+        contents = self.contents
+        here = base = following = self.begin
+        plane, first = CLEAR, True
+        found = []
+        columns = (np.asarray(c, dtype=bool).tolist() for c in (run, finish, reset))
+        for runs, finishes, resets in zip(*columns, strict=True):
+            found.append((contents[here], 1 << plane, first))
+            first = self._ends(contents[here], plane)
+            behind = (here + 1) % len(contents)
+            here = base if first else behind
+            if first:
+                # The pass that reads every word of a neuron finds the next one.
+                following = behind if plane == ONE_PLANE else following
+                base = following if plane == 1 else base
+                plane = (plane - 1) % (CLEAR + 1)
+            if resets or finishes or not runs:
+                base, plane = self.begin, CLEAR
+        table = np.array(found, dtype=np.int64).T
+        return table[0], table[1], table[2]
+
+    def _ends(self, word: int, plane: int) -> bool:
+        """Whether a pass ends with this word."""
+        if plane == CLEAR:
+            return True
+        if plane == ONE_PLANE:
+            return get(word, END) == ALL
+        return get(word, END) >= (WIDE if plane >= SAMPLE_SHIFT else DEEP)
+
+    def look_up(self, segment: ArrayLike, look_up: ArrayLike) -> Codes:
+        """The word of the table for each address, 0 where none is asked for."""
+        words = np.array(self.contents, dtype=np.int64)[np.asarray(segment)] & ((1 << WIDTH) - 1)
+        return np.where(np.asarray(look_up, dtype=bool), words, 0)

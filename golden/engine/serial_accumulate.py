@@ -1,0 +1,99 @@
+"""serial_accumulate: doubles a sum from plane to plane, and adds coefficients."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.block import Block
+from golden.engine.formats import WIDTH
+from golden.engine.multiply_accumulate import PRODUCT_WIDTH
+from golden.engine.replay import CLEAR, HALF_OUTPUT_PLANE, HALF_PLANE
+from golden.fixed import Codes, Fix
+from golden.port import CLOCK, Port, Unsigned, given, taken
+
+
+@dataclass(frozen=True)
+class SerialAccumulate(Block):
+    """acc = (acc, or 2 acc and half a unit of the result in its plane) +- coefficient; or 0.
+
+    Parameters
+    ----------
+    acc_width : int
+        Bits of the sum, 36 or more; sums of a program that was assembled for it do not leave them.
+
+    Raises
+    ------
+    ValueError
+        For an ``acc_width`` outside 36 to 48.
+
+    Notes
+    -----
+    The coefficient is the OR of the program's weight, where it counts, and of a word of the table,
+    which is 0 otherwise. The half unit rounds the result half up.
+    """
+
+    block = "serial_accumulate"
+    area = "engine"
+    acc_width: int
+
+    def __post_init__(self) -> None:
+        if not PRODUCT_WIDTH <= self.acc_width <= 48:
+            raise ValueError(
+                f"{self.entity}: got acc_width={self.acc_width}, expected {PRODUCT_WIDTH} to 48"
+            )
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            CLOCK,
+            taken("weight", "of the program", Unsigned(WIDTH)),
+            taken("take_weight", "it counts"),
+            taken("subtract", "the coefficient is subtracted"),
+            taken("plane", "one bit of 19, the highest clears", Unsigned(CLEAR + 1)),
+            taken("first", "the first word of its pass"),
+            taken("of_output", "the sum is that of an output"),
+            taken("table_word", "of the table, or 0; one clock later", Unsigned(WIDTH)),
+            given("acc", "the sum, three clocks later", Fix(self.acc_width, 0)),
+        )
+
+    @property
+    def latency(self) -> int:
+        return 3
+
+    def process(
+        self,
+        weight: ArrayLike,
+        take_weight: ArrayLike,
+        subtract: ArrayLike,
+        plane: ArrayLike,
+        first: ArrayLike,
+        of_output: ArrayLike,
+        table_word: ArrayLike,
+    ) -> Codes:
+        """The sum after each word, from 0 on; ``table_word`` is that of the same word.
+
+        A sum that leaves its bits, as that of no program does, wraps.
+        """
+        gated = np.where(take_weight, weight, 0)
+        bits = np.asarray(gated, dtype=np.int64) | np.asarray(table_word, dtype=np.int64)
+        coeff = bits - ((bits >> (WIDTH - 1)) << WIDTH)
+        change = np.where(subtract, -coeff, coeff)
+        planes = np.asarray(plane, dtype=np.int64)
+        half_planes = np.where(of_output, 1 << HALF_OUTPUT_PLANE, 1 << HALF_PLANE)
+        half = (planes & half_planes != 0).astype(np.int64)
+        low, span = Fix(self.acc_width, 0).low, 1 << self.acc_width
+        acc, found = 0, []
+        for value, shift, extra, clears in zip(
+            change.tolist(),
+            np.asarray(first).tolist(),
+            half.tolist(),
+            (planes >> CLEAR).tolist(),
+            strict=True,
+        ):
+            acc = 0 if clears else (2 * acc + extra if shift else acc) + value
+            acc = (acc - low) % span + low
+            found.append(acc)
+        return np.array(found, dtype=np.int64)

@@ -1,0 +1,139 @@
+"""The program of an engine without a multiplier: every field of a step in one word."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import groupby
+
+import numpy as np
+
+from golden.engine.fields import get, put, signed_code
+from golden.engine.formats import WIDTH
+from golden.engine.graph import Graph, Kind
+from golden.engine.listing import text_of
+from golden.engine.pipeline import SerialPipeline
+from golden.engine.program import (
+    KIND,
+    SOURCE,
+    WEIGHT,
+    Instruction,
+    Program,
+    check_values,
+    table_notes,
+)
+from golden.engine.replay import Replay, replay_of, replayed
+from golden.engine.schedule import Step, schedule
+from golden.engine.tanh_table import TanhTable
+from golden.fixed import Codes
+
+# The last word of the passes that read a neuron's deep words, of those that read its wide ones too,
+# or of all.
+END = (30, 2)
+DEEP, WIDE, ALL = 1, 2, 3
+# The sum is that of an output: it is rounded to fewer bits.
+OF_OUTPUT = (32, 1)
+# In a neuron's first word, what becomes of the sum before it.
+BEFORE = (33, 2)
+NOTHING, STORED, LEAVES, ENDS = range(4)
+
+
+@dataclass(frozen=True)
+class SerialProgram(Program):
+    """The contents of the program memory: slope and intercept in turn, then the words.
+
+    The word behind the last neuron's says what becomes of its sum, and is read until the program
+    stands.
+    """
+
+    @property
+    def intercepts(self) -> Codes:
+        return np.array([signed_code(word) for word in self.table[1::2]])
+
+    @property
+    def slopes(self) -> Codes:
+        return np.array([signed_code(word) for word in self.table[::2]])
+
+    @property
+    def instructions(self) -> list[Instruction]:
+        found = []
+        first = True
+        for word, following in zip(self.words, self.words[1:], strict=False):
+            last = get(word, END) == ALL
+            then = get(following, BEFORE) if last else NOTHING
+            found.append(
+                Instruction(
+                    weight=signed_code(get(word, WEIGHT)),
+                    source=get(word, SOURCE),
+                    kind=get(word, KIND),
+                    take_intercept=get(word, KIND) == Kind.INTERCEPT,
+                    first=first,
+                    first_of_output=first and get(word, OF_OUTPUT),
+                    store=then != NOTHING,
+                    output=then in (LEAVES, ENDS),
+                    end=then == ENDS,
+                )
+            )
+            first = last
+        return found
+
+    def scheduled(self, graph: Graph) -> list[Step]:
+        return schedule(graph, self.pipeline, replayed)
+
+    def clock(self, step: int) -> int:
+        """The clock, from a frame's last sample on, in which a step's neuron has its result."""
+        clocks = sum(replay.clocks for place, replay in self._neurons() if place <= step)
+        return self.pipeline.begin + clocks - 1 + self.pipeline.result
+
+    def _neurons(self) -> Iterator[tuple[int, Replay]]:
+        """The place of each neuron's first word, and how its words are read."""
+        place = 0
+        while place < len(self.words) - 1:
+            ends = [get(word, END) for word in self.words[place:]]
+            deep, wide, words = (
+                next(k + 1 for k, found in enumerate(ends) if found >= end)
+                for end in (DEEP, WIDE, ALL)
+            )
+            yield place, Replay(deep, wide, words)
+            place += words
+
+
+def assemble_serial(
+    graph: Graph, table: TanhTable, segments: int, pipeline: SerialPipeline
+) -> tuple[SerialProgram, list[Step]]:
+    """The program of a graph, and its steps; see ``assemble``."""
+    check_values(graph)
+    steps = schedule(graph, pipeline, replayed)
+    words = [0] * (len(steps) + 1)
+    addresses = {k: k for k in range(graph.inputs)} | {-1: 0}
+    place = 0
+    for number, group in groupby(steps, key=lambda step: step.neuron):
+        terms = tuple(step.term for step in group)
+        replay = replay_of(graph, terms)
+        output = graph.neurons[number].output
+        for k, term in enumerate(terms, start=place):
+            put(words, k, WEIGHT, term.weight)
+            put(words, k, SOURCE, addresses[term.source])
+            put(words, k, KIND, int(term.kind))
+            put(words, k, OF_OUTPUT, output)
+        ends = {replay.deep: DEEP} | {replay.wide: WIDE} | {replay.words: ALL}
+        for length, end in ends.items():
+            put(words, place + length - 1, END, end)
+        place += replay.words
+        put(words, place, BEFORE, LEAVES if output else STORED)
+        addresses[graph.inputs + number] = len(addresses) - 1
+    put(words, place, BEFORE, ENDS)
+    put(words, place, END, ALL)
+    pairs = zip(table.slopes[:segments], table.intercepts[:segments], strict=True)
+    mask = (1 << WIDTH) - 1
+    kept = tuple(code & mask for pair in pairs for code in pair)
+    table_texts = [note for pair in table_notes(table, segments) for note in pair.split(", ")[::-1]]
+    texts = [text_of(graph, step) for step in steps]
+    return SerialProgram(
+        graph.inputs,
+        table.width,
+        kept,
+        tuple(words),
+        pipeline,
+        (*table_texts, *texts, "what becomes of the last sum"),
+    ), steps

@@ -1,0 +1,79 @@
+"""replay_memory against its twin.
+
+Sweeps: every pass over every neuron of the program, the word behind it, and every address of the
+table that the port can carry.
+Drives: one run from the first word to beyond the last; then runs of random length with ``finish``
+at random clocks, also together with ``run``; then resets. The table's port carries a random
+address in every clock, and asks in two of three.
+Checks: word, plane, first and the table's word bit for bit, in their clocks.
+Does not prove: that the program is the right one (the bench of the engine does).
+"""
+
+import cocotb
+import numpy as np
+
+from tb.common.bench import RESET_CLOCKS, Bench
+from tb.common.small import SERIAL_PARTS
+from tb.common.stimulus import random_resets
+
+CASES = SERIAL_PARTS
+FAULTS = [
+    (r"place\[15\]", "place[14]"),
+    (r"place\[4-1:0\]", "{1'b0, place[2:0]}"),
+    (r"\(end_field == 3\)", "end_field[1]"),
+    (r"base <= following", "base <= counter"),
+    (r"stands = \(finish \|\| \(!run\)\)", "stands = (!run)"),
+    (r"if \(rst == 1\)", "if (0)"),
+    (r"if \(look_up\)", "if (1)"),
+]
+
+
+async def check(bench, run, finish, resets):
+    twin, rng = bench.twin, bench.rng
+    length = len(run)
+    addresses = 1 << twin.segment_addr_width
+    look_up = rng.random(length) < 2 / 3
+    segment = rng.integers(0, addresses, length)
+    segment[:addresses], look_up[:addresses] = np.arange(addresses), True
+    drive = {"run": run, "finish": finish, "segment": segment, "look_up": look_up}
+    if resets:
+        drive["rst"] = random_resets(rng, length, every=200)
+    recording = await bench.play(drive, ["word", "plane", "first", "table_word"])
+
+    # After the initial reset the program's first word stands.
+    rows = np.arange(RESET_CLOCKS, recording.clocks - bench.latency)
+    flags = [recording.unsigned(name, rows) for name in ("run", "finish", "rst")]
+    for name, expected in zip(("word", "plane", "first"), twin.process(*flags), strict=True):
+        bench.compare(name, recording.unsigned(name, rows), expected, clock=rows)
+    asked = [recording.unsigned(name, rows) for name in ("segment", "look_up")]
+    got = recording.unsigned("table_word", rows + bench.latency)
+    bench.compare("table_word", got, twin.look_up(*asked), segment=asked[0])
+
+
+def random_runs(rng, length):
+    """Runs of up to 600 clocks, and a finish in one of 300 clocks."""
+    run = np.repeat(rng.integers(0, 2, length), rng.integers(1, 601, length))[:length]
+    return run, rng.random(length) < 1 / 300
+
+
+@cocotb.test()
+async def whole_program(dut):
+    bench = Bench(dut)
+    addresses = 1 << bench.twin.segment_addr_width
+    length = max(bench.design.output_clocks[-1] + 100, addresses)
+    await check(bench, np.ones(length), np.zeros(length), resets=False)
+    bench.finish(at_least=length)
+
+
+@cocotb.test()
+async def runs(dut):
+    bench = Bench(dut)
+    await check(bench, *random_runs(bench.rng, 6000), resets=False)
+    bench.finish(at_least=20000)
+
+
+@cocotb.test()
+async def resets(dut):
+    bench = Bench(dut)
+    await check(bench, *random_runs(bench.rng, 6000), resets=True)
+    bench.finish(at_least=20000)

@@ -1,0 +1,73 @@
+"""serial_accumulate against its twin.
+
+Sweeps: 8000 words with coefficients at random, a third of them corners: both ends and their
+neighbours, 0, 1 and -1.
+Drives: a word every clock in random planes, the first of a pass in one of three; the coefficient
+from the program, from the table, or from both, which no program does; sums of outputs and others.
+Checks: the sum after each word bit for bit, in its clock, also where it leaves its bits.
+Does not prove: every coefficient.
+"""
+
+import cocotb
+import numpy as np
+
+from golden.engine.formats import WIDTH
+from golden.engine.operand_memory import WORD
+from golden.engine.replay import CLEAR
+from tb.common.bench import RESET_CLOCKS, Bench
+from tb.common.small import SERIAL_PARTS
+
+CASES = SERIAL_PARTS
+FAULTS = [
+    (r"kept \| table_word", "kept"),
+    (r"plane\[17\]", "plane[16]"),
+    (r"plane\[13\]", "plane[12]"),
+    (r"if \(clears_late\)", "if (0)"),
+    (r"if \(take_weight\)", "if (1)"),
+    (r"right = \{base, minus_late\}", "right = {base, 1'b0}"),
+]
+
+CORNERS = [WORD.low, WORD.low + 1, -1, 0, 1, WORD.high - 1, WORD.high]
+WORDS = 8000
+
+
+def words(rng):
+    """Codes as bits, a third of them corners."""
+    random = rng.integers(WORD.low, WORD.high + 1, WORDS)
+    codes = np.where(rng.random(WORDS) < 1 / 3, rng.choice(CORNERS, WORDS), random)
+    return codes & ((1 << WIDTH) - 1)
+
+
+def timeline(rng):
+    """The first word clears; a table's word comes one clock after the others."""
+    plane = rng.integers(0, CLEAR + 1, WORDS)
+    # A pass that clears is rare, so that sums grow.
+    plane = np.where((plane == CLEAR) & (rng.random(WORDS) < 2 / 3), 0, plane)
+    plane[0] = CLEAR
+    source = rng.integers(0, 5, WORDS)
+    drive = {
+        "weight": words(rng),
+        "take_weight": source != 0,
+        "subtract": rng.integers(0, 2, WORDS),
+        "plane": 1 << plane,
+        "first": rng.random(WORDS) < 1 / 3,
+        "of_output": rng.integers(0, 2, WORDS),
+    }
+    fill = np.zeros(3, dtype=np.int64)
+    columns = {name: np.concatenate([column, fill]) for name, column in drive.items()}
+    table = np.where(source < 2, words(rng), 0)
+    return columns | {"table_word": np.concatenate([fill[:1], table, fill[1:]])}
+
+
+@cocotb.test()
+async def sums(dut):
+    bench = Bench(dut)
+    recording = await bench.play(timeline(bench.rng), ["acc"])
+    rows = np.arange(RESET_CLOCKS, recording.clocks - bench.latency)
+    names = ("weight", "take_weight", "subtract", "plane", "first", "of_output")
+    seen = [recording.unsigned(name, rows) for name in names]
+    table = recording.unsigned("table_word", rows + 1)
+    expected = bench.twin.process(*seen, table)
+    got = recording.signed("acc", rows + bench.latency)
+    bench.compare("acc", got, expected, weight=seen[0], table_word=table, plane=seen[3])
+    bench.finish(at_least=WORDS)

@@ -1,0 +1,125 @@
+"""The engine without a multiplier: the same results, one bit of every operand at a time."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from functools import cache
+
+import numpy as np
+import pytest
+
+from golden.engine.fields import get
+from golden.engine.formats import SAMPLE_SHIFT, WIDTH
+from golden.engine.graph import Kind
+from golden.engine.operand_memory import WORD
+from golden.engine.operand_select import OperandSelect
+from golden.engine.plane_select import PlaneSelect
+from golden.engine.program import KIND, SOURCE, WEIGHT
+from golden.engine.replay import CLEAR, ONE_PLANE
+from golden.engine.serial_program import BEFORE, NOTHING
+from golden.networks.engine import Engine
+from golden.precision import SIGNAL
+from golden.scene import load_scene
+from tb.common.small import ENGINES
+
+SCENES = ("digit-single", "digit", "digit-multiple", "swing-cascade")
+NAMES = (*ENGINES, *SCENES)
+
+
+@cache
+def engine(name: str, multiplier: str, lean: bool = True) -> Engine:
+    hardware = {"multiplier": multiplier}
+    if name in ENGINES:
+        case = ENGINES[name]
+        return Engine.of_several(case.arrangement, case.networks(), lean, hardware)
+    scene = load_scene(name)
+    return Engine.of_several(scene.arrangement, scene.mlps(), lean, hardware)
+
+
+@pytest.mark.parametrize("lean", [True, False])
+@pytest.mark.parametrize("name", NAMES)
+def test_results_are_those_with_a_multiplier(name: str, lean: bool) -> None:
+    serial, dsp = (engine(name, multiplier, lean) for multiplier in ("serial", "dsp"))
+    rng = np.random.default_rng(3)
+    frames = rng.integers(SIGNAL.low, SIGNAL.high + 1, (500, serial.inputs))
+    frames[:100] = rng.choice([SIGNAL.low, -1, 0, SIGNAL.high], (100, serial.inputs))
+    assert np.array_equal(serial.process(frames), dsp.process(frames))
+
+
+@pytest.mark.parametrize("name", ["digit-single", "digit"])
+def test_a_frame_is_computed_within_a_scan(name: str) -> None:
+    assert engine(name, "serial").output_clocks[-1] <= 4096
+
+
+@pytest.mark.parametrize("segment_width", [7, 8, 9])
+@pytest.mark.parametrize("kind", Kind)
+def test_the_planes_make_the_product(kind: Kind, segment_width: int) -> None:
+    """Over all planes, or in that of the number one, what is added up is the operand."""
+    rng = np.random.default_rng(4)
+    words = rng.integers(WORD.low, WORD.high + 1, 2000)
+    words[:4] = WORD.low, WORD.high, 0, -1
+    kinds = np.full(len(words), int(kind))
+    once = kind in (Kind.ONE, Kind.INTERCEPT)
+    total = np.zeros(len(words), dtype=np.int64)
+    for plane in [ONE_PLANE] if once else range(WIDTH):
+        bit = np.full(len(words), 1 << plane)
+        take, table, minus = PlaneSelect(segment_width).process(words, bit, kinds)
+        of_table = kind in (Kind.INTERCEPT, Kind.DISTANCE)
+        assert not (take if of_table else table).any()
+        total += np.where(minus, -1, 1) * (take | table) << plane
+    assert np.array_equal(total, OperandSelect(segment_width).process(words, kinds))
+
+
+def reads(serial: Engine) -> list[tuple[int, int]]:
+    """Every word that is read for a frame, clock by clock, and its plane."""
+    memory = serial.replay_memory
+    clocks = serial.output_clocks[-1]
+    words, planes, _ = memory.process(np.ones(clocks), np.zeros(clocks), np.zeros(clocks))
+    return list(zip(words.tolist(), np.log2(planes).astype(int).tolist(), strict=True))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_operand_is_read_too_early(name: str) -> None:
+    serial = engine(name, "serial")
+    ready = dict.fromkeys(range(serial.inputs), 0)
+    counted = 0
+    for clock, (word, plane) in enumerate(reads(serial)):
+        if plane == CLEAR and get(word, BEFORE) != NOTHING:
+            ready[len(ready)] = clock - 1 + serial.program.pipeline.result_ready
+        kind = get(word, KIND)
+        matters = {
+            Kind.WORD: plane < WIDTH and get(word, WEIGHT) != 0,
+            Kind.DISTANCE: plane < serial.program.segment_width,
+            Kind.INTERCEPT: plane == ONE_PLANE,
+            Kind.ONE: False,
+        }
+        if matters[Kind(kind)]:
+            assert ready[get(word, SOURCE)] <= clock
+            counted += 1
+    assert counted
+    assert len(ready) == serial.program.addresses
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_passes_leave_out_zeros_alone(name: str) -> None:
+    """Every term is read in each plane in which its operand has bits; one in no other."""
+    serial = engine(name, "serial")
+    seen: dict[tuple[int, int], list[int]] = defaultdict(list)
+    neuron = -1
+    for word, plane in reads(serial):
+        neuron += plane == CLEAR
+        if plane < CLEAR:
+            seen[neuron, word].append(plane)
+    for (_, word), planes in seen.items():
+        kind = get(word, KIND)
+        if kind in (Kind.ONE, Kind.INTERCEPT):
+            needed = {ONE_PLANE}
+        elif kind == Kind.WORD and get(word, SOURCE) < serial.inputs:
+            needed = set(range(SAMPLE_SHIFT, WIDTH)) if get(word, WEIGHT) else set()
+        elif kind == Kind.WORD:
+            needed = set(range(WIDTH))
+        else:
+            needed = set(range(serial.program.segment_width))
+        assert needed <= set(planes)
+        if kind in (Kind.ONE, Kind.INTERCEPT):
+            assert set(planes) == needed
