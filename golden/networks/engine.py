@@ -5,18 +5,22 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Self
+from typing import Any, Self
 
 from golden.block import Block
 from golden.engine.formats import HIDDEN
 from golden.engine.frame_check import FrameCheck
+from golden.engine.frame_guard import FrameGuard
 from golden.engine.graph import Graph, graph_of
+from golden.engine.image import ACC_WIDTH, Image, Sizes, image_of
+from golden.engine.image_loader import ImageLoader
 from golden.engine.multiply_accumulate import PRODUCT_WIDTH, MultiplyAccumulate
 from golden.engine.operand_memory import OperandMemory
 from golden.engine.operand_select import OperandSelect
 from golden.engine.pipeline import Pipeline
 from golden.engine.program import Program, assemble
 from golden.engine.program_memory import ProgramMemory
+from golden.engine.program_ram import ProgramRam
 from golden.engine.round_saturate import RoundSaturate
 from golden.engine.table_address import TableAddress
 from golden.engine.tanh_table import tanh_table
@@ -24,7 +28,16 @@ from golden.fixed import Codes
 from golden.flow import Carried, Flow
 from golden.networks.design import Design
 from golden.networks.mlp import Mlp
+from golden.port import Port, Unsigned, given, taken
 from golden.precision import EXACT, SIGNAL, Precision
+
+LOAD_PORTS = (
+    taken("load_valid", "`load_data` holds a byte of an image"),
+    taken("load_data", "the byte", Unsigned(8)),
+    taken("load_last", "it is the last of the image"),
+    given("load_ready", "a byte is taken in this clock; not while a frame is computed"),
+    given("image_error", "the image before was cut, or failed its check"),
+)
 
 
 @dataclass(frozen=True)
@@ -36,16 +49,22 @@ class Engine(Design):
     program : Program
     acc_width : int
         Bits of the sum: no sum of the program leaves them.
+    graph : Graph
+        What the program was made from.
+    loaded : Image or None
+        What an engine that can be reloaded runs; its hardware depends on ``loaded.sizes`` alone.
+        None for a program that is part of the hardware.
     """
 
     block = "engine"
     arrangements = ("single", "multiple", "cascade")
     precisions = (EXACT.name,)
     known_activations = ("precise",)
-    options = ("segment_width",)
+    options = ("segment_width", "reload", "program_words", "operand_words")
     program: Program
     acc_width: int
     graph: Graph
+    loaded: Image | None = None
 
     @classmethod
     def of_several(
@@ -69,19 +88,26 @@ class Engine(Design):
             What the scene chooses of ``options``.
         variant : str
         """
-        chosen = {"segment_width": 9} | dict(hardware or {})
+        chosen: dict[str, Any] = {"segment_width": 9} | dict(hardware or {})
         pipeline = Pipeline()
         table = tanh_table(chosen["segment_width"])
+        reload = chosen.pop("reload", False)
         graph = graph_of(arrangement, mlps, lean)
         segments = len(table.slopes)
-        if lean:
+        if lean and not reload:
             segments = min(segments, (graph.reach(table) >> table.width) + 1)
         program, _ = assemble(graph, table, segments, pipeline)
         bound = max(graph.bound(neuron, table) for neuron in graph.neurons)
+        sum_bits = bound.bit_length() + 1
+        loaded = None
+        if reload:
+            loaded = image_of(program, sum_bits, Sizes(**chosen, pipeline=pipeline))
+            program = loaded.program
         return cls(
             program,
-            max(PRODUCT_WIDTH, bound.bit_length() + 1),
+            ACC_WIDTH if loaded else max(PRODUCT_WIDTH, sum_bits),
             graph,
+            loaded,
             useless_nodes=graph.useless_nodes,
             variant=variant,
         )
@@ -122,6 +148,11 @@ class Engine(Design):
         return tuple(pipeline.begin + step + pipeline.result for step in self.program.output_steps)
 
     @property
+    def clocks_text(self) -> str:
+        """``output_clocks`` for the exported file, which must not depend on an image."""
+        return "as the image says" if self.loaded else ", ".join(map(str, self.output_clocks))
+
+    @property
     def latency(self) -> int:
         return self.output_clocks[0]
 
@@ -135,8 +166,18 @@ class Engine(Design):
         return self.output_clocks[-1] + self.program.pipeline.free - 1
 
     @property
+    def ports(self) -> tuple[Port, ...]:
+        return super().ports + (LOAD_PORTS if self.loaded else ())
+
+    @property
+    def image(self) -> bytes:
+        return self.loaded.to_bytes() if self.loaded else b""
+
+    @property
     def addr_width(self) -> int:
         """Bits of the operand memory's address."""
+        if self.loaded:
+            return self.loaded.sizes.operand_addr_width
         return max(2, self.program.addresses.bit_length())
 
     @property
@@ -148,6 +189,32 @@ class Engine(Design):
         return FrameCheck(
             self.inputs, self.addr_width, self.output_clocks[-1], self.program.pipeline
         )
+
+    @property
+    def frame_guard(self) -> FrameGuard:
+        """In the place of the frame check, where the image can change."""
+        return FrameGuard(self.addr_width, self.program.pipeline)
+
+    @property
+    def image_loader(self) -> ImageLoader:
+        sizes = self._sizes
+        return ImageLoader(sizes.program_addr_width, self.addr_width, sizes.check_start)
+
+    @property
+    def program_ram(self) -> ProgramRam:
+        """In the place of the program memory, where the image can change."""
+        return ProgramRam(
+            self._sizes.program_addr_width,
+            self._sizes.segments,
+            self.table_address.addr_width,
+            self.program.pipeline.memory_registers,
+        )
+
+    @property
+    def _sizes(self) -> Sizes:
+        if self.loaded is None:
+            raise ValueError(f"{self.entity}: its program is part of the hardware, expected reload")
+        return self.loaded.sizes
 
     @property
     def program_memory(self) -> ProgramMemory:
@@ -180,9 +247,11 @@ class Engine(Design):
         return RoundSaturate(self.acc_width)
 
     def parts(self) -> tuple[Block, ...]:
+        control: tuple[Block, ...] = (self.frame_check, self.program_memory)
+        if self.loaded:
+            control = (self.image_loader, self.frame_guard, self.program_ram)
         return (
-            self.frame_check,
-            self.program_memory,
+            *control,
             self.operand_memory,
             self.table_address,
             self.operand_select,
@@ -201,7 +270,7 @@ class Engine(Design):
                 self.multiply_accumulate,
                 Carried(f"{self.outputs} y", SIGNAL),
             ),
-            watcher=self.frame_check,
+            watcher=self.frame_guard if self.loaded else self.frame_check,
         )
 
     def left_out(self) -> list[str]:

@@ -1,0 +1,97 @@
+"""program_ram: the words of program and table, which can be written, and the program's counter."""
+
+from myhdl import Signal, always, always_comb, always_seq, block, modbv
+
+from golden.engine.program import WORD_WIDTH
+from golden.engine.program_ram import ProgramRam
+from hdl.common.delay import connect, delay
+from hdl.common.signals import flag, unsigned
+
+
+@block
+def program_ram(
+    clk,
+    rst,
+    run,
+    finish,
+    segment,
+    look_up,
+    write,
+    write_addr,
+    data,
+    word,
+    table_word,
+    *,
+    spec: ProgramRam,
+):
+    """Words of 36 bits, read by a counter and by the segment of a hidden sum, and written.
+
+    Parameters
+    ----------
+    run, finish : bool
+        The counter steps while ``run``; otherwise, and from ``finish`` on, it stands at the
+        program's first word.
+    segment : unsigned ``spec.segment_addr_width`` bits
+    look_up : bool
+        Without it ``table_word`` is 0.
+    write, write_addr, data : bool, unsigned ``spec.addr_width`` bits, unsigned 36 bits
+        In the clock of a write ``word`` is what stood at ``write_addr``, not the counter's.
+    word, table_word : unsigned 36 bits
+        ``spec.latency`` clocks later.
+    spec : ProgramRam
+
+    Notes
+    -----
+    The table stands before the program, and what is written takes the counter's port, so two ports
+    do: a block RAM of 512 words. A word that is read while it is written is the one before. Reset
+    puts the counter to the program's first word.
+    """
+    begin = spec.begin
+    memory = [unsigned(WORD_WIDTH) for _ in range(1 << spec.addr_width)]
+    counter = Signal(modbv(begin, min=0, max=1 << spec.addr_width))
+    addr = unsigned(spec.addr_width)
+    stands = flag()
+    fetched, found = unsigned(WORD_WIDTH), unsigned(WORD_WIDTH)
+
+    @always_comb
+    def decide():
+        stands.next = finish or not run
+
+    @always_seq(clk.posedge, reset=rst)
+    def step():
+        if stands:
+            counter.next = begin
+        else:
+            counter.next = counter + 1
+
+    @always_comb
+    def choose():
+        if write:
+            addr.next = write_addr
+        else:
+            addr.next = counter
+
+    @always(clk.posedge)
+    def keep():
+        if write:
+            memory[addr].next = data
+
+    @always(clk.posedge)
+    def fetch():
+        fetched.next = memory[addr]
+
+    @always(clk.posedge)
+    def read_table():
+        if look_up:
+            found.next = memory[segment]
+        else:
+            found.next = 0
+
+    if spec.registers:
+        late = (
+            delay(clk, None, fetched, word, clocks=spec.registers),
+            delay(clk, None, found, table_word, clocks=spec.registers),
+        )
+    else:
+        late = connect(fetched, word), connect(found, table_word)
+    return decide, step, choose, keep, fetch, read_table, late
