@@ -115,7 +115,7 @@ def test_a_scan_takes_as_long_as_the_slowest_network_of_a_cascade(tmp_path) -> N
 def test_the_parallel_design_has_no_front_end(tmp_path) -> None:
     with pytest.raises(
         ValueError,
-        match=re.escape("got 'parallel' with a section [front_end], expected hybr"),
+        match=re.escape("got 'parallel' with a section [front_end], expected engine or hybr"),
     ):
         scene_with(tmp_path, FRONT_END, design="parallel")
 

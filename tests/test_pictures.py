@@ -66,7 +66,7 @@ def build(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def recorded(build: Path) -> list[Port]:
     """One frame of scene digit through its exported Verilog."""
-    return record(load_scene("digit"), FRAME, build)
+    return record(load_scene("digit-hybrid"), FRAME, build)
 
 
 def port(ports: list[Port], owner: str, name: str) -> Port:
@@ -144,7 +144,7 @@ def test_the_datapath_names_every_block_of_the_design(tmp_path: Path, name: str)
 
 
 def test_the_datapath_counts_and_tells_formats_and_clocks() -> None:
-    scene = load_scene("digit")
+    scene = load_scene("digit-hybrid")
     shown = words(parse(datapath(scene)))
     for member in scene.mlps():
         assert f"{member.shape[1]} × input_node" in shown
@@ -155,7 +155,7 @@ def test_the_datapath_counts_and_tells_formats_and_clocks() -> None:
 
 def test_the_datapath_draws_the_flow_of_each_block(tmp_path: Path) -> None:
     drawn = set()
-    for name in ("digit-instrument", "digit-parallel", "axis-multiple"):
+    for name in ("digit", "digit-hybrid", "digit-instrument", "digit-parallel", "axis-multiple"):
         scene = CASES[name].scene(tmp_path, name) if name in CASES else load_scene(name)
         shown = words(parse(datapath(scene)))
         for block in walk(scene.twin()):
@@ -165,7 +165,7 @@ def test_the_datapath_draws_the_flow_of_each_block(tmp_path: Path) -> None:
                 carried = [step.what for step in flow.steps if isinstance(step, Carried)]
                 assert carried
                 assert set(carried) <= set(shown)
-    networks = {"hybrid", "parallel", "cascade", "multiple", "axis_network"}
+    networks = {"engine", "hybrid", "parallel", "cascade", "multiple", "axis_network"}
     assert drawn == networks | {"instrument", "readout", "load_profile"}
 
 
@@ -182,7 +182,7 @@ def test_a_part_that_no_flow_names_is_drawn_all_the_same(monkeypatch) -> None:
 
 
 def test_the_recording_holds_what_the_twin_computes(recorded: list[Port]) -> None:
-    scene = load_scene("digit")
+    scene = load_scene("digit-hybrid")
     codes = scene.vectors().codes[FRAME]
     outputs = scene.twin().process(codes)
     assert counting(recorded, "cascade, frame in", "in_data")[: len(codes)] == codes.tolist()
@@ -194,7 +194,7 @@ def test_the_recording_holds_what_the_twin_computes(recorded: list[Port]) -> Non
 
 
 def test_the_recording_has_the_latency_that_the_twin_publishes(recorded: list[Port]) -> None:
-    design = load_scene("digit").twin()
+    design = load_scene("digit-hybrid").twin()
     last = port(recorded, "cascade, frame in", "in_last").values.index(1)
     first = port(recorded, "cascade, frame out", "out_valid").values.index(1)
     assert first - last == design.latency
@@ -202,20 +202,20 @@ def test_the_recording_has_the_latency_that_the_twin_publishes(recorded: list[Po
 
 
 def test_the_waveforms_show_the_recorded_values(recorded: list[Port]) -> None:
-    root = parse(waveforms(recorded, "One frame of scene digit"))
+    root = parse(waveforms(recorded, "One frame of scene digit-hybrid"))
     rows = {
         row.get("data-port"): words(row)
         for row in root.iter(f"{SVG}g")
         if "data-port" in row.attrib
     }
     assert len(rows) == len(recorded)
-    outputs = load_scene("digit").twin().process(load_scene("digit").vectors().codes[FRAME])
+    outputs = load_scene("digit-hybrid").twin().process(load_scene("digit-hybrid").vectors().codes[FRAME])
     written = [f"{value:.4f}" for value in SIGNAL.to_real(outputs)]
     assert rows["cascade, frame out: load, position, width, shape.out_data"] == written
     assert rows["hybrid_3: shape.out_data"] == written[-1:]
 
 
-@pytest.mark.parametrize("name", ["parallel", "least-multiple", "profile"])
+@pytest.mark.parametrize("name", ["parallel", "least-multiple", "profile", "chain-engine"])
 def test_other_designs_are_recorded_too(tmp_path: Path, name: str) -> None:
     scene = CASES[name].scene(tmp_path, name)
     ports = record(scene, 1, tmp_path)

@@ -32,7 +32,7 @@ NAMED = [
     ("abs_unit", r"^-8 in Fix\(18,14\)"),
     *((name, "most negative code, thesis") for name in ("gradient", "lut", "pade", "polynomial")),
     ("precise", "most negative code"),
-    *((name, rf"Q_j to 2\d\d, {p}") for name in DESIGNS for p in ("thesis", "exact")),
+    *((name, rf"Q_j to 2\d\d, {p}") for name in DESIGNS for p in DESIGNS[name].precisions),
     ("constants", "Q_j of 200000, thesis"),
     *((name, "ends, thesis") for name in ("input_node", "neuron", "output_integral")),
     *((name, "ends, exact") for name in ("input_node", "neuron", "output_integral")),

@@ -6,48 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar, Self
 
-from golden.activation.activation_block import ActivationBlock
-from golden.layers.weighted_sum import WeightedSum
+from golden.fixed import Codes
+from golden.networks.bounds import two_layer_bounds
 from golden.networks.constants import Constants, constants_of
-from golden.networks.mlp import Mlp
+from golden.networks.exact import ExactLayers
+from golden.networks.mlp import Mlp, Real
 from golden.networks.network import Network
 from golden.precision import PRECISIONS, Precision
-
-
-@dataclass(frozen=True)
-class ExactSum:
-    """One neuron's sum, as integers of any width compute it.
-
-    Attributes
-    ----------
-    formats : WeightedSum
-    weights : sequence of int
-    bias : int
-    factor : int
-        What the sum is multiplied by.
-    """
-
-    formats: WeightedSum
-    weights: Sequence[int]
-    bias: int
-    factor: int = 1
-
-
-@dataclass(frozen=True)
-class ExactLayers:
-    """A network of two layers as sums and activations.
-
-    Attributes
-    ----------
-    hidden : list of ExactSum
-    activations : tuple of ActivationBlock
-        One per hidden node.
-    outputs : list of ExactSum
-    """
-
-    hidden: list[ExactSum]
-    activations: tuple[ActivationBlock, ...]
-    outputs: list[ExactSum]
 
 
 @dataclass(frozen=True)
@@ -128,3 +93,20 @@ class Design(Network):
     def exact_layers(self) -> ExactLayers:
         """What it computes, without anything that is shared, folded or cut."""
         raise NotImplementedError
+
+    def exact(self, frames: Codes) -> Codes:
+        """Output codes as integers of any width compute them, layer by layer."""
+        return self.exact_layers.process(frames)
+
+    def error_bounds(self, mlp: Mlp, precision: Precision, sensors: int) -> Real:
+        """How far each output can be from real arithmetic that saturates, in real units.
+
+        Parameters
+        ----------
+        mlp : Mlp
+            The network that this is the design of, all of its hidden nodes built.
+        precision : Precision
+        sensors : int
+            Inputs that are samples; those behind them are outputs of earlier networks.
+        """
+        return two_layer_bounds(mlp, precision, self.exact_layers.activations)

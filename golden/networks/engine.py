@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any, Self
 
 from golden.block import Block
+from golden.engine.exact import error_bounds, exact
 from golden.engine.formats import HIDDEN
 from golden.engine.frame_check import FrameCheck
 from golden.engine.frame_guard import FrameGuard
@@ -27,7 +28,7 @@ from golden.engine.tanh_table import tanh_table
 from golden.fixed import Codes
 from golden.flow import Carried, Flow
 from golden.networks.design import Design
-from golden.networks.mlp import Mlp
+from golden.networks.mlp import Mlp, Real
 from golden.port import Port, Unsigned, given, taken
 from golden.precision import EXACT, SIGNAL, Precision
 
@@ -275,6 +276,12 @@ class Engine(Design):
 
     def left_out(self) -> list[str]:
         return []
+
+    def exact(self, frames: Codes) -> Codes:
+        return exact(self.graph, self.program.segment_width, frames)
+
+    def error_bounds(self, mlp: Mlp, precision: Precision, sensors: int) -> Real:
+        return error_bounds(mlp, self.program.segment_width, sensors)
 
     def compute(self, frames: Codes) -> Codes:
         return self.program.execute(frames)

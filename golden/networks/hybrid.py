@@ -18,7 +18,8 @@ from golden.layers.input_node import InputNode
 from golden.layers.output_controller import OutputController
 from golden.layers.output_integral import OutputIntegral
 from golden.networks.constants import Constants
-from golden.networks.design import Design, ExactLayers, ExactSum
+from golden.networks.design import Design
+from golden.networks.exact import ExactLayers, ExactSum
 from golden.precision import SIGNAL
 
 

@@ -75,6 +75,8 @@ class Network(Block):
     @property
     def output_clocks(self) -> tuple[int, ...]:
         """Clocks from a frame's last element to each output; the first is the latency."""
+        if self.stream == "words":
+            return (self.latency,) * self.outputs
         return tuple(range(self.latency, self.latency + self.outputs))
 
     @property

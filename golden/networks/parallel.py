@@ -15,7 +15,8 @@ from golden.flow import Alike, Carried, Flow
 from golden.layers.input_controller import InputController
 from golden.layers.neuron import Neuron
 from golden.networks.constants import Constants, Layer
-from golden.networks.design import Design, ExactLayers, ExactSum
+from golden.networks.design import Design
+from golden.networks.exact import ExactLayers, ExactSum
 from golden.precision import SIGNAL
 
 

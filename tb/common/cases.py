@@ -34,6 +34,7 @@ activation = "{activation}"
 activation_options = {options}
 precision = "{precision}"
 interface = "{interface}"
+{hardware}
 {sections}
 [training]
 restarts = 2
@@ -80,10 +81,12 @@ def write_scene(
     design: str = "hybrid",
     sections: str = "",
     interface: str = "stream",
+    hardware: str = "",
 ) -> Path:
     """A scene with random vectors and the given networks; returns its TOML file.
 
-    ``sections`` are those that a scene may do without; where there are any, y1 and y2 have lengths.
+    ``hardware`` has the keys that are about the design alone. ``sections`` are those that a scene
+    may do without; where there are any, y1 and y2 have lengths.
     """
     inputs = mlps[0].shape[0]
     outputs = sum(mlp.shape[2] for mlp in mlps)
@@ -111,6 +114,7 @@ def write_scene(
         lengths=LENGTHS if sections else "",
         sections=sections,
         interface=interface,
+        hardware=hardware,
     )
     path = folder / f"{name}.toml"
     path.write_text(text.replace("'", '"'))
@@ -137,6 +141,7 @@ class Case:
     design: str = "hybrid"
     sections: str = ""
     interface: str = "stream"
+    hardware: str = ""
 
     def networks(self) -> list[Mlp]:
         mlps = [
@@ -159,5 +164,6 @@ class Case:
             design=self.design,
             sections=self.sections,
             interface=self.interface,
+            hardware=self.hardware,
         )
         return load_scene(str(path))

@@ -48,7 +48,7 @@ def simulate(design: Network, frames: Codes) -> tuple[Codes, float]:
     last = ports.get("in_last")
     out_valid, out_data, error = (ports[name] for name in ("out_valid", "out_data", "frame_error"))
     clocks = [None, *_clocks(design, frames, whole)]
-    clocks += [None] * (design.latency + design.outputs + 1)
+    clocks += [None] * (design.output_clocks[-1] + 2)
     seen: list[int] = []
 
     @instance

@@ -95,6 +95,14 @@ INSTRUMENTS = DRAWN | {
     ),
     # No profile; the narrowest counter, one clock after the address is there.
     "least-instrument": Case([(3, 2, 3)], "exact", sections=f"{FRONT_END}counter_width = 3\n"),
+    # The least scan that leaves the engine its clocks.
+    "engine-instrument": Case(
+        [(3, 2, 3)],
+        "exact",
+        activation="precise",
+        design="engine",
+        sections=f"{FRONT_END}counter_width = 7\n",
+    ),
     "one-sensor": Case([(1, 2, 4)], "thesis", sections=f"{FRONT_END}counter_width = 4\n"),
 }
 

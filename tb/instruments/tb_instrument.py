@@ -40,7 +40,7 @@ def random_codes(bench, clocks):
 async def check(bench, codes, resets=None):
     """Play the converter's codes; returns the recording and the frames that were taken."""
     scan, shown = bench.twin.scan_sequencer, bench.twin.readout
-    tail = random_codes(bench, bench.latency + 2 * bench.twin.outputs + 4)
+    tail = random_codes(bench, bench.twin.output_clocks[-1] + bench.twin.outputs + 5)
     drive = {"adc": np.concatenate([codes, tail])}
     if resets:
         drive["rst"] = random_resets(bench.rng, len(drive["adc"]), resets)

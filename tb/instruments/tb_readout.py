@@ -55,7 +55,7 @@ async def check(bench, frames, resets=None):
     longest = max(twin.interval + 1, drawing * 4 // 3)
     pause[:, 0] = bench.rng.integers(twin.interval, longest, len(frames))
     items = {"in_data": elements, "in_last": last}
-    tail = bench.latency + 2 * drawing + twin.outputs + 8
+    tail = twin.output_clocks[-1] + 2 * drawing + 9
     drive = spread(bench.rng, items, "in_valid", 0.0, tail=tail, pause=pause.ravel())
     if resets:
         drive["rst"] = random_resets(bench.rng, len(drive["in_valid"]), resets)

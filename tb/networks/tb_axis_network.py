@@ -36,6 +36,7 @@ CASES = {
     "pade-axis": replace(AXIS, shapes=[(2, 2, 2)], activation="pade"),
     "axis-cascade": replace(AXIS, shapes=[(2, 3, 1), (3, 2, 1), (4, 2, 1)], arrangement="cascade"),
     "slow-axis-cascade": replace(SLOW, interface="axi_stream", options=SLOWER),
+    "axis-engine": replace(AXIS, shapes=[(2, 3, 3)], design="engine", activation="precise"),
     "axis-multiple": replace(AXIS, shapes=[(2, 2, 1), (2, 4, 1)], arrangement="multiple"),
 }
 FAULTS = [
@@ -58,8 +59,8 @@ async def check(bench, data, last, offer=1.0, take=1.0, blocked=0, resets=0):
     """
     twin, rng = bench.twin, bench.rng
     # The memory holds the frames of a latency and one more; they leave one output a clock.
-    under_way = (bench.latency + twin.outputs) // twin.interval + 1
-    tail = 2 * bench.latency + under_way * twin.outputs + 8
+    under_way = (twin.output_clocks[-1] + 1) // twin.interval + 1
+    tail = 2 * twin.output_clocks[-1] + under_way * twin.outputs + 8
     frames = np.count_nonzero(last) + 1
     clocks = blocked + int(
         len(data) / offer + frames * (twin.interval + twin.slots) + frames * twin.outputs / take
@@ -147,7 +148,7 @@ async def blocked(dut):
     """Nothing is taken until nothing more enters; then everything is there."""
     bench = Bench(dut)
     # More frames than fit: each takes an interval, and as many are under way as that allows.
-    count = 2 * (bench.latency + bench.twin.outputs) // bench.twin.interval + 4
+    count = 2 * (bench.twin.output_clocks[-1] + 1) // bench.twin.interval + 4
     clocks = 2 * count * (bench.twin.interval + bench.twin.inputs)
     frames = random_frames(bench, count)
     _, entered, _ = await check(bench, *whole(frames), blocked=clocks)
@@ -172,7 +173,7 @@ async def resets(dut):
     """Resets at random clocks among frames of all lengths."""
     bench = Bench(dut)
     last = random_lengths(bench.rng, bench.twin.inputs, 600)
-    every = 2 * (bench.twin.inputs + bench.latency)
+    every = 2 * (bench.twin.inputs + bench.twin.output_clocks[-1])
     await check(bench, random_data(bench, len(last)), last, 0.8, 0.7, resets=every)
     bench.finish(at_least=10)
 

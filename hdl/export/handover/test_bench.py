@@ -119,7 +119,7 @@ _REFUSED = """\
 def test_bench(scene: str, design: Network, ports: list[Port]) -> str:
     """Text of the entity ``<top>_tb``."""
     style = STYLES[design.stream]
-    clocks = design.latency
+    clocks = design.output_clocks[-1]
     # What is held is on the stream too; the profile is not recorded.
     used = [port for port in ports if not port.name.startswith(("held_", "profile_"))]
     left_open = tuple(port.name for port in ports if port not in used)

@@ -11,11 +11,10 @@ from tb.report.measure.table import Cell, Table
 def clocks_per_frame(design: Network) -> int:
     """Clocks from a frame's first sample, that clock included, to its last output.
 
-    The elements of a frame come in one a clock, and its outputs leave one a clock; of a parallel
-    network either all at once. An instrument's frame begins with its scan.
+    The elements of a frame come in one a clock, those of a parallel network all at once. An
+    instrument's frame begins with its scan.
     """
-    outputs = 1 if design.stream == "words" else design.outputs
-    return design.frame_clocks + design.latency + outputs - 1
+    return design.frame_clocks + design.output_clocks[-1]
 
 
 def clocks(_: int) -> Table:

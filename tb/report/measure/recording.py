@@ -79,17 +79,16 @@ def _drive(design: Network, samples: list[int]) -> list[dict[str, int]]:
     """The input ports in every clock, from the first after the reset."""
     if design.stream == "words":
         busy = [{"in_valid": 1} | {f"in_data_{k}": code for k, code in enumerate(samples)}]
-        outputs = 1
     else:
         # In the slots of a cascade the thesis scans the first sensors again.
-        length, outputs = design.input_controller.inputs, design.outputs
+        length = design.input_controller.inputs
         elements = [samples[n % len(samples)] for n in range(length)]
         busy = [
             {"in_valid": 1, "in_data": code, "in_last": int(n == length - 1)}
             for n, code in enumerate(elements)
         ]
     idle = dict.fromkeys(busy[0], 0)
-    return [idle] * BEFORE + busy + [idle] * (design.latency + outputs - 1 + BEHIND)
+    return [idle] * BEFORE + busy + [idle] * (design.output_clocks[-1] + BEHIND)
 
 
 def _watched(scene: Scene, design: Network, folder: Path) -> Iterator[Watched]:

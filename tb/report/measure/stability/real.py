@@ -2,75 +2,38 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 
-from golden.activation.activation_block import ActivationBlock
 from golden.fixed import Codes
-from golden.networks.constants import Layer, quantised
+from golden.networks.constants import quantised
 from golden.networks.design import Design
-from golden.networks.mlp import Mlp, Real
+from golden.networks.mlp import Mlp
 from golden.precision import SIGNAL, Precision
 
 
-def _rounded(
-    weights: Real, biases: Real, layer: Layer, precision: Precision, out_frac: int
-) -> Real:
-    """How far a layer's sums can be off, for samples of magnitude 1 at most, shape (neurons,).
-
-    What rounding took from weights and bias, one LSB for each product that is cut, and half of one
-    of the result.
-    """
-    factors = np.asarray(layer.factors, dtype=np.float64)
-    taken = np.abs(weights - factors[:, np.newaxis] * layer.fmt.to_real(layer.weights)).sum(axis=1)
-    taken += np.abs(biases - factors * layer.fmt.to_real(layer.biases))
-    acc_frac = SIGNAL.frac + layer.fmt.frac - precision.product_shift
-    cut = weights.shape[1] * 2.0**-acc_frac if precision.product_shift else 0.0
-    half = 2.0 ** -(out_frac + 1) if acc_frac > out_frac else 0.0
-    result: Real = taken + factors * (cut + half)
-    return result
-
-
-@lru_cache(maxsize=256)
-def _activation_error(activation: ActivationBlock, factor: int) -> float:
-    """Largest error against tanh over every code."""
-    fmt = activation.in_fmt
-    codes = np.arange(fmt.low, fmt.high + 1)
-    miss = SIGNAL.to_real(activation.process(codes)) - np.tanh(factor * fmt.to_real(codes))
-    return float(np.abs(miss).max())
-
-
 def real_error(
-    mlp: Mlp, precision: Precision, network: Design, frames: Codes, found: Codes
+    mlp: Mlp, precision: Precision, network: Design, frames: Codes, found: Codes, sensors: int
 ) -> list[tuple[float, float]]:
     """Error and bound of each output, in units of 2**-13, the largest over the frames.
 
     Compared with tanh and the unrounded weights; q saturates to the range of its format, y to that
-    of the signals. Saturation moves no two values apart, and tanh has no slope above 1, so the
-    bound of y is what rounding does to layer 2, plus ``|w2|`` times what the activation and the
-    rounding of q do to r.
+    of the signals.
 
     Parameters
     ----------
     mlp : Mlp
     precision : Precision
     network : Design
-        Bit-true, one activation for every hidden node of ``mlp``.
+        Bit-true, with every hidden node of ``mlp``.
     frames, found : int64 arrays
         Samples and results.
+    sensors : int
+        Inputs that are samples; those behind them are outputs of earlier networks.
     """
-    first = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights")
-    second = quantised(mlp.w2, mlp.b2, precision, "layer 2 weights")
+    factors = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights").factors
     hidden = precision.hidden_fmt
-    q_off = _rounded(mlp.w1, mlp.b1, first, precision, hidden.frac)
-    activations = network.exact_layers.activations
-    r_off = q_off + [
-        _activation_error(a, q) for a, q in zip(activations, first.factors, strict=True)
-    ]
-    bounds = _rounded(mlp.w2, mlp.b2, second, precision, SIGNAL.frac)
-    bounds = bounds + np.abs(mlp.w2) @ r_off
-    ends = np.multiply.outer(hidden.to_real([hidden.low, hidden.high]), first.factors)
+    bounds = network.error_bounds(mlp, precision, sensors)
+    ends = np.multiply.outer(hidden.to_real([hidden.low, hidden.high]), factors)
     q = np.clip(SIGNAL.to_real(frames) @ mlp.w1.T + mlp.b1, *ends)
     y = np.clip(np.tanh(q) @ mlp.w2.T + mlp.b2, *SIGNAL.to_real([SIGNAL.low, SIGNAL.high]))
     errors = np.abs(SIGNAL.to_real(found) - y).max(axis=0)

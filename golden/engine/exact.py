@@ -1,0 +1,101 @@
+"""What an engine computes, neuron by neuron in Python's integers, and how far it can be off."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from golden.engine.formats import (
+    DROPPED,
+    HIDDEN,
+    ONE,
+    OUTPUT_SHIFT,
+    RESULT,
+    SAMPLE,
+    SAMPLE_SHIFT,
+    coeff_frac,
+)
+from golden.engine.graph import Graph, Kind, Neuron
+from golden.engine.tanh_table import tanh_table
+from golden.fixed import Codes, Fix
+from golden.networks.mlp import Mlp, Real
+from golden.precision import SIGNAL
+
+
+def exact(graph: Graph, segment_width: int, frames: Codes) -> Codes:
+    """Output codes of a graph, in integers of any width and without a program.
+
+    Parameters
+    ----------
+    graph : Graph
+    segment_width : int
+    frames : int64 array, shape (frames, inputs)
+    """
+    return np.array([_frame(graph, segment_width, frame) for frame in frames.tolist()])
+
+
+def _frame(graph: Graph, segment_width: int, frame: list[int]) -> list[int]:
+    values = [sample << SAMPLE_SHIFT for sample in frame]
+    outputs = []
+    for neuron in graph.neurons:
+        total = neuron.start + _sum(neuron, values, segment_width)
+        word = max(RESULT.low, min(RESULT.high, total >> DROPPED))
+        values.append(word)
+        if neuron.output:
+            outputs.append(word >> OUTPUT_SHIFT)
+    return outputs
+
+
+def _sum(neuron: Neuron, values: list[int], segment_width: int) -> int:
+    if any(term.kind is Kind.INTERCEPT for term in neuron.terms):
+        return tanh_sum(segment_width, values[neuron.terms[0].source])
+    return sum(
+        term.weight * (1 << DROPPED if term.kind is Kind.ONE else values[term.source])
+        for term in neuron.terms
+    )
+
+
+def tanh_sum(segment_width: int, q: int) -> int:
+    """The exact sum of tanh's neuron."""
+    table = tanh_table(segment_width)
+    span = 1 << segment_width
+    segment = min((q if q >= 0 else -q - 1) // span, len(table.slopes) - 1)
+    one = 1 << DROPPED if q >= 0 else -(1 << DROPPED)
+    return table.intercepts[segment] * one + table.slopes[segment] * (q % span - span // 2)
+
+
+def error_bounds(mlp: Mlp, segment_width: int, sensors: int) -> Real:
+    """How far each output of a network can be from real arithmetic that saturates.
+
+    As for a network of two layers (``golden.networks.bounds``), and besides: an earlier output that
+    the network sees is kept with four bits more than leave, so it lies up to half a unit of 2**-13
+    and one of 2**-17 from the code.
+    """
+    seen = 2.0 ** -(SIGNAL.frac + 1) + 2.0**-RESULT.frac
+    q_off = _taken(mlp.w1[:, :sensors], HIDDEN, SAMPLE) + _taken(
+        mlp.w1[:, sensors:], HIDDEN, RESULT
+    )
+    q_off += _taken(mlp.b1[:, np.newaxis], HIDDEN, ONE) + 2.0 ** -(HIDDEN.frac + 1)
+    q_off += seen * np.abs(mlp.w1[:, sensors:]).sum(axis=1)
+    r_off = q_off + tanh_error(segment_width)
+    bounds: Real = np.abs(mlp.w2) @ r_off + 2.0 ** -(SIGNAL.frac + 1)
+    bounds += _taken(mlp.w2, RESULT, RESULT) + _taken(mlp.b2[:, np.newaxis], RESULT, ONE)
+    return bounds
+
+
+def _taken(weights: Real, result: Fix, operand: Fix) -> Real:
+    """What rounding takes from the weights of each neuron: half a unit each at most."""
+    half = 2.0 ** -(coeff_frac(result, operand) + 1)
+    return np.full(len(weights), half * weights.shape[1])
+
+
+def tanh_error(segment_width: int) -> float:
+    """Largest error of tanh over every code of q, its rounding to 17 fraction bits included."""
+    q = np.arange(HIDDEN.low, HIDDEN.high + 1)
+    table = tanh_table(segment_width)
+    negative = q >> (HIDDEN.width - 1)
+    segment = np.minimum((q ^ negative) >> segment_width, len(table.slopes) - 1)
+    span = 1 << segment_width
+    sums = np.array(table.intercepts)[segment] * ((negative | 1) << DROPPED)
+    sums += np.array(table.slopes)[segment] * ((q & (span - 1)) - span // 2)
+    r = np.clip((sums + (1 << (DROPPED - 1))) >> DROPPED, RESULT.low, RESULT.high)
+    return float(np.abs(RESULT.to_real(r) - np.tanh(HIDDEN.to_real(q))).max())

@@ -1,0 +1,58 @@
+"""How far a bit-true network of two layers can be from real arithmetic."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+
+import numpy as np
+
+from golden.activation.activation_block import ActivationBlock
+from golden.networks.constants import Layer, quantised
+from golden.networks.mlp import Mlp, Real
+from golden.precision import SIGNAL, Precision
+
+
+def two_layer_bounds(
+    mlp: Mlp, precision: Precision, activations: Sequence[ActivationBlock]
+) -> Real:
+    """The bound of each output.
+
+    Saturation moves no two values apart, and tanh has no slope above 1, so the bound of y is what
+    rounding does to layer 2, plus ``|w2|`` times what the activation and the rounding of q do to r.
+    """
+    first = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights")
+    second = quantised(mlp.w2, mlp.b2, precision, "layer 2 weights")
+    q_off = _rounded(mlp.w1, mlp.b1, first, precision, precision.hidden_fmt.frac)
+    r_off = q_off + [
+        _activation_error(a, q) for a, q in zip(activations, first.factors, strict=True)
+    ]
+    result: Real = _rounded(mlp.w2, mlp.b2, second, precision, SIGNAL.frac)
+    return result + np.abs(mlp.w2) @ r_off
+
+
+def _rounded(
+    weights: Real, biases: Real, layer: Layer, precision: Precision, out_frac: int
+) -> Real:
+    """How far a layer's sums can be off, for samples of magnitude 1 at most, shape (neurons,).
+
+    What rounding took from weights and bias, one LSB for each product that is cut, and half of one
+    of the result.
+    """
+    factors = np.asarray(layer.factors, dtype=np.float64)
+    taken = np.abs(weights - factors[:, np.newaxis] * layer.fmt.to_real(layer.weights)).sum(axis=1)
+    taken += np.abs(biases - factors * layer.fmt.to_real(layer.biases))
+    acc_frac = SIGNAL.frac + layer.fmt.frac - precision.product_shift
+    cut = weights.shape[1] * 2.0**-acc_frac if precision.product_shift else 0.0
+    half = 2.0 ** -(out_frac + 1) if acc_frac > out_frac else 0.0
+    result: Real = taken + factors * (cut + half)
+    return result
+
+
+@lru_cache(maxsize=256)
+def _activation_error(activation: ActivationBlock, factor: int) -> float:
+    """Largest error against tanh over every code."""
+    fmt = activation.in_fmt
+    codes = np.arange(fmt.low, fmt.high + 1)
+    miss = SIGNAL.to_real(activation.process(codes)) - np.tanh(factor * fmt.to_real(codes))
+    return float(np.abs(miss).max())

@@ -1,0 +1,75 @@
+"""A network of two layers in Python's integers, which have no width: what no accumulator may
+differ from.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from golden.activation.activation_block import ActivationBlock
+from golden.fixed import Codes
+from golden.layers.weighted_sum import WeightedSum
+
+
+@dataclass(frozen=True)
+class ExactSum:
+    """One neuron's sum, as integers of any width compute it.
+
+    Attributes
+    ----------
+    formats : WeightedSum
+    weights : sequence of int
+    bias : int
+    factor : int
+        What the sum is multiplied by.
+    """
+
+    formats: WeightedSum
+    weights: Sequence[int]
+    bias: int
+    factor: int = 1
+
+    def process(self, frames: Codes) -> Codes:
+        """The neuron's result of every frame."""
+        results = (
+            exact_sum(self.formats, self.weights, self.bias, frame, self.factor)[1]
+            for frame in frames.tolist()
+        )
+        return np.array(list(results), dtype=np.int64)
+
+
+@dataclass(frozen=True)
+class ExactLayers:
+    """A network of two layers as sums and activations.
+
+    Attributes
+    ----------
+    hidden : list of ExactSum
+    activations : tuple of ActivationBlock
+        One per hidden node.
+    outputs : list of ExactSum
+    """
+
+    hidden: list[ExactSum]
+    activations: tuple[ActivationBlock, ...]
+    outputs: list[ExactSum]
+
+    def process(self, frames: Codes) -> Codes:
+        """Output codes; the activations part by part instead of from their tables of results."""
+        pairs = zip(self.hidden, self.activations, strict=True)
+        r = np.stack([activation.compute(one.process(frames)) for one, activation in pairs], axis=1)
+        return np.stack([one.process(r) for one in self.outputs], axis=1)
+
+
+def exact_sum(
+    formats: WeightedSum, weights: Sequence[int], bias: int, samples: Iterable[int], factor: int = 1
+) -> tuple[int, int]:
+    """The sum, and the result: rounded half up and saturated."""
+    products = (w * x >> formats.product_shift for w, x in zip(weights, samples, strict=True))
+    total = (bias << formats.bias_shift) + sum(products)
+    shift = formats.out_shift
+    result = (total * factor + ((1 << shift) >> 1)) >> shift
+    return total, max(formats.out_fmt.low, min(formats.out_fmt.high, result))
