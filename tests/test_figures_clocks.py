@@ -48,7 +48,8 @@ def test_the_clocks_of_the_front_page(table: Table) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "beside"), [("digit-single", 4 + 4), ("digit-hybrid", 7 + 4), ("digit-parallel", 1 + 1)]
+    ("name", "beside"),
+    [("digit-single", 4 + 4), ("digit-hybrid", 7 + 4), ("digit-parallel", 1 + 1)],
 )
 def test_samples_and_outputs_take_a_clock_each(name: str, beside: int) -> None:
     """A cascade's frame has slots for its earlier outputs; in parallel all come at once."""

@@ -209,7 +209,9 @@ def test_the_waveforms_show_the_recorded_values(recorded: list[Port]) -> None:
         if "data-port" in row.attrib
     }
     assert len(rows) == len(recorded)
-    outputs = load_scene("digit-hybrid").twin().process(load_scene("digit-hybrid").vectors().codes[FRAME])
+    outputs = (
+        load_scene("digit-hybrid").twin().process(load_scene("digit-hybrid").vectors().codes[FRAME])
+    )
     written = [f"{value:.4f}" for value in SIGNAL.to_real(outputs)]
     assert rows["cascade, frame out: load, position, width, shape.out_data"] == written
     assert rows["hybrid_3: shape.out_data"] == written[-1:]

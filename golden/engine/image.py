@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from binascii import crc_hqx
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from golden.engine.pipeline import Pipeline
 from golden.engine.program import WORD_WIDTH, Program
@@ -44,7 +44,7 @@ class Sizes:
     program_words: int = 512
     operand_words: int = 128
     segment_width: int = 9
-    pipeline: Pipeline = Pipeline()
+    pipeline: Pipeline = field(default_factory=Pipeline)
 
     def __post_init__(self) -> None:
         for name, most in (("program_words", LAST_ADDR[1]), ("operand_words", BEFORE_LAST[1])):

@@ -72,9 +72,7 @@ class ImageLoader(Block):
             given("load_ready", "a byte is taken in this clock if there is one"),
             given("halt", "no frame is taken in this clock"),
             given("write", "`word` goes to the program memory"),
-            given(
-                "write_addr", "where", Unsigned(self.program_addr_width), "program_addr_width"
-            ),
+            given("write_addr", "where", Unsigned(self.program_addr_width), "program_addr_width"),
             given("word", "a word of the image", Unsigned(WORD_WIDTH)),
             given(
                 "before_last",

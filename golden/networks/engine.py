@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Self
 
@@ -173,6 +173,10 @@ class Engine(Design):
     @property
     def image(self) -> bytes:
         return self.loaded.to_bytes() if self.loaded else b""
+
+    def running(self, image: Image) -> Self:
+        """The same hardware with another image."""
+        return replace(self, program=image.program, loaded=image)
 
     @property
     def addr_width(self) -> int:

@@ -60,13 +60,13 @@ def frame_guard(
     start = span - 1
     # The address wraps from -1 to 0.
     addr = Signal(modbv(start, min=0, max=span))
-    running, begins, inside, dropping = (flag() for _ in range(4))
+    running, begins, started, dropping = (flag() for _ in range(4))
     closed, accept, complete, good, refused, broken = (flag() for _ in range(6))
 
     @always_comb
     def look():
         accept.next = in_valid and not (closed or halt or dropping)
-        refused.next = not dropping and ((in_valid and closed) or (halt and (in_valid or inside)))
+        refused.next = not dropping and ((in_valid and closed) or (halt and (in_valid or started)))
         complete.next = addr == before_last
 
     @always_comb
@@ -78,7 +78,7 @@ def frame_guard(
     def drop():
         frame_error.next = refused or broken
         if in_valid:
-            inside.next = not in_last
+            started.next = not in_last
             dropping.next = not in_last and (dropping or refused or broken)
         elif refused:
             dropping.next = True

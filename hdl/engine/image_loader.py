@@ -111,9 +111,7 @@ def image_loader(
     # The bytes of the check are those that it was before them.
     @always_comb
     def judge():
-        good.next = (
-            headed and ended and place == 1 and check[8:] == 0 and check[16:8] == load_data
-        )
+        good.next = headed and ended and place == 1 and check[8:] == 0 and check[16:8] == load_data
 
     @always_seq(clk.posedge, reset=rst)
     def step():

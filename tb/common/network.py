@@ -12,6 +12,7 @@ from golden.networks.design import Design
 from golden.precision import SIGNAL
 from tb.common.bench import Bench
 from tb.common.framing import random_lengths, scan
+from tb.common.loading import after_loading
 from tb.common.stimulus import corner_frames, extreme_frames, random_resets, spread
 
 WATCH = ["out_valid", "out_data", "out_last", "frame_error"]
@@ -32,6 +33,8 @@ async def check(bench, elements, last, gap, resets=None, pause=0):
     drive = spread(bench.rng, items, "in_valid", gap, tail=tail, pause=pause)
     if resets is not None:
         drive["rst"] = resets(len(drive["in_valid"]))
+    if twin.image:
+        drive = after_loading(drive, twin.image)
     recording = await bench.play(drive, WATCH)
 
     rows, frames = scan(twin.input_controller, recording)

@@ -121,6 +121,14 @@ ENGINES = {
         ENGINE, shapes=[(2, 4, 1), (2, 3, 1), (2, 2, 1)], arrangement="multiple", spread=1.0
     ),
 }
+# The same hardware, whatever its image.
+RELOADED = {
+    "rails-reload": replace(ENGINE, hardware="reload = true"),
+    "least-reload": replace(
+        ENGINES["least-engine"], hardware="reload = true\nprogram_words = 256\noperand_words = 8"
+    ),
+    "three-reload": replace(ENGINES["three-engine"], hardware="reload = true"),
+}
 
 
 def both_precisions(activation: str) -> dict[str, Case]:
