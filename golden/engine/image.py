@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from binascii import crc_hqx
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from golden.engine.pipeline import Pipeline
@@ -101,16 +100,26 @@ class Image:
     inputs : int
     words : tuple of int
         Table and program, from address 0 on.
+    notes : tuple of str
+        What each of them stands for, where that is known.
     """
 
     sizes: Sizes
     inputs: int
     words: tuple[int, ...]
+    notes: tuple[str, ...] = ()
 
     @property
     def program(self) -> Program:
         """What the hardware executes once the image is loaded."""
-        return program_of(self.sizes, self.inputs, self.words)
+        return Program(
+            self.inputs,
+            self.sizes.segment_width,
+            self.words[: self.sizes.segments],
+            self.words[self.sizes.segments :],
+            self.sizes.pipeline,
+            self.notes,
+        )
 
     @property
     def contents(self) -> tuple[int, ...]:
@@ -133,18 +142,6 @@ class Image:
         return sent + crc_hqx(sent, self.sizes.check_start).to_bytes(CHECK_BYTES, "big")
 
 
-def program_of(sizes: Sizes, inputs: int, words: Sequence[int]) -> Program:
-    """The program that stands in a memory."""
-    return Program(
-        inputs,
-        sizes.segment_width,
-        tuple(words[: sizes.segments]),
-        tuple(words[sizes.segments :]),
-        sizes.pipeline,
-        ("",) * len(words),
-    )
-
-
 def image_of(program: Program, sum_bits: int, sizes: Sizes) -> Image:
     """The image of a program, for hardware of some sizes.
 
@@ -161,9 +158,11 @@ def image_of(program: Program, sum_bits: int, sizes: Sizes) -> Image:
     ValueError
         When it does not fit; the message names what is needed and what there is.
     """
-    # The word at the address that the write pointer is reset to holds nothing.
+    # One more word is read while the counter returns, without effect; here it is defined too.
+    words = (*program.table, *program.words, 0)
+    # The operand at the address that the write pointer is reset to holds nothing.
     needed = (
-        ("program words", len(program.table) + len(program.words), sizes.program_words),
+        ("program words", len(words), sizes.program_words),
         ("operand words", program.addresses + 1, sizes.operand_words),
         ("bits of a sum", sum_bits, ACC_WIDTH),
     )
@@ -174,4 +173,4 @@ def image_of(program: Program, sum_bits: int, sizes: Sizes) -> Image:
         raise ValueError(
             f"the image needs segment_width {program.segment_width}, there is {sizes.segment_width}"
         )
-    return Image(sizes, program.inputs, (*program.table, *program.words))
+    return Image(sizes, program.inputs, words, (*program.notes, ""))

@@ -10,7 +10,7 @@ import numpy as np
 from cocotb.triggers import Timer
 
 from golden.engine.image import Image
-from tb.common.bench import RESET_CLOCKS, Bench, Recording
+from tb.common.bench import RESET_CLOCKS, Bench, Recording, changed
 
 WATCH = ["out_valid", "out_data", "out_last", "frame_error", "load_ready", "image_error"]
 
@@ -62,33 +62,36 @@ async def exchange(bench: Bench, drive: dict[str, np.ndarray], sent: Sequence[Se
     Bytes that a reset meets are lost.
     """
     dut, half = bench.dut, Timer(5, "ns")
-    length = len(drive["in_valid"])
     columns = {name: [int(v) for v in column] for name, column in drive.items()}
-    columns.setdefault("rst", [0] * length)
+    columns.setdefault("rst", [0] * len(drive["in_valid"]))
+    for name, column in columns.items():
+        columns[name] = [int(name == "rst")] * RESET_CLOCKS + column
     ports = [*columns, "load_valid", "load_data", "load_last", *WATCH]
     handles = [getattr(dut, name) for name in ports]
+    changes = changed([(getattr(dut, name), column) for name, column in columns.items()])
+    valid, data, final = dut.load_valid, dut.load_data, dut.load_last
     queue = [
-        (one.at, byte, one.closed and place == len(one.data) - 1, one.gap)
+        (one.at + RESET_CLOCKS, byte, one.closed and place == len(one.data) - 1, one.gap)
         for one in sent
         for place, byte in enumerate(one.data)
     ]
     at, offered, rows = 0, False, []
     started = time.perf_counter()
-    for clock in range(-RESET_CLOCKS, length):
+    for clock, change in enumerate(changes):
         dut.clk.value = 0
-        for name, column in columns.items():
-            value = column[clock] if clock >= 0 else int(name == "rst")
-            getattr(dut, name).value = value
-        if not offered and at < len(queue) and clock >= max(queue[at][0], 0):
+        for handle, value in change:
+            handle.value = value
+        if not offered and at < len(queue) and clock >= queue[at][0]:
             offered = bench.rng.random() >= queue[at][3]
-        # While nothing is offered another byte stands there, which must not matter.
-        _, byte, last, _ = queue[at if offered else (at + 7) % len(queue)]
-        dut.load_valid.value = int(offered)
-        dut.load_data.value = byte
-        dut.load_last.value = int(last)
+        if at < len(queue):
+            # While nothing is offered another byte stands there, which must not matter.
+            _, byte, last, _ = queue[at if offered else (at + 7) % len(queue)]
+            data.value = byte
+            final.value = int(last)
+        valid.value = int(offered)
         await half
         rows.append([str(handle.value) for handle in handles])
-        if offered and (columns["rst"][max(clock, 0)] or dut.load_ready.value == 1):
+        if offered and (columns["rst"][clock] or dut.load_ready.value == 1):
             at, offered = at + 1, False
         dut.clk.value = 1
         await half

@@ -127,7 +127,6 @@ RELOADED = {
     "least-reload": replace(
         ENGINES["least-engine"], hardware="reload = true\nprogram_words = 256\noperand_words = 8"
     ),
-    "three-reload": replace(ENGINES["three-engine"], hardware="reload = true"),
 }
 
 
