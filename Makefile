@@ -9,7 +9,7 @@ RUN = "$(VENV)/bin/python"
 EMPTY :=
 READY = $(subst $(EMPTY) ,\ ,$(VENV))/.ready
 
-.PHONY: help demo test machines sim vhdl verilog train network image bench activations figures lean synth report docs pages lint clean tools browser
+.PHONY: help demo test machines sim vhdl verilog train network image bench listing activations figures lean synth report docs pages lint clean tools browser
 
 help:
 	@echo "make demo    [SCENE=]                     a scene end to end: simulate, export, table of errors"
@@ -26,6 +26,7 @@ help:
 	@echo "                                          write a network of the scene as .npz, .mat or .onnx"
 	@echo "make image   [SCENE=] [HARDWARE=scene]    what makes an engine that can be reloaded run the scene"
 	@echo "make bench   [SCENE=] [FRAMES=]           speed and memory of the bit-true twin"
+	@echo "make listing [SCENE=]                     the program of an engine, step by step"
 	@echo "make activations                          errors of every activation against tanh, and their plots"
 	@echo "make figures [TABLE=] [SEED=]             measured figures beside the thesis', in build/figures"
 	@echo "make lean    [SCENE=] [BESIDE=other]      what a scene leaves out, and what that saves"
@@ -67,6 +68,9 @@ image: $(READY)
 
 bench: $(READY)
 	@$(RUN) -m tb.report.measure.benchmark "$(SCENE)" $(if $(FRAMES),--frames "$(FRAMES)")
+
+listing: $(READY)
+	@$(RUN) -m golden.engine "$(SCENE)"
 
 activations: $(READY)
 	@$(RUN) -m tb.report.measure.activation_errors

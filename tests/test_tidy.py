@@ -142,9 +142,66 @@ def test_a_table_of_one_word_is_that_word() -> None:
     )
 
 
+MEMORY = {
+    "vhdl": """\
+type t_array_memory is array(0 to 4) of unsigned(7 downto 0);
+constant memory: t_array_memory := (
+    X"0a",
+    X"00",
+    X"0b",
+    X"00",
+    X"00");
+""",
+    "verilog": """\
+reg [7:0]  memory [0:5-1];
+initial begin
+    memory[0] <= 10;
+    memory[1] <= 0;
+    memory[2] <= 4'hb;
+    memory[3] <= 0;
+    memory[4] <= 0;
+end
+""",
+}
+NOTED = {
+    "vhdl": """\
+type t_array_memory is array(0 to 4) of unsigned(7 downto 0);
+constant memory: t_array_memory := (
+    X"0a",  -- ten
+    X"00",  -- none
+    X"0b",  -- eleven
+    others => X"00");  -- not used
+""",
+    "verilog": """\
+reg [7:0]  memory [0:5-1];
+integer memory_n;
+initial begin
+    memory[0] <= 10;  // ten
+    memory[1] <= 0;  // none
+    memory[2] <= 4'hb;  // eleven
+    for (memory_n = 3; memory_n < 5; memory_n = memory_n + 1) memory[memory_n] <= 0;  // not used
+end
+""",
+}
+
+
+@pytest.mark.parametrize("language", ["vhdl", "verilog"])
+def test_a_memory_says_what_its_words_stand_for_and_ends_in_one_row(language: str) -> None:
+    meanings = {"memory": ["ten", "none", "eleven", "not used"]}
+    assert tidy.annotate_tables(MEMORY[language], language, meanings) == NOTED[language]
+
+
+@pytest.mark.parametrize(("language", "last"), [("vhdl", 'X"0c"'), ("verilog", "12")])
+def test_a_memory_whose_last_words_differ_keeps_its_rows(language: str, last: str) -> None:
+    text = {"vhdl": 'X"00");', "verilog": "memory[4] <= 0;"}[language]
+    changed = MEMORY[language].replace(text, text.replace('X"00"', last).replace("0;", f"{last};"))
+    noted = tidy.annotate_tables(changed, language, {"memory": list("abcde")})
+    assert [line[-1] for line in noted.splitlines() if line.startswith("    ")] == list("abcde")
+
+
 @pytest.mark.parametrize("language", ["vhdl", "verilog"])
 def test_a_table_that_is_not_there_is_a_fault(language: str) -> None:
-    with pytest.raises(ValueError, match="rom1_read: got 0 processes of this name, expected 1"):
+    with pytest.raises(ValueError, match="rom1_read: got 0 tables of this name, expected 1"):
         tidy.annotate_tables(TABLE[language], language, {"rom1_read": ["1"]})
 
 

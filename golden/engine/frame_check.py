@@ -36,7 +36,8 @@ class FrameCheck(Block):
     -----
     A frame is wrong when ``last`` comes too early or does not come with the last sample, or when
     its first sample comes while the frame before is computed. A wrong frame raises one error;
-    everything from the sample that breaks it up to and including its ``last`` is dropped.
+    everything from the sample that breaks it up to and including its ``last`` is dropped. A sample
+    that breaks a frame that was begun goes to the last address, where nothing else is kept.
     """
 
     block = "frame_check"
@@ -93,6 +94,8 @@ class FrameCheck(Block):
             complete = count == self.inputs - 1
             done[k] = complete and is_last
             error[k] = complete != is_last
+            if error[k]:
+                addr[k] = (1 << self.addr_width) - 1
             dropping = complete and not is_last
             count = 0 if complete or is_last else count + 1
             if done[k]:

@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
-from golden.engine.formats import ONE, coeff_frac
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from golden.engine.formats import HIDDEN, ONE, coeff_frac
 from golden.engine.graph import Graph, Kind
-from golden.engine.schedule import Step
+from golden.engine.schedule import Step, schedule
+
+if TYPE_CHECKING:
+    from golden.engine.program import Program
+
+_COLUMNS = ("step", "word", "neuron", "operand", "address", "weight", "then")
 
 
 def operand_text(graph: Graph, step: Step) -> str:
@@ -41,3 +49,45 @@ def text_of(graph: Graph, step: Step) -> str:
     joint = f"{name} =" if step.first else f"{name} +"
     end = ", done" if step.last else ""
     return f"{joint} {operand_text(graph, step)} x {weight_text(graph, step)}{end}"
+
+
+def listing(graph: Graph, program: Program) -> list[str]:
+    """The program, a line for every step.
+
+    ``word`` is the address in the program memory from which a step's fields stand, ``address`` that
+    of the operand in the operand memory.
+    """
+    rows: list[Sequence[str]] = [_COLUMNS]
+    kept = graph.inputs
+    for n, (step, code) in enumerate(
+        zip(schedule(graph, program.pipeline), program.instructions, strict=True)
+    ):
+        waits = step.neuron < 0
+        then = ""
+        if step.last:
+            then = f"kept at {kept}"
+            kept += 1
+        if code.output:
+            then += f", leaves in clock {program.clock(n)}"
+        rows.append(
+            (
+                str(n),
+                str(len(program.table) + n),
+                "" if waits else graph.neurons[step.neuron].name,
+                operand_text(graph, step),
+                "" if waits or step.term.kind is Kind.ONE else str(code.source),
+                weight_text(graph, step),
+                then,
+            )
+        )
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = [
+        "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]
+    segment = 2.0 ** (program.segment_width - HIDDEN.frac)
+    return [
+        f"words 0 to {len(program.table) - 1}: tanh in segments of {segment:g}; the last holds "
+        "beyond",
+        *lines,
+    ]

@@ -74,7 +74,8 @@ class MultiplyAccumulate(Block):
     ) -> Codes:
         """The sum after each product, the first of which starts one.
 
-        ``first`` and ``first_of_output`` are those of the product.
+        ``first`` and ``first_of_output`` are those of the product. A sum that leaves its bits, as
+        that of no program does, wraps.
         """
         table = np.asarray(table_word, dtype=np.int64)
         mask = (1 << WIDTH) - 1
@@ -82,6 +83,7 @@ class MultiplyAccumulate(Block):
         bits = np.asarray(weight, dtype=np.int64) | chosen
         product = np.asarray(operand, dtype=np.int64) * (bits - ((bits >> (WIDTH - 1)) << WIDTH))
         half = 1 << (DROPPED - 1)
+        low, span = Fix(self.acc_width, 0).low, 1 << self.acc_width
         acc, found = 0, []
         for value, opens, output in zip(
             product.tolist(),
@@ -89,6 +91,7 @@ class MultiplyAccumulate(Block):
             np.asarray(first_of_output).tolist(),
             strict=True,
         ):
-            acc = value + ((half << (OUTPUT_SHIFT if output else 0)) if opens else acc)
+            start = half << OUTPUT_SHIFT if output else half if opens else acc
+            acc = (value + start - low) % span + low
             found.append(acc)
         return np.array(found, dtype=np.int64)

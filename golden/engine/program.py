@@ -9,6 +9,7 @@ import numpy as np
 
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, RESULT, SAMPLE_SHIFT, WIDTH
 from golden.engine.graph import Graph, Kind
+from golden.engine.listing import text_of
 from golden.engine.pipeline import Pipeline
 from golden.engine.schedule import Step, schedule
 from golden.engine.tanh_table import TanhTable
@@ -102,6 +103,10 @@ class Program:
         """The steps whose results leave."""
         return [n for n, step in enumerate(self.instructions) if step.output]
 
+    def clock(self, step: int) -> int:
+        """The clock, from a frame's last sample on, in which a step's result is there."""
+        return self.pipeline.begin + step + self.pipeline.result
+
     @property
     def addresses(self) -> int:
         """Words of the operand memory that are used."""
@@ -162,7 +167,18 @@ def assemble(
     segments : int
         Words of the table that are kept.
     pipeline : Pipeline
+
+    Raises
+    ------
+    ValueError
+        When the samples and results of a frame are more than a program can address.
     """
+    values, most = graph.inputs + len(graph.neurons), (1 << SOURCE[1]) - 1
+    if values > most:
+        raise ValueError(
+            f"program: got {values} words of the operand memory, {graph.inputs} samples and "
+            f"{len(graph.neurons)} results, expected {most} at most"
+        )
     steps = schedule(graph, pipeline)
     words = [0] * (len(steps) + pipeline.done + pipeline.padding)
     addresses = {k: k for k in range(graph.inputs)} | {-1: 0}
@@ -200,9 +216,8 @@ def _table_notes(table: TanhTable, segments: int) -> list[str]:
 
 
 def _step_notes(graph: Graph, steps: Sequence[Step], count: int) -> list[str]:
-    from golden.engine.listing import text_of
-
-    return [text_of(graph, step) for step in steps] + [""] * (count - len(steps))
+    behind = ["fields of steps above"] * (count - len(steps))
+    return [text_of(graph, step) for step in steps] + behind
 
 
 def _put(words: list[int], place: int, field: tuple[int, int], value: int) -> None:

@@ -44,6 +44,11 @@ class ProgramMemory(Block):
         return given_words + (0,) * ((1 << self.addr_width) - len(given_words))
 
     @property
+    def meanings(self) -> tuple[str, ...]:
+        """What each word stands for; the last holds for all beyond."""
+        return (*self.notes, "not used")
+
+    @property
     def addr_width(self) -> int:
         """Bits of the program counter."""
         return max(1, (len(self.table) + len(self.words) - 1).bit_length())

@@ -145,8 +145,7 @@ class Engine(Design):
     @cached_property
     def output_clocks(self) -> tuple[int, ...]:
         """The steps of the outputs, from the last sample on."""
-        pipeline = self.program.pipeline
-        return tuple(pipeline.begin + step + pipeline.result for step in self.program.output_steps)
+        return tuple(map(self.program.clock, self.program.output_steps))
 
     @property
     def clocks_text(self) -> str:

@@ -44,9 +44,19 @@ def registered_rom(clk, addr, word, *, words: Codes, meanings: Sequence[str] = (
     return read
 
 
-def constants(words: Sequence[int], width: int):
+class Constants(list):
     """Words as a list that MyHDL writes as one table, whoever reads it.
 
     For a memory with more than one read port, which a ``case`` statement would make twice.
+
+    Parameters
+    ----------
+    words : sequence of int
+    width : int
+    meanings : sequence of str
+        What each of them stands for; the last holds for all beyond.
     """
-    return [Constant(intbv(word, min=0, max=1 << width)) for word in words]
+
+    def __init__(self, words: Sequence[int], width: int, meanings: Sequence[str]) -> None:
+        super().__init__(Constant(intbv(word, min=0, max=1 << width)) for word in words)
+        self.meanings = meanings

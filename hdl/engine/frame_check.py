@@ -98,27 +98,27 @@ def frame_check(
                 running.next = True
 
         @always_comb
-        def wait():
+        def refuse():
             busy.next = running
 
-        return look, judge, drop, count, mark, show, turn, wait
+        return look, judge, drop, count, mark, show, turn, refuse
 
-    begin, waiting = flag(), flag()
+    opens, waiting = flag(), flag()
 
     @always_seq(clk.posedge, reset=rst)
     def turn():
         if finish:
             running.next = False
-        elif begin:
+        elif opens:
             running.next = True
         if good:
             waiting.next = True
-        elif begin:
+        elif opens:
             waiting.next = False
 
     @always_comb
-    def wait():
+    def refuse():
         busy.next = running or waiting
 
-    late = delay(clk, rst, good, begin, clocks=spec.pipeline.run - 1)
-    return look, judge, drop, count, mark, show, turn, wait, late
+    late = delay(clk, rst, good, opens, clocks=spec.pipeline.run - 1)
+    return look, judge, drop, count, mark, show, turn, refuse, late

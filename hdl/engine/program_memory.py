@@ -5,7 +5,7 @@ from myhdl import Signal, always, always_comb, always_seq, block, modbv
 from golden.engine.program import WORD_WIDTH
 from golden.engine.program_memory import ProgramMemory
 from hdl.common.delay import connect, delay
-from hdl.common.rom import constants
+from hdl.common.rom import Constants
 from hdl.common.signals import flag, unsigned
 
 
@@ -33,7 +33,7 @@ def program_memory(
     ports: a block RAM of 512 words. Reset puts the counter to the program's first word.
     """
     begin = spec.begin
-    memory = constants(spec.contents, WORD_WIDTH)
+    memory = Constants(spec.contents, WORD_WIDTH, spec.meanings)
     counter = Signal(modbv(begin, min=0, max=1 << spec.addr_width))
     stands = flag()
     fetched, found = unsigned(WORD_WIDTH), unsigned(WORD_WIDTH)

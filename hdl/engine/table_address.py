@@ -35,19 +35,11 @@ def table_address(q, addr, *, spec: TableAddress):
         else:
             high.next = part
 
-    if last == (1 << width) - 1:
-
-        @always_comb
-        def address():
-            addr.next = high
-
-    else:
-
-        @always_comb
-        def address():
-            if high > last:
-                addr.next = last
-            else:
-                addr.next = high[addr_width:]
+    @always_comb
+    def address():
+        if high > last:
+            addr.next = last
+        else:
+            addr.next = high[addr_width:]
 
     return cut, complement, address

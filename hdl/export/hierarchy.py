@@ -20,6 +20,7 @@ from myhdl._extractHierarchy import _UserVerilogCode, _UserVhdlCode
 from myhdl._Signal import _Signal
 
 from golden.block import Block
+from hdl.common.rom import Constants
 from hdl.common.signals import Group, Words
 from hdl.export.describe import heading
 from hdl.export.ports import check_ports, comment_ports
@@ -180,8 +181,12 @@ def _name_grouped_signals(instance: _Block) -> None:
 
 
 def _meanings(instance: _Block) -> dict[str, tuple[str, ...]]:
-    """By the label of the process that reads a table: what its words stand for."""
-    found: dict[str, tuple[str, ...]] = {}
+    """By the label of the process that reads a table, or a memory's name: what the words are."""
+    found: dict[str, tuple[str, ...]] = {
+        name: tuple(value.meanings)
+        for name, value in instance.symdict.items()
+        if isinstance(value, Constants)
+    }
 
     def visit(parent: _Block, prefix: str) -> None:
         for sub in parent.subs:

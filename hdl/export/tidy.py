@@ -1,13 +1,13 @@
 """The text that MyHDL writes, made to read as if written by hand.
 
 Each rule changes the text alone, never what it means: the code of a Verilog file keeps every
-token.
+token, but for the last words of a memory, which become a loop where they are equal.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 _COMMENT = {"vhdl": "--", "verilog": "//"}
 # Calls of what pck_myhdl_011 declares: flags from and to conditions, and a negated unsigned.
@@ -28,7 +28,8 @@ def tidy(
     heading : sequence of str
         Lines of the comment at its top, instead of the docstring that MyHDL copies.
     meanings : mapping of str to sequence of str
-        By the label of a process that reads a table: what each word stands for.
+        By the label of a process that reads a table, or the name of a memory: what each word stands
+        for.
     """
     comment = _COMMENT[language]
     text = re.sub(rf"^{comment}.*\n", "", text, flags=re.M)
@@ -109,21 +110,27 @@ def drop_unused_packages(text: str) -> str:
 
 
 def annotate_tables(text: str, language: str, meanings: Mapping[str, Sequence[str]]) -> str:
-    """Beside each word of a table what it stands for; in VHDL, equal last words as one row.
+    """Beside each word of a table what it stands for; equal last words as one row.
 
-    A table of one word needs no rows: the word is assigned.
+    A table of one word needs no rows: the word is assigned. In Verilog a ``case`` keeps its rows.
 
     Raises
     ------
     ValueError
-        When a label is not that of a process that reads a table.
+        When a label is neither that of a process that reads a table nor the name of a memory.
     """
     for label, words in meanings.items():
-        found = list(re.finditer(_PROCESS[language].format(label=label), text, re.M | re.S))
+        forms = ((_annotate, _PROCESS[language]), (_annotate_memory, _MEMORY[language]))
+        found = [
+            (match, annotate)
+            for annotate, form in forms
+            for match in re.finditer(form.format(label=label), text, re.M | re.S)
+        ]
         if len(found) != 1:
-            raise ValueError(f"{label}: got {len(found)} processes of this name, expected 1")
-        process = _annotate(found[0][0], language, words)
-        text = f"{text[: found[0].start()]}{process}{text[found[0].end() :]}"
+            raise ValueError(f"{label}: got {len(found)} tables of this name, expected 1")
+        match, annotate = found[0]
+        table = annotate(match[0], language, words)
+        text = f"{text[: match.start()]}{table}{text[match.end() :]}"
     return text
 
 
@@ -131,6 +138,10 @@ def annotate_tables(text: str, language: str, meanings: Mapping[str, Sequence[st
 _PROCESS = {
     "vhdl": r"^{label}: process\b.*?^ +end case;",
     "verilog": r"\bbegin: {label}$.*?^ +endcase",
+}
+_MEMORY = {
+    "vhdl": r"^constant {label}: \w+ := \(\n.*?\);$",
+    "verilog": r"^initial begin\n(?: +{label}\[\d+\] <= \S+;\n)+end$",
 }
 _ROW = re.compile(r"^ +(?:when )?(\w+)(?: =>|:) (\w+ <?= .*;)\n", re.M)
 
@@ -149,11 +160,43 @@ def _annotate(process: str, language: str, words: Sequence[str]) -> str:
             case = before.rstrip("\n").rfind("\n") + 1
             indent = before[case:].partition("case")[0]
             before, after, lines = before[:case], "", [f"{indent}{rows[0][2]}"]
-    noted = (
-        f"{line}  {_COMMENT[language]} {words[min(place, len(words) - 1)]}"
-        for place, line in enumerate(lines)
-    )
-    return before + "\n".join(noted) + (f"\n{after}" if after else "")
+    noted = "\n".join(_noted(lines, language, words))
+    return before + noted + (f"\n{after}" if after else "")
+
+
+def _annotate_memory(memory: str, language: str, words: Sequence[str]) -> str:
+    first, *rows = memory.splitlines()
+    if language == "vhdl":
+        values = [row.strip().removesuffix(",").removesuffix(");") for row in rows]
+        alike = _alike(values)
+        if alike < len(values) - 1:
+            values[alike:] = [f"others => {values[-1]}"]
+            words = [*words[:alike], words[-1]]
+        rows = [f"    {value}," for value in values[:-1]] + [f"    {values[-1]});"]
+        return "\n".join([first, *_noted(rows, language, words)])
+    *rows, last = rows
+    alike = _alike([row.partition(" <= ")[2] for row in rows])
+    if alike < len(rows) - 1:
+        name, value = rows[-1].strip().split("[")[0], rows[-1].partition(" <= ")[2]
+        count = f"{name}_n"
+        steps = f"{count} = {alike}; {count} < {len(rows)}; {count} = {count} + 1"
+        rows[alike:] = [f"    for ({steps}) {name}[{count}] <= {value}"]
+        first = f"integer {count};\n{first}"
+        words = [*words[:alike], words[-1]]
+    return "\n".join([first, *_noted(rows, language, words), last])
+
+
+def _alike(values: Sequence[str]) -> int:
+    """The place of the first of the last values that are all equal."""
+    place = len(values) - 1
+    while place and values[place - 1] == values[-1]:
+        place -= 1
+    return place
+
+
+def _noted(lines: Sequence[str], language: str, words: Sequence[str]) -> Iterator[str]:
+    for place, line in enumerate(lines):
+        yield f"{line}  {_COMMENT[language]} {words[min(place, len(words) - 1)]}"
 
 
 def indent_architecture(text: str) -> str:

@@ -113,7 +113,7 @@ class Bench:
             rows.append([str(handle.value) for handle in handles])
             if clocked:
                 self.dut.clk.value = 1
-            await half
+                await half
         return Recording(ports, rows, time.perf_counter() - started)
 
     def compare(self, name: str, got: np.ndarray, expected: np.ndarray, **context: np.ndarray):

@@ -120,6 +120,8 @@ ENGINES = {
     "three-engine": replace(
         ENGINE, shapes=[(2, 4, 1), (2, 3, 1), (2, 2, 1)], arrangement="multiple", spread=1.0
     ),
+    # Sums that reach few segments of a finer table.
+    "fine-engine": replace(ENGINE, shapes=[(2, 3, 2)], spread=0.5, hardware="segment_width = 7"),
 }
 # The same hardware, whatever its image.
 RELOADED = {
@@ -128,6 +130,8 @@ RELOADED = {
         ENGINES["least-engine"], hardware="reload = true\nprogram_words = 256\noperand_words = 8"
     ),
 }
+# For a block inside an engine: every segment of the table, and few of a finer one.
+ENGINE_PARTS = {name: ENGINES[name] for name in ("rails-engine", "fine-engine")}
 
 
 def both_precisions(activation: str) -> dict[str, Case]:

@@ -33,7 +33,15 @@ COMMAND = "make pages"
 README = ROOT / "docs" / "README.md"
 # 4:16:4, one network for all outputs; its weights suit both precisions.
 EXAMPLE = "digit-single-thesis"
-AREAS = ("activation", "layers", "networks", "sensing", "visualisation", "instruments")
+AREAS = (
+    "activation",
+    "layers",
+    "networks",
+    "engine",
+    "sensing",
+    "visualisation",
+    "instruments",
+)
 
 # The twins of one block, by the name of the precision.
 Twins = dict[str, list[Block]]
@@ -46,8 +54,12 @@ def shipped() -> Iterator[tuple[str, Network]]:
     (mlp,) = load_scene(EXAMPLE).mlps()
     for design in DESIGNS.values():
         for name, scheme in SCHEMES.items():
+            if name not in (design.known_activations or SCHEMES):
+                continue
             choices = [{o: c} for o, about in scheme.options.items() for c in about.choices]
             for precision in scheme.precisions:
+                if precision.name not in design.precisions:
+                    continue
                 for options in choices or [{}]:
                     yield precision.name, design.of(mlp, precision, name, options)
 

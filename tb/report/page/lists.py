@@ -12,6 +12,7 @@ from pathlib import Path
 
 from golden.activation.segments import GRADIENT, INTERCEPT, UPPER
 from golden.cli import run
+from golden.engine.pipeline import Pipeline
 from golden.fingerprint import ROOT
 from golden.scene import load_scene, scene_names
 from hdl.synth.budget import budget_path, read_budget
@@ -59,6 +60,17 @@ def segments() -> str:
     return "\n".join(lines)
 
 
+def pipeline() -> str:
+    """Every clock that an engine's pipeline counts, and what is there."""
+    lines = ["| name | clocks | with registers | what is there |", "|---|---|---|---|"]
+    forms = [Pipeline(), Pipeline(memory_registers=1)]
+    for name, value in vars(Pipeline).items():
+        if isinstance(value, property):
+            clocks = " | ".join(str(getattr(form, name)) for form in forms)
+            lines.append(f"| `{name}` | {clocks} | {' '.join((value.__doc__ or '').split())} |")
+    return "\n".join(lines)
+
+
 def cost() -> str:
     """What the demo's network takes, and the clock that it reaches."""
     scene = load_scene(DEMO)
@@ -85,6 +97,7 @@ def pages() -> dict[Path, str]:
         (docs / "README.md", "commands", commands),
         (docs / "scenes.md", "scenes", scenes),
         (docs / "blocks" / "gradient.md", "segments", segments),
+        (docs / "blocks" / "engine.md", "pipeline", pipeline),
     ]
     found = {
         page: put(page, page.read_text(encoding="utf-8"), text(), COMMAND, section)

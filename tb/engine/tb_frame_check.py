@@ -1,0 +1,112 @@
+"""frame_check against its twin.
+
+Sweeps: 1000 samples in frames of the right length, shorter and longer ones, mixed at random.
+Drives: frames far enough apart, closer than they are computed, with gaps, and with resets at random
+clocks. After each good frame ``finish`` comes in its clock; ``store`` is high at random all the
+time.
+Checks: run, write, its address and frame_error in their clocks, and that none of the flags is high
+in any other clock.
+Does not prove: a finish while no frame is computed, which the program rules out.
+"""
+
+import cocotb
+import numpy as np
+
+from tb.common.bench import Bench
+from tb.common.framing import random_lengths, scan
+from tb.common.small import ENGINES
+from tb.common.stimulus import random_resets, spread
+
+CASES = {name: ENGINES[name] for name in ("rails-engine", "least-engine")}
+FAULTS = [
+    (r"frame_error <= \(early \|\| broken\)", "frame_error <= broken"),
+    (r"dropping <= \(\(!in_last\)", "dropping <= (0"),
+    (r"if \(\(finish \|\| broken\)\)", "if (finish)"),
+    (r"write <= \(accept \|\| \(running && store\)\)", "write <= (accept || store)"),
+    (r"if \(rst == 1\) begin", "if (0) begin"),
+]
+
+SAMPLES = 1000
+
+
+def finished(twin, drive):
+    """The clocks of ``finish``: as the engine gives it, ``busy`` clocks after a good frame."""
+    length = len(drive["in_valid"])
+    flags = np.zeros(length, dtype=np.int64)
+    resets = np.flatnonzero(drive["rst"])
+    rows = np.setdiff1d(np.flatnonzero(drive["in_valid"]), resets)
+    since = np.searchsorted(resets, rows)
+    for epoch in np.unique(since):
+        inside = rows[since == epoch]
+        ends = inside[twin.process(drive["in_last"][inside], inside).done] + twin.busy
+        until = resets[epoch] if epoch < len(resets) else length
+        flags[ends[ends < until]] = 1
+    return flags
+
+
+async def check(bench, gap, apart, resets):
+    """Play frames; ``apart`` is the most idle clocks before each."""
+    twin, rng = bench.twin, bench.rng
+    last = random_lengths(rng, twin.inputs, SAMPLES)
+    pause = np.roll(last, 1) * rng.integers(0, apart + 1, len(last))
+    drive = spread(rng, {"in_last": last}, "in_valid", gap, tail=twin.busy + 6, pause=pause)
+    length = len(drive["in_valid"])
+    every = 3 * (twin.busy + twin.inputs)
+    drive["rst"] = random_resets(rng, length, every) if resets else np.zeros(length, dtype=np.int64)
+    drive["finish"] = finished(twin, drive)
+    drive["store"] = rng.random(length) < 1 / 3
+    recording = await bench.play(drive, ["run", "write", "write_addr", "frame_error"])
+
+    rows, frames = scan(twin, recording)
+    ends = rows[frames.done]
+    # A frame is computed up to ``finish``, or to a reset, or to the end of the recording.
+    stops = np.sort(np.concatenate([recording.resets(), [recording.clocks - 1]]))
+    until = np.minimum(ends + twin.busy, stops[np.searchsorted(stops, ends)])
+    begin = ends + twin.pipeline.run
+    runs = [np.arange(a, b + 1) for a, b in zip(begin, until, strict=True)]
+    running = np.concatenate(runs)
+    bench.compare("clocks of run", recording.rows("run"), running)
+
+    stored = np.intersect1d(recording.rows("store"), running)
+    span = 1 << twin.addr_width
+    counts = np.concatenate([np.arange(np.isin(run, stored).sum()) for run in runs])
+    # ``finish`` puts the counter back, so what is stored with it goes where nothing is kept.
+    with_finish = np.isin(stored, recording.rows("finish"))
+    results = np.where(with_finish, span - 1, (twin.inputs + counts) % span)
+    sources = np.concatenate([rows[frames.accept], stored])
+    addresses = np.concatenate([frames.addr[frames.accept], results])
+    order = np.argsort(sources)
+    kept = recording.undisturbed(sources[order], sources[order])
+    kept &= sources[order] < recording.clocks - 1
+    cause, address = sources[order][kept], addresses[order][kept]
+    bench.compare("clocks of write", recording.rows("write"), cause + 1)
+    bench.compare("write_addr", recording.unsigned("write_addr", cause + 1), address, clock=cause)
+    wrong = rows[frames.error]
+    bench.compare("clocks of frame_error", recording.rows("frame_error"), wrong + 1)
+    assert len(wrong), "no wrong frame was driven"
+    assert len(ends), "no good frame was driven"
+    bench.finish(at_least=SAMPLES // 2)
+
+
+@cocotb.test()
+async def apart(dut):
+    bench = Bench(dut)
+    await check(bench, gap=0.0, apart=2 * bench.twin.busy, resets=False)
+
+
+@cocotb.test()
+async def too_early(dut):
+    bench = Bench(dut)
+    await check(bench, gap=0.0, apart=bench.twin.busy, resets=False)
+
+
+@cocotb.test()
+async def gaps(dut):
+    bench = Bench(dut)
+    await check(bench, gap=0.5, apart=bench.twin.busy, resets=False)
+
+
+@cocotb.test()
+async def resets(dut):
+    bench = Bench(dut)
+    await check(bench, gap=0.2, apart=bench.twin.busy, resets=True)

@@ -1,0 +1,75 @@
+"""program_memory against its twin.
+
+Sweeps: every word of the program and behind it, and every segment's address that the port can
+carry.
+Drives: the counter once around the memory; then runs of random length with ``finish`` at random
+clocks, also together with ``run``; then resets. The table's port carries a random segment in every
+clock, and asks in two of three.
+Checks: both words bit for bit, in their clocks.
+Does not prove: that the program is the right one (tests/test_engine.py does).
+"""
+
+import cocotb
+import numpy as np
+
+from tb.common.bench import RESET_CLOCKS, Bench
+from tb.common.small import ENGINE_PARTS
+from tb.common.stimulus import random_resets
+
+CASES = ENGINE_PARTS
+FAULTS = [
+    (r"(memory\[\d+\] <= \S+);", r"\1 ^ 1;"),
+    (r"stands = \(finish \|\| \(!run\)\)", "stands = (!run)"),
+    (r"if \(rst == 1\)", "if (0)"),
+    (r"if \(look_up\)", "if (1)"),
+]
+
+
+async def check(bench, run, finish, resets):
+    twin, rng = bench.twin, bench.rng
+    length = len(run)
+    segments = 1 << twin.segment_addr_width
+    look_up = rng.random(length) < 2 / 3
+    segment = rng.integers(0, segments, length)
+    segment[:segments], look_up[:segments] = np.arange(segments), True
+    drive = {"run": run, "finish": finish, "segment": segment, "look_up": look_up}
+    if resets:
+        drive["rst"] = random_resets(rng, length, every=40)
+    recording = await bench.play(drive, ["word", "table_word"])
+
+    # From the last clock of the initial reset on the counter stands.
+    rows = np.arange(RESET_CLOCKS, recording.clocks - bench.latency)
+    flags = [recording.unsigned(name, rows) for name in ("run", "finish", "rst")]
+    got = recording.unsigned("word", rows + bench.latency)
+    bench.compare("word", got, twin.process(*flags), clock=rows)
+    asked = [recording.unsigned(name, rows) for name in ("segment", "look_up")]
+    got = recording.unsigned("table_word", rows + bench.latency)
+    bench.compare("table_word", got, twin.look_up(*asked), segment=asked[0])
+
+
+def random_runs(rng, length):
+    """Runs of up to 60 clocks, and a finish in one of 20 clocks."""
+    run = np.repeat(rng.integers(0, 2, length), rng.integers(1, 61, length))[:length]
+    return run, rng.random(length) < 1 / 20
+
+
+@cocotb.test()
+async def whole_memory(dut):
+    bench = Bench(dut)
+    length = len(bench.twin.contents) + 10
+    await check(bench, np.ones(length), np.zeros(length), resets=False)
+    bench.finish(at_least=length)
+
+
+@cocotb.test()
+async def runs(dut):
+    bench = Bench(dut)
+    await check(bench, *random_runs(bench.rng, 3000), resets=False)
+    bench.finish(at_least=5000)
+
+
+@cocotb.test()
+async def resets(dut):
+    bench = Bench(dut)
+    await check(bench, *random_runs(bench.rng, 3000), resets=True)
+    bench.finish(at_least=5000)

@@ -1,0 +1,346 @@
+"""The engine's program: what it computes, in which order, and how it is written down."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from dataclasses import fields, replace
+from fractions import Fraction
+from math import floor
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import random_mlp, write_scene
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from golden.cli import CommandError
+from golden.engine.__main__ import main
+from golden.engine.formats import (
+    DROPPED,
+    HIDDEN,
+    ONE,
+    OUTPUT_SHIFT,
+    RESULT,
+    SAMPLE,
+    SAMPLE_SHIFT,
+    WIDTH,
+    coeff_frac,
+)
+from golden.engine.frame_check import FrameCheck
+from golden.engine.graph import Graph, Kind, Neuron, Term, graph_of
+from golden.engine.listing import listing
+from golden.engine.pipeline import Pipeline
+from golden.engine.program import Instruction, Program, assemble
+from golden.engine.schedule import Step, schedule
+from golden.engine.tanh_table import tanh_table
+from golden.fixed import Codes, Fix
+from golden.networks.engine import Engine
+from golden.networks.mlp import Mlp
+from golden.precision import SIGNAL
+from golden.scene import load_scene
+from tb.common.myhdl_simulation import simulate
+
+SCENES = (
+    "digit-single",
+    "digit",
+    "digit-multiple",
+    "swing-single",
+    "swing-multiple",
+    "swing-cascade",
+)
+PAGE = Path(__file__).parents[1] / "docs" / "blocks" / "engine.md"
+PIPELINES = [Pipeline(), Pipeline(memory_registers=1)]
+
+
+def code(value: float | Fraction, result: Fix, operand: Fix) -> int:
+    """A weight to the nearest code, halves up."""
+    return floor(Fraction(value) * (1 << coeff_frac(result, operand)) + Fraction(1, 2))
+
+
+def word(total: Codes) -> Codes:
+    """A sum, to which a half has been added, as a word."""
+    return np.clip(total >> DROPPED, -(1 << (WIDTH - 1)), (1 << (WIDTH - 1)) - 1)
+
+
+def tanh(q: Codes, width: int) -> Codes:
+    """A line for each segment of q; see the page of the engine."""
+    table = tanh_table(width)
+    segment = np.minimum(np.where(q < 0, ~q, q) >> width, len(table.slopes) - 1)
+    middle = np.where(q < 0, -1, 1) * np.array(table.intercepts)[segment]
+    distance = (q & ((1 << width) - 1)) - (1 << (width - 1))
+    total = (middle << DROPPED) + np.array(table.slopes)[segment] * distance
+    return word(total + (1 << (DROPPED - 1)))
+
+
+def layer_by_layer(arrangement: str, mlps: list[Mlp], codes: Codes, width: int = 9) -> Codes:
+    """Outputs as the formats define them, a network and a layer after the other."""
+    samples = [column << SAMPLE_SHIFT for column in codes.T]
+    half = 1 << (DROPPED - 1)
+    outputs: list[Codes] = []
+    for mlp in mlps:
+        seen = [*samples, *(outputs if arrangement == "cascade" else [])]
+        formats = [SAMPLE] * len(samples) + [RESULT] * (len(seen) - len(samples))
+        hidden = []
+        for weights, bias in zip(mlp.w1.tolist(), mlp.b1.tolist(), strict=True):
+            rounded = [code(w, HIDDEN, f) for w, f in zip(weights, formats, strict=True)]
+            # An earlier output carries half a unit of its last place.
+            extra = sum(
+                Fraction(w, 1 << coeff_frac(HIDDEN, RESULT)) / (2 << SIGNAL.frac)
+                for w in rounded[len(samples) :]
+            )
+            total = half + (code(Fraction(bias) - extra, HIDDEN, ONE) << DROPPED)
+            for operand, weight in zip(seen, rounded, strict=True):
+                total = total + operand * weight
+            hidden.append(tanh(word(total), width))
+        for weights, bias in zip(mlp.w2.tolist(), mlp.b2.tolist(), strict=True):
+            total = (half << OUTPUT_SHIFT) + (code(bias, RESULT, ONE) << DROPPED)
+            for operand, weight in zip(hidden, weights, strict=True):
+                total = total + operand * code(weight, RESULT, RESULT)
+            outputs.append(word(total))
+    return np.stack(outputs, axis=-1) >> OUTPUT_SHIFT
+
+
+def random_codes(inputs: int, count: int, seed: int = 1) -> Codes:
+    """Random frames, the rails among them."""
+    codes = np.random.default_rng(seed).integers(SIGNAL.low, SIGNAL.high + 1, (count, inputs))
+    codes[0], codes[1] = SIGNAL.low, SIGNAL.high
+    return codes
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_executing_the_program_is_computing_layer_by_layer(name: str) -> None:
+    scene = load_scene(name)
+    mlps = scene.mlps()
+    engine = Engine.of_several(scene.arrangement, mlps)
+    codes = np.concatenate([scene.vectors().codes, random_codes(engine.inputs, 500)])
+    assert np.array_equal(engine.process(codes), layer_by_layer(scene.arrangement, mlps, codes))
+
+
+SHAPES = st.tuples(st.integers(1, 4), st.integers(1, 6), st.integers(1, 3))
+
+
+@st.composite
+def networks(draw: st.DrawFn) -> tuple[str, list[Mlp]]:
+    """One network or several, with weights from small ones to some that no 18 bits hold."""
+    arrangement = draw(st.sampled_from(["single", "multiple", "cascade"]))
+    count = 1 if arrangement == "single" else draw(st.integers(2, 3))
+    inputs, hidden, outputs = draw(SHAPES)
+    spread = draw(st.sampled_from([0.1, 1.0, 10.0, 100.0]))
+    mlps = []
+    for n in range(count):
+        earlier = n * outputs if arrangement == "cascade" else 0
+        mlp = random_mlp((inputs + earlier, hidden, outputs), spread, draw(st.integers(0, 99)))
+        if draw(st.booleans()):
+            # A node that no output uses, and a sensor that no node sees.
+            mlp.w2[:, -1] = 0
+            mlp.w1[:, 0] = 0
+        mlps.append(mlp)
+    return arrangement, mlps
+
+
+@settings(max_examples=40)
+@given(several=networks(), width=st.sampled_from([7, 8, 9]))
+def test_networks_of_any_shape(several: tuple[str, list[Mlp]], width: int) -> None:
+    arrangement, mlps = several
+    codes = random_codes(mlps[0].shape[0], 50)
+    wanted = layer_by_layer(arrangement, mlps, codes, width)
+    for lean in (True, False):
+        engine = Engine.of_several(arrangement, mlps, lean, {"segment_width": width})
+        assert np.array_equal(engine.process(codes), wanted)
+
+
+@pytest.mark.parametrize("pipeline", PIPELINES, ids=str)
+def test_lean_leaves_out_steps(pipeline: Pipeline) -> None:
+    mlp = random_mlp((3, 4, 2), 1.0, 1)
+    mlp.w2[:, -1] = 0
+    mlp.w1[:, 0] = 0
+    lean, full = (schedule(graph_of("single", [mlp], kind), pipeline) for kind in (True, False))
+    # Of a node its bias, three samples and tanh; of three others a sample each; two weights.
+    assert len(used(full)) - len(used(lean)) == (1 + 3 + 2) + 3 + 2
+
+
+def used(steps: list[Step]) -> list[Step]:
+    return [step for step in steps if step.neuron >= 0]
+
+
+@st.composite
+def graphs(draw: st.DrawFn) -> Graph:
+    """Neurons that read any values before them, in sums of any length."""
+    inputs = draw(st.integers(1, 4))
+    neurons = []
+    for n in range(draw(st.integers(1, 12))):
+        terms = draw(
+            st.lists(
+                st.one_of(
+                    st.builds(Term, st.just(Kind.ONE), st.just(-1), st.integers(-9, 9)),
+                    st.builds(
+                        Term,
+                        st.sampled_from([Kind.WORD, Kind.INTERCEPT, Kind.DISTANCE]),
+                        st.integers(0, inputs + n - 1),
+                        st.integers(-(1 << (WIDTH - 1)), (1 << (WIDTH - 1)) - 1),
+                    ),
+                ),
+                min_size=1,
+                max_size=5,
+            )
+        )
+        neurons.append(Neuron(f"n{n}", HIDDEN, tuple(terms), draw(st.booleans())))
+    neurons[-1] = replace(neurons[-1], output=True)
+    return Graph(inputs, tuple(neurons))
+
+
+def places(steps: list[Step]) -> dict[int, list[int]]:
+    """By neuron the steps of its sum."""
+    found: dict[int, list[int]] = {}
+    for n, step in enumerate(steps):
+        if step.neuron >= 0:
+            found.setdefault(step.neuron, []).append(n)
+    return found
+
+
+@given(graph=graphs(), pipeline=st.sampled_from(PIPELINES))
+def test_the_schedule_respects_hazards(graph: Graph, pipeline: Pipeline) -> None:
+    steps = schedule(graph, pipeline)
+    at = places(steps)
+    assert at.keys() == set(range(len(graph.neurons)))
+    for n, neuron in enumerate(graph.neurons):
+        begin, end = at[n][0], at[n][-1]
+        # Every term once, and nobody else in between: there is one sum.
+        assert Counter(steps[k].term for k in at[n]) == Counter(neuron.terms)
+        assert {steps[k].neuron for k in range(begin, end + 1)} <= {n, -1}
+        assert [k for k in at[n] if steps[k].first] == [begin]
+        assert [k for k in at[n] if steps[k].last] == [end]
+        for k in at[n]:
+            source = steps[k].term.source - graph.inputs
+            if source >= 0:
+                assert k >= at[source][-1] + pipeline.result_ready
+    ends = [at[n][-1] for n, neuron in enumerate(graph.neurons) if neuron.output]
+    assert ends == sorted(ends)
+
+
+@pytest.mark.parametrize("pipeline", PIPELINES, ids=str)
+def test_the_page_says_where_each_field_stands(pipeline: Pipeline) -> None:
+    page = PAGE.read_text()
+    names = [field.name for field in fields(Instruction)]
+    for name in names:
+        row = re.search(rf"^\| `{name}` \| (\d+)(?: to (\d+))? \| (?:`(\w+)`)? ?\|", page, re.M)
+        assert row, name
+        high, low = int(row[1]), int(row[2] or row[1])
+        words = [0] * 40
+        words[20] = (2 << high) - (1 << low)
+        program = Program(1, 9, (), tuple(words), pipeline, ())
+        steps = program.instructions
+        found = [n for n, step in enumerate(steps) if getattr(step, name)]
+        assert found == [20 - (getattr(pipeline, row[3]) if row[3] else 0)], name
+        others = [getattr(steps[found[0]], other) for other in names if other != name]
+        assert not any(others), name
+        value = getattr(steps[found[0]], name)
+        assert value in (-1, (2 << (high - low)) - 1), name
+
+
+@given(graph=graphs(), pipeline=st.sampled_from(PIPELINES))
+def test_the_program_holds_what_was_scheduled(graph: Graph, pipeline: Pipeline) -> None:
+    program, steps = assemble(graph, tanh_table(9), 5, pipeline)
+    found = program.instructions
+    assert len(found) == len(steps)
+    address = {k: k for k in range(graph.inputs)}
+    for n, (step, got) in enumerate(zip(steps, found, strict=True)):
+        output = step.neuron >= 0 and graph.neurons[step.neuron].output
+        assert got.weight == step.term.weight
+        assert got.kind == step.term.kind
+        assert got.take_intercept == (step.term.kind is Kind.INTERCEPT)
+        assert (got.first, got.store) == (step.first, step.last)
+        assert got.first_of_output == (step.first and output)
+        assert got.output == (step.last and output)
+        assert got.end == (n == len(steps) - 1)
+        if step.term.source >= 0:
+            assert got.source == address[step.term.source]
+        if step.last:
+            address[graph.inputs + step.neuron] = len(address)
+    assert len(address) == program.addresses
+    assert program.words[-pipeline.padding :] == (0,) * pipeline.padding
+
+
+def test_a_large_weight_is_several_terms_of_the_same_sum() -> None:
+    mlp = random_mlp((2, 1, 1), 1.0, 1)
+    mlp.w1[0] = [100.0, -100.0]
+    (hidden, *_) = graph_of("single", [mlp]).neurons
+    most = 1 << (WIDTH - 1)
+    for source, weight in ((0, 100), (1, -100)):
+        parts = [term.weight for term in hidden.terms if term.source == source]
+        assert len(parts) > 1
+        assert all(-most < part < most for part in parts)
+        assert sum(parts) == weight << coeff_frac(HIDDEN, SAMPLE)
+
+
+def test_registers_behind_the_memories_change_no_result() -> None:
+    mlps = [random_mlp((3 + n, 3, 1), 1.0, n) for n in range(3)]
+    plain = Engine.of_several("cascade", mlps)
+    table = tanh_table(9)
+    program, _ = assemble(plain.graph, table, len(plain.program.table), PIPELINES[1])
+    registered = replace(plain, program=program)
+    codes = random_codes(3, 20)
+    results, _ = simulate(registered, codes)
+    assert np.array_equal(results, plain.process(codes))
+    assert np.array_equal(registered.process(codes), results)
+    assert registered.latency > plain.latency
+
+
+def test_the_listing_names_every_step(tmp_path, capsys, monkeypatch) -> None:
+    mlps = [random_mlp((2, 2, 1), 1.0, 3)]
+    path = write_scene(tmp_path, "listed", "exact", mlps, activation="precise", design="engine")
+    monkeypatch.setattr("sys.argv", ["listing", str(path)])
+    main()
+    head, columns, *lines = capsys.readouterr().out.splitlines()
+    engine = load_scene(str(path)).twin()
+    program = engine.program
+    assert head.startswith(f"words 0 to {len(program.table) - 1}: tanh in segments of 0.03125")
+    names = columns.split()
+    assert names == ["step", "word", "neuron", "operand", "address", "weight", "then"]
+    begin = [columns.index(name) for name in names]
+    rows = [
+        [line[a:b].strip() for a, b in zip(begin, [*begin[1:], None], strict=True)]
+        for line in lines
+    ]
+    assert [row[:2] for row in rows] == [
+        [str(n), str(len(program.table) + n)] for n in range(len(program.instructions))
+    ]
+    for row, step in zip(rows, program.instructions, strict=True):
+        if row[3].startswith("sample"):
+            assert row[4] == str(step.source)
+            weight = step.weight / (1 << coeff_frac(HIDDEN, SAMPLE))
+            assert float(row[5]) == pytest.approx(weight, rel=1e-5)
+    assert rows[-1][-1].endswith(f"leaves in clock {engine.output_clocks[-1]}")
+    stored = [int(row[-1].split()[2].rstrip(",")) for row in rows if row[-1]]
+    assert stored == list(range(engine.inputs, program.addresses))
+
+
+def test_the_page_shows_lines_of_a_listing() -> None:
+    shown = re.search(r"`make listing SCENE=digit`:\n\n```\n(.*?)```", PAGE.read_text(), re.S)
+    assert shown
+    scene = load_scene("digit")
+    engine = Engine.of_several(scene.arrangement, scene.mlps())
+    lines = listing(engine.graph, engine.program)
+    found = [line for line in shown[1].splitlines() if line != "..."]
+    assert len(found) > 5
+    assert [line for line in lines if line in found] == found
+
+
+def test_a_scene_without_a_program_has_no_listing(tmp_path, monkeypatch) -> None:
+    path = write_scene(tmp_path, "folded", "exact", [random_mlp((2, 2, 1), 1.0, 3)])
+    monkeypatch.setattr("sys.argv", ["listing", str(path)])
+    with pytest.raises(CommandError, match=r"hardware\.design: got hybrid, which has no program"):
+        main()
+
+
+def test_what_does_not_fit_is_refused() -> None:
+    mlp = random_mlp((2, 2, 1), 1.0, 1)
+    with pytest.raises(ValueError, match="segment_width: got 10, expected one of 7, 8, 9"):
+        Engine.of_several("single", [mlp], hardware={"segment_width": 10})
+    with pytest.raises(ValueError, match=r"frame_check: got inputs=8, expected 1 to 7"):
+        FrameCheck(8, 3, 20, Pipeline())
+    wide = random_mlp((1000, 12, 1), 1.0, 1)
+    with pytest.raises(ValueError, match=re.escape("got 1025 words of the operand memory")):
+        Engine.of_several("single", [wide])

@@ -1,0 +1,111 @@
+"""tanh of the engine over every code, against a reference made of integers alone."""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from golden.engine.formats import DROPPED, HIDDEN, RESULT
+from golden.engine.graph import Kind
+from golden.engine.multiply_accumulate import PRODUCT_WIDTH, MultiplyAccumulate
+from golden.engine.operand_select import OperandSelect
+from golden.engine.program import table_words
+from golden.engine.program_memory import ProgramMemory
+from golden.engine.round_saturate import RoundSaturate
+from golden.engine.table_address import TableAddress
+from golden.engine.tanh_table import tanh_table
+from golden.fixed import Codes
+from golden.precision import SIGNAL
+from golden.transcendental import tanh_floors
+
+WIDTHS = (7, 8, 9)
+CODES = np.arange(HIDDEN.low, HIDDEN.high + 1)
+PAGE = Path(__file__).parents[1] / "docs" / "blocks" / "engine.md"
+# Fraction bits of the reference.
+FRAC = 40
+
+
+def results(width: int) -> Codes:
+    """tanh of every code: intercept and slope of its segment, exactly, rounded once."""
+    table = tanh_table(width)
+    segment = np.minimum(np.where(CODES < 0, ~CODES, CODES) >> width, len(table.slopes) - 1)
+    middle = np.where(CODES < 0, -1, 1) * np.array(table.intercepts)[segment]
+    distance = (CODES & ((1 << width) - 1)) - (1 << (width - 1))
+    total = (middle << DROPPED) + np.array(table.slopes)[segment] * distance
+    return np.clip((total + (1 << (DROPPED - 1))) >> DROPPED, RESULT.low, RESULT.high)
+
+
+@pytest.fixture(scope="module")
+def floors() -> Codes:
+    """The floor of tanh 2**FRAC for every code from 0 on, and one more."""
+    return tanh_floors(Fraction(1, 1 << HIDDEN.frac), len(CODES) // 2 + 1, FRAC)
+
+
+def errors(width: int, floors: Codes) -> Codes:
+    """The distance of each result from tanh, as codes of FRAC fraction bits, and less than one."""
+    exact = np.where(CODES < 0, -floors[np.abs(CODES)], floors[np.abs(CODES)])
+    return np.abs((results(width) << (FRAC - RESULT.frac)) - exact)
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_within_one_unit_of_a_signal(width: int, floors: Codes) -> None:
+    assert errors(width, floors).max() < 1 << (FRAC - SIGNAL.frac)
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_monotone(width: int) -> None:
+    assert (np.diff(results(width)) >= 0).all()
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_odd(width: int) -> None:
+    found = results(width)[1:]
+    assert np.array_equal(found, -found[::-1])
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_the_page_says_how_far_it_errs(width: int, floors: Codes) -> None:
+    """The largest error, in units of a signal, and how many codes are not rounded correctly."""
+    unit = 1 << (FRAC - SIGNAL.frac)
+    row = re.search(rf"^\| {width} \| (\d+) \| ([\d.]+) \| ([\d.]+) % \|", PAGE.read_text(), re.M)
+    assert row
+    # An output is the word with half its last place added and the lowest bits dropped.
+    drop = RESULT.frac - SIGNAL.frac
+    rounded = np.minimum((results(width) + (1 << (drop - 1))) >> drop, SIGNAL.high)[CODES >= 0]
+    wanted = np.minimum((floors[:-1] + unit // 2) // unit, SIGNAL.high)
+    wrong = 100 * np.mean(rounded != wanted)
+    assert int(row[1]) == len(tanh_table(width).slopes)
+    assert row[2] == f"{errors(width, floors).max() / unit:.3f}"
+    assert row[3] == f"{wrong:.2f}"
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_the_blocks_compute_it(width: int) -> None:
+    """Address, memory, operand, sum and rounding, as the hardware has them, on every ninth code."""
+    table = tanh_table(width)
+    q = CODES[::9]
+    address = TableAddress(width, len(table.slopes))
+    words = table_words(table, len(table.slopes))
+    found = ProgramMemory(words, (0,), (), address.addr_width).look_up(
+        address.process(q), np.ones(len(q))
+    )
+    kinds = np.tile([Kind.INTERCEPT, Kind.DISTANCE], len(q))
+    operand = OperandSelect(width).process(np.repeat(q, 2), kinds)
+    first = kinds == Kind.INTERCEPT
+    nothing = np.zeros(len(kinds), dtype=np.int64)
+    sums = MultiplyAccumulate(PRODUCT_WIDTH).process(
+        operand, nothing, first, np.repeat(found, 2), first, nothing
+    )[1::2]
+    zero = np.zeros(len(q), dtype=np.int64)
+    word = RoundSaturate(PRODUCT_WIDTH).process(np.ones(len(q)), sums, zero)
+    assert np.array_equal(word, results(width)[::9])
+
+
+@pytest.mark.parametrize("width", [6, 10])
+def test_another_width_is_refused(width: int) -> None:
+    with pytest.raises(ValueError, match=f"segment_width: got {width}, expected one of 7, 8, 9"):
+        tanh_table(width)
