@@ -71,7 +71,7 @@ def test_a_scene_that_does_not_ask_for_it_has_nothing_of_it(small_scene) -> None
         (
             'design = "hybrid"',
             'design = "parallel"',
-            "hardware.design: got 'parallel' with interface 'axi_stream', expected engine or hybrid",
+            "hardware.design: got 'parallel' with interface 'axi_stream', expected engine or hyb",
         ),
         (
             "[training]",

@@ -19,12 +19,13 @@ class Guarded:
 
     Attributes
     ----------
-    run, busy, write, frame_error : bool array
+    start, run, busy, write, frame_error : bool array
     write_addr : int64 array
     done : bool array
         The sample of this clock completes a frame that is computed.
     """
 
+    start: NDArray[np.bool_]
     run: NDArray[np.bool_]
     busy: NDArray[np.bool_]
     write: NDArray[np.bool_]
@@ -66,8 +67,9 @@ class FrameGuard(Block):
             taken("in_last", "it is the last of its frame; ignored without `in_valid`"),
             taken("halt", "no frame is taken; never while `busy`"),
             taken("before_last", "samples of a frame less 2", addr, "addr_width"),
-            taken("store", "a result is ready; ignored while no frame is computed"),
+            taken("store", "a result is ready; only while `run`"),
             taken("finish", "the last output of the frame leaves"),
+            given("start", "the program's first step is done in the next clock"),
             given("run", "a frame is computed"),
             given("busy", "a frame is computed, or will be"),
             given("write", "one clock after a sample that is taken or a result"),
@@ -95,7 +97,7 @@ class FrameGuard(Block):
             for c in (in_valid, in_last, halt, before_last, store, finish, reset)
         ]
         count, span = len(columns[0]), 1 << self.addr_width
-        run, busy, write, error, done = (np.zeros(count, dtype=bool) for _ in range(5))
+        start, run, busy, write, error, done = (np.zeros(count, dtype=bool) for _ in range(6))
         write_addr = np.zeros(count, dtype=np.int64)
         addr, running, begins = span - 1, False, -1
         inside = dropping = wrote = told = False
@@ -110,7 +112,7 @@ class FrameGuard(Block):
             complete = addr == before
             broken = accept and complete != last
             done[t] = accept and complete and last and not clears
-            wrote = accept or (running and stores)
+            wrote = accept or stores
             told = refused or broken
             if valid:
                 dropping = not last and (dropping or told)
@@ -125,7 +127,8 @@ class FrameGuard(Block):
                 running = False
             if done[t]:
                 begins = t + self.pipeline.run
+            start[t] = begins == t + 1
             if clears:
                 addr, running, begins = span - 1, False, -1
                 inside = dropping = wrote = told = False
-        return Guarded(run, busy, write, write_addr, error, done)
+        return Guarded(start, run, busy, write, write_addr, error, done)

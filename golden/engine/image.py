@@ -160,10 +160,9 @@ def image_of(program: Program, sum_bits: int, sizes: Sizes) -> Image:
     """
     # One more word is read while the counter returns, without effect; here it is defined too.
     words = (*program.table, *program.words, 0)
-    # The operand at the address that the write pointer is reset to holds nothing.
     needed = (
         ("program words", len(words), sizes.program_words),
-        ("operand words", program.addresses + 1, sizes.operand_words),
+        ("operand words", program.addresses, sizes.operand_words),
         ("bits of a sum", sum_bits, ACC_WIDTH),
     )
     faults = [f"{count} {what}, there are {most}" for what, count, most in needed if count > most]

@@ -56,12 +56,12 @@ class MultiplyAccumulate(Block):
             taken("table_word", "intercept and slope, or 0", Unsigned(PRODUCT_WIDTH)),
             taken("first", "two clocks after an operand: a sum starts with its product"),
             taken("first_of_output", "the same, and the sum is that of an output"),
-            given("acc", "the sum, three clocks after the operand", Fix(self.acc_width, 0)),
+            given("acc", "the sum, four clocks after the operand", Fix(self.acc_width, 0)),
         )
 
     @property
     def latency(self) -> int:
-        return 3
+        return 4
 
     def process(
         self,

@@ -27,18 +27,23 @@ class Pipeline:
 
     @property
     def weight(self) -> int:
-        """The word of the table is there, and the weight is chosen."""
-        return self.operand + 1 + self.memory_registers
+        """The word of the table is there, a clock behind its address, and the weight is chosen."""
+        return self.operand + 2 + self.memory_registers
 
     @property
     def start(self) -> int:
-        """The product is there, behind the multiplier's two registers."""
+        """One clock before the product is there: the flag has a register before the adder."""
         return self.weight + 2
 
     @property
     def done(self) -> int:
-        """The sum is there."""
-        return self.start + 1
+        """The sum is there, four registers behind weight and operand."""
+        return self.weight + 4
+
+    @property
+    def mark(self) -> int:
+        """One clock before that: what becomes of the sum has registers too."""
+        return self.done - 1
 
     @property
     def result(self) -> int:
@@ -64,12 +69,17 @@ class Pipeline:
 
         The word of that step stands ready; the second comes with the counter's first step.
         """
-        return self.run + 1 + self.memory_registers
+        return self.run + self.memory_registers
+
+    @property
+    def sample_ready(self) -> int:
+        """The first step that reads the last sample, which is written two clocks after it came."""
+        return max(0, 2 - self.begin)
 
     @property
     def padding(self) -> int:
         """Words without effect behind the last one, which are read until the program stands."""
-        return 1 + self.memory_registers
+        return 2 + self.memory_registers
 
     @property
     def free(self) -> int:

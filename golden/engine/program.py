@@ -80,7 +80,7 @@ class Program:
         """The steps, up to the end of the frame."""
         at = self.pipeline
         found = []
-        for n in range(len(self.words) - at.done):
+        for n in range(len(self.words) - at.mark):
             found.append(
                 Instruction(
                     weight=_signed(_get(self.words[n + at.weight], WEIGHT)),
@@ -89,9 +89,9 @@ class Program:
                     take_intercept=_get(self.words[n + at.weight], TAKE_INTERCEPT),
                     first=_get(self.words[n + at.start], FIRST),
                     first_of_output=_get(self.words[n + at.start], FIRST_OF_OUTPUT),
-                    store=_get(self.words[n + at.done], STORE),
-                    output=_get(self.words[n + at.done], OUTPUT),
-                    end=_get(self.words[n + at.done], END),
+                    store=_get(self.words[n + at.mark], STORE),
+                    output=_get(self.words[n + at.mark], OUTPUT),
+                    end=_get(self.words[n + at.mark], END),
                 )
             )
             if found[-1].end:
@@ -180,7 +180,7 @@ def assemble(
             f"{len(graph.neurons)} results, expected {most} at most"
         )
     steps = schedule(graph, pipeline)
-    words = [0] * (len(steps) + pipeline.done + pipeline.padding)
+    words = [0] * (len(steps) + pipeline.mark + pipeline.padding)
     addresses = {k: k for k in range(graph.inputs)} | {-1: 0}
     final = len(steps) - 1
     for n, step in enumerate(steps):
@@ -194,9 +194,9 @@ def assemble(
         _put(words, n + pipeline.weight, TAKE_INTERCEPT, term.kind is Kind.INTERCEPT)
         _put(words, n + pipeline.start, FIRST, step.first)
         _put(words, n + pipeline.start, FIRST_OF_OUTPUT, step.first and output)
-        _put(words, n + pipeline.done, STORE, step.last)
-        _put(words, n + pipeline.done, OUTPUT, step.last and output)
-        _put(words, n + pipeline.done, END, n == final)
+        _put(words, n + pipeline.mark, STORE, step.last)
+        _put(words, n + pipeline.mark, OUTPUT, step.last and output)
+        _put(words, n + pipeline.mark, END, n == final)
     kept = table_words(table, segments)
     notes = (*_table_notes(table, segments), *_step_notes(graph, steps, len(words)))
     return Program(graph.inputs, table.width, kept, tuple(words), pipeline, notes), steps

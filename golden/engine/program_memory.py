@@ -64,7 +64,8 @@ class ProgramMemory(Block):
         later = f"{self.latency} clock{'s' * (self.latency > 1)} later"
         return (
             *CLOCKED,
-            taken("run", "the counter steps; it stands at the program's first word otherwise"),
+            taken("start", "the counter steps"),
+            taken("run", "so it does; it stands at the program's first word otherwise"),
             taken("finish", "the counter returns to it"),
             taken(
                 "segment",
@@ -81,13 +82,15 @@ class ProgramMemory(Block):
     def latency(self) -> int:
         return 1 + self.registers
 
-    def process(self, run: ArrayLike, finish: ArrayLike, reset: ArrayLike) -> Codes:
+    def process(
+        self, start: ArrayLike, run: ArrayLike, finish: ArrayLike, reset: ArrayLike
+    ) -> Codes:
         """The word at the counter of each clock, from a clock in which it stands."""
         contents, counter, found = self.contents, self.begin, []
-        columns = (np.asarray(c, dtype=bool).tolist() for c in (run, finish, reset))
-        for runs, ends, resets in zip(*columns, strict=True):
+        columns = (np.asarray(c, dtype=bool).tolist() for c in (start, run, finish, reset))
+        for starts, runs, ends, resets in zip(*columns, strict=True):
             found.append(contents[counter])
-            stands = resets or ends or not runs
+            stands = resets or ends or not (starts or runs)
             counter = self.begin if stands else (counter + 1) % len(contents)
         return np.array(found, dtype=np.int64)
 

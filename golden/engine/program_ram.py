@@ -59,7 +59,8 @@ class ProgramRam(Block):
         later = f"{self.latency} clock{'s' * (self.latency > 1)} later"
         return (
             *CLOCKED,
-            taken("run", "the counter steps; it stands at the program's first word otherwise"),
+            taken("start", "the counter steps"),
+            taken("run", "so it does; it stands at the program's first word otherwise"),
             taken("finish", "the counter returns to it"),
             taken(
                 "segment",
@@ -81,6 +82,7 @@ class ProgramRam(Block):
 
     def process(
         self,
+        start: ArrayLike,
         run: ArrayLike,
         finish: ArrayLike,
         segment: ArrayLike,
@@ -98,13 +100,13 @@ class ProgramRam(Block):
         counter, fetched, found = self.begin, [], []
         columns = [
             np.asarray(c).tolist()
-            for c in (run, finish, segment, look_up, write, write_addr, data, reset)
+            for c in (start, run, finish, segment, look_up, write, write_addr, data, reset)
         ]
-        for runs, ends, low, looks, writes, to, word, resets in zip(*columns, strict=True):
+        for starts, runs, ends, low, looks, writes, to, word, resets in zip(*columns, strict=True):
             fetched.append(memory[to if writes else counter])
             found.append(memory[low] if looks else 0)
             if writes:
                 memory[to] = word
-            stands = resets or ends or not runs
+            stands = resets or ends or not (starts or runs)
             counter = self.begin if stands else (counter + 1) % len(memory)
         return np.array(fetched, dtype=np.int64), np.array(found, dtype=np.int64)

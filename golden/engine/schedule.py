@@ -38,8 +38,8 @@ def schedule(graph: Graph, pipeline: Pipeline) -> list[Step]:
     order. Within a neuron the terms stand in the order in which their operands are there.
     """
     pending = list(range(len(graph.neurons)))
-    # The last sample is written two clocks after it came; no step is earlier.
     ready = dict.fromkeys(range(-1, graph.inputs), 0)
+    ready[graph.inputs - 1] = pipeline.sample_ready
     urgency = _urgency(graph)
     steps: list[Step] = []
     while pending:

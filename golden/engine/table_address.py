@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from golden.block import Block
 from golden.engine.formats import HIDDEN
 from golden.fixed import Codes
-from golden.port import Port, Unsigned, given, taken
+from golden.port import CLOCK, Port, Unsigned, given, taken
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,10 @@ class TableAddress(Block):
     segment_width : int
         Bits of q within a segment.
     segments : int
-        Words of the table; the last holds for every segment beyond.
+        Words of the table.
+    beyond : bool
+        Whether sums reach segments beyond; the last word holds for them. Otherwise such a sum,
+        which no neuron makes, reads another word.
 
     Raises
     ------
@@ -34,6 +37,7 @@ class TableAddress(Block):
     area = "engine"
     segment_width: int
     segments: int
+    beyond: bool = True
 
     def __post_init__(self) -> None:
         most = 1 << (HIDDEN.width - 1 - self.segment_width)
@@ -48,15 +52,14 @@ class TableAddress(Block):
     @property
     def ports(self) -> tuple[Port, ...]:
         return (
+            CLOCK,
             taken("q", "a hidden sum", HIDDEN),
-            given(
-                "addr", "its segment, in the same clock", Unsigned(self.addr_width), "addr_width"
-            ),
+            given("addr", "its segment, one clock later", Unsigned(self.addr_width), "addr_width"),
         )
 
     @property
     def latency(self) -> int:
-        return 0
+        return 1
 
     def process(self, q: ArrayLike) -> Codes:
         """The segment of each code.
@@ -68,5 +71,9 @@ class TableAddress(Block):
         """
         codes = HIDDEN.check(q, f"{self.entity} q")
         complement = np.where(codes < 0, ~codes, codes)
-        segments = np.minimum(complement >> self.segment_width, self.segments - 1)
+        segments = complement >> self.segment_width
+        if self.beyond:
+            segments = np.minimum(segments, self.segments - 1)
+        else:
+            segments = segments & ((1 << self.addr_width) - 1)
         return np.asarray(segments, dtype=np.int64)

@@ -32,6 +32,8 @@ from golden.networks.mlp import Mlp, Real
 from golden.port import Port, Unsigned, given, taken
 from golden.precision import EXACT, SIGNAL, Precision
 
+# Smaller memories would be made of LUTs in some devices, which are slower behind a block RAM.
+LEAST_ADDR_WIDTH = 7
 LOAD_PORTS = (
     taken("load_valid", "`load_data` holds a byte of an image"),
     taken("load_data", "the byte", Unsigned(8)),
@@ -182,7 +184,7 @@ class Engine(Design):
         """Bits of the operand memory's address."""
         if self.loaded:
             return self.loaded.sizes.operand_addr_width
-        return max(2, self.program.addresses.bit_length())
+        return max(LEAST_ADDR_WIDTH, (self.program.addresses - 1).bit_length())
 
     @property
     def input_controller(self) -> FrameCheck:
@@ -236,11 +238,14 @@ class Engine(Design):
 
     @property
     def table_address(self) -> TableAddress:
-        return TableAddress(self.program.segment_width, len(self.program.table))
+        width, kept = self.program.segment_width, len(self.program.table)
+        return TableAddress(width, kept, beyond=kept == len(tanh_table(width).slopes))
 
     @property
     def operand_select(self) -> OperandSelect:
-        return OperandSelect(self.program.segment_width, self.program.pipeline.memory_registers)
+        # As late as the word of the table.
+        registers = self.table_address.latency + self.program.pipeline.memory_registers
+        return OperandSelect(self.program.segment_width, registers)
 
     @property
     def multiply_accumulate(self) -> MultiplyAccumulate:

@@ -71,7 +71,7 @@ def main() -> None:
     sizes, data = image.sizes, image.to_bytes()
     print(
         f"wrote {folder}, {len(image.words)} of {sizes.program_words} program words, "
-        f"{image.program.addresses + 1} of {sizes.operand_words} operand words, {len(data)} bytes, "
+        f"{image.program.addresses} of {sizes.operand_words} operand words, {len(data)} bytes, "
         f"check {data[-2:].hex()}"
     )
 

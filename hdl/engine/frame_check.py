@@ -15,6 +15,7 @@ def frame_check(
     in_last,
     store,
     finish,
+    start,
     run,
     write,
     write_addr,
@@ -29,9 +30,11 @@ def frame_check(
     in_valid, in_last : bool
         The sample stream without its data.
     store : bool
-        A result is ready.
+        A result is ready; only while ``run``, and in the clock after.
     finish : bool
         The last output of the frame leaves.
+    start : bool
+        One clock before ``run``.
     run : bool
         A frame is computed: from ``spec.pipeline.run`` clocks after its last sample to ``finish``.
     write, write_addr : bool, unsigned ``spec.addr_width`` bits
@@ -48,10 +51,10 @@ def frame_check(
     frame.
     """
     span = 1 << spec.addr_width
-    start = span - 1
+    none = span - 1
     before_last = (spec.inputs - 2) % span
     # The address wraps from -1 to 0.
-    addr = Signal(modbv(start, min=0, max=span))
+    addr = Signal(modbv(none, min=0, max=span))
     running, dropping = flag(), flag()
     busy, accept, complete, good, early, broken = (flag() for _ in range(6))
 
@@ -75,13 +78,13 @@ def frame_check(
     @always_seq(clk.posedge, reset=rst)
     def count():
         if finish or broken:
-            addr.next = start
-        elif accept or (running and store):
+            addr.next = none
+        elif accept or store:
             addr.next = addr + 1
 
     @always_seq(clk.posedge, reset=rst)
     def mark():
-        write.next = accept or (running and store)
+        write.next = accept or store
 
     @always_comb
     def show():
@@ -100,6 +103,7 @@ def frame_check(
         @always_comb
         def refuse():
             busy.next = running
+            start.next = good
 
         return look, judge, drop, count, mark, show, turn, refuse
 
@@ -119,6 +123,7 @@ def frame_check(
     @always_comb
     def refuse():
         busy.next = running or waiting
+        start.next = begin
 
     late = delay(clk, rst, good, opens, clocks=spec.pipeline.run - 1)
     return look, judge, drop, count, mark, show, turn, refuse, late

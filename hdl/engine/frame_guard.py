@@ -17,6 +17,7 @@ def frame_guard(
     before_last,
     store,
     finish,
+    start,
     run,
     busy,
     write,
@@ -36,9 +37,11 @@ def frame_guard(
     before_last : unsigned ``spec.addr_width`` bits
         Samples of a frame less 2.
     store : bool
-        A result is ready.
+        A result is ready; only while ``run``, and in the clock after.
     finish : bool
         The last output of the frame leaves.
+    start : bool
+        One clock before ``run``.
     run, busy : bool
         A frame is computed: from ``spec.pipeline.run`` clocks after its last sample to ``finish``;
         ``busy`` from the clock after the sample.
@@ -57,9 +60,9 @@ def frame_guard(
     frame.
     """
     span = 1 << spec.addr_width
-    start = span - 1
+    none = span - 1
     # The address wraps from -1 to 0.
-    addr = Signal(modbv(start, min=0, max=span))
+    addr = Signal(modbv(none, min=0, max=span))
     running, begins, started, dropping = (flag() for _ in range(4))
     closed, accept, complete, good, refused, broken = (flag() for _ in range(6))
 
@@ -86,13 +89,13 @@ def frame_guard(
     @always_seq(clk.posedge, reset=rst)
     def count():
         if finish or broken or halt:
-            addr.next = start
-        elif accept or (running and store):
+            addr.next = none
+        elif accept or store:
             addr.next = addr + 1
 
     @always_seq(clk.posedge, reset=rst)
     def mark():
-        write.next = accept or (running and store)
+        write.next = accept or store
 
     @always_seq(clk.posedge, reset=rst)
     def turn():
@@ -103,6 +106,7 @@ def frame_guard(
 
     @always_comb
     def show():
+        start.next = begins
         run.next = running
         busy.next = closed
         write_addr.next = addr

@@ -6,7 +6,7 @@ from golden.engine.formats import DROPPED, OUTPUT_SHIFT, WIDTH
 from golden.engine.multiply_accumulate import PRODUCT_WIDTH, MultiplyAccumulate
 from golden.engine.operand_memory import WORD
 from hdl.common.delay import connect
-from hdl.common.signals import fixed, signed, unsigned
+from hdl.common.signals import fixed, flag, signed, unsigned
 
 
 @block
@@ -36,19 +36,21 @@ def multiply_accumulate(
     first, first_of_output : bool
         Two clocks after an operand: a sum starts with its product.
     acc : signed ``spec.acc_width`` bits
-        Three clocks after the operand.
+        Four clocks after the operand.
     spec : MultiplyAccumulate
 
     Notes
     -----
-    Registers before and behind the multiplier and behind the adder. No reset: a sum starts afresh.
+    Registers behind the memories, before and behind the multiplier, and behind the adder. No reset:
+    a sum starts afresh.
     """
     span = 1 << (spec.acc_width - 1)
     half = 1 << (DROPPED - 1)
     half_output = half << OUTPUT_SHIFT
+    opening, opening_output = flag(), flag()
     bits = unsigned(WIDTH)
     chosen = unsigned(WIDTH)
-    coeff, late = fixed(WORD), fixed(WORD)
+    coeff, coeff_late, factor, factor_late = (fixed(WORD) for _ in range(4))
     product = signed(PRODUCT_WIDTH)
     # The sums of a frame stay inside; what is added up between frames may wrap.
     base, total = (Signal(modbv(0, min=-span, max=span)) for _ in range(2))
@@ -67,17 +69,29 @@ def multiply_accumulate(
     @always(clk.posedge)
     def keep():
         coeff.next = bits[WIDTH:].signed()
-        late.next = operand
+        factor.next = operand
+
+    # Registers that a multiplier takes into itself: the way to it is long.
+    @always(clk.posedge)
+    def carry():
+        coeff_late.next = coeff
+        factor_late.next = factor
 
     @always(clk.posedge)
     def multiply():
-        product.next = late * coeff
+        product.next = factor_late * coeff_late
+
+    # A register of their own: the way from a block RAM through the adder's carries is too long.
+    @always(clk.posedge)
+    def mark():
+        opening.next = first
+        opening_output.next = first_of_output
 
     @always_comb
     def start():
-        if first_of_output:
+        if opening_output:
             base.next = half_output
-        elif first:
+        elif opening:
             base.next = half
         else:
             base.next = total
@@ -86,4 +100,4 @@ def multiply_accumulate(
     def add():
         total.next = product + base
 
-    return choose, join, keep, multiply, start, add, connect(total, acc)
+    return choose, join, keep, carry, multiply, mark, start, add, connect(total, acc)

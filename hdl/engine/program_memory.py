@@ -11,15 +11,15 @@ from hdl.common.signals import flag, unsigned
 
 @block
 def program_memory(
-    clk, rst, run, finish, segment, look_up, word, table_word, *, spec: ProgramMemory
+    clk, rst, start, run, finish, segment, look_up, word, table_word, *, spec: ProgramMemory
 ):
     """Words of 36 bits, read twice a clock: by a counter, and by the segment of a hidden sum.
 
     Parameters
     ----------
-    run, finish : bool
-        The counter steps while ``run``; otherwise, and from ``finish`` on, it stands at the
-        program's first word.
+    start, run, finish : bool
+        The counter steps with ``start`` and while ``run``; otherwise, and from ``finish`` on, it
+        stands at the program's first word.
     segment : unsigned ``spec.segment_addr_width`` bits
     look_up : bool
         Without it ``table_word`` is 0.
@@ -40,7 +40,7 @@ def program_memory(
 
     @always_comb
     def decide():
-        stands.next = finish or not run
+        stands.next = finish or not (start or run)
 
     @always_seq(clk.posedge, reset=rst)
     def step():

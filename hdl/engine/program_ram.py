@@ -12,6 +12,7 @@ from hdl.common.signals import flag, unsigned
 def program_ram(
     clk,
     rst,
+    start,
     run,
     finish,
     segment,
@@ -28,9 +29,9 @@ def program_ram(
 
     Parameters
     ----------
-    run, finish : bool
-        The counter steps while ``run``; otherwise, and from ``finish`` on, it stands at the
-        program's first word.
+    start, run, finish : bool
+        The counter steps with ``start`` and while ``run``; otherwise, and from ``finish`` on, it
+        stands at the program's first word.
     segment : unsigned ``spec.segment_addr_width`` bits
     look_up : bool
         Without it ``table_word`` is 0.
@@ -55,7 +56,7 @@ def program_ram(
 
     @always_comb
     def decide():
-        stands.next = finish or not run
+        stands.next = finish or not (start or run)
 
     @always_seq(clk.posedge, reset=rst)
     def step():

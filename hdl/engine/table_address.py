@@ -1,6 +1,6 @@
 """table_address: which segment of tanh's table a hidden sum lies in."""
 
-from myhdl import always_comb, block
+from myhdl import always, always_comb, block
 
 from golden.engine.formats import HIDDEN
 from golden.engine.table_address import TableAddress
@@ -8,13 +8,14 @@ from hdl.common.signals import unsigned
 
 
 @block
-def table_address(q, addr, *, spec: TableAddress):
+def table_address(clk, q, addr, *, spec: TableAddress):
     """The high bits of ``q``, complemented where it is below 0, up to the last segment.
 
     Parameters
     ----------
     q : signed Fix(18,14)
     addr : unsigned ``spec.addr_width`` bits
+        One clock later.
     spec : TableAddress
     """
     sign = HIDDEN.width - 1
@@ -35,11 +36,28 @@ def table_address(q, addr, *, spec: TableAddress):
         else:
             high.next = part
 
+    if not spec.beyond:
+
+        @always(clk.posedge)
+        def address():
+            addr.next = high[addr_width:]
+
+        return cut, complement, address
+
+    # The ones at the end of the last address need no comparison, which would be a row of carries.
+    ones = (~last & (last + 1)).bit_length() - 1
+    most = last >> ones
+    top = unsigned(width - ones)
+
     @always_comb
+    def look():
+        top.next = high[width:ones]
+
+    @always(clk.posedge)
     def address():
-        if high > last:
+        if top > most:
             addr.next = last
         else:
             addr.next = high[addr_width:]
 
-    return cut, complement, address
+    return cut, complement, look, address

@@ -1,6 +1,6 @@
 """Engine: a whole scene on one multiplier and a program."""
 
-from myhdl import always_comb, always_seq, block
+from myhdl import always, always_comb, always_seq, block
 
 from golden.engine.formats import OUTPUT_SHIFT, WIDTH
 from golden.engine.operand_memory import WORD
@@ -70,7 +70,7 @@ def engine(
     """
     table = spec.table_address
     word, table_word = unsigned(WORD_WIDTH), unsigned(WORD_WIDTH)
-    run, finish, write, look_up = flag(), flag(), flag(), flag()
+    start, run, finish, write, look_up = (flag() for _ in range(5))
     write_addr, source = unsigned(spec.addr_width), unsigned(spec.addr_width)
     data, read, operand = (fixed(WORD) for _ in range(3))
     segment = unsigned(table.addr_width)
@@ -94,18 +94,24 @@ def engine(
         take_intercept.next = word[take_bit]
         first.next = word[first_bit]
         first_of_output.next = word[first_of_output_bit]
-        store.next = word[store_bit]
-        leaves.next = word[output_bit]
-        ends.next = word[end_bit]
 
-    @always_comb
+    # As late as the segment.
+    @always(clk.posedge)
     def ask():
         look_up.next = kind == 1 or kind == 2
 
+    # Registers behind a block RAM, before counters. Words that were on their way when a reset or the
+    # last output stopped the program do nothing.
+    @always_seq(clk.posedge, reset=rst)
+    def mark():
+        store.next = run and word[store_bit]
+        leaves.next = run and word[output_bit]
+        ends.next = run and word[end_bit]
+
     @always_seq(clk.posedge, reset=rst)
     def leave():
-        out_valid.next = run and leaves
-        finish.next = run and ends
+        out_valid.next = leaves
+        finish.next = ends
 
     @always_comb
     def show():
@@ -139,6 +145,7 @@ def engine(
                 before_last,
                 store,
                 finish,
+                start,
                 run,
                 busy,
                 write,
@@ -149,6 +156,7 @@ def engine(
             program_ram(
                 clk,
                 rst,
+                start,
                 run,
                 finish,
                 segment,
@@ -170,6 +178,7 @@ def engine(
                 in_last,
                 store,
                 finish,
+                start,
                 run,
                 write,
                 write_addr,
@@ -177,18 +186,28 @@ def engine(
                 spec=spec.frame_check,
             ),
             program_memory(
-                clk, rst, run, finish, segment, look_up, word, table_word, spec=spec.program_memory
+                clk,
+                rst,
+                start,
+                run,
+                finish,
+                segment,
+                look_up,
+                word,
+                table_word,
+                spec=spec.program_memory,
             ),
         )
 
     return (
         split,
         ask,
+        mark,
         leave,
         show,
         control,
         operand_memory(clk, write, write_addr, data, source, read, spec=spec.operand_memory),
-        table_address(read, segment, spec=table),
+        table_address(clk, read, segment, spec=table),
         operand_select(clk, read, kind, operand, spec=spec.operand_select),
         multiply_accumulate(
             clk,

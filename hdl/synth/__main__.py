@@ -22,7 +22,14 @@ from golden.scene import Scene, load_scene
 from hdl.export.exporter import export
 from hdl.export.repeatable import run_repeatable
 from hdl.synth.budget import Cells, budget_path, by_block, differences, read_budget, write_budget
-from hdl.synth.cells import DEPTH, FAMILIES, synthesise
+from hdl.synth.cells import (
+    DEPTH,
+    FAMILIES,
+    FLAT,
+    FLAT_FAMILY,
+    synthesise,
+    synthesise_flat,
+)
 from hdl.synth.netlist import KINDS
 from hdl.synth.shares import shares
 from hdl.synth.timing import DEVICE_NAME, Timing, route, timing_path, write_timing
@@ -33,7 +40,7 @@ def speed(scene: Scene, design: Network, timing: Timing) -> dict[str, Any]:
     return {
         **asdict(timing),
         "needed_mhz": scene.clock_mhz,
-        "latency_us": design.latency / timing.clock_mhz,
+        "latency_us": design.output_clocks[-1] / timing.clock_mhz,
         "frames_per_second": timing.clock_mhz * 1e6 / design.interval,
     }
 
@@ -46,6 +53,9 @@ def tell(scene: Scene, design: Network, cells: Cells, share: dict[str, Any]) -> 
         print(f"{'':28}{'entities':>10}" + "".join(f"{name:>12}" for name in columns))
         for name, count, found in by_block(design, cells, family):
             print(f"{name:28}{count:10}" + "".join(f"{found[c]:12}" for c in columns))
+        flat = cells[family].get(f"{design.entity} {FLAT}")
+        if flat:
+            print(f"{f'{design.entity}, {FLAT}':38}" + "".join(f"{flat[c]:12}" for c in columns))
     text = f"{share['luts_percent']:.0f} % of the LUTs, {share['mult18x18_percent']:.0f} % of the"
     print(f"\n{scene.name} in an {share['device']}: {text} multipliers")
     printed = share.get("thesis", {})
@@ -71,7 +81,9 @@ def main() -> None:
         with ThreadPoolExecutor() as pool:
             routed = pool.submit(route, verilog, design.entity)
             jobs = {f: pool.submit(synthesise, verilog, design.entity, f) for f in FAMILIES}
+            flat = pool.submit(synthesise_flat, verilog, design.entity)
             cells = {family: job.result() for family, job in jobs.items()}
+            cells[FLAT_FAMILY][f"{design.entity} {FLAT}"] = flat.result()
             timing = routed.result()
         share = shares(scene, design, cells)
         tell(scene, design, cells, share)
@@ -81,7 +93,7 @@ def main() -> None:
             f"{timing.luts} LUTs, {timing.flip_flops} flip-flops, {timing.multipliers} "
             f"multipliers, {timing.block_rams} block RAMs\n"
             f"{timing.clock_mhz} MHz reached, {scene.clock_mhz:g} MHz needed: "
-            f"{reached['latency_us']:.2f} us from the last sample to the first output, "
+            f"{reached['latency_us']:.2f} us from the last sample to the last output, "
             f"{reached['frames_per_second']:,.0f} frames a second\n"
             f"slowest path: {timing.slowest}"
         )

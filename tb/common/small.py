@@ -127,7 +127,7 @@ ENGINES = {
 RELOADED = {
     "rails-reload": replace(ENGINE, hardware="reload = true"),
     "least-reload": replace(
-        ENGINES["least-engine"], hardware="reload = true\nprogram_words = 256\noperand_words = 8"
+        ENGINES["least-engine"], hardware="reload = true\nprogram_words = 1024\noperand_words = 256"
     ),
 }
 # For a block inside an engine: every segment of the table, and few of a finer one.

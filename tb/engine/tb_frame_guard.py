@@ -3,7 +3,7 @@
 Sweeps: 1500 samples in frames of the right length, shorter and longer ones, mixed at random, while
 the right length changes.
 Drives: frames closer than they are computed and further apart, with gaps; halts of random length at
-random clocks in which no frame is computed; results at random clocks; ``finish`` after a random
+random clocks in which no frame is computed; results at random clocks of them; ``finish`` after a random
 time; then resets at random clocks.
 Checks: every output in every clock, ``write_addr`` where something is written.
 Does not prove: a halt while a frame is computed, which ``image_loader`` rules out.
@@ -32,7 +32,7 @@ FAULTS = [
 
 SAMPLES = 1500
 INPUTS = ("in_valid", "in_last", "halt", "before_last", "store", "finish", "rst")
-OUTPUTS = ("run", "busy", "write", "write_addr", "frame_error")
+OUTPUTS = ("start", "run", "busy", "write", "write_addr", "frame_error")
 
 
 async def play(bench, drive, halts, lengths):
@@ -53,6 +53,7 @@ async def play(bench, drive, halts, lengths):
         finish = since >= lengths[number]
         number += finish
         dut.finish.value = int(finish)
+        dut.store.value = int(since and drive["store"][max(clock, 0)])
         dut.halt.value = int(clock >= 0 and halts[clock] and str(dut.busy.value) == "0")
         dut.clk.value = 0
         await half
@@ -87,6 +88,10 @@ async def check(bench, gap, resets):
 
     rows = np.arange(RESET_CLOCKS, recording.clocks)
     guarded = twin.process(*(recording.unsigned(name, rows) for name in INPUTS))
+    # In the clock of a reset ``start`` does not matter: the counter stands.
+    alive = np.setdiff1d(rows, recording.resets())
+    got = recording.unsigned("start", alive)
+    bench.compare("start", got, guarded.start[alive - rows[0]].astype(np.int64), clock=alive)
     for name in ("run", "busy", "write", "frame_error"):
         got = recording.unsigned(name, rows)
         bench.compare(name, got, getattr(guarded, name).astype(np.int64), clock=rows)

@@ -19,7 +19,7 @@ from tb.common.stimulus import random_resets
 
 CASES = {name: RELOADED[name] for name in ("rails-reload", "least-reload")}
 FAULTS = [
-    (r"stands = \(finish \|\| \(!run\)\)", "stands = (!run)"),
+    (r"stands = \(finish \|\| ", "stands = ("),
     (r"if \(rst == 1\)", "if (0)"),
     (r"if \(look_up\)", "if (1)"),
     (r"addr = write_addr", "addr = counter"),
@@ -36,6 +36,7 @@ async def check(bench, run, finish, write, resets):
     write_addr = rng.integers(0, words, length)
     write_addr[:words] = rng.permutation(words)
     drive = {
+        "start": np.concatenate([before, rng.random(len(run)) < 1 / 10]),
         "run": np.concatenate([before, run]),
         "finish": np.concatenate([before, finish]),
         "segment": rng.integers(0, 1 << twin.segment_addr_width, length),
@@ -50,7 +51,7 @@ async def check(bench, run, finish, write, resets):
 
     # From the last clock of the initial reset on the counter stands.
     rows = np.arange(RESET_CLOCKS, recording.clocks - bench.latency)
-    names = ("run", "finish", "segment", "look_up", "write", "write_addr", "data", "rst")
+    names = ("start", "run", "finish", "segment", "look_up", "write", "write_addr", "data", "rst")
     read = [recording.unsigned(name, rows) for name in names]
     for name, expected in zip(("word", "table_word"), twin.process(*read), strict=True):
         at = rows[expected >= 0]

@@ -59,7 +59,7 @@ def costs(scene: Scene, design: Network) -> Costs | None:
         cells,
         timing,
         shares(scene, design, cells),
-        design.latency / timing.clock_mhz,
+        design.output_clocks[-1] / timing.clock_mhz,
         1e6 * timing.clock_mhz / design.interval,
         verilog == digest(BUILD / scene.name / "verilog"),
     )
