@@ -123,7 +123,7 @@ def frame_check(
     @always_comb
     def refuse():
         busy.next = running or waiting
-        start.next = begin
+        start.next = opens
 
     late = delay(clk, rst, good, opens, clocks=spec.pipeline.run - 1)
     return look, judge, drop, count, mark, show, turn, refuse, late

@@ -100,8 +100,8 @@ def engine(
     def ask():
         look_up.next = kind == 1 or kind == 2
 
-    # Registers behind a block RAM, before counters. Words that were on their way when a reset or the
-    # last output stopped the program do nothing.
+    # Registers behind a block RAM, before counters. Words that were on their way when a reset or
+    # the last output stopped the program do nothing.
     @always_seq(clk.posedge, reset=rst)
     def mark():
         store.next = run and word[store_bit]

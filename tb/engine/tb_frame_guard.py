@@ -2,9 +2,9 @@
 
 Sweeps: 1500 samples in frames of the right length, shorter and longer ones, mixed at random, while
 the right length changes.
-Drives: frames closer than they are computed and further apart, with gaps; halts of random length at
-random clocks in which no frame is computed; results at random clocks of them; ``finish`` after a random
-time; then resets at random clocks.
+Drives: frames closer than they are computed and further apart, with gaps; halts of random length
+at random clocks in which no frame is computed; results at random clocks in which one is; ``finish``
+after a random time; then resets at random clocks.
 Checks: every output in every clock, ``write_addr`` where something is written.
 Does not prove: a halt while a frame is computed, which ``image_loader`` rules out.
 """
