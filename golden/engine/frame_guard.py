@@ -1,4 +1,4 @@
-"""frame_guard: ``frame_check`` for an engine whose image can change."""
+"""frame_guard: takes the samples of good frames, as frame_check, while a good image is there."""
 
 from __future__ import annotations
 

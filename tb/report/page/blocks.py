@@ -62,6 +62,10 @@ def shipped() -> Iterator[tuple[str, Network]]:
                     continue
                 for options in choices or [{}]:
                     yield precision.name, design.of(mlp, precision, name, options)
+                    if "reload" in design.options:
+                        keys = {"reload": True}
+                        made = design.of(mlp, precision, name, options, hardware=keys)
+                        yield precision.name, made
 
 
 def blocks_of(designs: Iterable[tuple[str, Network]]) -> dict[str, Twins]:
@@ -70,7 +74,7 @@ def blocks_of(designs: Iterable[tuple[str, Network]]) -> dict[str, Twins]:
     for precision, design in designs:
         tops = [design]
         # No shipped scene has this interface, and any network can have it.
-        if design.area == "networks" and design.stream == "serial":
+        if design.area == "networks" and design.stream == "serial" and not design.image:
             tops.append(AxisNetwork(design))
         for top in tops:
             for block in walk(top):
