@@ -158,8 +158,9 @@ def image_of(program: Program, sum_bits: int, sizes: Sizes) -> Image:
     ValueError
         When it does not fit; the message names what is needed and what there is.
     """
-    # One more word is read while the counter returns, without effect; here it is defined too.
-    words = (*program.table, *program.words, 0)
+    # More words are read while the counter returns, without effect; here they are defined too.
+    more = 1 + sizes.pipeline.memory_registers
+    words = (*program.table, *program.words, *(0 for _ in range(more)))
     needed = (
         ("program words", len(words), sizes.program_words),
         ("operand words", program.addresses, sizes.operand_words),
@@ -172,4 +173,4 @@ def image_of(program: Program, sum_bits: int, sizes: Sizes) -> Image:
         raise ValueError(
             f"the image needs segment_width {program.segment_width}, there is {sizes.segment_width}"
         )
-    return Image(sizes, program.inputs, words, (*program.notes, ""))
+    return Image(sizes, program.inputs, words, (*program.notes, *("" for _ in range(more))))

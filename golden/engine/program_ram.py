@@ -56,7 +56,10 @@ class ProgramRam(Block):
     @property
     def ports(self) -> tuple[Port, ...]:
         word = Unsigned(WORD_WIDTH)
-        later = f"{self.latency} clock{'s' * (self.latency > 1)} later"
+        later, looked_up = (
+            f"{clocks} clock{'s' * (clocks > 1)} later"
+            for clocks in (self.latency, self.look_up_latency)
+        )
         return (
             *CLOCKED,
             taken("start", "the counter steps"),
@@ -73,12 +76,17 @@ class ProgramRam(Block):
             taken("write_addr", "where", Unsigned(self.addr_width), "addr_width"),
             taken("data", "a word of an image", word),
             given("word", f"the counter's word, or the one before a write, {later}", word),
-            given("table_word", f"that of the table, {later}", word),
+            given("table_word", f"that of the table, {looked_up}", word),
         )
 
     @property
     def latency(self) -> int:
         return 1 + self.registers
+
+    @property
+    def look_up_latency(self) -> int:
+        """Clocks from a segment to its word."""
+        return 1 + 2 * self.registers
 
     def process(
         self,

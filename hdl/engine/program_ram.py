@@ -38,7 +38,7 @@ def program_ram(
     write, write_addr, data : bool, unsigned ``spec.addr_width`` bits, unsigned 36 bits
         In the clock of a write ``word`` is what stood at ``write_addr``, not the counter's.
     word, table_word : unsigned 36 bits
-        ``spec.latency`` clocks later.
+        ``spec.latency`` and ``spec.look_up_latency`` clocks later.
     spec : ProgramRam
 
     Notes
@@ -51,8 +51,8 @@ def program_ram(
     memory = [unsigned(WORD_WIDTH) for _ in range(1 << spec.addr_width)]
     counter = Signal(modbv(begin, min=0, max=1 << spec.addr_width))
     addr = unsigned(spec.addr_width)
-    stands = flag()
-    fetched, found = unsigned(WORD_WIDTH), unsigned(WORD_WIDTH)
+    stands, look_up_late = flag(), flag()
+    fetched, found, found_late = (unsigned(WORD_WIDTH) for _ in range(3))
 
     @always_comb
     def decide():
@@ -81,18 +81,35 @@ def program_ram(
     def fetch():
         fetched.next = memory[addr]
 
+    common = decide, step, choose, keep, fetch
+    if not spec.registers:
+
+        @always(clk.posedge)
+        def read_table():
+            if look_up:
+                table_word.next = memory[segment]
+            else:
+                table_word.next = 0
+
+        return common, read_table, connect(fetched, word)
+
+    # A block RAM whose word is a register's at once is faster than one behind which it is cleared.
     @always(clk.posedge)
     def read_table():
-        if look_up:
-            found.next = memory[segment]
-        else:
-            found.next = 0
+        found.next = memory[segment]
 
-    if spec.registers:
-        late = (
-            delay(clk, None, fetched, word, clocks=spec.registers),
-            delay(clk, None, found, table_word, clocks=spec.registers),
-        )
-    else:
-        late = connect(fetched, word), connect(found, table_word)
-    return decide, step, choose, keep, fetch, read_table, late
+    @always(clk.posedge)
+    def clear():
+        if look_up_late:
+            table_word.next = found_late
+        else:
+            table_word.next = 0
+
+    return (
+        common,
+        read_table,
+        clear,
+        delay(clk, None, fetched, word, clocks=1),
+        delay(clk, None, found, found_late, clocks=1),
+        delay(clk, None, look_up, look_up_late, clocks=2),
+    )

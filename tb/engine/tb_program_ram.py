@@ -50,12 +50,23 @@ async def check(bench, run, finish, write, resets):
     recording = await bench.play(drive, ["word", "table_word"])
 
     # From the last clock of the initial reset on the counter stands.
-    rows = np.arange(RESET_CLOCKS, recording.clocks - bench.latency)
-    names = ("start", "run", "finish", "segment", "look_up", "write", "write_addr", "data", "rst")
+    rows = np.arange(RESET_CLOCKS, recording.clocks - twin.look_up_latency)
+    names = (
+        "start",
+        "run",
+        "finish",
+        "segment",
+        "look_up",
+        "write",
+        "write_addr",
+        "data",
+        "rst",
+    )
     read = [recording.unsigned(name, rows) for name in names]
-    for name, expected in zip(("word", "table_word"), twin.process(*read), strict=True):
+    latencies = {"word": twin.latency, "table_word": twin.look_up_latency}
+    for (name, clocks), expected in zip(latencies.items(), twin.process(*read), strict=True):
         at = rows[expected >= 0]
-        got = recording.unsigned(name, at + bench.latency)
+        got = recording.unsigned(name, at + clocks)
         bench.compare(name, got, expected[expected >= 0], clock=at)
 
 
