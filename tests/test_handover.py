@@ -123,7 +123,12 @@ def test_every_recorded_frame_matches(scenes, library: Path, name: str) -> None:
         ),
         ("one-sensor", "scan_sequencer.vhd", r"out_data <= adc", "out_data <= not adc"),
         # Right results, but frames are refused or flagged.
-        ("wide", "input_controller.vhd", r"frame_error <= broken", "frame_error <= done"),
+        (
+            "wide",
+            "input_controller_of_2_every_5.vhd",
+            r"frame_error <= broken",
+            "frame_error <= done",
+        ),
     ],
 )
 def test_a_fault_in_an_entity_fails(

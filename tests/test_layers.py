@@ -12,8 +12,10 @@ from hypothesis import strategies as st
 from golden.block import Block
 from golden.fixed import Fix
 from golden.layers.input_controller import InputController
+from golden.layers.input_integral import InputIntegral
 from golden.layers.input_node import InputNode
 from golden.layers.neuron import Neuron
+from golden.layers.node_sum import NodeSum
 from golden.layers.output_integral import OutputIntegral
 from golden.precision import EXACT, SIGNAL
 
@@ -22,19 +24,26 @@ codes = st.integers(COEFF.low, COEFF.high)
 samples = st.integers(SIGNAL.low, SIGNAL.high)
 
 
-def node(weights, bias, shift=0) -> InputNode:
-    return InputNode(SIGNAL, COEFF, EXACT.hidden_fmt, shift, tuple(weights), bias)
+def one_sum(weights, bias, shift=0) -> NodeSum:
+    return NodeSum(SIGNAL, COEFF, EXACT.hidden_fmt, shift, tuple(weights), bias)
+
+
+def layer(rows, biases, shift=0) -> InputIntegral:
+    return InputIntegral(
+        SIGNAL, COEFF, EXACT.hidden_fmt, shift, tuple(map(tuple, rows)), tuple(biases)
+    )
 
 
 @given(st.lists(st.tuples(codes, samples), min_size=1, max_size=6), codes, st.integers(0, 13))
 def test_node_is_the_rounded_exact_sum(pairs, bias, shift) -> None:
     weights, x = zip(*pairs, strict=True)
-    twin = node(weights, bias, shift)
+    bounds, twin = one_sum(weights, bias, shift), layer([weights], [bias], shift)
     acc = sum((w * v) >> shift for w, v in pairs) + (bias << (13 - shift))
     rounded = (acc + ((1 << twin.out_shift) >> 1)) >> twin.out_shift
     expected = min(max(rounded, twin.out_fmt.low), twin.out_fmt.high)
-    assert int(twin.process(np.array(x))) == expected
-    assert abs(expected) <= twin.reach or expected == twin.out_fmt.low
+    assert twin.process(np.array(x)).tolist() == [expected]
+    assert int(twin.node.process(x, weights, bias)) == expected
+    assert abs(expected) <= bounds.reach or expected == twin.out_fmt.low
 
 
 @given(
@@ -59,7 +68,7 @@ def test_a_factor_below_1_is_refused() -> None:
 
 @given(st.lists(codes, min_size=1, max_size=5), codes, st.integers(0, 13))
 def test_accumulator_is_wide_enough_and_no_wider(weights, bias, shift) -> None:
-    twin = node(weights, bias, shift)
+    twin = one_sum(weights, bias, shift)
     half = 1 << (twin.acc_width - 1)
     largest = 0
     for rails in itertools.product((SIGNAL.low, SIGNAL.high), repeat=len(weights)):
@@ -102,13 +111,31 @@ def test_output_is_the_rounded_exact_sum(case, scaled, shift) -> None:
 
 
 def test_wrong_shapes_and_codes_are_refused() -> None:
-    twin = node([1, 2, 3], 0)
+    twin = layer([[1, 2, 3]], [0])
     with pytest.raises(ValueError, match=r"got shape \(2,\), expected \(..., 3\)"):
         twin.process([1, 2])
     with pytest.raises(ValueError, match="got code -8193"):
         twin.process([1, 2, -8193])
-    with pytest.raises(ValueError, match=r"input_node weights: got code 131072"):
-        node([131072], 0)
+    with pytest.raises(ValueError, match=r"input_integral weights: got code 131072"):
+        layer([[131072]], [0])
+    with pytest.raises(ValueError, match=r"integral biases: got shape \(1,\), expected \(..., 2\)"):
+        layer([[1], [2]], [0])
+
+
+def test_nodes_share_the_accumulator_of_the_widest_sum() -> None:
+    wide, narrow = ([COEFF.low, COEFF.low], COEFF.high), ([1, 1], 0)
+    twin = layer(*zip(narrow, wide, strict=True))
+    assert twin.acc_width == one_sum(*wide).acc_width > one_sum(*narrow).acc_width
+    assert set(twin.parts()) == {twin.node}
+
+
+def test_a_sum_beyond_the_accumulator_is_refused() -> None:
+    """Also where a later sample brings it back."""
+    node = InputNode(SIGNAL, COEFF, EXACT.hidden_fmt, 0, 20)
+    message = "input_node_fraction14_sum20: got sums from 0 to 524288, expected 20 bits"
+    with pytest.raises(ValueError, match=message):
+        node.process([64, -64], [8192, 8192], 0)
+    assert node.process([64, -64], [8191, 8191], 0) == 0
 
 
 def scan(inputs, spacing, flags, clock=None):

@@ -66,8 +66,8 @@ def test_hidden_nodes_that_no_output_uses(tmp_path: Path, design: str) -> None:
     assert len(scene.twin().activations) == 3
     assert "1 hidden nodes whose weights to the outputs are 0" in scene.twin().left_out()
     _, text = exported(scene, tmp_path)
-    node = "input_node" if design == "hybrid" else "neuron_q"
-    assert len(set(re.findall(rf"entity ({node}\w+) is", text))) == 3
+    node = r"u_input_node_\d+: entity" if design == "hybrid" else r"entity neuron_q\w+ is"
+    assert len(re.findall(node, text)) == 3
 
 
 def test_a_network_of_zeros_keeps_a_node(tmp_path: Path) -> None:

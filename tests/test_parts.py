@@ -16,7 +16,7 @@ from golden.scene import load_scene
 from hdl.common.delay import delay as delay_line
 from hdl.common.requantise import requantise as requantise_part
 from hdl.common.rom import rom
-from hdl.common.signals import Words, flag, signed, unsigned
+from hdl.common.signals import Words, flag, reset, signed, unsigned
 from tb.common.cases import random_mlp, write_scene
 from tb.common.myhdl_simulation import simulate
 from tb.common.stimulus import corner_frames
@@ -75,6 +75,33 @@ def test_rom_repeats_its_last_word(words) -> None:
 def test_delay_refuses_no_clock_at_all() -> None:
     with pytest.raises(ValueError, match="delay: clocks=0, expected 1 or more"):
         delay_line(flag(), None, flag(), flag(), clocks=0)
+
+
+@pytest.mark.parametrize("clocks", [1, 2, 3, 7])
+@pytest.mark.parametrize("with_reset", [False, True])
+def test_delay_is_that_many_clocks_and_reset_clears_state_alone(clocks, with_reset) -> None:
+    clk, rst, data, late = flag(), reset(), signed(8), signed(8)
+    sent = list(range(1, 30))
+    cleared = 15
+    seen = []
+
+    def stimulus():
+        for place, code in enumerate(sent):
+            data.next = code
+            rst.next = place == cleared
+            yield delay(1)
+            clk.next = True
+            yield delay(1)
+            seen.append(int(late))
+            clk.next = False
+            yield delay(1)
+
+    settle(stimulus, delay_line(clk, rst if with_reset else None, data, late, clocks=clocks))
+    expected = ([0] * (clocks - 1) + sent)[: len(sent)]
+    if with_reset:
+        # What was under way is gone, and so is what came with the reset.
+        expected[cleared : cleared + clocks] = [0] * clocks
+    assert seen == expected
 
 
 def test_words_are_numbered_ports() -> None:

@@ -80,7 +80,7 @@ def test_words_out_of_reach_are_left_out_and_change_nothing(name: str, reach: in
     form, words, *_ = FORMS[name]
     assert (whole.coefficients, whole.words, whole.left_out()) == (form, words, {})
     width = whole.formats.distance_width
-    assert lean.words == min(words, (reach >> width) + 1)
+    assert lean.words == min(words, 1 << (reach >> width).bit_length())
     assert sum(lean.left_out().values()) == words - lean.words
     assert (lean.entity != whole.entity) == (lean.words < words)
     codes = np.arange(-reach, reach + 1)

@@ -34,8 +34,8 @@ NAMED = [
     ("precise", "most negative code"),
     *((name, rf"Q_j to 2\d\d, {p}") for name in DESIGNS for p in DESIGNS[name].precisions),
     ("constants", "Q_j of 200000, thesis"),
-    *((name, "ends, thesis") for name in ("input_node", "neuron", "output_integral")),
-    *((name, "ends, exact") for name in ("input_node", "neuron", "output_integral")),
+    *((name, "ends, thesis") for name in ("input_integral", "neuron", "output_integral")),
+    *((name, "ends, exact") for name in ("input_integral", "neuron", "output_integral")),
     ("pade", "rho = 1, 2 to 200 iterations, thesis"),
     ("pade", "rho = 2, 2 to 200 iterations, exact"),
     ("pade", "floating point"),
@@ -140,7 +140,7 @@ def test_an_accumulator_of_32_bits_says_no(monkeypatch) -> None:
         WeightedSum, "sums", lambda self, *a: right(self, *a).astype(np.int32).astype(np.int64)
     )
     models = {model for model, _ in broken(networks.accumulators)}
-    assert models == {"input_node", "neuron", "output_integral"}
+    assert models == {"input_integral", "neuron", "output_integral"}
 
 
 def test_a_lost_sign_says_no(monkeypatch) -> None:

@@ -49,6 +49,33 @@ from hdl.export.describe import describe
         (tidy.drop_parentheses, "elsif (a < (- 3)) then", "elsif a < -3 then"),
         (tidy.drop_parentheses, "a <= (b + c) - (d + e);", "a <= (b + c) - (d + e);"),
         (tidy.drop_parentheses, "a <= b - (- 3);", "a <= b - (- 3);"),
+        (tidy.drop_parentheses, "a(i) <= a((i - 1));", "a(i) <= a(i - 1);"),
+        (
+            tidy.drop_empty_loops,
+            "a(0) <= b;\nfor i in 1 to 0 loop\n    a(i) <= a(i - 1);\nend loop;\nc <= a(0);\n",
+            "a(0) <= b;\nc <= a(0);\n",
+        ),
+        (
+            tidy.drop_empty_loops,
+            "for i in 1 to 2 loop\n    a(i) <= a(i - 1);\nend loop;\n",
+            "for i in 1 to 2 loop\n    a(i) <= a(i - 1);\nend loop;\n",
+        ),
+        (
+            tidy.fill_arrays,
+            "type t_array_a is array(0 to 1) of bit;\n  a(0) <= '0';\n  a(1) <= '0';\n",
+            "type t_array_a is array(0 to 1) of bit;\n  a <= (others => '0');\n",
+        ),
+        (
+            tidy.fill_arrays,
+            "type t_array_a is array(0 to 2) of bit;\n  a(0) <= '0';\n  a(1) <= '0';\n",
+            "type t_array_a is array(0 to 2) of bit;\n  a(0) <= '0';\n  a(1) <= '0';\n",
+        ),
+        (
+            tidy.fill_arrays,
+            "type t_array_a is array(0 to 1) of bit;\n  a(0) <= b;\n  a(1) <= c;\n",
+            "type t_array_a is array(0 to 1) of bit;\n  a(0) <= b;\n  a(1) <= c;\n",
+        ),
+        (tidy.fold_numbers, "for i in 1 to 4-1 loop", "for i in 1 to 3 loop"),
         (tidy.close_ranges, "signed (3 downto 0)", "signed(3 downto 0)"),
         (tidy.drop_unused_packages, "use std.textio.all;\nentity a is", "entity a is"),
         (
@@ -132,11 +159,31 @@ def test_a_verilog_table_says_what_its_words_stand_for_and_keeps_its_rows() -> N
 
 def test_a_table_of_one_word_is_that_word() -> None:
     text = TABLE["vhdl"].replace("0100", "1110")
+    found = tidy.annotate_tables(text, "vhdl", {"rom0_read": ["-0.25"]})
+    assert found == 'word <= "1110";  -- -0.25\n'
+
+
+def test_a_table_of_one_word_that_is_read_with_a_clock_keeps_its_process() -> None:
+    text = dedent(
+        """\
+        rom0_read: process (clk) is
+        begin
+            if rising_edge(clk) then
+                case to_integer(addr) is
+                    when 0 => word <= "1110";
+                    when others => word <= "1110";
+                end case;
+            end if;
+        end process rom0_read;
+        """
+    )
     assert tidy.annotate_tables(text, "vhdl", {"rom0_read": ["-0.25"]}) == dedent(
         """\
-        rom0_read: process (addr) is
+        rom0_read: process (clk) is
         begin
-            word <= "1110";  -- -0.25
+            if rising_edge(clk) then
+                word <= "1110";  -- -0.25
+            end if;
         end process rom0_read;
         """
     )

@@ -35,7 +35,8 @@ class Precise(ActivationBlock):
         Where they stand: "logic", 38 words in LUTs, or "block_ram", 299 words of 36 bits in one
         block RAM, with narrower segments. ``precise_table.FORMATS`` holds the formats of both.
     words : int
-        Words kept: those of the segments that the neuron can reach, at least 1.
+        Words kept, at least 1: those of the segments that the neuron can reach, and in a scene so
+        many more that they are a power of two or all.
 
     Notes
     -----

@@ -77,7 +77,9 @@ def precise_for(
         )
     fmt = FORMATS[coefficients]
     most = len(curve_table(fmt).intercepts)
-    words = min(min(reach, precision.hidden_fmt.high) // (1 << fmt.distance_width) + 1, most)
+    reached = min(reach, precision.hidden_fmt.high) // (1 << fmt.distance_width) + 1
+    # A power of two, so that neurons which reach nearly as far share an entity.
+    words = min(1 << (reached - 1).bit_length(), most)
     return Precise(
         precision.hidden_fmt, SIGNAL, coefficients, words, variant=f"{coefficients}{words}"
     )

@@ -92,11 +92,14 @@ class Graph:
     neurons : tuple of Neuron
     useless_nodes : int
         Hidden nodes that are not built, because no output uses them.
+    useless_terms : int
+        Terms that are left out, because their weight is 0.
     """
 
     inputs: int
     neurons: tuple[Neuron, ...]
     useless_nodes: int = 0
+    useless_terms: int = 0
 
     @property
     def outputs(self) -> int:
@@ -150,7 +153,7 @@ def graph_of(arrangement: str, mlps: Sequence[Mlp], lean: bool = True) -> Graph:
     samples = mlps[0].shape[0]
     neurons: list[Neuron] = []
     earlier: list[int] = []
-    useless = 0
+    useless = zeros = 0
     for number, mlp in enumerate(mlps):
         place = f"network {number + 1} " if len(mlps) > 1 else ""
         seen = [*range(samples), *(earlier if arrangement == "cascade" else [])]
@@ -171,6 +174,7 @@ def graph_of(arrangement: str, mlps: Sequence[Mlp], lean: bool = True) -> Graph:
             name = f"{place}node {j + 1}"
             neurons.append(Neuron(f"{name} sum", HIDDEN, _terms(bias, weights, lean)))
             value = samples + len(neurons) - 1
+            zeros += lean * sum(not code for code in (bias, *(code for _, code in weights)))
             terms = (Term(Kind.INTERCEPT, value, 0), Term(Kind.DISTANCE, value, 0))
             neurons.append(Neuron(f"{name} tanh", RESULT, terms))
             activated[j] = samples + len(neurons) - 1
@@ -179,10 +183,11 @@ def graph_of(arrangement: str, mlps: Sequence[Mlp], lean: bool = True) -> Graph:
             name = f"output {len(earlier) + i + 1}"
             bias = _code(Fraction(mlp.b2[i]), RESULT, ONE)
             weights = [(activated[j], row[j]) for j in used]
+            zeros += lean * sum(not code for code in (bias, *(code for _, code in weights)))
             neurons.append(Neuron(name, RESULT, _terms(bias, weights, lean), output=True))
             outputs.append(samples + len(neurons) - 1)
         earlier += outputs
-    return Graph(samples, tuple(neurons), useless)
+    return Graph(samples, tuple(neurons), useless, zeros)
 
 
 def _code(value: float | Fraction, result: Fix, operand: Fix) -> int:

@@ -26,9 +26,17 @@ class Pipeline:
         return 1 + self.memory_registers
 
     @property
+    def table(self) -> int:
+        """Clocks from a segment's address to the table's word.
+
+        Behind registers there is another one, because the word must also be none.
+        """
+        return 1 + 2 * self.memory_registers
+
+    @property
     def weight(self) -> int:
         """The word of the table is there, a clock behind its address, and the weight is chosen."""
-        return self.operand + 2 + self.memory_registers
+        return self.operand + 1 + self.table
 
     @property
     def start(self) -> int:

@@ -61,7 +61,10 @@ class ProgramMemory(Block):
     @property
     def ports(self) -> tuple[Port, ...]:
         word = Unsigned(WORD_WIDTH)
-        later = f"{self.latency} clock{'s' * (self.latency > 1)} later"
+        later, looked_up = (
+            f"{clocks} clock{'s' * (clocks > 1)} later"
+            for clocks in (self.latency, self.look_up_latency)
+        )
         return (
             *CLOCKED,
             taken("start", "the counter steps"),
@@ -75,12 +78,17 @@ class ProgramMemory(Block):
             ),
             taken("look_up", "it is read; otherwise `table_word` is 0"),
             given("word", f"the counter's word, {later}", word),
-            given("table_word", f"that of the table, {later}", word),
+            given("table_word", f"that of the table, {looked_up}", word),
         )
 
     @property
     def latency(self) -> int:
         return 1 + self.registers
+
+    @property
+    def look_up_latency(self) -> int:
+        """Clocks from a segment to its word."""
+        return 1 + 2 * self.registers
 
     def process(
         self, start: ArrayLike, run: ArrayLike, finish: ArrayLike, reset: ArrayLike

@@ -64,6 +64,9 @@ class InputController(Block):
     A frame is wrong when ``last`` comes too early or does not come with the last sample, or when
     the frame ends before ``spacing`` clocks have passed. A wrong frame raises one error; of an
     overlong frame everything up to and including its ``last`` is dropped.
+
+    The name of the entity tells ``inputs`` and ``spacing``, so that controllers of equal frames are
+    one entity.
     """
 
     block = "input_controller"
@@ -78,6 +81,11 @@ class InputController(Block):
                 f"{self.entity}: got inputs={self.inputs}, spacing={self.spacing}, "
                 "expected inputs of 1 or more and spacing of 0 or more"
             )
+
+    @property
+    def entity(self) -> str:
+        name = f"{super().entity}_of_{self.inputs}"
+        return f"{name}_every_{self.spacing}" if self.spacing else name
 
     @property
     def addr_width(self) -> int:

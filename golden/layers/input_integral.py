@@ -10,53 +10,97 @@ from numpy.typing import ArrayLike
 from golden.block import Block
 from golden.fixed import Codes, Overflow, Rounding, requantise
 from golden.layers.input_node import InputNode
-from golden.port import Port, given, group
+from golden.layers.node_sum import NodeSum
+from golden.layers.weighted_sum import WeightedSum
+from golden.port import CLOCK, Port, Unsigned, given, group, taken
 
 
 @dataclass(frozen=True)
-class InputIntegral(Block):
+class InputIntegral(WeightedSum):
     """q_j = b_j + sum_k w_jk x_k for every hidden node j (thesis section 5.4.5.1).
 
     Parameters
     ----------
-    nodes : tuple of InputNode
-        One per hidden node; all take the same samples in the same formats.
+    in_fmt, coeff_fmt, out_fmt, product_shift
+        See ``WeightedSum``.
+    weights : tuple of tuple of int
+        One row of codes of ``coeff_fmt`` per hidden node, in the order of the samples.
+    biases : tuple of int
+        Codes of ``coeff_fmt``, one per hidden node.
+
+    Notes
+    -----
+    It holds the weights and biases; its nodes are one entity, with an accumulator for the widest
+    sum of all.
     """
 
     block = "input_integral"
     section = "5.4.5.1"
-    area = "layers"
-    nodes: tuple[InputNode, ...]
+    weights: tuple[tuple[int, ...], ...]
+    biases: tuple[int, ...]
 
     def __post_init__(self) -> None:
-        shapes = {
-            (len(n.weights), n.in_fmt, n.coeff_fmt, n.out_fmt, n.product_shift) for n in self.nodes
-        }
-        if len(shapes) != 1:
-            raise ValueError(f"{self.entity}: got nodes of shapes {shapes}, expected one shape")
+        super().__post_init__()
+        self.coeff_fmt.check(np.array(self.weights), f"{self.entity} weights", self.inputs)
+        self.coeff_fmt.check(np.array(self.biases), f"{self.entity} biases", self.hidden)
 
     @property
     def inputs(self) -> int:
         """Samples of one frame."""
-        return len(self.nodes[0].weights)
+        return len(self.weights[0])
+
+    @property
+    def hidden(self) -> int:
+        """Hidden nodes."""
+        return len(self.weights)
+
+    @property
+    def addr_width(self) -> int:
+        """Bits of a sample's position in its frame."""
+        return max(1, (self.inputs - 1).bit_length())
+
+    @property
+    def acc_width(self) -> int:
+        """Bits of the sums: no partial sum of any node can leave them."""
+        shape = (self.in_fmt, self.coeff_fmt, self.out_fmt, self.product_shift)
+        rows = zip(self.weights, self.biases, strict=True)
+        return max(NodeSum(*shape, weights, bias).acc_width for weights, bias in rows)
+
+    @property
+    def node(self) -> InputNode:
+        """What each of its nodes is."""
+        return InputNode(
+            self.in_fmt, self.coeff_fmt, self.out_fmt, self.product_shift, self.acc_width
+        )
 
     @property
     def ports(self) -> tuple[Port, ...]:
-        node = self.nodes[0]
+        node = self.node
         q = given(
             "out_q",
             "hidden node *: q, or q / Q where sums are normalised; held until the next `capture`",
-            node.out_fmt,
+            self.out_fmt,
             "out_fmt",
         )
-        return (*node.controls, *group(q, len(self.nodes)))
+        return (
+            CLOCK,
+            node.sample,
+            taken(
+                "addr",
+                "position of the sample in its frame, in the same clock",
+                Unsigned(self.addr_width),
+                "addr_width",
+            ),
+            *node.controls,
+            *group(q, self.hidden),
+        )
 
     @property
     def latency(self) -> int:
-        return self.nodes[0].latency
+        return self.node.latency
 
     def parts(self) -> tuple[Block, ...]:
-        return self.nodes
+        return (self.node,) * self.hidden
 
     def process(self, frames: ArrayLike) -> Codes:
         """Results, shape (..., hidden), of frames of samples, shape (..., inputs).
@@ -64,10 +108,8 @@ class InputIntegral(Block):
         Raises
         ------
         ValueError
-            For a wrong last axis or a code outside the nodes' ``in_fmt``.
+            For a wrong last axis or a code outside ``in_fmt``.
         """
-        node = self.nodes[0]
-        x = node.in_fmt.check(frames, f"{self.entity} frames", self.inputs)
-        weights = np.array([n.weights for n in self.nodes])
-        acc = node.sums(x, weights, np.array([n.bias for n in self.nodes]))
-        return requantise(acc, node.out_shift, node.out_fmt, Rounding.ROUND, Overflow.SATURATE)
+        x = self.in_fmt.check(frames, f"{self.entity} frames", self.inputs)
+        acc = self.sums(x, np.array(self.weights), np.array(self.biases))
+        return requantise(acc, self.out_shift, self.out_fmt, Rounding.ROUND, Overflow.SATURATE)

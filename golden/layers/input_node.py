@@ -4,41 +4,49 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from golden.layers.node_sum import NodeSum
-from golden.port import CLOCK, Port, Unsigned, given, taken
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.fixed import Codes, Overflow, Rounding, requantise
+from golden.layers.weighted_sum import WeightedSum
+from golden.port import CLOCK, Port, given, taken
 
 
 @dataclass(frozen=True)
-class InputNode(NodeSum):
+class InputNode(WeightedSum):
     """q = b + sum_k w_k x_k on one multiplier (thesis equation 5.1, Figure 5.9).
 
     Parameters
     ----------
-    in_fmt, coeff_fmt, out_fmt, product_shift, weights, bias
-        See ``NodeSum``; the samples arrive in the order of the weights, and the accumulator starts
-        from the bias.
+    in_fmt, coeff_fmt, out_fmt, product_shift
+        See ``WeightedSum``.
+    acc_width : int
+        Bits of the accumulator; whoever gives the weights sees to it that no partial sum leaves
+        them.
+
+    Notes
+    -----
+    Weights and bias come in through ports, so that nodes which differ in them alone are one entity,
+    whose name tells the fraction bits of the weights and the bits of the sum.
     """
 
     block = "input_node"
     section = "5.4.5.1"
+    acc_width: int
 
     @property
-    def addr_width(self) -> int:
-        """Bits of a sample's position in its frame."""
-        return max(1, (len(self.weights) - 1).bit_length())
+    def entity(self) -> str:
+        return f"{super().entity}_fraction{self.coeff_fmt.frac}_sum{self.acc_width}"
+
+    @property
+    def sample(self) -> Port:
+        """The sample that all nodes of a layer share."""
+        return taken("in_data", "a sample", self.in_fmt, "in_fmt")
 
     @property
     def controls(self) -> tuple[Port, ...]:
-        """Its inputs, which all nodes of a layer share."""
+        """What CONTROLLER 1 tells all nodes of a layer."""
         return (
-            CLOCK,
-            taken("in_data", "a sample", self.in_fmt, "in_fmt"),
-            taken(
-                "addr",
-                "position of the sample in its frame, in the same clock",
-                Unsigned(self.addr_width),
-                "addr_width",
-            ),
             taken(
                 "preset",
                 "two clocks after the first sample of a frame: add its product to the bias",
@@ -53,6 +61,10 @@ class InputNode(NodeSum):
     @property
     def ports(self) -> tuple[Port, ...]:
         return (
+            CLOCK,
+            self.sample,
+            taken("weight", "weight of the sample, in the same clock", self.coeff_fmt, "coeff_fmt"),
+            taken("bias", "bias, in the clock of `preset`", self.coeff_fmt, "coeff_fmt"),
             *self.controls,
             given(
                 "out_data",
@@ -66,3 +78,35 @@ class InputNode(NodeSum):
     def latency(self) -> int:
         # Operands, product, accumulator, output.
         return 4
+
+    def process(self, frames: ArrayLike, weights: ArrayLike, biases: ArrayLike) -> Codes:
+        """Results in ``out_fmt``, shape (...), of frames of samples, shape (..., inputs).
+
+        Parameters
+        ----------
+        frames : array_like of int, shape (..., inputs)
+            Codes of ``in_fmt``.
+        weights : array_like of int, shape (..., inputs)
+            Codes of ``coeff_fmt``; the weight of each sample.
+        biases : array_like of int, shape (...)
+            Codes of ``coeff_fmt``; the bias of each frame.
+
+        Raises
+        ------
+        ValueError
+            For a code outside its format, or a sum that leaves the accumulator.
+        """
+        x = self.in_fmt.check(frames, f"{self.block} frames")
+        w = self.coeff_fmt.check(weights, f"{self.block} weights")
+        b = self.coeff_fmt.check(biases, f"{self.block} biases")
+        start = b << self.bias_shift
+        sums = start[..., np.newaxis] + np.cumsum((w * x) >> self.product_shift, axis=-1)
+        half = 1 << (self.acc_width - 1)
+        if sums.min() < -half or sums.max() >= half:
+            raise ValueError(
+                f"{self.entity}: got sums from {sums.min()} to {sums.max()}, expected "
+                f"{self.acc_width} bits"
+            )
+        return requantise(
+            sums[..., -1], self.out_shift, self.out_fmt, Rounding.ROUND, Overflow.SATURATE
+        )

@@ -19,6 +19,10 @@ class OutputController(Block):
     ----------
     outputs : int
         Outputs of one frame, 1 or more.
+
+    Notes
+    -----
+    The name of the entity tells ``outputs``, so that controllers of equal frames are one entity.
     """
 
     block = "output_controller"
@@ -29,6 +33,10 @@ class OutputController(Block):
     def __post_init__(self) -> None:
         if self.outputs < 1:
             raise ValueError(f"{self.entity}: got outputs={self.outputs}, expected 1 or more")
+
+    @property
+    def entity(self) -> str:
+        return f"{super().entity}_of_{self.outputs}"
 
     @property
     def interval(self) -> int:

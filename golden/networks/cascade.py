@@ -54,7 +54,7 @@ class Cascade(Several):
     def input_controller(self) -> InputController:
         length = self.networks[-1].inputs
         spacing = self.interval if self.interval > length else 0
-        return InputController(length, spacing, variant="frame")
+        return InputController(length, spacing)
 
     @property
     def interval(self) -> int:

@@ -34,6 +34,8 @@ from golden.precision import EXACT, SIGNAL, Precision
 
 # Smaller memories would be made of LUTs in some devices, which are slower behind a block RAM.
 LEAST_ADDR_WIDTH = 7
+# Bits of a sum that no scene of weights below 512 leaves.
+WHOLE_ACC_WIDTH = 44
 LOAD_PORTS = (
     taken("load_valid", "`load_data` holds a byte of an image"),
     taken("load_data", "the byte", Unsigned(8)),
@@ -63,7 +65,7 @@ class Engine(Design):
     arrangements = ("single", "multiple", "cascade")
     precisions = (EXACT.name,)
     known_activations = ("precise",)
-    options = ("segment_width", "reload", "program_words", "operand_words")
+    options = ("segment_width", "pipeline", "reload", "program_words", "operand_words")
     program: Program
     acc_width: int
     graph: Graph
@@ -91,8 +93,8 @@ class Engine(Design):
             What the scene chooses of ``options``.
         variant : str
         """
-        chosen: dict[str, Any] = {"segment_width": 9} | dict(hardware or {})
-        pipeline = Pipeline()
+        chosen: dict[str, Any] = {"segment_width": 9, "pipeline": "short"} | dict(hardware or {})
+        pipeline = Pipeline(int(chosen.pop("pipeline") == "deep"))
         table = tanh_table(chosen["segment_width"])
         reload = chosen.pop("reload", False)
         graph = graph_of(arrangement, mlps, lean)
@@ -100,15 +102,15 @@ class Engine(Design):
         if lean and not reload:
             segments = min(segments, (graph.reach(table) >> table.width) + 1)
         program, _ = assemble(graph, table, segments, pipeline)
-        bound = max(graph.bound(neuron, table) for neuron in graph.neurons)
-        sum_bits = bound.bit_length() + 1
+        bound = max(graph.bound(neuron, table) for neuron in graph.neurons).bit_length() + 1
+        least = PRODUCT_WIDTH if lean else WHOLE_ACC_WIDTH
         loaded = None
         if reload:
-            loaded = image_of(program, sum_bits, Sizes(**chosen, pipeline=pipeline))
+            loaded = image_of(program, bound, Sizes(**chosen, pipeline=pipeline))
             program = loaded.program
         return cls(
             program,
-            ACC_WIDTH if loaded else max(PRODUCT_WIDTH, sum_bits),
+            ACC_WIDTH if loaded else max(least, bound),
             graph,
             loaded,
             useless_nodes=graph.useless_nodes,
@@ -244,8 +246,7 @@ class Engine(Design):
     @property
     def operand_select(self) -> OperandSelect:
         # As late as the word of the table.
-        registers = self.table_address.latency + self.program.pipeline.memory_registers
-        return OperandSelect(self.program.segment_width, registers)
+        return OperandSelect(self.program.segment_width, self.program.pipeline.table)
 
     @property
     def multiply_accumulate(self) -> MultiplyAccumulate:
@@ -283,7 +284,22 @@ class Engine(Design):
         )
 
     def left_out(self) -> list[str]:
-        return []
+        """What is counted as words costs memory and, one each, a clock of every frame."""
+        graph, program = self.graph, self.program
+        texts = []
+        if graph.useless_nodes:
+            texts.append(f"{graph.useless_nodes} hidden nodes whose weights to the outputs are 0")
+        if graph.useless_terms:
+            texts.append(f"{graph.useless_terms} steps of weight 0")
+        words = len(tanh_table(program.segment_width).slopes) - len(program.table)
+        if words:
+            texts.append(f"{words} words of tanh that no hidden sum reaches, and their comparison")
+        bits = WHOLE_ACC_WIDTH - self.acc_width
+        if bits:
+            texts.append(
+                f"{bits} bits of the sum, which {WHOLE_ACC_WIDTH} would hold for any scene"
+            )
+        return texts
 
     def exact(self, frames: Codes) -> Codes:
         return exact(self.graph, self.program.segment_width, frames)

@@ -14,7 +14,6 @@ from golden.fixed import Codes
 from golden.flow import Alike, Carried, Controlled, Flow
 from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
-from golden.layers.input_node import InputNode
 from golden.layers.output_controller import OutputController
 from golden.layers.output_integral import OutputIntegral
 from golden.networks.constants import Constants
@@ -46,7 +45,7 @@ class Hybrid(Design):
     output_integral: OutputIntegral
 
     def __post_init__(self) -> None:
-        hidden = len(self.input_integral.nodes)
+        hidden = self.input_integral.hidden
         if not hidden == len(self.activations) == self.output_integral.hidden:
             raise ValueError(
                 f"{self.entity}: got {hidden} nodes, {len(self.activations)} activations and "
@@ -62,18 +61,14 @@ class Hybrid(Design):
     @classmethod
     def from_constants(cls, constants: Constants, variant: str = "") -> Self:
         precision, first, second = constants.precision, constants.first, constants.second
-        prefix = f"{variant}_" if variant else ""
-        nodes = tuple(
-            InputNode(
-                SIGNAL,
-                first.fmt,
-                precision.hidden_fmt,
-                precision.product_shift,
-                weights,
-                bias,
-                variant=f"{prefix}{j}",
-            )
-            for j, (weights, bias) in enumerate(zip(first.weights, first.biases, strict=True))
+        hidden = InputIntegral(
+            SIGNAL,
+            first.fmt,
+            precision.hidden_fmt,
+            precision.product_shift,
+            first.weights,
+            first.biases,
+            variant=variant,
         )
         output = OutputIntegral(
             SIGNAL,
@@ -86,7 +81,7 @@ class Hybrid(Design):
             variant=variant,
         )
         return cls(
-            InputIntegral(nodes, variant=variant),
+            hidden,
             constants.activations,
             output,
             useless_nodes=constants.useless_nodes,
@@ -95,10 +90,10 @@ class Hybrid(Design):
 
     @property
     def exact_layers(self) -> ExactLayers:
-        last = self.output_integral
+        first, last = self.input_integral, self.output_integral
         factors = last.factors or (1,) * last.outputs
         return ExactLayers(
-            [ExactSum(n, n.weights, n.bias) for n in self.input_integral.nodes],
+            [ExactSum(first, *row) for row in zip(first.weights, first.biases, strict=True)],
             self.activations,
             [ExactSum(last, *row) for row in zip(last.weights, last.biases, factors, strict=True)],
         )
@@ -128,11 +123,11 @@ class Hybrid(Design):
     @property
     def input_controller(self) -> InputController:
         spacing = self.interval if self.interval > self.inputs else 0
-        return InputController(self.inputs, spacing, variant=self.variant)
+        return InputController(self.inputs, spacing)
 
     @property
     def output_controller(self) -> OutputController:
-        return OutputController(self.outputs, variant=self.variant)
+        return OutputController(self.outputs)
 
     def parts(self) -> tuple[Block, ...]:
         return (
@@ -144,12 +139,12 @@ class Hybrid(Design):
         )
 
     def flow(self) -> Flow:
-        hidden, node = len(self.activations), self.input_integral.nodes[0]
+        hidden, first = len(self.activations), self.input_integral
         return Flow(
             (
-                Carried(f"{self.inputs} x", node.in_fmt),
-                Controlled(self.input_controller, self.input_integral),
-                Carried(f"{hidden} q", node.out_fmt),
+                Carried(f"{self.inputs} x", first.in_fmt),
+                Controlled(self.input_controller, first),
+                Carried(f"{hidden} q", first.out_fmt),
                 Alike(self.activations),
                 Carried(f"{hidden} r", self.activations[0].out_fmt),
                 Controlled(self.output_controller, self.output_integral),

@@ -123,7 +123,7 @@ class Parallel(Design):
     def input_controller(self) -> InputController:
         """A frame is one element: it keeps frames as far apart as the activation needs."""
         spacing = self.interval if self.interval > 1 else 0
-        return InputController(1, spacing, variant=self.variant)
+        return InputController(1, spacing)
 
     def parts(self) -> tuple[Block, ...]:
         return (

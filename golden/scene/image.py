@@ -37,6 +37,7 @@ def scene_image(scene: Scene, hardware: Engine) -> Image:
     sizes = hardware.loaded.sizes
     options = {
         "reload": True,
+        "pipeline": "deep" if sizes.pipeline.memory_registers else "short",
         "segment_width": sizes.segment_width,
         "program_words": sizes.program_words,
         "operand_words": sizes.operand_words,

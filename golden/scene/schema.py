@@ -39,6 +39,7 @@ KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
         "clock_mhz": (float, 64.0),
         "interface": (str, "stream"),
         "multiplier": (str, ""),
+        "pipeline": (str, ""),
         "segment_width": (int, 0),
         "clocks": (int, 0),
         "reload": (bool, False),
@@ -67,6 +68,7 @@ CHOICES = {
     ("hardware", "precision"): tuple(PRECISIONS),
     ("hardware", "interface"): ("stream", "axi_stream"),
     ("hardware", "multiplier"): ("dsp", "serial"),
+    ("hardware", "pipeline"): ("short", "deep"),
     ("training", "optimiser"): ("levenberg-marquardt", "scg"),
     ("training", "earlier_outputs"): ("bit-true", "float"),
 }

@@ -4,28 +4,6 @@ from myhdl import Signal, always, always_comb, always_seq, block
 
 
 @block
-def reset_register(clk, rst, data, data_late):
-    """One clock of delay for state: cleared by reset."""
-
-    @always_seq(clk.posedge, reset=rst)
-    def keep():
-        data_late.next = data
-
-    return keep
-
-
-@block
-def register(clk, data, data_late):
-    """One clock of delay for data: reset leaves it alone."""
-
-    @always(clk.posedge)
-    def keep():
-        data_late.next = data
-
-    return keep
-
-
-@block
 def delay(clk, rst, data, data_late, *, clocks: int):
     """``data_late`` is ``data`` of ``clocks`` clocks ago; ``rst`` None for data without reset.
 
@@ -36,10 +14,41 @@ def delay(clk, rst, data, data_late, *, clocks: int):
     """
     if clocks < 1:
         raise ValueError(f"delay: clocks={clocks}, expected 1 or more")
-    taps = [data, *(Signal(data.val) for _ in range(clocks - 1)), data_late]
-    if rst is None:
-        return [register(clk, taps[i], taps[i + 1]) for i in range(clocks)]
-    return [reset_register(clk, rst, taps[i], taps[i + 1]) for i in range(clocks)]
+    # The last register is the output itself.
+    taps = [Signal(data.val) for _ in range(clocks - 1)]
+    count = len(taps)
+
+    if rst is None and not taps:
+
+        @always(clk.posedge)
+        def keep():
+            data_late.next = data
+
+    elif rst is None:
+
+        @always(clk.posedge)
+        def keep():
+            taps[0].next = data
+            for i in range(1, count):
+                taps[i].next = taps[i - 1]
+            data_late.next = taps[count - 1]
+
+    elif not taps:
+
+        @always_seq(clk.posedge, reset=rst)
+        def keep():
+            data_late.next = data
+
+    else:
+
+        @always_seq(clk.posedge, reset=rst)
+        def keep():
+            taps[0].next = data
+            for i in range(1, count):
+                taps[i].next = taps[i - 1]
+            data_late.next = taps[count - 1]
+
+    return keep
 
 
 @block

@@ -1,8 +1,19 @@
-"""Positions in a stream of frames."""
+"""Streams of frames: later, and by position."""
 
 from myhdl import always, always_comb, always_seq, block
 
+from hdl.common.delay import delay
 from hdl.common.signals import unsigned
+
+
+@block
+def late_stream(clk, rst, valid, data, last, late_valid, late_data, late_last, *, clocks: int):
+    """A stream ``clocks`` clocks later."""
+    return (
+        delay(clk, rst, valid, late_valid, clocks=clocks),
+        delay(clk, None, data, late_data, clocks=clocks),
+        delay(clk, rst, last, late_last, clocks=clocks),
+    )
 
 
 @block

@@ -24,7 +24,7 @@ def program_memory(
     look_up : bool
         Without it ``table_word`` is 0.
     word, table_word : unsigned 36 bits
-        ``spec.latency`` clocks later.
+        ``spec.latency`` and ``spec.look_up_latency`` clocks later.
     spec : ProgramMemory
 
     Notes
@@ -35,8 +35,8 @@ def program_memory(
     begin = spec.begin
     memory = Constants(spec.contents, WORD_WIDTH, spec.meanings)
     counter = Signal(modbv(begin, min=0, max=1 << spec.addr_width))
-    stands = flag()
-    fetched, found = unsigned(WORD_WIDTH), unsigned(WORD_WIDTH)
+    stands, look_up_late = flag(), flag()
+    fetched, found, found_late = (unsigned(WORD_WIDTH) for _ in range(3))
 
     @always_comb
     def decide():
@@ -53,18 +53,36 @@ def program_memory(
     def fetch():
         fetched.next = memory[counter]
 
+    if not spec.registers:
+
+        @always(clk.posedge)
+        def read_table():
+            if look_up:
+                table_word.next = memory[segment]
+            else:
+                table_word.next = 0
+
+        return decide, step, fetch, read_table, connect(fetched, word)
+
+    # A block RAM whose word is a register's at once is faster than one behind which it is cleared.
     @always(clk.posedge)
     def read_table():
-        if look_up:
-            found.next = memory[segment]
-        else:
-            found.next = 0
+        found.next = memory[segment]
 
-    if spec.registers:
-        late = (
-            delay(clk, None, fetched, word, clocks=spec.registers),
-            delay(clk, None, found, table_word, clocks=spec.registers),
-        )
-    else:
-        late = connect(fetched, word), connect(found, table_word)
-    return decide, step, fetch, read_table, late
+    @always(clk.posedge)
+    def clear():
+        if look_up_late:
+            table_word.next = found_late
+        else:
+            table_word.next = 0
+
+    return (
+        decide,
+        step,
+        fetch,
+        read_table,
+        clear,
+        delay(clk, None, fetched, word, clocks=1),
+        delay(clk, None, found, found_late, clocks=1),
+        delay(clk, None, look_up, look_up_late, clocks=2),
+    )

@@ -38,7 +38,7 @@ class _VhdlInstance(_UserVhdlCode):
 
     def __str__(self):
         ports = ",\n".join(f"        {formal} => {s._name}" for formal, s in self.ports.items())
-        return f"\n{self.label}: entity work.{self.entity}\n    port map (\n{ports}\n    );\n"
+        return f"\n{self.label}: entity work.{self.entity}\n    port map (\n{ports}\n    );\n\n"
 
 
 class _VerilogInstance(_UserVerilogCode):
@@ -49,7 +49,7 @@ class _VerilogInstance(_UserVerilogCode):
 
     def __str__(self):
         ports = ",\n".join(f"    .{formal}({s._name})" for formal, s in self.ports.items())
-        return f"\n{self.entity} {self.label} (\n{ports}\n);\n"
+        return f"\n{self.entity} {self.label} (\n{ports}\n);\n\n"
 
 
 _INSTANCE = {"vhdl": _VhdlInstance, "verilog": _VerilogInstance}

@@ -60,7 +60,7 @@ def fold_numbers(text: str) -> str:
         return str(value) if value >= 0 else found[0]
 
     text = re.sub(r"(?<![\w'])\((\d+) - (\d+)\)", difference, text)
-    text = re.sub(r"(?<=\b0 to )(\d+)-(1)\b", difference, text)
+    text = re.sub(r"(?<=\b[01] to )(\d+)-(1)\b", difference, text)
     return re.sub(r"\b(\d+)-(1)(?= downto \d)", difference, text)
 
 
@@ -80,8 +80,9 @@ def compare_flags(text: str) -> str:
 
 
 def drop_parentheses(text: str) -> str:
-    """No parentheses around a whole assigned expression, a whole condition or ``- 5``."""
+    """None around an assigned expression, a condition or ``- 5``, and none twice."""
     text = re.sub(r"(?<=[<>=] )\(- (\d+)\)", r"-\1", text)
+    text = re.sub(r"\(\(([^()]*)\)\)", r"(\1)", text)
     return re.sub(r"( <= |if )\((.*)\)(;| then)$", _bare, text, flags=re.M)
 
 
@@ -93,6 +94,23 @@ def _bare(found: re.Match[str]) -> str:
         if depth < 0:
             return found[0]
     return "".join(found.groups())
+
+
+def drop_empty_loops(text: str) -> str:
+    """No loop from 1 to 0."""
+    return re.sub(r"^ *for \w+ in 1 to 0 loop\n.*\n *end loop;\n", "", text, flags=re.M)
+
+
+def fill_arrays(text: str) -> str:
+    """All elements of an array that take the same word, one after the other, take it at once."""
+
+    def fill(found: re.Match[str]) -> str:
+        last = re.search(rf"\btype t_array_{found[2]} is array\(0 to (\d+)\)", text)
+        if not last or found[0].count("\n") != int(last[1]) + 1:
+            return found[0]
+        return f"{found[1]}{found[2]} <= (others => {found[3]});\n"
+
+    return re.sub(r"^( *)(\w+)\(0\) <= (.*);\n(?:\1\2\(\d+\) <= \3;\n)*", fill, text, flags=re.M)
 
 
 def close_ranges(text: str) -> str:
@@ -112,7 +130,8 @@ def drop_unused_packages(text: str) -> str:
 def annotate_tables(text: str, language: str, meanings: Mapping[str, Sequence[str]]) -> str:
     """Beside each word of a table what it stands for; equal last words as one row.
 
-    A table of one word needs no rows: the word is assigned. In Verilog a ``case`` keeps its rows.
+    A table of one word needs no rows, and without a clock no process: the word is assigned. In
+    Verilog a ``case`` keeps its rows.
 
     Raises
     ------
@@ -134,9 +153,9 @@ def annotate_tables(text: str, language: str, meanings: Mapping[str, Sequence[st
     return text
 
 
-# From the label to the end of the table.
+# From the label to the end of the process or, in Verilog, of the table.
 _PROCESS = {
-    "vhdl": r"^{label}: process\b.*?^ +end case;",
+    "vhdl": r"^{label}: process\b.*?^end process {label};",
     "verilog": r"\bbegin: {label}$.*?^ +endcase",
 }
 _MEMORY = {
@@ -155,11 +174,15 @@ def _annotate(process: str, language: str, words: Sequence[str]) -> str:
     if language == "vhdl":
         while len(rows) > 1 and rows[-2][2] == rows[-1][2]:
             del rows[-2], lines[-2]
-        if len(rows) == 1:
+        if len(rows) == 1 and "rising_edge" not in before:
+            before, after = "", ""
+            lines = [rows[0][2]]
+        elif len(rows) == 1:
             # Where the line of the case begins; the word takes its place.
             case = before.rstrip("\n").rfind("\n") + 1
             indent = before[case:].partition("case")[0]
-            before, after, lines = before[:case], "", [f"{indent}{rows[0][2]}"]
+            before, lines = before[:case], [f"{indent}{rows[0][2]}"]
+            after = after.partition("end case;\n")[2]
     noted = "\n".join(_noted(lines, language, words))
     return before + noted + (f"\n{after}" if after else "")
 
@@ -228,5 +251,7 @@ _VHDL_RULES = (
     drop_shifts_by_nothing,
     compare_flags,
     drop_parentheses,
+    drop_empty_loops,
+    fill_arrays,
     close_ranges,
 )

@@ -3,6 +3,8 @@
 from myhdl import block
 
 from golden.layers.input_integral import InputIntegral
+from hdl.common.rom import rom
+from hdl.common.signals import Words, fixed
 from hdl.layers.input_node import input_node
 
 
@@ -12,17 +14,44 @@ def input_integral(clk, in_data, addr, preset, accumulate, capture, out_q, *, sp
 
     Parameters
     ----------
-    in_data, addr, preset, accumulate, capture
+    in_data, preset, accumulate, capture
         As for ``input_node``; every node takes the same.
-    out_q : Words of signed
+    addr : unsigned ``spec.addr_width`` bits
+        Position of the sample in its frame, in the same clock.
+    out_q : Words of signed ``spec.out_fmt``
         One held sum per node: ports ``out_q_0``, ``out_q_1``, ...
     spec : InputIntegral
+        Weights, biases and formats.
 
     Notes
     -----
     One multiplier per node. Latency 4 clocks from the last sample, one sample a clock.
     """
-    return [
-        input_node(clk, in_data, addr, preset, accumulate, capture, out_q[j], spec=node)
-        for j, node in enumerate(spec.nodes)
-    ]
+    fmt = spec.coeff_fmt
+    weight = Words(spec.hidden, lambda: fixed(fmt))
+    bias = Words(spec.hidden, lambda: fixed(fmt))
+    return (
+        [
+            rom(addr, weight[j], words=words, meanings=fmt.texts(words))
+            for j, words in enumerate(spec.weights)
+        ],
+        # One word for every address: MyHDL has no other constant of a sign.
+        [
+            rom(addr, bias[j], words=[word], meanings=fmt.texts([word]))
+            for j, word in enumerate(spec.biases)
+        ],
+        [
+            input_node(
+                clk,
+                in_data,
+                weight[j],
+                bias[j],
+                preset,
+                accumulate,
+                capture,
+                out_q[j],
+                spec=spec.node,
+            )
+            for j in range(spec.hidden)
+        ],
+    )

@@ -5,20 +5,23 @@ from myhdl import always, always_comb, block
 from golden.fixed import Rounding
 from golden.layers.input_node import InputNode
 from hdl.common.requantise import requantise
-from hdl.common.rom import rom
 from hdl.common.signals import fixed, signed
 
 
 @block
-def input_node(clk, in_data, addr, preset, accumulate, capture, out_data, *, spec: InputNode):
+def input_node(
+    clk, in_data, weight, bias, preset, accumulate, capture, out_data, *, spec: InputNode
+):
     """Bias plus weighted sum of the samples of a frame (thesis equation 5.1, Figure 5.9).
 
     Parameters
     ----------
     in_data : signed ``spec.in_fmt``
         A sample.
-    addr : unsigned
-        Its position in the frame, in the same clock.
+    weight : signed ``spec.coeff_fmt``
+        Its weight, in the same clock.
+    bias : signed ``spec.coeff_fmt``
+        The bias, in the clock of ``preset``.
     preset, accumulate : bool
         Two clocks after the sample: add its product, to the bias when ``preset``.
     capture : bool
@@ -26,7 +29,7 @@ def input_node(clk, in_data, addr, preset, accumulate, capture, out_data, *, spe
     out_data : signed ``spec.out_fmt``
         The sum of the last complete frame, held until the next one is captured.
     spec : InputNode
-        Weights, bias and formats; the twin states rounding and overflow.
+        Formats and bits of the sum; the twin states rounding and overflow.
 
     Notes
     -----
@@ -35,12 +38,11 @@ def input_node(clk, in_data, addr, preset, accumulate, capture, out_data, *, spe
     the state.
     """
     shift = spec.product_shift
-    bias = spec.bias
     align = spec.bias_shift
     product_width = spec.in_fmt.width + spec.coeff_fmt.width
 
     sample = signed(spec.in_fmt.width)
-    word, weight = fixed(spec.coeff_fmt), fixed(spec.coeff_fmt)
+    factor = fixed(spec.coeff_fmt)
     product = signed(product_width)
     term = signed(product_width - shift)
     bias_word = signed(spec.acc_width)
@@ -50,30 +52,23 @@ def input_node(clk, in_data, addr, preset, accumulate, capture, out_data, *, spe
     acc = signed(spec.acc_width)
     result = fixed(spec.out_fmt)
 
-    weights = rom(addr, word, words=spec.weights, meanings=spec.coeff_fmt.texts(spec.weights))
-
     @always(clk.posedge)
     def fetch():
         # Both operands leave registers, which a multiplier of an FPGA has inside.
         sample.next = in_data
-        weight.next = word
+        factor.next = weight
 
     @always(clk.posedge)
     def multiply():
-        product.next = sample * weight
+        product.next = sample * factor
 
     @always_comb
     def cut():
         term.next = product >> shift
 
     @always_comb
-    def load():
-        # Selected here and shifted below: the shifted constant may exceed the 2**30 up to which
-        # MyHDL converts a literal rightly.
-        if preset:
-            bias_word.next = bias
-        else:
-            bias_word.next = 0
+    def widen():
+        bias_word.next = bias
 
     @always_comb
     def move():
@@ -103,4 +98,4 @@ def input_node(clk, in_data, addr, preset, accumulate, capture, out_data, *, spe
         if capture:
             out_data.next = result
 
-    return weights, fetch, multiply, cut, load, move, choose, add, gather, finish, hold
+    return fetch, multiply, cut, widen, move, choose, add, gather, finish, hold

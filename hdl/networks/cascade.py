@@ -4,12 +4,10 @@ from myhdl import block
 
 from golden.networks.cascade import Cascade
 from golden.precision import SIGNAL
-from hdl.common.delay import delay
-from hdl.common.good_frame import good_frame
+from hdl.common.good_frame import good_frame, judge
 from hdl.common.lookup import hardware
-from hdl.common.signals import Words, fixed, flag, unsigned
-from hdl.common.stream import catch, window
-from hdl.layers.input_controller import input_controller
+from hdl.common.signals import Words, fixed, flag
+from hdl.common.stream import catch, late_stream, window
 from hdl.layers.output_collector import output_collector
 from hdl.sensing.stream_multiplexer import stream_multiplexer
 
@@ -29,7 +27,6 @@ def stage(
     multiplexer,
 ):
     """One network and the stream that the next one sees, with the result in its slot."""
-    clocks = network.latency
     seen_valid, seen_last = flag(), flag()
     result_valid, result = flag(), fixed(SIGNAL)
     late_valid, late_data, late_last = flag(), fixed(SIGNAL), flag()
@@ -50,9 +47,17 @@ def stage(
             broken,
             spec=network,
         ),
-        delay(clk, rst, valid, late_valid, clocks=clocks),
-        delay(clk, None, data, late_data, clocks=clocks),
-        delay(clk, rst, last, late_last, clocks=clocks),
+        late_stream(
+            clk,
+            rst,
+            valid,
+            data,
+            last,
+            late_valid,
+            late_data,
+            late_last,
+            clocks=network.latency,
+        ),
         stream_multiplexer(
             clk,
             rst,
@@ -66,26 +71,6 @@ def stage(
             next_last,
             spec=multiplexer,
         ),
-    )
-
-
-@block
-def judge(clk, rst, valid, last, frame_error, *, controller):
-    """Frames of the right length and others; of the controller only its error is used."""
-    addr = unsigned(controller.addr_width)
-    preset, accumulate, capture, complete = flag(), flag(), flag(), flag()
-    return input_controller(
-        clk,
-        rst,
-        valid,
-        last,
-        addr,
-        preset,
-        accumulate,
-        capture,
-        complete,
-        frame_error,
-        spec=controller,
     )
 
 
@@ -159,8 +144,8 @@ def cascade(
     tail_valid, tail_data, tail_last = flag(), fixed(SIGNAL), flag()
     gathered_valid = flag()
     gathered = Words(spec.outputs, lambda: fixed(SIGNAL))
-    # Left open: the collector closes the frame, and the judge tells of errors.
-    final_last, broken = flag(), flag()
+    # Left open: the collector closes the frame, and the judge tells of errors alone.
+    final_last, broken, complete = flag(), flag(), flag()
     # The earlier outputs pass by in the last network's stream. One clock short of its latency,
     # because a word caught is there a clock later.
     wait = spec.networks[final].latency - 1
@@ -168,7 +153,7 @@ def cascade(
     controller, collector = spec.input_controller, spec.frame_store
     if collector is None:
         first_valid, first_data, first_last = in_valid, in_data, in_last
-        front = judge(clk, rst, in_valid, in_last, frame_error, controller=controller)
+        front = judge(clk, rst, in_valid, in_last, complete, frame_error, controller=controller)
     else:
         first_valid, first_data, first_last = flag(), fixed(SIGNAL), flag()
         front = store(
@@ -214,9 +199,17 @@ def cascade(
             broken,
             spec=spec.networks[final],
         ),
-        delay(clk, rst, valid[final - 1], tail_valid, clocks=wait),
-        delay(clk, None, data[final - 1], tail_data, clocks=wait),
-        delay(clk, rst, last[final - 1], tail_last, clocks=wait),
+        late_stream(
+            clk,
+            rst,
+            valid[final - 1],
+            data[final - 1],
+            last[final - 1],
+            tail_valid,
+            tail_data,
+            tail_last,
+            clocks=wait,
+        ),
         catch(
             clk,
             rst,

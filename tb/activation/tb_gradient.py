@@ -17,7 +17,7 @@ from tb.common.stream import SIGNED, check_gaps_and_resets, check_stream
 
 CASES = FOLDED
 FAULTS = [
-    (r"negative_late <= \w+", "negative_late <= negative"),
+    (r"negative_late <= [^;]+", "negative_late <= negative"),
 ]
 
 INPUTS, OUTPUTS = {"in_data": SIGNED}, {"out_data": SIGNED}

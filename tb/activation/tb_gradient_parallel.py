@@ -19,7 +19,7 @@ CASES = rails("gradient_parallel") | both_precisions("gradient_parallel")
 FAULTS = [
     (r"addr == 0", "addr <= 1"),
     (r"(coeff\S*) = (\d{2,})", r"\1 = \2 ^ 1"),
-    (r"negative_late <= \w+", "negative_late <= negative"),
+    (r"negative_late <= [^;]+", "negative_late <= negative"),
 ]
 
 INPUTS, OUTPUTS = {"in_data": SIGNED}, {"out_data": SIGNED}

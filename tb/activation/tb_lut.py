@@ -25,7 +25,7 @@ CASES = {
 FAULTS = [
     (r"word = (\d+)", r"word = \1 ^ 1"),
     (r"beyond == 1", "beyond == 2"),
-    (r"negative_late <= \w+", "negative_late <= negative"),
+    (r"negative_late <= [^;]+", "negative_late <= negative"),
 ]
 
 INPUTS, OUTPUTS = {"in_data": SIGNED}, {"out_data": SIGNED}

@@ -25,7 +25,7 @@ FAULTS = [
     (r"products \+ aligned", "products - aligned"),
     (r"kept < 0", "kept < -9000"),
     (r"segment_late == (\d+)", r"segment_late == \1 + 1"),
-    (r"negative_late <= \w+", "negative_late <= negative"),
+    (r"negative_late <= [^;]+", "negative_late <= negative"),
 ]
 
 INPUTS, OUTPUTS = {"in_data": SIGNED}, {"out_data": SIGNED}

@@ -24,7 +24,7 @@ FAULTS = [
     (r"low \^ (\d+)", "low"),
     (r"wide_gradient - wide_high", "wide_gradient"),
     (r"wide_distance - (\d+)", "wide_distance"),
-    (r"negative_late <= \w+", "negative_late <= negative"),
+    (r"negative_late <= [^;]+", "negative_late <= negative"),
 ]
 
 INPUTS, OUTPUTS = {"in_data": SIGNED}, {"out_data": SIGNED}

@@ -117,6 +117,10 @@ ENGINES = {
     "chain-engine": replace(
         ENGINE, shapes=[(2, 3, 1), (3, 3, 1), (4, 3, 1)], arrangement="cascade", spread=1.0
     ),
+    "deep-engine": replace(ENGINE, hardware='pipeline = "deep"', spread=1.0),
+    "deep-least-engine": replace(
+        ENGINE, shapes=[(1, 1, 1)], hardware='pipeline = "deep"', spread=1.0
+    ),
     "three-engine": replace(
         ENGINE, shapes=[(2, 4, 1), (2, 3, 1), (2, 2, 1)], arrangement="multiple", spread=1.0
     ),

@@ -19,45 +19,45 @@ from tb.common.stimulus import random_resets
 CASES = ENGINE_PARTS
 FAULTS = [
     (r"(memory\[\d+\] <= \S+);", r"\1 ^ 1;"),
-    (r"stands = \(finish \|\| \(!run\)\)", "stands = (!run)"),
+    (r"stands = \(finish \|\| \(!\(start \|\| run\)\)\)", "stands = (!run)"),
     (r"if \(rst == 1\)", "if (0)"),
     (r"if \(look_up\)", "if (1)"),
 ]
 
 
-async def check(bench, run, finish, resets):
+async def check(bench, start, run, finish, resets):
     twin, rng = bench.twin, bench.rng
     length = len(run)
     segments = 1 << twin.segment_addr_width
     look_up = rng.random(length) < 2 / 3
     segment = rng.integers(0, segments, length)
     segment[:segments], look_up[:segments] = np.arange(segments), True
-    drive = {"run": run, "finish": finish, "segment": segment, "look_up": look_up}
+    drive = {"start": start, "run": run, "finish": finish, "segment": segment, "look_up": look_up}
     if resets:
         drive["rst"] = random_resets(rng, length, every=40)
     recording = await bench.play(drive, ["word", "table_word"])
 
     # From the last clock of the initial reset on the counter stands.
-    rows = np.arange(RESET_CLOCKS, recording.clocks - bench.latency)
-    flags = [recording.unsigned(name, rows) for name in ("run", "finish", "rst")]
+    rows = np.arange(RESET_CLOCKS, recording.clocks - twin.look_up_latency)
+    flags = [recording.unsigned(name, rows) for name in ("start", "run", "finish", "rst")]
     got = recording.unsigned("word", rows + bench.latency)
     bench.compare("word", got, twin.process(*flags), clock=rows)
     asked = [recording.unsigned(name, rows) for name in ("segment", "look_up")]
-    got = recording.unsigned("table_word", rows + bench.latency)
+    got = recording.unsigned("table_word", rows + twin.look_up_latency)
     bench.compare("table_word", got, twin.look_up(*asked), segment=asked[0])
 
 
 def random_runs(rng, length):
-    """Runs of up to 60 clocks, and a finish in one of 20 clocks."""
+    """A start or a run of up to 60 clocks, and a finish in one of 20 clocks."""
     run = np.repeat(rng.integers(0, 2, length), rng.integers(1, 61, length))[:length]
-    return run, rng.random(length) < 1 / 20
+    return rng.random(length) < 1 / 20, run, rng.random(length) < 1 / 20
 
 
 @cocotb.test()
 async def whole_memory(dut):
     bench = Bench(dut)
     length = len(bench.twin.contents) + 10
-    await check(bench, np.ones(length), np.zeros(length), resets=False)
+    await check(bench, np.zeros(length), np.ones(length), np.zeros(length), resets=False)
     bench.finish(at_least=length)
 
 

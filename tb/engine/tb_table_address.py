@@ -16,7 +16,7 @@ from tb.common.small import ENGINE_PARTS
 CASES = {"rails-engine": ENGINE_PARTS["rails-engine"]}
 FAULTS = [
     (r"high = \(~part\)", "high = part"),
-    (r"high > (\d+)", r"high > \1 + 1"),
+    (r"top > (\d+)", r"top > \1 + 1"),
 ]
 
 

@@ -11,7 +11,7 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
-from tb.common.frames import captured_frames, node_timeline
+from tb.common.frames import captured_rows, node_timeline
 from tb.common.small import PARTS
 from tb.common.stimulus import corner_frames, extreme_frames
 
@@ -24,16 +24,18 @@ FAULTS = [
 @cocotb.test()
 async def frames(dut):
     bench = Bench(dut)
-    nodes = bench.twin.nodes
-    fmt, inputs = nodes[0].in_fmt, bench.twin.inputs
+    fmt, inputs = bench.twin.in_fmt, bench.twin.inputs
     random = bench.rng.integers(fmt.low, fmt.high + 1, (300, inputs))
-    ends = extreme_frames(fmt, [node.weights for node in nodes])
+    ends = extreme_frames(fmt, bench.twin.weights)
     driven = np.concatenate([corner_frames(fmt, inputs), ends, random])
-    ports = [f"out_q_{j}" for j in range(len(nodes))]
+    addr = np.tile(np.arange(inputs), (len(driven), 1))
+    ports = [f"out_q_{j}" for j in range(bench.twin.hidden)]
     for gap in (0.0, 0.4):
-        drive = node_timeline(bench.rng, driven, gap)
+        drive = node_timeline(bench.rng, {"in_data": driven, "addr": addr}, gap)
         recording = await bench.play(drive, ports)
-        seen, held = captured_frames(recording, inputs)
+        samples, held = captured_rows(recording, inputs)
+        bench.compare("addr", recording.unsigned("addr", samples.ravel()), addr.ravel())
+        seen = recording.signed("in_data", samples.ravel()).reshape(samples.shape)
         expected = bench.twin.process(seen)
         # The first clock of every sum, and the last one before the next sum.
         for rows in (held, np.append(held[1:] - 1, recording.clocks - 1)):

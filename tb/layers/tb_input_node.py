@@ -1,17 +1,21 @@
 """input_node against its twin.
 
-Sweeps: corner frames (rails, alternating rails, zeros, one sensor alone), the frames
-that drive each sum to its ends, and 500 random frames.
-Drives: samples with address and controls as CONTROLLER 1 makes them, back to back and with gaps.
+Sweeps: with the weights of every node that the design has, corner frames (rails, alternating rails,
+zeros, one sensor alone) and the frames that drive the sum to its ends; and 500 random frames, each
+with weights and a bias of its own.
+Drives: samples and weights with the controls as CONTROLLER 1 makes them, back to back and with
+gaps; a bias only where ``preset`` asks for it, and something else in other clocks.
 Checks: the held sum of every frame bit for bit, from the clock after ``capture`` to the next one.
-Does not prove: controls in an order that CONTROLLER 1 never makes.
+Does not prove: controls in an order that CONTROLLER 1 never makes; sums that leave the accumulator.
 """
 
 import cocotb
 import numpy as np
 
+from golden.block import walk
+from golden.layers.input_integral import InputIntegral
 from tb.common.bench import Bench
-from tb.common.frames import captured_frames, node_timeline
+from tb.common.frames import captured_rows, node_timeline
 from tb.common.small import PARTS
 from tb.common.stimulus import corner_frames, extreme_frames
 
@@ -20,23 +24,63 @@ FAULTS = [
     (r"if \(capture\)", "if (1)"),
     (r"result = 131071|result = 8191", "result = 0"),
     (r"acc \+ (\d+)", "acc + 0"),
+    (r"bias_word = bias", "bias_word = 0"),
+    (r"factor <= weight", "factor <= bias"),
 ]
+RANDOM = 500
+
+
+def random_coefficients(bench, inputs):
+    """Weights and biases of any magnitude whose sums the accumulator holds."""
+    twin, rng = bench.twin, bench.rng
+    fmt = twin.coeff_fmt
+    weights = rng.integers(fmt.low, fmt.high + 1, (RANDOM, inputs))
+    biases = rng.integers(fmt.low, fmt.high + 1, RANDOM)
+    while True:
+        terms = np.abs(weights * twin.in_fmt.low) >> twin.product_shift
+        reach = terms.sum(axis=1) + (np.abs(biases) << twin.bias_shift)
+        wide = reach >= 1 << (twin.acc_width - 1)
+        if not wide.any():
+            return weights, biases
+        for codes in (weights, biases):
+            codes[wide] = np.sign(codes[wide]) * (np.abs(codes[wide]) // 2)
+
+
+def stimuli(bench, layer):
+    """Frames, and the weights and bias of each."""
+    fmt, inputs = bench.twin.in_fmt, layer.inputs
+    weights, biases = random_coefficients(bench, inputs)
+    parts = [(bench.rng.integers(fmt.low, fmt.high + 1, (RANDOM, inputs)), weights, biases)]
+    for row, bias in zip(layer.weights, layer.biases, strict=True):
+        frames = np.concatenate([corner_frames(fmt, inputs), extreme_frames(fmt, [row])])
+        count = len(frames)
+        parts.append((frames, np.tile(row, (count, 1)), np.full(count, bias)))
+    return tuple(np.concatenate(column) for column in zip(*parts, strict=True))
 
 
 @cocotb.test()
 async def frames(dut):
     bench = Bench(dut)
-    fmt, inputs = bench.twin.in_fmt, len(bench.twin.weights)
-    random = bench.rng.integers(fmt.low, fmt.high + 1, (500, inputs))
-    ends = extreme_frames(fmt, [bench.twin.weights])
-    driven = np.concatenate([corner_frames(fmt, inputs), ends, random])
-    for gap in (0.0, 0.4):
-        drive = node_timeline(bench.rng, driven, gap)
-        recording = await bench.play(drive, ["out_data"])
-        seen, held = captured_frames(recording, inputs)
-        expected = bench.twin.process(seen)
-        # The first clock of every sum, and the last one before the next sum.
-        for rows in (held, np.append(held[1:] - 1, recording.clocks - 1)):
-            got = recording.signed("out_data", rows)
-            bench.compare("out_data", got, expected, frame=seen)
-    bench.finish(at_least=4 * len(driven))
+    layers = [block for block in walk(bench.design) if isinstance(block, InputIntegral)]
+    fmt = bench.twin.coeff_fmt
+    for layer in (block for block in layers if block.node == bench.twin):
+        driven, weights, biases = stimuli(bench, layer)
+        others = bench.rng.integers(fmt.low, fmt.high + 1, weights.shape)
+        others[:, 0] = biases
+        items = {"in_data": driven, "weight": weights, "bias": others}
+        for gap in (0.0, 0.4):
+            drive = node_timeline(bench.rng, items, gap)
+            drive["bias"] = np.roll(drive["bias"], 2)
+            recording = await bench.play(drive, ["out_data"])
+            samples, held = captured_rows(recording, layer.inputs)
+            seen, factors = (
+                recording.signed(port, samples.ravel()).reshape(samples.shape)
+                for port in ("in_data", "weight")
+            )
+            starts = recording.signed("bias", recording.rows("preset"))
+            expected = bench.twin.process(seen, factors, starts)
+            # The first clock of every sum, and the last one before the next sum.
+            for rows in (held, np.append(held[1:] - 1, recording.clocks - 1)):
+                got = recording.signed("out_data", rows)
+                bench.compare("out_data", got, expected, frame=seen)
+    bench.finish(at_least=4 * RANDOM)

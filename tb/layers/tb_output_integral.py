@@ -18,7 +18,7 @@ from tb.common.stream import SIGNED, UNSIGNED, check_stream
 CASES = FOLDED
 FAULTS = [
     (r"left \+ right|(\w+_term) \+ (\w+_term)", r"\1 - \2"),
-    (r"out_last <= [a-z]\w+", "out_last <= 0"),
+    (r"out_last <= [a-z][^;]+", "out_last <= 0"),
 ]
 
 

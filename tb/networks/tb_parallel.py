@@ -22,7 +22,7 @@ CASES = PARALLEL
 FAULTS = [
     (r"\.in_data_1\(in_data_1\)", ".in_data_1(in_data_0)"),
     (r"\.in_data_1\(r_1\)", ".in_data_1(r_0)"),
-    (r"out_valid <= delay\w+", "out_valid <= q_valid"),
+    (r"out_valid <= delay[^;]+", "out_valid <= q_valid"),
     (r"\.in_last\(last\)", ".in_last(q_valid)"),
 ]
 

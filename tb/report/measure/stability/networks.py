@@ -11,7 +11,7 @@ import numpy as np
 from golden.activation.schemes import SCHEMES
 from golden.fixed import Codes, Fix, signed_width
 from golden.layers.input_controller import InputController
-from golden.layers.input_node import InputNode
+from golden.layers.input_integral import InputIntegral
 from golden.layers.neuron import Neuron
 from golden.layers.output_integral import OutputIntegral
 from golden.networks.arrangement import seen
@@ -140,14 +140,14 @@ def accumulators() -> Iterator[Row]:
     wide = Fix(EXACT.coeff_width, EXACT.coeff_width - 1)
     for precision, fmt in ((THESIS, SIGNAL), (EXACT, wide)):
         shift, hidden = precision.product_shift, precision.hidden_fmt
-        blocks: dict[str, list[InputNode | Neuron | OutputIntegral]] = {}
+        blocks: dict[str, list[InputIntegral | Neuron | OutputIntegral]] = {}
         # A weight and a bias fill 31 bits or the 32nd, where the twin changes its integers.
         for count, bias, weight in itertools.product(
             (1, 2, 25), (fmt.low, fmt.high), (fmt.low, fmt.high)
         ):
             weights = (weight,) * count
             for block in (
-                InputNode(SIGNAL, fmt, hidden, shift, weights, bias),
+                InputIntegral(SIGNAL, fmt, hidden, shift, (weights,), (bias,)),
                 Neuron(SIGNAL, fmt, SIGNAL, shift, weights, bias, factor=FACTOR),
                 OutputIntegral(SIGNAL, fmt, SIGNAL, shift, (weights,), (bias,), (FACTOR,)),
             ):
@@ -162,13 +162,13 @@ def accumulators() -> Iterator[Row]:
             yield Row(name, case, must, "bits of the sum", bits, width)
 
 
-def _filled(block: InputNode | Neuron | OutputIntegral) -> tuple[float, int, int]:
+def _filled(block: InputIntegral | Neuron | OutputIntegral) -> tuple[float, int, int]:
     """Codes off Python's integers, bits of the largest sum, and those that the hardware has."""
-    if isinstance(block, OutputIntegral):
-        weights, bias, factor = block.weights[0], block.biases[0], FACTOR
-    else:
+    if isinstance(block, Neuron):
         weights, bias = block.weights, block.bias
-        factor = FACTOR if isinstance(block, Neuron) else 1
+    else:
+        weights, bias = block.weights[0], block.biases[0]
+    factor = 1 if isinstance(block, InputIntegral) else FACTOR
     count = len(weights)
     frames = np.concatenate([np.full((1, count), LOW), np.full((1, count), HIGH)])
     frames = np.concatenate([frames, _alternating(count)])
