@@ -55,6 +55,7 @@ def test_make_alone_lists_the_targets() -> None:
         "network",
         "image",
         "bench",
+        "listing",
         "activations",
         "figures",
         "lean",

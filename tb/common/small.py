@@ -130,8 +130,9 @@ ENGINES = {
 # The same hardware, whatever its image.
 RELOADED = {
     "rails-reload": replace(ENGINE, hardware="reload = true"),
-    "least-reload": replace(
-        ENGINES["least-engine"], hardware="reload = true\nprogram_words = 1024\noperand_words = 256"
+    "deep-reload": replace(
+        ENGINES["least-engine"],
+        hardware='reload = true\npipeline = "deep"\nprogram_words = 1024\noperand_words = 256',
     ),
 }
 # For a block inside an engine: every segment of the table, and few of a finer one.

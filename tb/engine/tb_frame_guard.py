@@ -20,7 +20,7 @@ from tb.common.framing import random_lengths
 from tb.common.small import RELOADED
 from tb.common.stimulus import random_resets, spread
 
-CASES = {name: RELOADED[name] for name in ("rails-reload", "least-reload")}
+CASES = RELOADED
 FAULTS = [
     (r"\(halt && \(in_valid \|\| started\)\)", "(halt && in_valid)"),
     (r"finish \|\| broken \|\| halt", "finish || broken"),

@@ -19,7 +19,7 @@ from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import RELOADED
 from tb.common.stimulus import random_resets
 
-CASES = {name: RELOADED[name] for name in ("rails-reload", "least-reload")}
+CASES = RELOADED
 FAULTS = [
     (r"check_byte0_spread\[0\]", "check_byte0_spread[1]"),
     (r"accept = \(load_valid && \(!busy\)\)", "accept = load_valid"),

@@ -17,7 +17,7 @@ from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import RELOADED
 from tb.common.stimulus import random_resets
 
-CASES = {name: RELOADED[name] for name in ("rails-reload", "least-reload")}
+CASES = RELOADED
 FAULTS = [
     (r"stands = \(finish \|\| ", "stands = ("),
     (r"if \(rst == 1\)", "if (0)"),
