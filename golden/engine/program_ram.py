@@ -34,8 +34,8 @@ class ProgramRam(Block):
 
     Notes
     -----
-    The write takes the counter's port: in its clock the word at the address of the write is read,
-    as it was before. What was never written is undefined.
+    The write takes the counter's port; in its clock nothing is read. What was never written is
+    undefined.
     """
 
     block = "program_ram"
@@ -71,11 +71,15 @@ class ProgramRam(Block):
                 Unsigned(self.segment_addr_width),
                 "segment_addr_width",
             ),
-            taken("look_up", "it is read; otherwise `table_word` is 0"),
-            taken("write", "`data` is kept, and the counter's address gives way"),
+            taken(
+                "look_up", "it is read; otherwise, and in the clock of a write, `table_word` is 0"
+            ),
+            taken("write", "`data` is kept, and nothing is read"),
             taken("write_addr", "where", Unsigned(self.addr_width), "addr_width"),
             taken("data", "a word of an image", word),
-            given("word", f"the counter's word, or the one before a write, {later}", word),
+            given(
+                "word", f"the counter's word, {later}; in the clock of a write that before", word
+            ),
             given("table_word", f"that of the table, {looked_up}", word),
         )
 
@@ -111,8 +115,8 @@ class ProgramRam(Block):
             for c in (start, run, finish, segment, look_up, write, write_addr, data, reset)
         ]
         for starts, runs, ends, low, looks, writes, to, word, resets in zip(*columns, strict=True):
-            fetched.append(memory[to if writes else counter])
-            found.append(memory[low] if looks else 0)
+            fetched.append(fetched[-1] if writes and fetched else memory[counter])
+            found.append(memory[low] if looks and not writes else 0)
             if writes:
                 memory[to] = word
             stands = resets or ends or not (starts or runs)

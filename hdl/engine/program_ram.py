@@ -36,7 +36,7 @@ def program_ram(
     look_up : bool
         Without it ``table_word`` is 0.
     write, write_addr, data : bool, unsigned ``spec.addr_width`` bits, unsigned 36 bits
-        In the clock of a write ``word`` is what stood at ``write_addr``, not the counter's.
+        In the clock of a write nothing is read: ``word`` stays, and ``table_word`` is 0.
     word, table_word : unsigned 36 bits
         ``spec.latency`` and ``spec.look_up_latency`` clocks later.
     spec : ProgramRam
@@ -44,14 +44,14 @@ def program_ram(
     Notes
     -----
     The table stands before the program, and what is written takes the counter's port, so two ports
-    do: a block RAM of 512 words. A word that is read while it is written is the one before. Reset
-    puts the counter to the program's first word.
+    do: a block RAM of 512 words. Nothing is read in the clock of a write, because what a block RAM
+    then gives differs between devices. Reset puts the counter to the program's first word.
     """
     begin = spec.begin
     memory = [unsigned(WORD_WIDTH) for _ in range(1 << spec.addr_width)]
     counter = Signal(modbv(begin, min=0, max=1 << spec.addr_width))
     addr = unsigned(spec.addr_width)
-    stands, look_up_late = flag(), flag()
+    stands, asked, asked_late = (flag() for _ in range(3))
     fetched, found, found_late = (unsigned(WORD_WIDTH) for _ in range(3))
 
     @always_comb
@@ -73,20 +73,22 @@ def program_ram(
             addr.next = counter
 
     @always(clk.posedge)
-    def keep():
+    def fetch():
         if write:
             memory[addr].next = data
+        else:
+            fetched.next = memory[addr]
 
-    @always(clk.posedge)
-    def fetch():
-        fetched.next = memory[addr]
+    @always_comb
+    def ask():
+        asked.next = look_up and not write
 
-    common = decide, step, choose, keep, fetch
+    common = decide, step, choose, fetch, ask
     if not spec.registers:
 
         @always(clk.posedge)
         def read_table():
-            if look_up:
+            if asked:
                 table_word.next = memory[segment]
             else:
                 table_word.next = 0
@@ -96,11 +98,12 @@ def program_ram(
     # A block RAM whose word is a register's at once is faster than one behind which it is cleared.
     @always(clk.posedge)
     def read_table():
-        found.next = memory[segment]
+        if not write:
+            found.next = memory[segment]
 
     @always(clk.posedge)
     def clear():
-        if look_up_late:
+        if asked_late:
             table_word.next = found_late
         else:
             table_word.next = 0
@@ -111,5 +114,5 @@ def program_ram(
         clear,
         delay(clk, None, fetched, word, clocks=1),
         delay(clk, None, found, found_late, clocks=1),
-        delay(clk, None, look_up, look_up_late, clocks=2),
+        delay(clk, None, asked, asked_late, clocks=2),
     )

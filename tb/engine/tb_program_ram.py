@@ -21,7 +21,7 @@ CASES = RELOADED
 FAULTS = [
     (r"stands = \(finish \|\| ", "stands = ("),
     (r"if \(rst == 1\)", "if (0)"),
-    (r"if \(look_up\)", "if (1)"),
+    (r"asked = \(look_up && \(!write\)\)", "asked = look_up"),
     (r"addr = write_addr", "addr = counter"),
     (r"(memory\[addr\] <= \S+);", r"\1 ^ 1;"),
 ]
