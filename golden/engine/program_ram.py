@@ -109,7 +109,9 @@ class ProgramRam(Block):
         -1 is a word that was never written.
         """
         memory = [-1] * (1 << self.addr_width)
-        counter, fetched, found = self.begin, [], []
+        counter = self.begin
+        fetched: list[int] = []
+        found: list[int] = []
         columns = [
             np.asarray(c).tolist()
             for c in (start, run, finish, segment, look_up, write, write_addr, data, reset)

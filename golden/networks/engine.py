@@ -15,7 +15,7 @@ from golden.engine.frame_guard import FrameGuard
 from golden.engine.graph import Graph, graph_of
 from golden.engine.image import ACC_WIDTH, Image, Sizes, image_of
 from golden.engine.image_loader import ImageLoader
-from golden.engine.multiply_accumulate import PRODUCT_WIDTH, MultiplyAccumulate
+from golden.engine.multiply_accumulate import MultiplyAccumulate
 from golden.engine.operand_memory import OperandMemory
 from golden.engine.operand_select import OperandSelect
 from golden.engine.pipeline import Pipeline
@@ -34,6 +34,8 @@ from golden.precision import EXACT, SIGNAL, Precision
 
 # Smaller memories would be made of LUTs in some devices, which are slower behind a block RAM.
 LEAST_ADDR_WIDTH = 7
+# With fewer, Yosys makes the test for saturation anew for each bit that it chooses.
+LEAST_ACC_WIDTH = 38
 # Bits of a sum that no scene of weights below 512 leaves.
 WHOLE_ACC_WIDTH = 44
 LOAD_PORTS = (
@@ -103,7 +105,7 @@ class Engine(Design):
             segments = min(segments, (graph.reach(table) >> table.width) + 1)
         program, _ = assemble(graph, table, segments, pipeline)
         bound = max(graph.bound(neuron, table) for neuron in graph.neurons).bit_length() + 1
-        least = PRODUCT_WIDTH if lean else WHOLE_ACC_WIDTH
+        least = LEAST_ACC_WIDTH if lean else WHOLE_ACC_WIDTH
         loaded = None
         if reload:
             loaded = image_of(program, bound, Sizes(**chosen, pipeline=pipeline))

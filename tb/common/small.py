@@ -135,8 +135,9 @@ RELOADED = {
         hardware='reload = true\npipeline = "deep"\nprogram_words = 1024\noperand_words = 256',
     ),
 }
-# For a block inside an engine: every segment of the table, and few of a finer one.
-ENGINE_PARTS = {name: ENGINES[name] for name in ("rails-engine", "fine-engine")}
+# For a block inside an engine: every segment of the table, few of a finer one, and registers behind
+# the memories.
+ENGINE_PARTS = {name: ENGINES[name] for name in ("rails-engine", "fine-engine", "deep-engine")}
 
 
 def both_precisions(activation: str) -> dict[str, Case]:

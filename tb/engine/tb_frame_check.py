@@ -2,10 +2,10 @@
 
 Sweeps: 1000 samples in frames of the right length, shorter and longer ones, mixed at random.
 Drives: frames far enough apart, closer than they are computed, with gaps, and with resets at random
-clocks. After each good frame ``finish`` comes in its clock; ``store`` is high at random while a frame
-is computed.
-Checks: start, run, write, its address and frame_error in their clocks, and that none of the flags is high
-in any other clock.
+clocks. After each good frame ``finish`` comes in its clock; ``store`` is high at random while a
+frame is computed.
+Checks: start, run, write, its address and frame_error in their clocks, and that none of the flags
+is high in any other clock.
 Does not prove: a finish while no frame is computed, which the program rules out.
 """
 
@@ -17,7 +17,7 @@ from tb.common.framing import random_lengths, scan
 from tb.common.small import ENGINES
 from tb.common.stimulus import random_resets, spread
 
-CASES = {name: ENGINES[name] for name in ("rails-engine", "least-engine")}
+CASES = {name: ENGINES[name] for name in ("rails-engine", "least-engine", "deep-least-engine")}
 FAULTS = [
     (r"frame_error <= \(early \|\| broken\)", "frame_error <= broken"),
     (r"dropping <= \(\(!in_last\)", "dropping <= (0"),
@@ -30,7 +30,7 @@ SAMPLES = 1000
 
 
 def computed(twin, drive):
-    """The clocks of ``finish``, ``busy`` clocks after a good frame as the engine gives it, and those
+    """The clocks of ``finish``, ``busy`` clocks after a good frame as in the engine, and those
     in which a frame is computed.
     """
     length = len(drive["in_valid"])

@@ -14,9 +14,9 @@ import numpy as np
 from golden.engine.formats import WIDTH
 from golden.engine.operand_memory import WORD
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import ENGINE_PARTS
+from tb.common.small import ENGINES
 
-CASES = ENGINE_PARTS
+CASES = {name: ENGINES[name] for name in ("rails-engine", "huge-engine")}
 FAULTS = [
     (r"weight \| chosen", "weight"),
     (r"table_word\[36-1:18\]", "table_word[17:0]"),

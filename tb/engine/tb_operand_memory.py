@@ -13,9 +13,9 @@ import numpy as np
 
 from golden.engine.operand_memory import WORD
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import ENGINE_PARTS
+from tb.common.small import ENGINES
 
-CASES = {"rails-engine": ENGINE_PARTS["rails-engine"]}
+CASES = {name: ENGINES[name] for name in ("rails-engine", "deep-engine")}
 FAULTS = [
     (r"if \(write\)", "if (1)"),
     (

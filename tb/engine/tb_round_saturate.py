@@ -15,9 +15,9 @@ from golden.engine.operand_memory import WORD
 from golden.fixed import Fix
 from golden.precision import SIGNAL
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import ENGINE_PARTS
+from tb.common.small import ENGINES
 
-CASES = {"rails-engine": ENGINE_PARTS["rails-engine"]}
+CASES = {"rails-engine": ENGINES["rails-engine"]}
 FAULTS = [
     (r"above != 0\)", "above != 1)"),
     (r"if \(acc\[\d+\]\)", "if (!acc[0])"),
