@@ -9,7 +9,7 @@ RUN = "$(VENV)/bin/python"
 EMPTY :=
 READY = $(subst $(EMPTY) ,\ ,$(VENV))/.ready
 
-.PHONY: help demo test machines sim vhdl verilog train network bench listing activations figures lean synth report docs pages lint clean tools browser
+.PHONY: help demo test machines sim vhdl verilog train network image bench listing activations figures lean synth report docs pages lint clean tools browser
 
 help:
 	@echo "make demo    [SCENE=]                     a scene end to end: simulate, export, table of errors"
@@ -24,6 +24,7 @@ help:
 	@echo "make train   [SCENE=] [CLUSTER=]          train the scene's networks, write them beside it"
 	@echo "make network TO=file.onnx [SCENE=] [OUTPUT=]"
 	@echo "                                          write a network of the scene as .npz, .mat or .onnx"
+	@echo "make image   [SCENE=] [HARDWARE=scene]    what makes an engine that can be reloaded run the scene"
 	@echo "make bench   [SCENE=] [FRAMES=]           speed and memory of the bit-true twin"
 	@echo "make listing [SCENE=]                     the program of an engine, step by step"
 	@echo "make activations                          errors of every activation against tanh, and their plots"
@@ -61,6 +62,9 @@ train: $(READY)
 
 network: $(READY)
 	@$(RUN) -m golden.network_files.convert "$(SCENE)" "$(TO)" $(if $(OUTPUT),--output "$(OUTPUT)")
+
+image: $(READY)
+	@$(RUN) -m golden.scene.write_image "$(SCENE)" $(if $(HARDWARE),--hardware "$(HARDWARE)")
 
 bench: $(READY)
 	@$(RUN) -m tb.report.measure.benchmark "$(SCENE)" $(if $(FRAMES),--frames "$(FRAMES)")

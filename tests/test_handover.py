@@ -26,10 +26,10 @@ pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.Unsettle
 ROOT = Path(__file__).parents[1]
 SHIPPED = ("digit", "digit-parallel")
 # A profile beside the outputs; single values; frames further apart than they are long; networks of
-# different depth; slots; the same behind AXI4-Stream.
+# different depth; slots; the same behind AXI4-Stream; an engine that is loaded first.
 OTHERS = (
     *("profile", "least", "wide", "pade-parallel", "wide-multiple", "other-profile"),
-    *("axis", "axis-cascade", "one-sensor"),
+    *("axis", "axis-cascade", "one-sensor", "rails-reload"),
 )
 
 

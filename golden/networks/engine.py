@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Self
+from typing import Any, Self
 
 from golden.block import Block
 from golden.engine.exact import error_bounds, exact
 from golden.engine.formats import HIDDEN
 from golden.engine.frame_check import FrameCheck
+from golden.engine.frame_guard import FrameGuard
 from golden.engine.graph import Graph, graph_of
+from golden.engine.image import ACC_WIDTH, Image, Sizes, image_of
+from golden.engine.image_loader import ImageLoader
 from golden.engine.multiply_accumulate import MultiplyAccumulate
 from golden.engine.operand_memory import OperandMemory
 from golden.engine.operand_select import OperandSelect
@@ -19,6 +22,7 @@ from golden.engine.pipeline import Pipeline, SerialPipeline
 from golden.engine.plane_select import PlaneSelect
 from golden.engine.program import Program, assemble
 from golden.engine.program_memory import ProgramMemory
+from golden.engine.program_ram import ProgramRam
 from golden.engine.replay_memory import ReplayMemory
 from golden.engine.round_saturate import RoundSaturate
 from golden.engine.serial_accumulate import SerialAccumulate
@@ -29,6 +33,7 @@ from golden.fixed import Codes
 from golden.flow import Carried, Flow
 from golden.networks.design import Design
 from golden.networks.mlp import Mlp, Real
+from golden.port import Port, Unsigned, given, taken
 from golden.precision import EXACT, SIGNAL, Precision
 
 # Smaller memories would be made of LUTs in some devices, which are slower behind a block RAM.
@@ -37,6 +42,13 @@ LEAST_ADDR_WIDTH = 7
 LEAST_ACC_WIDTH = 38
 # Bits of a sum that no scene of weights below 512 leaves.
 WHOLE_ACC_WIDTH = 44
+LOAD_PORTS = (
+    taken("load_valid", "`load_data` holds a byte of an image"),
+    taken("load_data", "the byte", Unsigned(8)),
+    taken("load_last", "it is the last of the image"),
+    given("load_ready", "a byte is taken in this clock; not while a frame is computed"),
+    given("image_error", "the image before was cut, or failed its check"),
+)
 
 
 @dataclass(frozen=True)
@@ -51,16 +63,29 @@ class Engine(Design):
     program : Program
     acc_width : int
         Bits of the sum: no sum of the program leaves them.
+    graph : Graph
+        What the program was made from.
+    loaded : Image or None
+        What an engine that can be reloaded runs; its hardware depends on ``loaded.sizes`` alone.
+        None for a program that is part of the hardware.
     """
 
     block = "engine"
     arrangements = ("single", "multiple", "cascade")
     precisions = (EXACT.name,)
     known_activations = ("precise",)
-    options = ("segment_width", "pipeline", "multiplier")
+    options = (
+        "segment_width",
+        "pipeline",
+        "multiplier",
+        "reload",
+        "program_words",
+        "operand_words",
+    )
     program: Program
     acc_width: int
     graph: Graph
+    loaded: Image | None = None
 
     @classmethod
     def of_several(
@@ -84,32 +109,39 @@ class Engine(Design):
             What the scene chooses of ``options``.
         variant : str
         """
-        chosen = {"segment_width": 9, "pipeline": "short", "multiplier": "dsp"} | dict(
-            hardware or {}
-        )
-        serial = chosen["multiplier"] == "serial"
-        if serial and chosen["pipeline"] != "short":
+        chosen: dict[str, Any] = {"segment_width": 9, "pipeline": "short"} | dict(hardware or {})
+        serial = chosen.pop("multiplier", "dsp") == "serial"
+        depth, reload = chosen.pop("pipeline"), chosen.pop("reload", False)
+        if serial and depth != "short":
             raise ValueError(
-                f"hardware.pipeline: got {chosen['pipeline']!r} with multiplier 'serial', "
-                "expected 'short'"
+                f"hardware.pipeline: got {depth!r} with multiplier 'serial', expected 'short'"
+            )
+        if serial and reload:
+            raise ValueError(
+                "hardware.reload: got True with multiplier 'serial', expected multiplier 'dsp'"
             )
         table = tanh_table(chosen["segment_width"])
         graph = graph_of(arrangement, mlps, lean)
         segments = len(table.slopes)
-        if lean:
+        if lean and not reload:
             segments = min(segments, (graph.reach(table) >> table.width) + 1)
         program: Program
         if serial:
             program, _ = assemble_serial(graph, table, segments, SerialPipeline())
         else:
-            pipeline = Pipeline(int(chosen["pipeline"] == "deep"))
+            pipeline = Pipeline(int(depth == "deep"))
             program, _ = assemble(graph, table, segments, pipeline)
         bound = max(graph.bound(neuron, table) for neuron in graph.neurons).bit_length() + 1
         least = LEAST_ACC_WIDTH if lean else WHOLE_ACC_WIDTH
+        loaded = None
+        if reload:
+            loaded = image_of(program, bound, Sizes(**chosen, pipeline=pipeline))
+            program = loaded.program
         return cls(
             program,
-            max(least, bound),
+            ACC_WIDTH if loaded else max(least, bound),
             graph,
+            loaded,
             useless_nodes=graph.useless_nodes,
             variant=variant,
         )
@@ -149,6 +181,11 @@ class Engine(Design):
         return tuple(map(self.program.clock, self.program.output_steps))
 
     @property
+    def clocks_text(self) -> str:
+        """``output_clocks`` for the exported file, which must not depend on an image."""
+        return "as the image says" if self.loaded else ", ".join(map(str, self.output_clocks))
+
+    @property
     def latency(self) -> int:
         return self.output_clocks[0]
 
@@ -167,8 +204,22 @@ class Engine(Design):
         return isinstance(self.program, SerialProgram)
 
     @property
+    def ports(self) -> tuple[Port, ...]:
+        return super().ports + (LOAD_PORTS if self.loaded else ())
+
+    @property
+    def image(self) -> bytes:
+        return self.loaded.to_bytes() if self.loaded else b""
+
+    def running(self, image: Image) -> Self:
+        """The same hardware with another image."""
+        return replace(self, program=image.program, loaded=image)
+
+    @property
     def addr_width(self) -> int:
         """Bits of the operand memory's address."""
+        if self.loaded:
+            return self.loaded.sizes.operand_addr_width
         return max(LEAST_ADDR_WIDTH, (self.program.addresses - 1).bit_length())
 
     @property
@@ -180,6 +231,32 @@ class Engine(Design):
         return FrameCheck(
             self.inputs, self.addr_width, self.output_clocks[-1], self.program.pipeline
         )
+
+    @property
+    def frame_guard(self) -> FrameGuard:
+        """In the place of the frame check, where the image can change."""
+        return FrameGuard(self.addr_width, self.program.pipeline)
+
+    @property
+    def image_loader(self) -> ImageLoader:
+        sizes = self._sizes
+        return ImageLoader(sizes.program_addr_width, self.addr_width, sizes.check_start)
+
+    @property
+    def program_ram(self) -> ProgramRam:
+        """In the place of the program memory, where the image can change."""
+        return ProgramRam(
+            self._sizes.program_addr_width,
+            self._sizes.segments,
+            self.table_address.addr_width,
+            self.program.pipeline.memory_registers,
+        )
+
+    @property
+    def _sizes(self) -> Sizes:
+        if self.loaded is None:
+            raise ValueError(f"{self.entity}: its program is part of the hardware, expected reload")
+        return self.loaded.sizes
 
     @property
     def program_memory(self) -> ProgramMemory:
@@ -242,9 +319,11 @@ class Engine(Design):
 
     def parts(self) -> tuple[Block, ...]:
         program, select, accumulate = self.steps
+        control: tuple[Block, ...] = (self.frame_check, program)
+        if self.loaded:
+            control = (self.image_loader, self.frame_guard, self.program_ram)
         return (
-            self.frame_check,
-            program,
+            *control,
             self.operand_memory,
             self.table_address,
             select,
@@ -262,7 +341,7 @@ class Engine(Design):
                 *self.steps[1:],
                 Carried(f"{self.outputs} y", SIGNAL),
             ),
-            watcher=self.frame_check,
+            watcher=self.frame_guard if self.loaded else self.frame_check,
         )
 
     def left_out(self) -> list[str]:

@@ -90,6 +90,11 @@ class Network(Block):
         return ()
 
     @property
+    def image(self) -> bytes:
+        """What must be loaded before it takes frames; empty where nothing is."""
+        return b""
+
+    @property
     def core(self) -> Network:
         """The network without front end, readout or another interface around it."""
         return self

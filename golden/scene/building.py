@@ -28,9 +28,11 @@ def build_twin(scene: Scene, lean: bool) -> Network:
         network's frames.
     """
     design = DESIGNS[scene.design]
-    network = design.of_several(
-        scene.arrangement, scene.mlps(), lean, scene.design_options
-    ) or arrange(scene.arrangement, scene.mlps(), partial(scene.build, lean=lean))
+    try:
+        together = design.of_several(scene.arrangement, scene.mlps(), lean, scene.design_options)
+    except ValueError as error:
+        raise ValueError(f"{scene.path}: {error}") from None
+    network = together or arrange(scene.arrangement, scene.mlps(), partial(scene.build, lean=lean))
     if scene.interface == "axi_stream":
         return AxisNetwork(network)
     drawn = scene.visualisation

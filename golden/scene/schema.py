@@ -43,6 +43,8 @@ KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
         "segment_width": (int, 0),
         "clocks": (int, 0),
         "reload": (bool, False),
+        "program_words": (int, 0),
+        "operand_words": (int, 0),
     },
     "training": {
         "optimiser": (str, "levenberg-marquardt"),

@@ -153,6 +153,11 @@ def check_hardware(values: dict[str, dict[str, Any]], path: Path) -> None:
             f"{path}: hardware.interface: got 'axi_stream' with a section [{around[0]}], "
             "expected stream"
         )
+    check_reload(
+        hardware,
+        [*(["interface 'axi_stream'"] * framed), *(f"a section [{s}]" for s in around)],
+        path,
+    )
     if design.stream == "serial":
         return
     serial = " or ".join(name for name, other in DESIGNS.items() if other.stream == "serial")
@@ -167,6 +172,26 @@ def check_hardware(values: dict[str, dict[str, Any]], path: Path) -> None:
         raise ValueError(
             f"{path}: hardware.design: got {design.block!r} {wanted[0]}, expected {serial}{reason}"
         )
+
+
+def check_reload(hardware: dict[str, Any], around: list[str], path: Path) -> None:
+    """Refuse what an engine that can be reloaded does not go with.
+
+    Raises
+    ------
+    ValueError
+        For anything ``around`` it, and for sizes of a memory that is not its own.
+    """
+    if hardware["reload"] and around:
+        raise ValueError(
+            f"{path}: hardware.reload: got true with {around[0]}, expected false: what stands "
+            "around an engine does not load it"
+        )
+    for key in ("program_words", "operand_words"):
+        if hardware[key] and not hardware["reload"]:
+            raise ValueError(
+                f"{path}: hardware.{key}: got {hardware[key]} without reload, expected true"
+            )
 
 
 def design_options(hardware: dict[str, Any], path: Path) -> dict[str, Any]:

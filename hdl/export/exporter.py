@@ -49,9 +49,9 @@ def export(scene: Scene, language: str, folder: Path) -> list[str]:
         # A conversion that MyHDL is not sure of is a fault.
         warnings.simplefilter("error", ToVHDLWarning)
         warnings.simplefilter("error", ToVerilogWarning)
-        specs = convert_hierarchy(
-            elaborate(design), temporary, language, f"scene {plain_name(scene.name)}"
-        )
+        # What is loaded makes the scene, not the hardware.
+        origin = None if design.image else f"scene {plain_name(scene.name)}"
+        specs = convert_hierarchy(elaborate(design), temporary, language, origin)
         suffix = SUFFIX[language]
         files = [f"{spec.entity}{suffix}" for spec in specs]
         if language == "vhdl":

@@ -21,7 +21,7 @@ from myhdl._Signal import _Signal
 
 from golden.block import Block
 from hdl.common.rom import Constants
-from hdl.common.signals import Words
+from hdl.common.signals import Group, Words
 from hdl.export.describe import heading
 from hdl.export.ports import check_ports, comment_ports
 from hdl.export.tidy import tidy
@@ -171,11 +171,11 @@ def _replaced(instance: _Block, children: list[_Block], language: str):
 
 
 def _name_grouped_signals(instance: _Block) -> None:
-    """MyHDL declares signals that are local variables; declare the members of ``Words`` too."""
+    """MyHDL declares signals that are local variables; declare the members of groups too."""
     for name, value in list(instance.symdict.items()):
-        if isinstance(value, Words):
-            for index in range(len(value)):
-                instance.sigdict.setdefault(f"{name}_{index}", value[index])
+        if isinstance(value, Words | Group):
+            for member, signal in vars(value).items():
+                instance.sigdict.setdefault(f"{name}_{member}", signal)
         elif isinstance(value, _Signal):
             instance.sigdict.setdefault(name, value)
 

@@ -1,4 +1,4 @@
-"""Engine: a whole scene on one multiplier, or on none, and a program."""
+"""Engine: a whole scene on one multiplier and a program."""
 
 from myhdl import always, always_comb, always_seq, block
 
@@ -19,10 +19,13 @@ from golden.networks.engine import Engine
 from hdl.common.serial_steps import serial_steps
 from hdl.common.signals import fixed, flag, signed, unsigned
 from hdl.engine.frame_check import frame_check
+from hdl.engine.frame_guard import frame_guard
+from hdl.engine.image_loader import image_loader
 from hdl.engine.multiply_accumulate import multiply_accumulate
 from hdl.engine.operand_memory import operand_memory
 from hdl.engine.operand_select import operand_select
 from hdl.engine.program_memory import program_memory
+from hdl.engine.program_ram import program_ram
 from hdl.engine.round_saturate import round_saturate
 from hdl.engine.table_address import table_address
 
@@ -38,6 +41,8 @@ def engine(
     out_data,
     out_last,
     frame_error,
+    load=None,
+    image=None,
     *,
     spec: Engine,
 ):
@@ -52,15 +57,19 @@ def engine(
     frame_error : bool
         One clock long for each frame of the wrong length, or that begins before the last output of
         the one before has left; it yields no result.
+    load, image : Group
+        Of an engine that can be reloaded: ``valid``, ``data``, ``last`` and ``ready`` of the bytes
+        of an image, and ``error`` after one that is not good. Frames raise ``frame_error`` until
+        a good one is there.
     spec : Engine
 
     Notes
     -----
     With a multiplier the fields of a step stand in several words of the program, each where the
-    clock of its use finds it; docs/blocks/engine.md shows which. Latency from the last sample to
-    the outputs: ``spec.output_clocks`` clocks. Reset clears every flag and counter.
+    clock of its use finds it; docs/blocks/engine.md shows which. Clocks from the last sample to the
+    outputs: ``spec.clocks_text``. Reset clears every flag and counter, and forgets a loaded image.
     """
-    check, table = spec.frame_check, spec.table_address
+    table = spec.table_address
     word, table_word = unsigned(WORD_WIDTH), unsigned(WORD_WIDTH)
     start, run, finish, write, look_up = (flag() for _ in range(5))
     write_addr, source = unsigned(spec.addr_width), unsigned(spec.addr_width)
@@ -69,6 +78,10 @@ def engine(
     weight, kind = unsigned(WIDTH), unsigned(KIND[1])
     take_intercept, first, first_of_output, store, leaves, ends = (flag() for _ in range(6))
     acc = signed(spec.acc_width)
+    if spec.loaded:
+        halt, busy, put = flag(), flag(), flag()
+        put_addr, put_word = unsigned(spec.image_loader.program_addr_width), unsigned(WORD_WIDTH)
+        before_last = unsigned(spec.addr_width)
     source_low, kind_low = SOURCE[0], KIND[0]
     source_top, kind_top = source_low + spec.addr_width, sum(KIND)
     take_bit, first_bit, first_of_output_bit = TAKE_INTERCEPT[0], FIRST[0], FIRST_OF_OUTPUT[0]
@@ -84,10 +97,44 @@ def engine(
         out_data.next = data[WIDTH:OUTPUT_SHIFT].signed()
         out_last.next = finish
 
-    common = (
-        leave,
-        show,
-        frame_check(
+    if spec.loaded:
+        frames = (
+            image_loader(
+                clk,
+                rst,
+                load.valid,
+                load.data,
+                load.last,
+                busy,
+                load.ready,
+                halt,
+                put,
+                put_addr,
+                put_word,
+                before_last,
+                image.error,
+                spec=spec.image_loader,
+            ),
+            frame_guard(
+                clk,
+                rst,
+                in_valid,
+                in_last,
+                halt,
+                before_last,
+                store,
+                finish,
+                start,
+                run,
+                busy,
+                write,
+                write_addr,
+                frame_error,
+                spec=spec.frame_guard,
+            ),
+        )
+    else:
+        frames = frame_check(
             clk,
             rst,
             in_valid,
@@ -99,8 +146,13 @@ def engine(
             write,
             write_addr,
             frame_error,
-            spec=check,
-        ),
+            spec=spec.frame_check,
+        )
+
+    common = (
+        leave,
+        show,
+        frames,
         operand_memory(clk, write, write_addr, data, source, read, spec=spec.operand_memory),
         table_address(clk, read, segment, spec=table),
         round_saturate(clk, run, acc, in_data, data, spec=spec.round_saturate),
@@ -132,12 +184,24 @@ def engine(
         leaves.next = run and word[output_bit]
         ends.next = run and word[end_bit]
 
-    return (
-        common,
-        split,
-        ask,
-        mark,
-        program_memory(
+    if spec.loaded:
+        program = program_ram(
+            clk,
+            rst,
+            start,
+            run,
+            finish,
+            segment,
+            look_up,
+            put,
+            put_addr,
+            put_word,
+            word,
+            table_word,
+            spec=spec.program_ram,
+        )
+    else:
+        program = program_memory(
             clk,
             rst,
             start,
@@ -148,7 +212,14 @@ def engine(
             word,
             table_word,
             spec=spec.program_memory,
-        ),
+        )
+
+    return (
+        common,
+        split,
+        ask,
+        mark,
+        program,
         operand_select(clk, read, kind, operand, spec=spec.operand_select),
         multiply_accumulate(
             clk,

@@ -100,7 +100,7 @@ class Bench:
             columns[name] = [int(name == "rst")] * RESET_CLOCKS + column
         ports = list(columns) + watch
         handles = [getattr(self.dut, name) for name in ports]
-        changes = _changes([(getattr(self.dut, n), c) for n, c in columns.items()])
+        changes = changed([(getattr(self.dut, n), c) for n, c in columns.items()])
         half = Timer(5, "ns")
         rows = []
         started = time.perf_counter()
@@ -147,7 +147,7 @@ class Bench:
             handle.write(json.dumps(line) + "\n")
 
 
-def _changes(columns):
+def changed(columns):
     """For every clock the (handle, value) pairs that differ from the clock before."""
     length = len(columns[0][1])
     changes = [[(handle, values[0]) for handle, values in columns]]

@@ -12,6 +12,7 @@ from golden.networks.design import Design
 from golden.precision import SIGNAL
 from tb.common.bench import Bench
 from tb.common.framing import random_lengths, scan
+from tb.common.loading import after_loading
 from tb.common.stimulus import corner_frames, extreme_frames, random_resets, spread
 
 WATCH = ["out_valid", "out_data", "out_last", "frame_error"]
@@ -20,6 +21,8 @@ MOST_CLOCKS = 200_000
 # Frames that are played with gaps too, random and recorded ones.
 MOST_WITH_GAPS = 100
 MOST_RECORDED_WITH_GAPS = 200
+# Bytes of images that are loaded between resets.
+MOST_LOADED = 200_000
 
 
 async def check(bench, elements, last, gap, resets=None, pause=0):
@@ -34,6 +37,8 @@ async def check(bench, elements, last, gap, resets=None, pause=0):
     drive = spread(bench.rng, items, "in_valid", gap, tail=tail, pause=pause)
     if resets is not None:
         drive["rst"] = resets(len(drive["in_valid"]))
+    if twin.image:
+        drive = after_loading(drive, twin.image)
     recording = await bench.play(drive, WATCH)
 
     rows, frames = scan(twin.input_controller, recording)
@@ -177,12 +182,15 @@ async def reset_at_every_clock(dut):
 
     A reset at each clock of a frame; of a long one at its beginning, its end, and in between at
     random.
+    Where an image must be loaded after each, fewer, lest it take minutes.
     """
     bench = Bench(dut)
     twin = bench.twin
     inputs, length = twin.inputs, twin.input_controller.inputs
     span = length + twin.output_clocks[-1] + 3
     most = min(span, MOST_CLOCKS // (2 * span))
+    if twin.image:
+        most = max(3, min(most, MOST_LOADED // len(twin.image)))
     ends = most // 3
     between = np.arange(ends, span - ends)
     some = bench.rng.permutation(between)[: most - 2 * ends]

@@ -127,6 +127,14 @@ ENGINES = {
     # Sums that reach few segments of a finer table.
     "fine-engine": replace(ENGINE, shapes=[(2, 3, 2)], spread=0.5, hardware="segment_width = 7"),
 }
+# The same hardware, whatever its image.
+RELOADED = {
+    "rails-reload": replace(ENGINE, hardware="reload = true"),
+    "deep-reload": replace(
+        ENGINES["least-engine"],
+        hardware='reload = true\npipeline = "deep"\nprogram_words = 1024\noperand_words = 256',
+    ),
+}
 # For a block inside an engine: every segment of the table, few of a finer one, and registers behind
 # the memories.
 ENGINE_PARTS = {name: ENGINES[name] for name in ("rails-engine", "fine-engine", "deep-engine")}

@@ -91,7 +91,7 @@ $send
             rst <= '1';
             idle(2);
             rst <= '0';
-            for frame in 0 to frames - 1 loop
+$load            for frame in 0 to frames - 1 loop
                 send_frame(frame, gaps);
             end loop;
         end procedure send_all;
@@ -108,6 +108,25 @@ $send
 
 end architecture self_check;
 """)
+
+# A hardware that never takes a byte must not hang the test bench.
+_LOAD = """\
+            for number in image'range loop
+                load_data <= to_unsigned(image(number), load_data'length);
+                if number = image'high then
+                    load_last <= '1';
+                end if;
+                load_valid <= '1';
+                for waiting in 1 to settle loop
+                    exit when load_ready = '1';
+                    tick;
+                end loop;
+                tick;
+                load_valid <= '0';
+                load_last <= '0';
+                load_data <= not load_data;
+            end loop;
+"""
 
 _REFUSED = """\
             if frame_error = '1' then
@@ -135,4 +154,5 @@ def test_bench(scene: str, design: Network, ports: list[Port]) -> str:
         first=style.passes[0],
         second=style.passes[1],
         send=style.send(design),
+        load=_LOAD if design.image else "",
     )

@@ -21,7 +21,7 @@ package ${top}_vectors is
     constant frames: positive := $frames;
 
     type codes is array (natural range <>) of integer;
-
+$image
     -- One line a frame.
     constant samples: codes(0 to $last_sample) := (
 $samples
@@ -35,12 +35,22 @@ end package ${top}_vectors;
 """)
 
 
-def vectors(scene: str, top: str, samples: Codes, results: Codes) -> str:
+_IMAGE = Template("""
+    -- The image that makes the hardware run this scene, as it is loaded.
+    constant image: codes(0 to $last) := (
+$bytes
+    );
+""")
+
+
+def vectors(scene: str, top: str, samples: Codes, results: Codes, image: bytes = b"") -> str:
     """Text of the package ``<top>_vectors``.
 
     Parameters
     ----------
     samples, results : Codes, shape (frames, inputs), (frames, outputs)
+    image : bytes
+        What is loaded before the first frame; empty where nothing is.
     """
     return _TEXT.substitute(
         scene=scene,
@@ -52,6 +62,18 @@ def vectors(scene: str, top: str, samples: Codes, results: Codes) -> str:
         last_result=results.size - 1,
         samples=_table(samples),
         results=_table(results),
+        image=_image(image),
+    )
+
+
+def _image(image: bytes) -> str:
+    """The constant, in lines of 16 bytes."""
+    if not image:
+        return ""
+    places = [f"{place} => {byte}" for place, byte in enumerate(image)]
+    lines = (", ".join(places[at : at + 16]) for at in range(0, len(places), 16))
+    return _IMAGE.substitute(
+        last=len(image) - 1, bytes=",\n".join(f"        {line}" for line in lines)
     )
 
 

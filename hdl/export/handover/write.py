@@ -43,7 +43,7 @@ def write_handover(
     if language == "vhdl":
         samples = scene.vectors().codes[: min(FRAMES, CLOCKS // design.interval)]
         benches = [f"{top}_vectors{suffix}", f"{top}_tb{suffix}"]
-        texts[benches[0]] = vectors(name, top, samples, design.process(samples))
+        texts[benches[0]] = vectors(name, top, samples, design.process(samples), design.image)
         texts[benches[1]] = test_bench(name, design, ports)
     description = (
         f"{scene.describe()} {scene.arrangement} network, {', '.join(scene.sensors)} to "

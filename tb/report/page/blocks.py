@@ -74,6 +74,9 @@ def shipped() -> Iterator[tuple[str, Network]]:
             for choice in CHOICES.get(("hardware", key), ()):
                 precision, name = PRECISIONS[design.precisions[0]], design.known_activations[0]
                 yield precision.name, design.of(mlp, precision, name, hardware={key: choice})
+        if "reload" in design.options:
+            precision, name = PRECISIONS[design.precisions[0]], design.known_activations[0]
+            yield precision.name, design.of(mlp, precision, name, hardware={"reload": True})
 
 
 def blocks_of(designs: Iterable[tuple[str, Network]]) -> dict[str, Twins]:
@@ -82,7 +85,7 @@ def blocks_of(designs: Iterable[tuple[str, Network]]) -> dict[str, Twins]:
     for precision, design in designs:
         tops = [design]
         # No shipped scene has this interface, and any network can have it.
-        if design.area == "networks" and design.stream == "serial":
+        if design.area == "networks" and design.stream == "serial" and not design.image:
             tops.append(AxisNetwork(design))
         for top in tops:
             for block in walk(top):

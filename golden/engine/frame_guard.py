@@ -1,0 +1,134 @@
+"""frame_guard: takes the samples of good frames, as frame_check, while a good image is there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from golden.block import Block
+from golden.engine.pipeline import Pipeline
+from golden.fixed import Codes
+from golden.port import CLOCKED, Port, Unsigned, given, taken
+
+
+@dataclass(frozen=True)
+class Guarded:
+    """What stands on the outputs in each clock, and which samples complete a good frame.
+
+    Attributes
+    ----------
+    start, run, busy, write, frame_error : bool array
+    write_addr : int64 array
+    done : bool array
+        The sample of this clock completes a frame that is computed.
+    """
+
+    start: NDArray[np.bool_]
+    run: NDArray[np.bool_]
+    busy: NDArray[np.bool_]
+    write: NDArray[np.bool_]
+    write_addr: Codes
+    frame_error: NDArray[np.bool_]
+    done: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class FrameGuard(Block):
+    """Counts samples and results, and starts the program after a good frame of a good image.
+
+    Parameters
+    ----------
+    addr_width : int
+        Bits of the operand memory's address.
+    pipeline : Pipeline
+
+    Notes
+    -----
+    A frame is wrong when ``last`` comes too early or does not come with the last sample, when its
+    first sample comes while the frame before is computed, and when any clock from its first sample
+    to its last falls on ``halt``. A wrong frame raises one error; everything from the clock that
+    breaks it up to and including its ``last`` is dropped. ``halt`` never comes while a frame is
+    computed: ``image_loader`` takes no byte then.
+    """
+
+    block = "frame_guard"
+    area = "engine"
+    addr_width: int
+    pipeline: Pipeline
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        addr = Unsigned(self.addr_width)
+        return (
+            *CLOCKED,
+            taken("in_valid", "a sample stands on the stream"),
+            taken("in_last", "it is the last of its frame; ignored without `in_valid`"),
+            taken("halt", "no frame is taken; never while `busy`"),
+            taken("before_last", "samples of a frame less 2", addr, "addr_width"),
+            taken("store", "a result is ready; only while `run`"),
+            taken("finish", "the last output of the frame leaves"),
+            given("start", "the program's first step is done in the next clock"),
+            given("run", "a frame is computed"),
+            given("busy", "a frame is computed, or will be"),
+            given("write", "one clock after a sample that is taken or a result"),
+            given("write_addr", "where it goes", addr, "addr_width"),
+            given("frame_error", "one clock long, one clock after what breaks a frame"),
+        )
+
+    @property
+    def latency(self) -> int:
+        return 1
+
+    def process(
+        self,
+        in_valid: ArrayLike,
+        in_last: ArrayLike,
+        halt: ArrayLike,
+        before_last: ArrayLike,
+        store: ArrayLike,
+        finish: ArrayLike,
+        reset: ArrayLike,
+    ) -> Guarded:
+        """What stands on the outputs in each clock, from a reset on."""
+        columns = [
+            np.asarray(c).tolist()
+            for c in (in_valid, in_last, halt, before_last, store, finish, reset)
+        ]
+        count, span = len(columns[0]), 1 << self.addr_width
+        start, run, busy, write, error, done = (np.zeros(count, dtype=bool) for _ in range(6))
+        write_addr = np.zeros(count, dtype=np.int64)
+        addr, running, begins = span - 1, False, -1
+        inside = dropping = wrote = told = False
+        for t, (valid, last, halts, before, stores, ends, clears) in enumerate(
+            zip(*columns, strict=True)
+        ):
+            running = running or t == begins
+            run[t], busy[t] = running, running or begins > t
+            write[t], write_addr[t], error[t] = wrote, addr, told
+            accept = valid and not (busy[t] or halts or dropping)
+            refused = not dropping and ((valid and busy[t]) or (halts and (valid or inside)))
+            complete = addr == before
+            broken = accept and complete != last
+            done[t] = accept and complete and last and not clears
+            wrote = accept or stores
+            told = refused or broken
+            if valid:
+                dropping = not last and (dropping or told)
+                inside = not last
+            elif refused:
+                dropping = True
+            if ends or broken or halts:
+                addr = span - 1
+            elif wrote:
+                addr = (addr + 1) % span
+            if ends:
+                running = False
+            if done[t]:
+                begins = t + self.pipeline.run
+            start[t] = begins == t + 1
+            if clears:
+                addr, running, begins = span - 1, False, -1
+                inside = dropping = wrote = told = False
+        return Guarded(start, run, busy, write, write_addr, error, done)

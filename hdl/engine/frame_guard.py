@@ -1,0 +1,131 @@
+"""frame_guard: takes the samples of good frames, as frame_check, while a good image is there."""
+
+from myhdl import Signal, always_comb, always_seq, block, modbv
+
+from golden.engine.frame_guard import FrameGuard
+from hdl.common.delay import connect, delay
+from hdl.common.signals import flag
+
+
+@block
+def frame_guard(
+    clk,
+    rst,
+    in_valid,
+    in_last,
+    halt,
+    before_last,
+    store,
+    finish,
+    start,
+    run,
+    busy,
+    write,
+    write_addr,
+    frame_error,
+    *,
+    spec: FrameGuard,
+):
+    """Counts samples and results, and lets the program run after a good frame of a good image.
+
+    Parameters
+    ----------
+    in_valid, in_last : bool
+        The sample stream without its data.
+    halt : bool
+        No frame is taken, and one of which samples were taken is broken. Never while ``busy``.
+    before_last : unsigned ``spec.addr_width`` bits
+        Samples of a frame less 2.
+    store : bool
+        A result is ready; only while ``run``, and in the clock after.
+    finish : bool
+        The last output of the frame leaves.
+    start : bool
+        One clock before ``run``.
+    run, busy : bool
+        A frame is computed: from ``spec.pipeline.run`` clocks after its last sample to ``finish``;
+        ``busy`` from the clock after the sample.
+    write, write_addr : bool, unsigned ``spec.addr_width`` bits
+        One clock after a sample that is taken or a result.
+    frame_error : bool
+        One clock long, one clock after what breaks a frame: ``last`` too early or missing, a first
+        sample that comes while a frame is computed, or ``halt`` at any clock from its first sample
+        to its last.
+    spec : FrameGuard
+
+    Notes
+    -----
+    One counter is the address of samples and results. It counts from -1, so that it is the address
+    of the word that is written a clock later. Reset clears everything: the next sample starts a
+    frame.
+    """
+    span = 1 << spec.addr_width
+    none = span - 1
+    # The address wraps from -1 to 0.
+    addr = Signal(modbv(none, min=0, max=span))
+    running, begins, started, dropping = (flag() for _ in range(4))
+    closed, accept, complete, good, refused, broken = (flag() for _ in range(6))
+
+    @always_comb
+    def look():
+        accept.next = in_valid and not (closed or halt or dropping)
+        refused.next = not dropping and ((in_valid and closed) or (halt and (in_valid or started)))
+        complete.next = addr == before_last
+
+    @always_comb
+    def judge():
+        good.next = accept and complete and in_last
+        broken.next = accept and (complete != in_last)
+
+    @always_seq(clk.posedge, reset=rst)
+    def drop():
+        frame_error.next = refused or broken
+        if in_valid:
+            started.next = not in_last
+            dropping.next = not in_last and (dropping or refused or broken)
+        elif refused:
+            dropping.next = True
+
+    @always_seq(clk.posedge, reset=rst)
+    def count():
+        if finish or broken or halt:
+            addr.next = none
+        elif accept or store:
+            addr.next = addr + 1
+
+    @always_seq(clk.posedge, reset=rst)
+    def mark():
+        write.next = accept or store
+
+    @always_seq(clk.posedge, reset=rst)
+    def turn():
+        if finish:
+            running.next = False
+        elif begins:
+            running.next = True
+
+    @always_comb
+    def show():
+        start.next = begins
+        run.next = running
+        busy.next = closed
+        write_addr.next = addr
+
+    common = look, judge, drop, count, mark, turn, show
+    if spec.pipeline.run == 1:
+        return common, connect(good, begins), connect(running, closed)
+
+    waiting = flag()
+
+    @always_comb
+    def wait():
+        closed.next = running or waiting
+
+    @always_seq(clk.posedge, reset=rst)
+    def stay():
+        if good:
+            waiting.next = True
+        elif begins:
+            waiting.next = False
+
+    return common, wait, stay, delay(clk, rst, good, begins, clocks=spec.pipeline.run - 1)

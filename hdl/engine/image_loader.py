@@ -1,0 +1,185 @@
+"""image_loader: a stream of bytes becomes the words of the program memory."""
+
+from myhdl import Signal, always, always_comb, always_seq, block, concat, intbv, modbv
+
+from golden.engine.image import BEFORE_LAST, LAST_ADDR, WORD_BYTES
+from golden.engine.image_loader import ImageLoader
+from golden.engine.program import WORD_WIDTH
+from hdl.common.signals import flag, unsigned
+
+
+@block
+def check_byte(check, data, following):
+    """The check behind a byte: CRC-16, polynomial x^16 + x^12 + x^5 + 1, highest bit first."""
+    mixed, spread = unsigned(8), unsigned(8)
+
+    @always_comb
+    def mix():
+        mixed.next = check[16:8] ^ data
+
+    @always_comb
+    def fold():
+        spread.next[8:4] = mixed[8:4]
+        spread.next[4:] = mixed[8:4] ^ mixed[4:]
+
+    # The check moves up by a byte; spread is added three times, moved up by 12, 5 and 0 bits.
+    @always_comb
+    def follow():
+        following.next[16:13] = check[8:5] ^ spread[4:1]
+        following.next[12] = check[4] ^ spread[0] ^ spread[7]
+        following.next[12:8] = check[4:] ^ spread[7:3]
+        following.next[8:5] = spread[8:5] ^ spread[3:]
+        following.next[5:] = spread[5:]
+
+    return mix, fold, follow
+
+
+@block
+def image_loader(
+    clk,
+    rst,
+    load_valid,
+    load_data,
+    load_last,
+    busy,
+    load_ready,
+    halt,
+    write,
+    write_addr,
+    word,
+    before_last,
+    image_error,
+    *,
+    spec: ImageLoader,
+):
+    """Writes the words of an image, checks it, and stops the engine until a good one is there.
+
+    Parameters
+    ----------
+    load_valid, load_data, load_last : bool, unsigned 8 bits, bool
+        The bytes of an image; ``load_last`` with the last one.
+    busy : bool
+        A frame is computed: no byte is taken.
+    load_ready : bool
+        Not ``busy``.
+    halt : bool
+        From the clock of an image's first byte on, and from reset on, until that of the last byte
+        of a good one.
+    write, write_addr, word : bool, unsigned ``spec.program_addr_width`` bits, unsigned 36 bits
+        In the clock of a word's last byte.
+    before_last : unsigned ``spec.operand_addr_width`` bits
+        Of the image's header.
+    image_error : bool
+        From one clock after the last byte of an image that is not good to that of one that is.
+    spec : ImageLoader
+
+    Notes
+    -----
+    Words come from the last to the first, so the address tells when all of them have come. Then
+    the bytes of the check follow, and with the last of them everything must be right at once: the
+    check, the number of bytes, and ``load_last``. Reset forgets the image.
+    """
+    final_place = WORD_BYTES - 1
+    held_width = 8 * final_place - (8 * WORD_BYTES - WORD_WIDTH)
+    addr_low, samples_low = LAST_ADDR[0], BEFORE_LAST[0]
+    addr_top = addr_low + spec.program_addr_width
+    samples_top = samples_low + spec.operand_addr_width
+    start = spec.check_start
+    # The highest bits of a word's first byte are not used.
+    held = unsigned(held_width)
+    gathered = unsigned(WORD_WIDTH)
+    place = unsigned(final_place.bit_length())
+    addr = Signal(modbv(0, min=0, max=1 << spec.program_addr_width))
+    samples = unsigned(spec.operand_addr_width)
+    check, following = Signal(intbv(start, min=0, max=1 << 16)), unsigned(16)
+    accept, full, good, whole, failed = (flag() for _ in range(5))
+    # Header, words, check; and what comes behind a check that was not the end.
+    headed, ended = flag(), flag()
+
+    @always_comb
+    def take():
+        accept.next = load_valid and not busy
+
+    @always_comb
+    def gather():
+        gathered.next = concat(held, load_data)
+
+    @always_comb
+    def look():
+        full.next = place == final_place
+
+    # The bytes of the check are those that it was before them.
+    @always_comb
+    def judge():
+        good.next = headed and ended and place == 1 and check[8:] == 0 and check[16:8] == load_data
+
+    @always_seq(clk.posedge, reset=rst)
+    def step():
+        if accept:
+            if load_last:
+                place.next = 0
+                headed.next = False
+                ended.next = False
+            elif not full:
+                place.next = place + 1
+            else:
+                place.next = 0
+                if ended:
+                    headed.next = False
+                elif not headed:
+                    headed.next = True
+                elif addr == 0:
+                    ended.next = True
+
+    @always_seq(clk.posedge, reset=rst)
+    def follow_check():
+        if accept:
+            if load_last:
+                check.next = start
+            else:
+                check.next = following
+
+    @always_seq(clk.posedge, reset=rst)
+    def tell():
+        if accept:
+            whole.next = load_last and good
+            if load_last:
+                failed.next = not good
+
+    @always(clk.posedge)
+    def hold():
+        if accept:
+            held.next = gathered[held_width:]
+
+    @always_seq(clk.posedge, reset=rst)
+    def count():
+        if accept and full:
+            if headed:
+                addr.next = addr - 1
+            else:
+                addr.next = gathered[addr_top:addr_low]
+                samples.next = gathered[samples_top:samples_low]
+
+    @always_comb
+    def show():
+        load_ready.next = not busy
+        halt.next = accept or not whole
+        write.next = accept and full and headed and not ended
+        write_addr.next = addr
+        word.next = gathered
+        before_last.next = samples
+        image_error.next = failed
+
+    return (
+        take,
+        gather,
+        look,
+        judge,
+        check_byte(check, load_data, following),
+        step,
+        follow_check,
+        tell,
+        hold,
+        count,
+        show,
+    )

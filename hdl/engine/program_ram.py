@@ -1,0 +1,118 @@
+"""program_ram: the words of program and table, which can be written, and the program's counter."""
+
+from myhdl import Signal, always, always_comb, always_seq, block, modbv
+
+from golden.engine.program import WORD_WIDTH
+from golden.engine.program_ram import ProgramRam
+from hdl.common.delay import connect, delay
+from hdl.common.signals import flag, unsigned
+
+
+@block
+def program_ram(
+    clk,
+    rst,
+    start,
+    run,
+    finish,
+    segment,
+    look_up,
+    write,
+    write_addr,
+    data,
+    word,
+    table_word,
+    *,
+    spec: ProgramRam,
+):
+    """Words of 36 bits, read by a counter and by the segment of a hidden sum, and written.
+
+    Parameters
+    ----------
+    start, run, finish : bool
+        The counter steps with ``start`` and while ``run``; otherwise, and from ``finish`` on, it
+        stands at the program's first word.
+    segment : unsigned ``spec.segment_addr_width`` bits
+    look_up : bool
+        Without it ``table_word`` is 0.
+    write, write_addr, data : bool, unsigned ``spec.addr_width`` bits, unsigned 36 bits
+        In the clock of a write nothing is read: ``word`` stays, and ``table_word`` is 0.
+    word, table_word : unsigned 36 bits
+        ``spec.latency`` and ``spec.look_up_latency`` clocks later.
+    spec : ProgramRam
+
+    Notes
+    -----
+    The table stands before the program, and what is written takes the counter's port, so two ports
+    do: a block RAM of 512 words. Nothing is read in the clock of a write, because what a block RAM
+    then gives differs between devices. Reset puts the counter to the program's first word.
+    """
+    begin = spec.begin
+    memory = [unsigned(WORD_WIDTH) for _ in range(1 << spec.addr_width)]
+    counter = Signal(modbv(begin, min=0, max=1 << spec.addr_width))
+    addr = unsigned(spec.addr_width)
+    stands, asked, asked_late = (flag() for _ in range(3))
+    fetched, found, found_late = (unsigned(WORD_WIDTH) for _ in range(3))
+
+    @always_comb
+    def decide():
+        stands.next = finish or not (start or run)
+
+    @always_seq(clk.posedge, reset=rst)
+    def step():
+        if stands:
+            counter.next = begin
+        else:
+            counter.next = counter + 1
+
+    @always_comb
+    def choose():
+        if write:
+            addr.next = write_addr
+        else:
+            addr.next = counter
+
+    @always(clk.posedge)
+    def fetch():
+        if write:
+            memory[addr].next = data
+        else:
+            fetched.next = memory[addr]
+
+    @always_comb
+    def ask():
+        asked.next = look_up and not write
+
+    common = decide, step, choose, fetch, ask
+    if not spec.registers:
+
+        @always(clk.posedge)
+        def read_table():
+            if asked:
+                table_word.next = memory[segment]
+            else:
+                table_word.next = 0
+
+        return common, read_table, connect(fetched, word)
+
+    # A block RAM whose word is a register's at once is faster than one behind which it is cleared.
+    @always(clk.posedge)
+    def read_table():
+        if not write:
+            found.next = memory[segment]
+
+    @always(clk.posedge)
+    def clear():
+        if asked_late:
+            table_word.next = found_late
+        else:
+            table_word.next = 0
+
+    return (
+        common,
+        read_table,
+        clear,
+        delay(clk, None, fetched, word, clocks=1),
+        delay(clk, None, found, found_late, clocks=1),
+        delay(clk, None, asked, asked_late, clocks=2),
+    )

@@ -1,0 +1,169 @@
+"""Images on their way into an engine that can be reloaded, and what it must make of them."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from cocotb.triggers import Timer
+
+from golden.engine.image import Image
+from tb.common.bench import RESET_CLOCKS, Bench, Recording, changed
+
+WATCH = ["out_valid", "out_data", "out_last", "frame_error", "load_ready", "image_error"]
+
+
+@dataclass(frozen=True)
+class Sent:
+    """Bytes that are offered one after the other.
+
+    Attributes
+    ----------
+    at : int
+        The clock from which on the first of them is offered.
+    data : bytes
+    closed : bool
+        Whether the last byte comes with ``load_last``.
+    gap : float
+        Probability of a clock without a byte.
+    """
+
+    at: int
+    data: bytes
+    closed: bool = True
+    gap: float = 0.0
+
+
+def after_loading(drive: dict[str, np.ndarray], image: bytes) -> dict[str, np.ndarray]:
+    """A timeline with an image before it, and again after each of its resets.
+
+    While it is loaded the stream is empty.
+    """
+    length = len(drive["in_valid"])
+    resets = drive.get("rst", np.zeros(length, dtype=np.int64))
+    ends = np.flatnonzero((resets == 1) & (np.append(resets[1:], 0) == 0)) + 1
+    places = np.repeat(np.concatenate([[0], ends]), len(image))
+    quiet = {name: np.insert(np.asarray(column), places, 0) for name, column in drive.items()}
+    rounds = len(places) // len(image)
+    last = np.zeros(len(image), dtype=np.int64)
+    last[-1] = 1
+    added = {"load_valid": np.ones_like(last), "load_data": np.frombuffer(image, np.uint8)}
+    for name, column in (added | {"load_last": last}).items():
+        zeros = np.zeros(length, dtype=np.int64)
+        quiet[name] = np.insert(zeros, places, np.tile(column, rounds))
+    return quiet
+
+
+async def exchange(bench: Bench, drive: dict[str, np.ndarray], sent: Sequence[Sent]) -> Recording:
+    """Play one column a clock; bytes go in order, each offered until it is taken.
+
+    Bytes that a reset meets are lost.
+    """
+    dut, half = bench.dut, Timer(5, "ns")
+    columns = {name: [int(v) for v in column] for name, column in drive.items()}
+    columns.setdefault("rst", [0] * len(drive["in_valid"]))
+    for name, column in columns.items():
+        columns[name] = [int(name == "rst")] * RESET_CLOCKS + column
+    ports = [*columns, "load_valid", "load_data", "load_last", *WATCH]
+    handles = [getattr(dut, name) for name in ports]
+    changes = changed([(getattr(dut, name), column) for name, column in columns.items()])
+    valid, data, final = dut.load_valid, dut.load_data, dut.load_last
+    queue = [
+        (one.at + RESET_CLOCKS, byte, one.closed and place == len(one.data) - 1, one.gap)
+        for one in sent
+        for place, byte in enumerate(one.data)
+    ]
+    at, offered, rows = 0, False, []
+    started = time.perf_counter()
+    for clock, change in enumerate(changes):
+        dut.clk.value = 0
+        for handle, value in change:
+            handle.value = value
+        if not offered and at < len(queue) and clock >= queue[at][0]:
+            offered = bench.rng.random() >= queue[at][3]
+        if at < len(queue):
+            # While nothing is offered another byte stands there, which must not matter.
+            _, byte, last, _ = queue[at if offered else (at + 7) % len(queue)]
+            data.value = byte
+            final.value = int(last)
+        valid.value = int(offered)
+        await half
+        rows.append([str(handle.value) for handle in handles])
+        if offered and (columns["rst"][clock] or dut.load_ready.value == 1):
+            at, offered = at + 1, False
+        dut.clk.value = 1
+        await half
+    return Recording(ports, rows, time.perf_counter() - started)
+
+
+def check_loading(bench: Bench, recording: Recording) -> list[int]:
+    """Compare every output with what the twins make of samples and bytes.
+
+    Returns
+    -------
+    list of int
+        Frames that were computed after each image that was found good.
+    """
+    twin = bench.twin
+    rows = np.arange(RESET_CLOCKS, recording.clocks)
+    names = ("in_valid", "in_last", "load_valid", "load_data", "load_last", "load_ready", "rst")
+    read = {name: recording.unsigned(name, rows) for name in names}
+    loading = twin.image_loader.process(
+        *(read[name] for name in ("load_valid", "load_data", "load_last")),
+        1 - read["load_ready"],
+        read["rst"],
+    )
+    images = [
+        Image(twin.loaded.sizes, (before + 2) % twin.loaded.sizes.operand_words, tuple(words))
+        for _, before, words in loading.good
+    ]
+    since = np.array([clock for clock, _, _ in loading.good], dtype=np.int64)
+    # Which image a clock finds; before the first one no frame is taken.
+    place = np.searchsorted(since, np.arange(len(rows))) - 1
+    before_last = np.array([0, *(before for _, before, _ in loading.good)])[place + 1]
+    last_out = np.isin(rows, recording.rows("out_last"))
+    guarded = twin.frame_guard.process(
+        read["in_valid"],
+        read["in_last"],
+        loading.halt,
+        before_last,
+        np.zeros_like(rows),
+        last_out,
+        read["rst"],
+    )
+    bench.compare("load_ready", read["load_ready"], ~guarded.busy, clock=rows)
+    found = recording.rows("image_error")
+    bench.compare("clocks of image_error", found, rows[loading.image_error])
+    bench.compare("clocks of frame_error", recording.rows("frame_error"), rows[guarded.frame_error])
+
+    samples = np.flatnonzero(read["in_valid"])
+    codes = recording.signed("in_data", rows[samples])
+    ends = np.flatnonzero(guarded.done)
+    expected = [np.empty((0, 3), dtype=np.int64)]
+    counts = []
+    for number, image in enumerate(images):
+        running = twin.running(image)
+        chosen = ends[place[ends] == number]
+        counts.append(len(chosen))
+        at = np.searchsorted(samples, chosen)
+        frames = codes[at[:, np.newaxis] + np.arange(1 - running.inputs, 1)]
+        leave = chosen[:, np.newaxis] + np.array(running.output_clocks)
+        last = np.zeros_like(leave)
+        last[:, -1] = 1
+        results = running.process(frames)
+        # A reset after the last sample, and before an output leaves, stops it.
+        alive = recording.undisturbed(
+            rows[np.repeat(chosen, running.outputs)], rows[0] + leave.ravel() - 1
+        )
+        alive &= leave.ravel() < len(rows)
+        expected.append(np.stack([leave.ravel(), results.ravel(), last.ravel()], axis=1)[alive])
+    due = np.concatenate(expected)
+    left = recording.rows("out_valid")
+    bench.compare("clocks of out_valid", left, rows[0] + due[:, 0])
+    bench.compare("out_data", recording.signed("out_data", left), due[:, 1], clock=left)
+    bench.compare(
+        "clocks of out_last", recording.rows("out_last"), rows[0] + due[due[:, 2] == 1, 0]
+    )
+    return counts

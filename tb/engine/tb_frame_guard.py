@@ -1,0 +1,118 @@
+"""frame_guard against its twin.
+
+Sweeps: 1500 samples in frames of the right length, shorter and longer ones, mixed at random, while
+the right length changes.
+Drives: frames closer than they are computed and further apart, with gaps; halts of random length
+at random clocks in which no frame is computed; results at random clocks in which one is; ``finish``
+after a random time; then resets at random clocks.
+Checks: every output in every clock, ``write_addr`` where something is written.
+Does not prove: a halt while a frame is computed, which ``image_loader`` rules out.
+"""
+
+import time
+
+import cocotb
+import numpy as np
+from cocotb.triggers import Timer
+
+from tb.common.bench import RESET_CLOCKS, Bench, Recording
+from tb.common.framing import random_lengths
+from tb.common.small import RELOADED
+from tb.common.stimulus import random_resets, spread
+
+CASES = RELOADED
+FAULTS = [
+    (r"\(halt && \(in_valid \|\| started\)\)", "(halt && in_valid)"),
+    (r"finish \|\| broken \|\| halt", "finish || broken"),
+    (r"closed \|\| halt \|\| dropping", "closed || dropping"),
+    (r"frame_error <= \(refused \|\| broken\)", "frame_error <= broken"),
+    (r"addr == before_last", "addr == before_last + 1"),
+    (r"if \(rst == 1\)", "if (0)"),
+]
+
+SAMPLES = 1500
+INPUTS = ("in_valid", "in_last", "halt", "before_last", "store", "finish", "rst")
+OUTPUTS = ("start", "run", "busy", "write", "write_addr", "frame_error")
+
+
+async def play(bench, drive, halts, lengths):
+    """Play columns; halt where ``halts`` asks for it and no frame is computed.
+
+    ``finish`` comes when the frame has been computed for the next of ``lengths`` clocks.
+    """
+    dut, half = bench.dut, Timer(5, "ns")
+    ports = [*INPUTS, *OUTPUTS]
+    handles = [getattr(dut, name) for name in ports]
+    rows, since, number = [], 0, 0
+    started = time.perf_counter()
+    for clock in range(-RESET_CLOCKS, len(halts)):
+        for name, column in drive.items():
+            getattr(dut, name).value = int(column[clock]) if clock >= 0 else int(name == "rst")
+        # What a clock changed stands already.
+        since = since + 1 if str(dut.run.value) == "1" else 0
+        finish = since >= lengths[number]
+        number += finish
+        dut.finish.value = int(finish)
+        dut.store.value = int(since and drive["store"][max(clock, 0)])
+        dut.halt.value = int(clock >= 0 and halts[clock] and str(dut.busy.value) == "0")
+        dut.clk.value = 0
+        await half
+        rows.append([str(handle.value) for handle in handles])
+        dut.clk.value = 1
+        await half
+    return Recording(ports, rows, time.perf_counter() - started)
+
+
+async def check(bench, gap, resets):
+    twin, rng = bench.twin, bench.rng
+    most = (1 << twin.addr_width) // 2
+    # Two numbers of samples, in turn; a change in mid-frame is one that a halt covers.
+    samples = [int(n) for n in rng.integers(1, min(most, 6), 2)]
+    parts = []
+    for part in range(6):
+        last = random_lengths(rng, samples[part % 2], SAMPLES // 6)
+        pause = np.roll(last, 1) * rng.integers(0, 30, len(last))
+        one = spread(rng, {"in_last": last}, "in_valid", gap, tail=40, pause=pause)
+        count = len(one["in_valid"])
+        one["before_last"] = np.full(count, (samples[part % 2] - 2) % (1 << twin.addr_width))
+        one["halts"] = np.repeat(rng.random(count) < 1 / 30, rng.integers(1, 9, count))[:count]
+        one["halts"][-15:] = True
+        parts.append(one)
+    drive = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    halts = drive.pop("halts")
+    drive["store"] = rng.random(len(halts)) < 1 / 3
+    drive["rst"] = np.zeros(len(halts), dtype=np.int64)
+    if resets:
+        drive["rst"] = random_resets(rng, len(halts), every=80)
+    recording = await play(bench, drive, halts, rng.integers(1, 25, len(halts)))
+
+    rows = np.arange(RESET_CLOCKS, recording.clocks)
+    guarded = twin.process(*(recording.unsigned(name, rows) for name in INPUTS))
+    # In the clock of a reset ``start`` does not matter: the counter stands.
+    alive = np.setdiff1d(rows, recording.resets())
+    got = recording.unsigned("start", alive)
+    bench.compare("start", got, guarded.start[alive - rows[0]].astype(np.int64), clock=alive)
+    for name in ("run", "busy", "write", "frame_error"):
+        got = recording.unsigned(name, rows)
+        bench.compare(name, got, getattr(guarded, name).astype(np.int64), clock=rows)
+    written = rows[guarded.write]
+    got = recording.unsigned("write_addr", written)
+    bench.compare("write_addr", got, guarded.write_addr[guarded.write], clock=written)
+    assert guarded.done.any(), "no good frame was driven"
+    assert guarded.frame_error.any(), "no wrong frame was driven"
+    bench.finish(at_least=4 * SAMPLES)
+
+
+@cocotb.test()
+async def close(dut):
+    await check(Bench(dut), gap=0.0, resets=False)
+
+
+@cocotb.test()
+async def gaps(dut):
+    await check(Bench(dut), gap=0.5, resets=False)
+
+
+@cocotb.test()
+async def resets(dut):
+    await check(Bench(dut), gap=0.2, resets=True)

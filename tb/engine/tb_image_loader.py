@@ -1,0 +1,128 @@
+"""image_loader against its twin.
+
+Sweeps: images of random words: of one word, of a few, and of as many as the memory holds; cut at
+each of their last bytes and at random, with bytes behind, with one bit changed, for other hardware.
+Drives: good and wrong images in random order, bytes with gaps and without, ``busy`` at random: a
+byte stands until it is taken; then the same with resets at random clocks.
+Checks: load_ready, halt and image_error in every clock; each word, its address and its clock; the
+samples of a frame while frames may come; that every image which is whole is found good, and no
+other.
+Does not prove: that every change of an image is found; no check of 16 bits can.
+"""
+
+import cocotb
+import numpy as np
+
+from golden.engine.image import Image, Sizes
+from golden.engine.program import WORD_WIDTH
+from tb.common.bench import RESET_CLOCKS, Bench
+from tb.common.small import RELOADED
+from tb.common.stimulus import random_resets
+
+CASES = RELOADED
+FAULTS = [
+    (r"check_byte0_spread\[0\]", "check_byte0_spread[1]"),
+    (r"accept = \(load_valid && \(!busy\)\)", "accept = load_valid"),
+    (r"&& \(place == 1\)", ""),
+    (r"good = \(headed && ended", "good = (ended"),
+    (r"&& headed && \(!ended\)", "&& headed"),
+    (r"\(addr - 1\)", "(addr + 1)"),
+    (r"failed <= \(!good\)", "failed <= failed | (!good)"),
+    (r"halt = \(accept \|\| ", "halt = ("),
+]
+
+
+def random_image(bench, words):
+    """An image of random words."""
+    sizes, rng = bench.design.core.loaded.sizes, bench.rng
+    inputs = int(rng.integers(1, sizes.operand_words))
+    return Image(sizes, inputs, tuple(rng.integers(0, 1 << WORD_WIDTH, words).tolist()))
+
+
+def streams(bench):
+    """Bytes of images, and whether each is whole."""
+    rng = bench.rng
+    sizes = bench.design.core.loaded.sizes
+    whole = [random_image(bench, words).to_bytes() for words in (1, 2, 3, 10, 25, 1)]
+    image = whole[3]
+    cuts = [1, 4, 5, 6, *range(len(image) - 6, len(image)), *rng.integers(1, len(image), 5)]
+    wrong = [image[:count] for count in cuts]
+    # The check of an image followed by zeros is zero, as that of the image is.
+    wrong += [image + bytes(count) for count in range(1, 12)]
+    for place in [*range(1, 6), *rng.integers(6, len(image), 20)]:
+        changed = bytearray(image)
+        changed[place] ^= 1 << rng.integers(0, 8)
+        wrong.append(bytes(changed))
+    other = Sizes(2 * sizes.program_words, sizes.operand_words, sizes.segment_width)
+    wrong.append(Image(other, 3, (1, 2, 3)).to_bytes())
+    found = [(data, True) for data in 4 * whole] + [(data, False) for data in wrong]
+    order = rng.permutation(len(found))
+    full = (random_image(bench, sizes.program_words).to_bytes(), True)
+    return [found[n] for n in order] + [full, (whole[0], True)]
+
+
+def offered(bench, sent):
+    """One column a clock; a byte stands on the ports until ``busy`` is low."""
+    rng = bench.rng
+    rows = []
+    for data in sent:
+        gap = 0.4 * rng.integers(0, 2)
+        for place, byte in enumerate(data):
+            while rng.random() < gap:
+                rows.append((0, rng.integers(0, 256), rng.integers(0, 2), rng.integers(0, 2)))
+            waits = rng.geometric(0.8) - 1
+            last = int(place == len(data) - 1)
+            rows += [(1, byte, last, 1)] * waits + [(1, byte, last, 0)]
+        idle = int(rng.integers(0, 4))
+        rows += [(0, rng.integers(0, 256), rng.integers(0, 2), 0)] * idle
+    columns = np.array(rows, dtype=np.int64).T
+    return dict(zip(("load_valid", "load_data", "load_last", "busy"), columns, strict=True))
+
+
+async def check(bench, drive):
+    """Compare every port with the twin's; return how many images were good."""
+    ports = ["load_ready", "halt", "write", "write_addr", "word", "before_last", "image_error"]
+    recording = await bench.play(drive, ports)
+    rows = np.arange(RESET_CLOCKS, recording.clocks)
+    names = ("load_valid", "load_data", "load_last", "busy", "rst")
+    read = {name: recording.unsigned(name, rows) for name in names}
+    loading = bench.twin.process(*read.values())
+
+    for name, expected in (
+        ("load_ready", 1 - read["busy"]),
+        ("halt", loading.halt),
+        ("image_error", loading.image_error),
+    ):
+        bench.compare(name, recording.unsigned(name, rows), expected, clock=rows)
+    written = rows[loading.write]
+    bench.compare("clocks of write", recording.rows("write"), written)
+    for name in ("write_addr", "word"):
+        expected = getattr(loading, name)[loading.write]
+        bench.compare(name, recording.unsigned(name, written), expected, clock=written)
+    for number, (clock, before_last, _) in enumerate(loading.good):
+        end = loading.good[number + 1][0] if number + 1 < len(loading.good) else len(rows)
+        open_rows = rows[clock + 1 : end][~loading.halt[clock + 1 : end]]
+        got = recording.unsigned("before_last", open_rows)
+        bench.compare("before_last", got, np.full(len(got), before_last), clock=open_rows)
+    return len(loading.good)
+
+
+@cocotb.test()
+async def images(dut):
+    bench = Bench(dut)
+    sent = streams(bench)
+    found = await check(bench, offered(bench, [data for data, _ in sent]))
+    expected = sum(whole for _, whole in sent)
+    assert found == expected, f"found {found} good images, sent {expected}"
+    bench.finish(at_least=10000)
+
+
+@cocotb.test()
+async def resets(dut):
+    bench = Bench(dut)
+    sent = [random_image(bench, int(words)).to_bytes() for words in bench.rng.integers(1, 12, 80)]
+    drive = offered(bench, sent)
+    drive["rst"] = random_resets(bench.rng, len(drive["busy"]), every=100)
+    found = await check(bench, drive)
+    assert 0 < found < len(sent), f"found {found} good images of {len(sent)}"
+    bench.finish(at_least=3000)

@@ -1,0 +1,99 @@
+"""program_ram against its twin.
+
+Sweeps: every word of the memory, written and read by the counter; every segment's address that the
+port can carry.
+Drives: random words into every address in random order, the counter once around the memory; then
+runs of random length with ``finish`` and writes at random clocks; then resets. The table's port
+carries a random segment in every clock, and asks in two of three.
+Checks: both words bit for bit, in their clocks, in the clocks of writes too.
+Does not prove: what is read where nothing was ever written, which is undefined.
+"""
+
+import cocotb
+import numpy as np
+
+from golden.engine.program import WORD_WIDTH
+from tb.common.bench import RESET_CLOCKS, Bench
+from tb.common.small import RELOADED
+from tb.common.stimulus import random_resets
+
+CASES = RELOADED
+FAULTS = [
+    (r"stands = \(finish \|\| ", "stands = ("),
+    (r"if \(rst == 1\)", "if (0)"),
+    (r"asked = \(look_up && \(!write\)\)", "asked = look_up"),
+    (r"addr = write_addr", "addr = counter"),
+    (r"(memory\[addr\] <= \S+);", r"\1 ^ 1;"),
+]
+
+
+async def check(bench, run, finish, write, resets):
+    """Write every word, then play; compare what is read of words that were written."""
+    twin, rng = bench.twin, bench.rng
+    words = 1 << twin.addr_width
+    length = words + len(run)
+    before = np.zeros(words, dtype=np.int64)
+    write_addr = rng.integers(0, words, length)
+    write_addr[:words] = rng.permutation(words)
+    drive = {
+        "start": np.concatenate([before, rng.random(len(run)) < 1 / 10]),
+        "run": np.concatenate([before, run]),
+        "finish": np.concatenate([before, finish]),
+        "segment": rng.integers(0, 1 << twin.segment_addr_width, length),
+        "look_up": rng.random(length) < 2 / 3,
+        "write": np.concatenate([1 - before, write]),
+        "write_addr": write_addr,
+        "data": rng.integers(0, 1 << WORD_WIDTH, length),
+    }
+    if resets:
+        drive["rst"] = np.concatenate([before, random_resets(rng, len(run), every=40)])
+    recording = await bench.play(drive, ["word", "table_word"])
+
+    # From the last clock of the initial reset on the counter stands.
+    rows = np.arange(RESET_CLOCKS, recording.clocks - twin.look_up_latency)
+    names = (
+        "start",
+        "run",
+        "finish",
+        "segment",
+        "look_up",
+        "write",
+        "write_addr",
+        "data",
+        "rst",
+    )
+    read = [recording.unsigned(name, rows) for name in names]
+    latencies = {"word": twin.latency, "table_word": twin.look_up_latency}
+    for (name, clocks), expected in zip(latencies.items(), twin.process(*read), strict=True):
+        at = rows[expected >= 0]
+        got = recording.unsigned(name, at + clocks)
+        bench.compare(name, got, expected[expected >= 0], clock=at)
+
+
+def random_runs(rng, length):
+    """Runs of up to 60 clocks, and a finish in one of 20 clocks."""
+    run = np.repeat(rng.integers(0, 2, length), rng.integers(1, 61, length))[:length]
+    return run, rng.random(length) < 1 / 20
+
+
+@cocotb.test()
+async def whole_memory(dut):
+    bench = Bench(dut)
+    length = (1 << bench.twin.addr_width) + 10
+    quiet = np.zeros(length, dtype=np.int64)
+    await check(bench, np.ones(length, dtype=np.int64), quiet, quiet, resets=False)
+    bench.finish(at_least=2 * length)
+
+
+@cocotb.test()
+async def runs_and_writes(dut):
+    bench = Bench(dut)
+    await check(bench, *random_runs(bench.rng, 3000), bench.rng.random(3000) < 0.1, resets=False)
+    bench.finish(at_least=5000)
+
+
+@cocotb.test()
+async def resets(dut):
+    bench = Bench(dut)
+    await check(bench, *random_runs(bench.rng, 3000), bench.rng.random(3000) < 0.1, resets=True)
+    bench.finish(at_least=5000)

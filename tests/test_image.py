@@ -1,0 +1,227 @@
+"""The image of a scene: its bytes, what refuses it, and one hardware that runs several."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from binascii import crc_hqx
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import tiered
+
+from golden.engine.image import Image, Sizes, image_of
+from golden.networks.engine import Engine
+from golden.scene import Scene, load_scene, scene_path
+from golden.scene.image import scene_image
+from golden.scene.write_image import main
+from tb.common.cases import Case
+from tb.common.runner import plan, run_jobs
+from tb.common.small import RELOADED
+from tb.common.tools import SIMULATORS
+
+SHIPPED = ("digit", "digit-single", "digit-multiple", "swing-single")
+
+
+def reloadable(name: str, folder: Path, keys: str = "") -> Scene:
+    """A shipped scene's networks on an engine that can be reloaded."""
+    path = scene_path(name)
+    text = re.sub(r'design = "\w+"', f'design = "engine"\nreload = true\n{keys}', path.read_text())
+    text = re.sub(
+        r'"([^"]+\.(?:csv|npz))"', lambda found: f'"{(path.parent / found[1]).resolve()}"', text
+    )
+    file = folder / f"{name}.toml"
+    file.write_text(text)
+    return load_scene(str(file))
+
+
+def fixed(scene: Scene) -> Engine:
+    """The same networks, with the program in the hardware."""
+    engine = Engine.of_several(scene.arrangement, scene.mlps())
+    assert isinstance(engine, Engine)
+    return engine
+
+
+@pytest.fixture
+def hardware(tmp_path: Path) -> Engine:
+    twin = reloadable("digit", tmp_path).twin()
+    assert isinstance(twin, Engine)
+    return twin
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_what_is_loaded_computes_what_the_scene_does(name: str, hardware: Engine) -> None:
+    scene = load_scene(name)
+    image = scene_image(scene, hardware)
+    found = hardware.image_loader.judge(image.to_bytes())
+    assert found is not None
+    before_last, words = found
+    loaded = Image(image.sizes, (before_last + 2) % image.sizes.operand_words, tuple(words))
+    codes = scene.vectors().codes
+    expected = fixed(scene).process(codes)
+    assert np.array_equal(hardware.running(loaded).process(codes), expected)
+
+
+def test_the_bytes_are_what_the_page_says(hardware: Engine) -> None:
+    image = hardware.loaded
+    assert image is not None
+    data = image.to_bytes()
+    header, sent, check = data[:5], data[5:-2], data[-2:]
+    assert int.from_bytes(header, "big") == len(image.words) - 1 | (image.inputs - 2) << 18
+    words = [int.from_bytes(sent[n : n + 5], "big") for n in range(0, len(sent), 5)]
+    assert tuple(reversed(words)) == image.words
+    start = crc_hqx(bytes([1, 9, 7, 9, 0]), 0xFFFF)
+    assert int.from_bytes(check, "big") == crc_hqx(data[:-2], start)
+
+
+def test_each_changed_bit_is_found(hardware: Engine) -> None:
+    image = hardware.loaded
+    assert image is not None
+    data = bytearray(image.to_bytes())
+    for place in range(0, 8 * len(data), 7):
+        data[place // 8] ^= 1 << (place % 8)
+        assert hardware.image_loader.judge(bytes(data)) is None, place
+        data[place // 8] ^= 1 << (place % 8)
+
+
+@pytest.mark.parametrize(
+    "sizes", [Sizes(1024, 128, 9), Sizes(512, 64, 9), Sizes(512, 128, 8)], ids=str
+)
+def test_an_image_for_other_hardware_fails_its_check(hardware: Engine, sizes: Sizes) -> None:
+    assert hardware.loaded is not None
+    other = replace(hardware.loaded, sizes=sizes)
+    assert hardware.image_loader.judge(other.to_bytes()) is None
+
+
+@pytest.mark.parametrize(
+    ("keys", "faults"),
+    [
+        ("program_words = 256", ["program words, there are 256"]),
+        ("operand_words = 64", ["operand words, there are 64"]),
+        (
+            "program_words = 256\noperand_words = 8",
+            ["program words, there are 256", "operand words, there are 8"],
+        ),
+    ],
+)
+def test_what_does_not_fit_is_refused(
+    tmp_path: Path, hardware: Engine, keys: str, faults: list[str]
+) -> None:
+    scene = reloadable("digit", tmp_path, keys)
+    with pytest.raises(ValueError, match="the image needs") as refusal:
+        scene.twin()
+    message = str(refusal.value)
+    assert message.startswith(f"{scene.path}: ")
+    assert hardware.loaded is not None
+    needed = {
+        "program words": len(hardware.loaded.words),
+        "operand words": hardware.inputs + len(hardware.graph.neurons),
+    }
+    found = re.findall(r"(\d+) (\w+ words)(, there are \d+)", message)
+    assert [f"{what}{there}" for _, what, there in found] == faults
+    assert all(int(count) == needed[what] for count, what, _ in found)
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ("program_words = 500", r"program_words: got 500, expected a power of two"),
+        ("operand_words = 2048", r"operand_words: got 2048, expected a power of two, 2 to 1024"),
+    ],
+)
+def test_a_size_that_cannot_be_is_refused(tmp_path: Path, keys: str, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        reloadable("digit", tmp_path, keys).twin()
+
+
+def test_sums_that_are_too_large_are_refused(hardware: Engine) -> None:
+    with pytest.raises(ValueError, match="needs 41 bits of a sum, there are 40"):
+        image_of(hardware.program, 41, Sizes())
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("reload = true", "program_words = 512", "hardware.program_words: got 512 without reload"),
+        ("reload = true", 'reload = true\ninterface = "axi_stream"', "with interface 'axi_stream'"),
+        ("[training]", "[front_end]\n[training]", r"with a section \[front_end\]"),
+    ],
+)
+def test_a_scene_that_cannot_be_reloaded_is_refused(
+    tmp_path: Path, old: str, new: str, message: str
+) -> None:
+    path = reloadable("digit", tmp_path).path
+    path.write_text(path.read_text().replace(old, new))
+    with pytest.raises(ValueError, match=message):
+        load_scene(str(path))
+
+
+def test_make_image(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> None:
+    hardware = reloadable("digit", tmp_path)
+    words = ["swing-single", "--hardware", str(hardware.path), "--build", str(tmp_path)]
+    monkeypatch.setattr("sys.argv", ["image", *words])
+    main()
+    twin = hardware.twin()
+    assert isinstance(twin, Engine)
+    image = scene_image(load_scene("swing-single"), twin)
+    size = f"{len(image.words)} of 512 program words, 38 of 128 operand words"
+    assert f"{size}, {len(image.to_bytes())} bytes" in capsys.readouterr().out
+    folder = tmp_path / "swing-single" / "image"
+    assert (folder / "swing-single.bin").read_bytes() == image.to_bytes()
+    read = [int(line, 16) for line in (folder / "swing-single.hex").read_text().splitlines()]
+    assert tuple(read) == image.contents
+    lines = (folder / "swing-single.mem").read_text().splitlines()[1:]
+    assert [int(line.split()[1], 16) for line in lines] == list(image.words)
+    assert any("node 1 sum = 1 x" in line for line in lines)
+
+
+def test_an_image_that_is_refused_leaves_the_one_before(tmp_path: Path) -> None:
+    small = reloadable("digit-load", tmp_path, "program_words = 256\noperand_words = 32").path
+    image = tmp_path / "digit-single" / "image" / "digit-single.bin"
+    image.parent.mkdir(parents=True)
+    image.write_bytes(b"before")
+    command = [sys.executable, "-m", "golden.scene.write_image", "digit-single"]
+    command += ["--hardware", str(small), "--build", str(tmp_path)]
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert result.returncode == 2
+    assert "program words, there are 256; 40 operand words, there are 32" in result.stderr
+    assert image.read_bytes() == b"before"
+
+
+def test_two_scenes_of_the_same_sizes_are_the_same_hardware(tmp_path: Path) -> None:
+    folders = []
+    for name in ("digit", "swing-single"):
+        scene = reloadable(name, tmp_path)
+        for language in ("vhdl", "verilog"):
+            command = [sys.executable, "-m", "hdl.export", str(scene.path), language]
+            subprocess.run([*command, "--build", str(tmp_path)], check=True, capture_output=True)
+        folders.append(tmp_path / name)
+    for language in ("vhdl", "verilog"):
+        first, second = (folder / language for folder in folders)
+        order = (first / "compile_order.txt").read_text()
+        assert order == (second / "compile_order.txt").read_text()
+        assert "engine" in order
+        for file in order.split():
+            assert (first / file).read_bytes() == (second / file).read_bytes(), file
+
+
+@pytest.mark.parametrize("frames", tiered([200], [10_000]))
+def test_one_hardware_runs_every_scene(tmp_path: Path, frames: int) -> None:
+    """Images of other arrangements and numbers of samples, each with its recorded frames."""
+    scene = reloadable("digit", tmp_path)
+    jobs = plan(scene, SIMULATORS, "engine", build=tmp_path / "build", frames=frames)
+    outcomes = run_jobs(
+        [replace(job, test="images_one_after_the_other") for job in jobs], lambda _: None, 1
+    )
+    assert len(outcomes) == len(SIMULATORS)
+    for outcome in outcomes:
+        assert outcome.passed, outcome.complaint()
+
+
+def test_the_cases_are_hardware_that_can_be_reloaded(tmp_path: Path) -> None:
+    for name, case in RELOADED.items():
+        assert isinstance(case, Case)
+        assert case.scene(tmp_path, name).twin().image
