@@ -123,3 +123,9 @@ def test_passes_leave_out_zeros_alone(name: str) -> None:
         assert needed <= set(planes)
         if kind in (Kind.ONE, Kind.INTERCEPT):
             assert set(planes) == needed
+
+
+def test_registers_behind_the_memories_go_with_a_multiplier_alone() -> None:
+    hardware = {"multiplier": "serial", "pipeline": "deep"}
+    with pytest.raises(ValueError, match=r"hardware\.pipeline: got 'deep'.*expected 'short'"):
+        Engine.of_several("single", ENGINES["least-engine"].networks(), hardware=hardware)

@@ -97,7 +97,7 @@ class Pipeline:
 
 @dataclass(frozen=True)
 class SerialPipeline(Pipeline):
-    """The same without a multiplier: a coefficient is added in the clock in which it is there.
+    """The same without a multiplier: a register stands between a coefficient and the sum.
 
     A neuron's words are read more than once, so all fields of a step stand in one word, and
     registers carry them to the clock of their use.
