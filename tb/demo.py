@@ -70,7 +70,7 @@ def length_lines(scene: Scene) -> list[str]:
 
 def report(scene: Scene, results: dict[str, Any]) -> str:
     """Errors, clocks, what was left out, and speed."""
-    vectors = scene.vectors()
+    vectors, design = scene.vectors(), scene.twin().core
     facts = results["facts"]
     first = next(iter(facts.values()))
     clocks, interval = first["clocks_per_frame"], first["interval"]
@@ -89,6 +89,7 @@ def report(scene: Scene, results: dict[str, Any]) -> str:
         f"({clocks / scene.clock_mhz:.3f} us at {scene.clock_mhz:g} MHz)",
         f"clocks between frames     {interval} "
         f"({scene.clock_mhz * 1e6 / interval:,.0f} frames a second)",
+        *(f"{design.entity:25} {fact}" for fact in design.facts()),
         f"samples saturated         {vectors.saturated} of {vectors.codes.size}",
         *(f"left out                  {text}" for text in scene.twin().left_out()),
         "",

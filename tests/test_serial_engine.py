@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from golden.engine.serial_program import BEFORE, NOTHING
 from golden.networks.engine import Engine
 from golden.precision import SIGNAL
 from golden.scene import load_scene
+from tb.common.cases import random_mlp, write_scene
 from tb.common.small import ENGINES
 
 SCENES = ("digit-single", "digit", "digit-multiple", "swing-cascade")
@@ -129,3 +131,44 @@ def test_registers_behind_the_memories_go_with_a_multiplier_alone() -> None:
     hardware = {"multiplier": "serial", "pipeline": "deep"}
     with pytest.raises(ValueError, match=r"hardware\.pipeline: got 'deep'.*expected 'short'"):
         Engine.of_several("single", ENGINES["least-engine"].networks(), hardware=hardware)
+
+
+def budgeted(tmp_path: Path, lines: str, sections: str = "") -> Engine:
+    path = write_scene(
+        tmp_path,
+        "budget",
+        "exact",
+        [random_mlp((2, 3, 3), 1.0, 4)],
+        activation="precise",
+        design="engine",
+        hardware=lines,
+        sections=sections,
+    )
+    found = load_scene(str(path)).twin().core
+    assert isinstance(found, Engine)
+    return found
+
+
+def test_a_budget_takes_the_smallest_that_keeps_to_it(tmp_path) -> None:
+    slow, fast = (
+        budgeted(tmp_path, f'multiplier = "{kind}"').output_clocks[-1] for kind in ("serial", "dsp")
+    )
+    assert slow > fast
+    for clocks, serial in ((slow, True), (slow - 1, False), (fast, False)):
+        assert budgeted(tmp_path, f"clocks = {clocks}").serial is serial
+    with pytest.raises(ValueError, match=rf"hardware.clocks: got {fast - 1}, expected {fast} or"):
+        budgeted(tmp_path, f"clocks = {fast - 1}")
+    with pytest.raises(ValueError, match=rf"expected {slow} or more, which multiplier 'serial'"):
+        budgeted(tmp_path, f'multiplier = "serial"\nclocks = {slow - 1}')
+
+
+def test_with_a_front_end_the_budget_is_what_a_scan_leaves(tmp_path) -> None:
+    for width, serial in ((11, True), (8, False)):
+        section = f"\n[front_end]\ncounter_width = {width}\n"
+        found = budgeted(tmp_path, "", section)
+        # Two slots, in each of which a sample is taken at the same place.
+        assert found.budget == (1 << width) // 2 - 1
+        assert found.serial is serial
+        assert found.output_clocks[-1] <= found.budget
+    with pytest.raises(ValueError, match="front_end: instrument: got counter_width=4, a scan"):
+        budgeted(tmp_path, "", "\n[front_end]\ncounter_width = 4\n")

@@ -36,6 +36,8 @@ from golden.networks.mlp import Mlp, Real
 from golden.port import Port, Unsigned, given, taken
 from golden.precision import EXACT, SIGNAL, Precision
 
+# What multiplies, the smallest first.
+KINDS = ("serial", "dsp")
 # Smaller memories would be made of LUTs in some devices, which are slower behind a block RAM.
 LEAST_ADDR_WIDTH = 7
 # With fewer, Yosys makes the test for saturation anew for each bit that it chooses.
@@ -68,6 +70,8 @@ class Engine(Design):
     loaded : Image or None
         What an engine that can be reloaded runs; its hardware depends on ``loaded.sizes`` alone.
         None for a program that is part of the hardware.
+    budget : int
+        Clocks from the last sample to the last output that the scene asks for; 0 for none.
     """
 
     block = "engine"
@@ -78,6 +82,7 @@ class Engine(Design):
         "segment_width",
         "pipeline",
         "multiplier",
+        "clocks",
         "reload",
         "program_words",
         "operand_words",
@@ -86,6 +91,7 @@ class Engine(Design):
     acc_width: int
     graph: Graph
     loaded: Image | None = None
+    budget: int = 0
 
     @classmethod
     def of_several(
@@ -110,6 +116,9 @@ class Engine(Design):
         variant : str
         """
         chosen: dict[str, Any] = {"segment_width": 9, "pipeline": "short"} | dict(hardware or {})
+        budget = chosen.pop("clocks", 0)
+        if budget:
+            return cls._within(budget, arrangement, mlps, lean, chosen, variant)
         serial = chosen.pop("multiplier", "dsp") == "serial"
         depth, reload = chosen.pop("pipeline"), chosen.pop("reload", False)
         if serial and depth != "short":
@@ -144,6 +153,35 @@ class Engine(Design):
             loaded,
             useless_nodes=graph.useless_nodes,
             variant=variant,
+        )
+
+    @classmethod
+    def _within(
+        cls,
+        clocks: int,
+        arrangement: str,
+        mlps: Sequence[Mlp],
+        lean: bool,
+        chosen: dict[str, Any],
+        variant: str,
+    ) -> Self:
+        """The smallest engine whose last output leaves ``clocks`` after the last sample.
+
+        Raises
+        ------
+        ValueError
+            When none does; the message says what the fastest takes.
+        """
+        # Without a multiplier there is one pipeline, and no image.
+        kinds = ["dsp"] if chosen["pipeline"] != "short" or chosen.get("reload") else list(KINDS)
+        kinds = [chosen["multiplier"]] if "multiplier" in chosen else kinds
+        for kind in kinds:
+            engine = cls.of_several(arrangement, mlps, lean, chosen | {"multiplier": kind}, variant)
+            if engine.output_clocks[-1] <= clocks:
+                return replace(engine, budget=clocks)
+        raise ValueError(
+            f"hardware.clocks: got {clocks}, expected {engine.output_clocks[-1]} or more, which "
+            f"multiplier {kind!r} takes"
         )
 
     @classmethod
@@ -344,10 +382,20 @@ class Engine(Design):
             watcher=self.frame_guard if self.loaded else self.frame_check,
         )
 
+    def facts(self) -> tuple[str, ...]:
+        multiplier = "no multiplier" if self.serial else "one multiplier"
+        budget = f" of {self.budget}" if self.budget else ""
+        spent = f"{self.output_clocks[-1]}{budget} clocks from the last sample to the last output"
+        return multiplier, spent
+
     def left_out(self) -> list[str]:
         """What is counted as words costs memory and, one each, a clock of every frame."""
         graph, program = self.graph, self.program
         texts = []
+        if self.serial:
+            spent = f"{self.output_clocks[-1]} clocks"
+            budget = f" of {self.budget}" if self.budget else ""
+            texts.append(f"the multiplier: {spent}{budget} are enough for bit after bit")
         if graph.useless_nodes:
             texts.append(f"{graph.useless_nodes} hidden nodes whose weights to the outputs are 0")
         if graph.useless_terms:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -9,6 +10,7 @@ from golden.instruments.instrument import Instrument
 from golden.instruments.readout import Readout
 from golden.networks.arrangement import arrange
 from golden.networks.axis_network import AxisNetwork
+from golden.networks.design import Design
 from golden.networks.designs import DESIGNS
 from golden.networks.network import Network
 
@@ -29,7 +31,7 @@ def build_twin(scene: Scene, lean: bool) -> Network:
     """
     design = DESIGNS[scene.design]
     try:
-        together = design.of_several(scene.arrangement, scene.mlps(), lean, scene.design_options)
+        together = _of_several(scene, design, lean)
     except ValueError as error:
         raise ValueError(f"{scene.path}: {error}") from None
     network = together or arrange(scene.arrangement, scene.mlps(), partial(scene.build, lean=lean))
@@ -45,3 +47,17 @@ def build_twin(scene: Scene, lean: bool) -> Network:
         return Instrument(scene.front_end.scan_sequencer(network), readout)
     except ValueError as error:
         raise ValueError(f"{scene.path}: front_end: {error}") from None
+
+
+def _of_several(scene: Scene, design: type[Design], lean: bool) -> Network | None:
+    """The networks as one, where the design arranges them by itself.
+
+    With a front end it may take the clocks that a scan leaves. Where nothing does, the instrument
+    says so.
+    """
+    options = scene.design_options
+    if scene.front_end and "clocks" in design.options and "clocks" not in options:
+        with suppress(ValueError):
+            within = options | {"clocks": scene.front_end.clocks_left(len(scene.sensors))}
+            return design.of_several(scene.arrangement, scene.mlps(), lean, within)
+    return design.of_several(scene.arrangement, scene.mlps(), lean, options)

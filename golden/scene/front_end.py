@@ -37,10 +37,24 @@ class FrontEnd:
         ValueError
             When the counter is too narrow for the frame, or the slot too short for ``sample_at``.
         """
-        slots = network.input_controller.inputs
+        return self._sequencer(network.inputs, network.input_controller.inputs)
+
+    def clocks_left(self, inputs: int) -> int:
+        """Clocks from the last sample of a frame to the first of the next, where it has no slots.
+
+        Raises
+        ------
+        ValueError
+            As ``scan_sequencer``.
+        """
+        scan = self._sequencer(inputs, inputs)
+        samples = scan.sample_clocks
+        return scan.scan_clocks - int(samples[-1]) + int(samples[0]) - 1
+
+    def _sequencer(self, inputs: int, slots: int) -> ScanSequencer:
         slot_clocks = (1 << self.counter_width) >> max(1, (slots - 1).bit_length())
         return ScanSequencer(
-            SIGNAL, network.inputs, slots, self.counter_width, int(self.sample_at * slot_clocks)
+            SIGNAL, inputs, slots, self.counter_width, int(self.sample_at * slot_clocks)
         )
 
 

@@ -25,7 +25,8 @@ def main() -> None:
     parser.add_argument("--build", type=Path, default=Path("build"))
     arguments = parser.parse_args()
     scene = load_scene(arguments.scene)
-    top = scene.twin().entity
+    design = scene.twin()
+    top = design.entity
     folder = arguments.build / scene.name / arguments.language
     stamp = folder.parent / f".{arguments.language}.stamp"
     inputs = [*sources("golden", "hdl"), *scene.files]
@@ -35,6 +36,8 @@ def main() -> None:
         stamp.write_text(_state(folder, inputs, versions))
     count = len((folder / ORDER).read_text().split())
     print(f"{count} files in {folder}, top {top}, compile order in {folder / ORDER}")
+    for fact in design.core.facts():
+        print(f"{design.core.entity}: {fact}")
 
 
 def _state(folder: Path, inputs: list[Path], versions: tuple[str, ...]) -> str:

@@ -27,7 +27,7 @@ def instrument(
     -----
     Latency from the code of the last sample to the first output: 1 clock and that of readout. A
     frame every scan. There is no frame_error: the sequencer makes frames of the right length, at
-    distances that ``spec`` has checked. Reset starts a scan and clears every flag and counter.
+    distances that its twin has checked. Reset starts a scan and clears every flag and counter.
     """
     valid, data, last = flag(), fixed(SIGNAL), flag()
     # Left open.

@@ -42,6 +42,7 @@ def content(scene: Scene, tell: Progress) -> Page:
         *findings.activation_plots(activations),
         findings.iterations_plot(tables, thesis_figure("pade")),
         *findings.network_plots(networks),
+        *findings.area_plots(networks),
         *findings.training_plots(tables),
         *findings.swing_plots(tables),
         findings.damping_plot(tables),
