@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import os
 import pwd
+import re
 import shlex
 import shutil
 import subprocess
@@ -220,7 +221,8 @@ def main() -> int:
         machine = MACHINES[name]
         group = EVERYTHING if arguments.whole or arguments.all else machine.group
         tests = chosen or [f"--deselect=tests/{test}" for test in group.leaves_out()]
-        tests += ["--all"] if arguments.all else []
+        if arguments.all:
+            tests = ["--all", *tests]
         ran = [n for n, word in results.items() if word != "not run" and same(MACHINES[n], machine)]
         if not is_possible(machine):
             results[name] = "not run"
@@ -258,11 +260,18 @@ def tell(name: str, selection: str, tests: list[str], show: bool) -> str:
         log = LOGS / f"{name}.log"
         (ROOT / log).parent.mkdir(parents=True, exist_ok=True)
         (ROOT / log).write_bytes(text)
-        last = text.decode(errors="replace").strip().rpartition("\n")[2].strip("= ")
         where = "" if passed else f"; see {log}"
         seconds = time.perf_counter() - started
-        print(f"{word}   {name:18} {selection:10} {seconds:4.0f} s  {last}{where}", flush=True)
+        said = f"{closing(text.decode(errors='replace'))}{where}"
+        print(f"{word}   {name:18} {selection:10} {seconds:4.0f} s  {said}", flush=True)
     return word
+
+
+def closing(text: str) -> str:
+    """Pytest's last line, after which make may complain; without one the last of all."""
+    lines = text.strip().split("\n")
+    counts = [line for line in lines if re.search(r"\d (passed|failed|error).* in \d", line)]
+    return (counts or lines)[-1].strip("= ")
 
 
 def is_possible(machine: Machine) -> bool:

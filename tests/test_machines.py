@@ -59,6 +59,13 @@ def test_what_cannot_be_is_an_error_where_it_is_asked_for(monkeypatch, tmp_path,
     assert run(monkeypatch, tmp_path, "gren", *asks) == 2
 
 
+def test_the_line_has_what_pytest_counted() -> None:
+    """Though make says something after it."""
+    counted = "1 failed, 2 passed, 3 warnings in 4.05s (0:00:04)"
+    assert machines.closing(f"a\n== {counted} ==\nmake: *** [test] Error 1\n") == counted
+    assert machines.closing("no such package\nmake: *** [.venv] Error 1\n").startswith("make: ")
+
+
 def test_make_test_runs_as_another_machine(asks) -> None:
     words = ["make", "--no-print-directory", "test", f"VENV={sys.prefix}", f"TESTS={asks[1]}"]
     environment = os.environ | {"MAKEFLAGS": ""}
