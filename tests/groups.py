@@ -46,8 +46,8 @@ class Group:
 
 
 SIMULATED = Rest(
-    "A simulator or Yosys does the work, on exported files, and test_synth.py compares their bytes "
-    "with what was recorded; that benches start is seen in test_new_design.py.",
+    "A simulator or Yosys does the work, on exported files; that their code is the recorded one is "
+    "seen in test_synth.py, that benches start in test_new_design.py.",
     (
         "test_benches.py",
         "test_benches_can_fail.py",
