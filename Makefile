@@ -15,8 +15,8 @@ help:
 	@echo "make demo    [SCENE=]                     a scene end to end: simulate, export, table of errors"
 	@echo "make test    [TESTS=tests/test_x.py] [ALL=1] [MACHINE=name]"
 	@echo "                                          the tests, or some; ALL=1 every constant; MACHINE= as elsewhere"
-	@echo "make machines [ONLY=name] [TESTS=] [SIMULATED=1] [ALL=1]"
-	@echo "                                          the tests as on other machines, a line each"
+	@echo "make machines [ONLY=name] [TESTS=] [WHOLE=1] [ALL=1]"
+	@echo "                                          the tests that other machines may change, as on each; WHOLE=1 all"
 	@echo "make sim     [BLOCK=] [SIM=ghdl|icarus] [SCENE=] [SEED=] [WAVES=1] [FRAMES=]"
 	@echo "                                          one bench, or every bench of the scene"
 	@echo "make vhdl    [SCENE=]                     export to build/<scene>/vhdl"
@@ -44,11 +44,11 @@ demo: $(READY) tools
 	@$(RUN) -m tb.demo "$(SCENE)"
 
 test: $(READY) tools browser
-	@$(RUN) $(if $(MACHINE),tests/machines.py $(MACHINE) --show --simulated,-m pytest -n logical --dist worksteal) \
+	@$(RUN) $(if $(MACHINE),tests/machines.py $(MACHINE) --show --whole,-m pytest -n logical --dist worksteal) \
 		$(if $(filter-out 0,$(ALL)),--all) $(if $(MACHINE),--tests "$(TESTS)",$(TESTS))
 
 machines: $(READY) tools browser
-	@$(RUN) tests/machines.py $(ONLY) --tests "$(TESTS)" $(if $(filter-out 0,$(SIMULATED)),--simulated) $(if $(filter-out 0,$(ALL)),--all)
+	@$(RUN) tests/machines.py $(ONLY) --tests "$(TESTS)" $(if $(filter-out 0,$(WHOLE)),--whole) $(if $(filter-out 0,$(ALL)),--all)
 
 sim: $(READY)
 	@$(RUN) -m tb.sim "$(SCENE)" --seed "$(SEED)" \

@@ -28,8 +28,9 @@ SETTINGS: dict[str, dict[str, str]] = {
     "one-thread": {"OPENBLAS_NUM_THREADS": "1"},
     "two-threads": {"OPENBLAS_NUM_THREADS": "2"},
 }
-# A core that the processor has not would end in an illegal instruction.
-_FLAGS = {"openblas-haswell": "avx2", "openblas-skylakex": "avx512f"}
+# What a processor must have for a setting: a core that it has not would end in an illegal
+# instruction.
+FLAGS = {"openblas-prescott": "sse2", "openblas-haswell": "avx2", "openblas-skylakex": "avx512f"}
 
 
 def possible_settings() -> dict[str, dict[str, str]]:
@@ -38,7 +39,7 @@ def possible_settings() -> dict[str, dict[str, str]]:
     return {
         name: setting
         for name, setting in SETTINGS.items()
-        if name not in _FLAGS or _FLAGS[name] in flags
+        if name not in FLAGS or FLAGS[name] in flags
     }
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import os
 import pwd
+import re
 import shlex
 import shutil
 import subprocess
@@ -17,29 +18,17 @@ import sys
 import tempfile
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import BinaryIO
+
+from groups import EVERYTHING, FILES, NUMBERS, ORDER, VERSIONS, Group
+
+from golden.machine import FLAGS, SETTINGS
 
 ROOT = Path(__file__).parents[1]
 LOGS = Path("build") / "machines"
 
-# What these do is done in a simulator or in Yosys, on exported files. That the files are the bytes
-# that were recorded is shown by test_synth.py among those that are run; SIMULATED=1 runs these too.
-SIMULATED = (
-    "test_benches.py",
-    "test_benches_can_fail.py",
-    "test_cells.py",
-    "test_export.py::test_ghdl_accepts_every_file_in_the_listed_order",
-    "test_export.py::test_vhdl_synthesises_without_a_latch",
-    "test_handover.py::test_a_fault_in_an_entity_fails",
-    "test_handover.py::test_every_recorded_frame_matches",
-    "test_handover.py::test_the_examples_compile",
-    "test_lean.py::test_the_savings_are_those_of_two_builds",
-    "test_report.py",
-    "test_synth.py::test_the_command",
-    "test_synth.py::test_the_recorded_cells_are_those_that_yosys_finds",
-)
 
 # Not the project's: what .gitignore names, and git's own.
 NOT_COPIED = (".git", ".venv*", "build", "*.egg-info", "__pycache__", ".*_cache", ".hypothesis")
@@ -65,6 +54,8 @@ class Machine:
     ----------
     what : str
         In words.
+    group : Group
+        What it may change.
     environment : mapping
     holds : str
         A Python expression that is true where this machine is that one.
@@ -83,6 +74,7 @@ class Machine:
     """
 
     what: str
+    group: Group = EVERYTHING
     environment: Mapping[str, str] = field(default_factory=dict)
     holds: str = "True"
     needs: str = ""
@@ -93,33 +85,37 @@ class Machine:
     lowest: bool = False
 
 
-def _numpy(*without: str) -> Machine:
-    features = " ".join(without)
+def _numpy(name: str) -> Machine:
+    without = SETTINGS[name]["NPY_DISABLE_CPU_FEATURES"].split()
     names = {"X86_V4": "AVX512", "X86_V3": "AVX2"}
-    unwanted = [*without, *(names[name] for name in without)]
+    unwanted = [*without, *(names[level] for level in without)]
     return Machine(
-        f"numpy without {' and '.join(names[name] for name in without)}",
-        {"NPY_DISABLE_CPU_FEATURES": features},
+        f"numpy without {' and '.join(names[level] for level in without)}",
+        NUMBERS,
+        SETTINGS[name],
         f"{X86} and not any(name in target for name in {unwanted} for target in numpy_targets())",
         "an x86-64 processor and numpy 2.4 or later",
     )
 
 
-def _blas(core: str, flag: str, answers: str = "") -> Machine:
+def _blas(name: str, answers: str = "") -> Machine:
+    core = SETTINGS[name]["OPENBLAS_CORETYPE"]
     return Machine(
         f"OpenBLAS for {core}",
-        {"OPENBLAS_CORETYPE": core},
-        # A core that the processor has not would end in an illegal instruction.
-        f'{X86} and "{flag}" in CPUINFO.read_text().split() and '
+        NUMBERS,
+        SETTINGS[name],
+        f'{X86} and "{name}" in possible_settings() and '
         f'all("{answers or core}" in found for found in blas_cores())',
-        f"an x86-64 processor with {flag}, and OpenBLAS",
+        f"an x86-64 processor with {FLAGS[name]}, and OpenBLAS",
     )
 
 
-def _threads(count: int) -> Machine:
+def _threads(name: str) -> Machine:
+    count = int(SETTINGS[name]["OPENBLAS_NUM_THREADS"])
     return Machine(
         f"OpenBLAS on {count} thread{'s' if count > 1 else ''}",
-        {"OPENBLAS_NUM_THREADS": str(count)},
+        NUMBERS,
+        SETTINGS[name],
         f'all(core.endswith("threads: {count}") for core in blas_cores())',
         f"OpenBLAS and {count} cores",
     )
@@ -128,6 +124,7 @@ def _threads(count: int) -> Machine:
 def _locale(what: str, name: str) -> Machine:
     return Machine(
         what,
+        FILES,
         {"LC_ALL": name},
         'locale.setlocale(locale.LC_ALL, "")',
         f"the locale {name} (Debian: apt-get install locales-all)",
@@ -138,7 +135,9 @@ def _python(version: str) -> Machine:
     name = f"python{version}"
     # A name may be there and refuse: pyenv's do, where another version was chosen.
     starts = f'not subprocess.run(["{name}", "-V"]).returncode'
-    return Machine(f"Python {version}", holds=starts, needs=name, copy="tactus", python=name)
+    return Machine(
+        f"Python {version}", VERSIONS, holds=starts, needs=name, copy="tactus", python=name
+    )
 
 
 def _debian(version: str, name: str) -> Machine:
@@ -152,40 +151,44 @@ def _debian(version: str, name: str) -> Machine:
 
 MACHINES = {
     "default": Machine("nothing changed"),
-    "numpy-avx2": _numpy("X86_V4"),
-    "numpy-sse": _numpy("X86_V3", "X86_V4"),
-    "openblas-prescott": _blas("Prescott", "sse2", answers="Katmai"),
-    "openblas-haswell": _blas("Haswell", "avx2"),
-    "openblas-skylakex": _blas("SkylakeX", "avx512f"),
+    "numpy-avx2": _numpy("numpy-avx2"),
+    "numpy-sse": _numpy("numpy-sse"),
+    "openblas-prescott": _blas("openblas-prescott", answers="Katmai"),
+    "openblas-haswell": _blas("openblas-haswell"),
+    "openblas-skylakex": _blas("openblas-skylakex"),
     "glibc-sse": Machine(
         "glibc's mathematics without AVX2, FMA and AVX512",
-        {"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA,-AVX512F"},
+        NUMBERS,
+        SETTINGS["glibc-sse"],
         f'{X86} and platform.libc_ver()[0] == "glibc"',
         "an x86-64 processor and glibc",
     ),
-    "one-thread": _threads(1),
-    "two-threads": _threads(2),
-    "hash-seed-1": Machine("order of sets", {"PYTHONHASHSEED": "1"}),
-    "hash-seed-2": Machine("another order of sets", {"PYTHONHASHSEED": "2"}),
+    "one-thread": _threads("one-thread"),
+    "two-threads": _threads("two-threads"),
+    "hash-seed-1": Machine("order of sets", ORDER, {"PYTHONHASHSEED": "1"}),
+    "hash-seed-2": Machine("another order of sets", ORDER, {"PYTHONHASHSEED": "2"}),
     "locale-c": _locale("no locale", "C"),
     "locale-german": _locale("decimal comma", "de_DE.UTF-8"),
     "locale-latin": _locale("letters that are not UTF-8", "de_DE.ISO-8859-1"),
     "locale-turkish": _locale("an i without a capital I", "tr_TR.UTF-8"),
-    "time-zone": Machine("a date of its own", {"TZ": "Pacific/Chatham"}),
-    "umask": Machine("files that nobody else may read", copy="tactus", umask=0o077),
-    "path": Machine("a path with blanks and a letter beyond ASCII", copy="takt \u00fc s"),
+    "time-zone": Machine("a date of its own", FILES, {"TZ": "Pacific/Chatham"}),
+    "umask": Machine("files that nobody else may read", FILES, copy="tactus", umask=0o077),
+    "path": Machine("a path with blanks and a letter beyond ASCII", FILES, copy="takt \u00fc s"),
     "sudo": Machine(
         "not root, sudo asks no password",
+        FILES,
         holds=f'{OTHER_USER} and shutil.which("unshare") and shutil.which("sudo")',
         needs="root, sudo and unshare",
         copy="tactus",
         user="sudo",
     ),
     "no-sudo": Machine(
-        "not root and no sudo", holds=OTHER_USER, needs="root", copy="tactus", user="no sudo"
+        "not root and no sudo", FILES, holds=OTHER_USER, needs="root", copy="tactus", user="no sudo"
     ),
-    "lowest": Machine("the lowest versions that pyproject.toml allows", copy="tactus", lowest=True),
-    "highest": Machine("the highest versions that pyproject.toml allows", copy="tactus"),
+    "lowest": Machine(
+        "the lowest versions that pyproject.toml allows", VERSIONS, copy="tactus", lowest=True
+    ),
+    "highest": Machine("the highest versions that pyproject.toml allows", VERSIONS, copy="tactus"),
     "python-3.11": _python("3.11"),
     "python-3.13": _python("3.13"),
     "debian-12": _debian("12", "bookworm"),
@@ -201,9 +204,9 @@ MACHINES = {
 def main() -> int:
     parser = argparse.ArgumentParser(prog="make machines", description=__doc__)
     parser.add_argument("names", nargs="*", metavar="NAME")
-    parser.add_argument("--tests", default="", help="arguments of pytest instead of the selection")
-    parser.add_argument("--simulated", action="store_true", help="the simulated tests too")
-    parser.add_argument("--all", action="store_true", help="these, and what make test ALL=1 adds")
+    parser.add_argument("--tests", default="", help="arguments of pytest instead of the group")
+    parser.add_argument("--whole", action="store_true", help="all of make test on each")
+    parser.add_argument("--all", action="store_true", help="that, and what make test ALL=1 adds")
     parser.add_argument("--show", action="store_true", help="print what the tests print")
     arguments = parser.parse_args()
     for name in arguments.names:
@@ -212,25 +215,41 @@ def main() -> int:
                 f"error: {name}: no such machine, expected {', '.join(MACHINES)}", file=sys.stderr
             )
             return 2
-    tests = shlex.split(arguments.tests)
-    if not tests and not (arguments.simulated or arguments.all):
-        tests = [f"--deselect=tests/{name}" for name in SIMULATED]
-    tests += ["--all"] if arguments.all else []
-    results = [tell(name, tests, arguments.show) for name in arguments.names or MACHINES]
-    if len(results) > 1:
-        counts = [f"{results.count(word)} {word}" for word in ("passed", "failed", "not run")]
+    chosen = shlex.split(arguments.tests)
+    results: dict[str, str] = {}
+    for name in arguments.names or MACHINES:
+        machine = MACHINES[name]
+        group = EVERYTHING if arguments.whole or arguments.all else machine.group
+        tests = chosen or [f"--deselect=tests/{test}" for test in group.leaves_out()]
+        if arguments.all:
+            tests = ["--all", *tests]
+        ran = [n for n, word in results.items() if word != "not run" and same(MACHINES[n], machine)]
+        if not is_possible(machine):
+            results[name] = "not run"
+            print(f"not run  {name:18} needs {machine.needs}", flush=True)
+        elif ran:
+            results[name] = results[ran[0]]
+            print(f"{results[name]}   {name:18} is {ran[0]} here", flush=True)
+        else:
+            results[name] = tell(name, "chosen" if chosen else group.name, tests, arguments.show)
+    words = list(results.values())
+    if len(words) > 1:
+        counts = [f"{words.count(word)} {word}" for word in ("passed", "failed", "not run")]
         print(f"machines: {', '.join(counts)}")
-    if "failed" in results:
+    if "failed" in words:
         return 1
-    return 2 if arguments.names and "not run" in results else 0
+    return 2 if arguments.names and "not run" in words else 0
 
 
-def tell(name: str, tests: list[str], show: bool) -> str:
+def same(one: Machine, other: Machine) -> bool:
+    """Whether the same is done for both, so that this machine is the other if it is the one."""
+    names = {"what": "", "holds": "", "needs": ""}
+    return replace(one, **names) == replace(other, **names)
+
+
+def tell(name: str, selection: str, tests: list[str], show: bool) -> str:
     """Run the tests as the machine of that name; print and return what came of it."""
     machine = MACHINES[name]
-    if not is_possible(machine):
-        print(f"not run  {name:18} needs {machine.needs}", flush=True)
-        return "not run"
     started = time.perf_counter()
     with tempfile.TemporaryFile() as output:
         passed = run(machine, tests, None if show else output) == 0
@@ -241,11 +260,18 @@ def tell(name: str, tests: list[str], show: bool) -> str:
         log = LOGS / f"{name}.log"
         (ROOT / log).parent.mkdir(parents=True, exist_ok=True)
         (ROOT / log).write_bytes(text)
-        last = text.decode(errors="replace").strip().rpartition("\n")[2].strip("= ")
         where = "" if passed else f"; see {log}"
         seconds = time.perf_counter() - started
-        print(f"{word}   {name:18} {seconds:4.0f} s  {last}{where}", flush=True)
+        said = f"{closing(text.decode(errors='replace'))}{where}"
+        print(f"{word}   {name:18} {selection:10} {seconds:4.0f} s  {said}", flush=True)
     return word
+
+
+def closing(text: str) -> str:
+    """Pytest's last line, after which make may complain; without one the last of all."""
+    lines = text.strip().split("\n")
+    counts = [line for line in lines if re.search(r"\d (passed|failed|error).* in \d", line)]
+    return (counts or lines)[-1].strip("= ")
 
 
 def is_possible(machine: Machine) -> bool:
