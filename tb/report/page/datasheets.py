@@ -14,15 +14,18 @@ from golden.fingerprint import ROOT
 from golden.scene import Scene, load_scene, scene_names
 from hdl.export.repeatable import run_repeatable
 from hdl.synth.budget import Cells, budget_path, read_budget
-from hdl.synth.cells import DEPTH, FAMILIES
+from hdl.synth.cells import DEPTH, FAMILIES, FLAT, FLAT_FAMILY
 from hdl.synth.netlist import KINDS
 from hdl.synth.shares import shares
 from hdl.synth.timing import read_timing, timing_path
 from tb.report.page.markers import put, write
 
 COMMAND = "python -m tb.report.page.datasheets"
-# The networks of section 5.2.2 that no shipped scene has.
-COMPARED = ["digit-parallel-lut", "digit-parallel-pade", "digit-parallel-polynomial"]
+# The networks of section 5.2.2 and the forms of an engine that no shipped scene has.
+COMPARED = [
+    *(f"digit-parallel-{name}" for name in ("lut", "pade", "polynomial")),
+    *("digit-serial", "digit-single-engine", "digit-single-fast", "digit-single-serial"),
+]
 COLUMNS = [*KINDS, DEPTH]
 
 
@@ -65,9 +68,9 @@ def _block_table(best: dict[str, tuple[int, str, str, dict[str, int]]]) -> str:
 def scene_table() -> str:
     """A line a scene: cells, shares of the thesis' device beside the printed ones, clock."""
     lines = [
-        "| scene | LUT | flip-flop | multiplier | depth | % LUTs (thesis) | % multipliers (thesis) "
-        "| ECP5 MHz | latency us | frames a second |",
-        "|" + "---|" * 10,
+        "| scene | LUT | in one piece | flip-flop | multiplier | block RAM | depth "
+        "| % LUTs (thesis) | % multipliers (thesis) | clocks | ECP5 MHz | us | frames a second |",
+        "|" + "---|" * 13,
     ]
     for scene, cells in recorded():
         design = scene.twin()
@@ -81,10 +84,13 @@ def scene_table() -> str:
         timing, _ = read_timing(timing_path(scene.path))
         row = [
             scene.name,
-            *(top[kind] for kind in ("LUT", "flip-flop", "multiplier", DEPTH)),
+            top["LUT"],
+            cells[FLAT_FAMILY][f"{design.entity} {FLAT}"]["LUT"],
+            *(top[kind] for kind in ("flip-flop", "multiplier", "block RAM", DEPTH)),
             *percents,
+            design.output_clocks[-1],
             timing.clock_mhz,
-            f"{design.latency / timing.clock_mhz:.2f}",
+            f"{design.output_clocks[-1] / timing.clock_mhz:.2f}",
             f"{timing.clock_mhz * 1e6 / design.interval:,.0f}",
         ]
         lines.append(f"| {' | '.join(map(str, row))} |")
