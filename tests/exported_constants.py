@@ -80,7 +80,15 @@ def constants(block: object) -> str:
     """All that a block says of itself: its fields, and what follows from them."""
     kind = type(block)
     derived = [name for name in dir(kind) if isinstance(getattr(kind, name), property)]
-    return repr((block, [(name, getattr(block, name)) for name in derived]))
+    return repr((block, [(name, derived_value(block, name)) for name in derived]))
+
+
+def derived_value(block: object, name: str) -> object:
+    """What a property is; of what a block has not in its form, that it says so."""
+    try:
+        return getattr(block, name)
+    except (NotImplementedError, ValueError) as error:
+        return str(error)
 
 
 def lines() -> list[str]:
