@@ -80,7 +80,7 @@ def test_a_misspelt_key_is_refused_as_shown(scene: Path) -> None:
 
 
 def test_it_simulates(scene: Path) -> None:
-    simulated = run("tb.sim", str(scene), "--block", "cascade", "--sim", "icarus")
+    simulated = run("tb.sim", str(scene), "--block", "engine", "--sim", "icarus")
     assert simulated.returncode == 0, simulated.stdout + simulated.stderr
     assert "1 benches, 0 failed" in simulated.stdout
 
@@ -88,8 +88,8 @@ def test_it_simulates(scene: Path) -> None:
 def test_it_exports(scene: Path, tmp_path: Path) -> None:
     exported = run("hdl.export", str(scene), "vhdl", "--build", str(tmp_path))
     assert exported.returncode == 0, exported.stderr
-    assert (tmp_path / "rig" / "vhdl" / "cascade.vhd").is_file()
-    assert (tmp_path / "rig" / "vhdl" / "cascade_tb.vhd").is_file()
+    assert (tmp_path / "rig" / "vhdl" / "engine.vhd").is_file()
+    assert (tmp_path / "rig" / "vhdl" / "engine_tb.vhd").is_file()
 
 
 def test_two_lines_make_it_an_instrument(scene: Path) -> None:
@@ -97,4 +97,4 @@ def test_two_lines_make_it_an_instrument(scene: Path) -> None:
     whole.write_text(scene.read_text() + "\n[front_end]\n")
     design = load_scene(str(whole)).twin()
     assert design.entity == "instrument"
-    assert design.scan_sequencer.slots == 6
+    assert design.scan_sequencer.slots == 5

@@ -120,7 +120,7 @@ def close_ranges(text: str) -> str:
 
 def drop_unused_packages(text: str) -> str:
     """``use`` of text files and of MyHDL's functions only where they are used."""
-    if not re.search(r"\b(?:write|writeline|line)\b", text):
+    if not re.search(r"\b(?:write|writeline)\(|: line\b", text):
         text = text.replace("use std.textio.all;\n", "")
     if not _PACKAGE_USED.search(text):
         text = text.replace("use work.pck_myhdl_011.all;\n", "")
