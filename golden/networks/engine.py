@@ -16,7 +16,7 @@ from golden.engine.graph import Graph, graph_of
 from golden.engine.image import ACC_WIDTH, Image, Sizes, image_of
 from golden.engine.image_loader import ImageLoader
 from golden.engine.multiply_accumulate import MultiplyAccumulate
-from golden.engine.operand_memory import OperandMemory
+from golden.engine.operand_memory import WORD, OperandMemory
 from golden.engine.operand_select import OperandSelect
 from golden.engine.pipeline import Pipeline, SerialPipeline
 from golden.engine.plane_select import PlaneSelect
@@ -30,7 +30,7 @@ from golden.engine.serial_program import SerialProgram, assemble_serial
 from golden.engine.table_address import TableAddress
 from golden.engine.tanh_table import tanh_table
 from golden.fixed import Codes
-from golden.flow import Carried, Flow
+from golden.flow import Carried, Controlled, Flow
 from golden.networks.design import Design
 from golden.networks.mlp import Mlp, Real
 from golden.port import Port, Unsigned, given, taken
@@ -370,13 +370,19 @@ class Engine(Design):
         )
 
     def flow(self) -> Flow:
+        program, select, accumulate = self.steps
+        if self.loaded:
+            program = self.program_ram
         return Flow(
             (
                 Carried(f"{self.inputs} x", SIGNAL),
                 self.round_saturate,
-                Carried("words", self.round_saturate.latency),
+                Carried("samples, results", WORD),
                 self.operand_memory,
-                *self.steps[1:],
+                Carried("a word", WORD),
+                select,
+                Carried("an operand", WORD),
+                Controlled(program, accumulate),
                 Carried(f"{self.outputs} y", SIGNAL),
             ),
             watcher=self.frame_guard if self.loaded else self.frame_check,

@@ -184,7 +184,7 @@ def area_plots(table: Table) -> list[Plot]:
         return []
     device = thesis_table("board")["luts4"]
     points = {
-        f"{row['scene']}: {number(row, 'largest %'):.2f} %": [
+        f"{row['scene']}: {row['clocks a frame']} clocks, {number(row, 'largest %'):.2f} %": [
             (number(row, "clocks a frame"), number(row, "LUT"))
         ]
         for row in rows
