@@ -30,7 +30,7 @@ from golden.engine.serial_program import SerialProgram, assemble_serial
 from golden.engine.table_address import TableAddress
 from golden.engine.tanh_table import tanh_table
 from golden.fixed import Codes
-from golden.flow import Carried, Controlled, Flow
+from golden.flow import Carried, Flow
 from golden.networks.design import Design
 from golden.networks.mlp import Mlp, Real
 from golden.port import Port, Unsigned, given, taken
@@ -370,9 +370,7 @@ class Engine(Design):
         )
 
     def flow(self) -> Flow:
-        program, select, accumulate = self.steps
-        if self.loaded:
-            program = self.program_ram
+        _, select, accumulate = self.steps
         return Flow(
             (
                 Carried(f"{self.inputs} x", SIGNAL),
@@ -382,7 +380,7 @@ class Engine(Design):
                 Carried("a word", WORD),
                 select,
                 Carried("an operand", WORD),
-                Controlled(program, accumulate),
+                accumulate,
                 Carried(f"{self.outputs} y", SIGNAL),
             ),
             watcher=self.frame_guard if self.loaded else self.frame_check,
