@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.engine.formats import DROPPED, HIDDEN, RESULT
+from golden.engine.formats import DROPPED, HIDDEN, PRODUCT_WIDTH, RESULT
 from golden.engine.graph import Kind
-from golden.engine.multiply_accumulate import PRODUCT_WIDTH, MultiplyAccumulate
+from golden.engine.multiply_accumulate import MultiplyAccumulate
 from golden.engine.operand_select import OperandSelect
 from golden.engine.program import table_words
 from golden.engine.program_memory import ProgramMemory

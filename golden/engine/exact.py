@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from golden.engine.formats import (
@@ -15,8 +17,10 @@ from golden.engine.formats import (
     coeff_frac,
 )
 from golden.engine.graph import Graph, Kind, Neuron
+from golden.engine.operand_select import OperandSelect
+from golden.engine.table_address import TableAddress
 from golden.engine.tanh_table import tanh_table
-from golden.fixed import Codes, Fix
+from golden.fixed import Codes, Fix, Overflow, Rounding, requantise
 from golden.networks.mlp import Mlp, Real
 from golden.precision import SIGNAL
 
@@ -88,14 +92,14 @@ def _taken(weights: Real, result: Fix, operand: Fix) -> Real:
     return np.full(len(weights), half * weights.shape[1])
 
 
+@lru_cache
 def tanh_error(segment_width: int) -> float:
     """Largest error of tanh over every code of q, its rounding to 17 fraction bits included."""
     q = np.arange(HIDDEN.low, HIDDEN.high + 1)
     table = tanh_table(segment_width)
-    negative = q >> (HIDDEN.width - 1)
-    segment = np.minimum((q ^ negative) >> segment_width, len(table.slopes) - 1)
-    span = 1 << segment_width
-    sums = np.array(table.intercepts)[segment] * ((negative | 1) << DROPPED)
-    sums += np.array(table.slopes)[segment] * ((q & (span - 1)) - span // 2)
-    r = np.clip((sums + (1 << (DROPPED - 1))) >> DROPPED, RESULT.low, RESULT.high)
+    segment = TableAddress(segment_width, len(table.slopes)).process(q)
+    select = OperandSelect(segment_width)
+    sums = np.array(table.intercepts)[segment] * select.process(q, np.full(len(q), Kind.INTERCEPT))
+    sums += np.array(table.slopes)[segment] * select.process(q, np.full(len(q), Kind.DISTANCE))
+    r = requantise(sums, DROPPED, RESULT, Rounding.ROUND, Overflow.SATURATE)
     return float(np.abs(RESULT.to_real(r) - np.tanh(HIDDEN.to_real(q))).max())

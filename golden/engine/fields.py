@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 from golden.engine.formats import WIDTH
+from golden.fixed import Codes
+
+Bits = TypeVar("Bits", int, Codes)
 
 
 def put(words: list[int], place: int, field: tuple[int, int], value: int) -> None:
@@ -17,6 +22,6 @@ def get(word: int, field: tuple[int, int]) -> int:
     return (word >> low) & ((1 << bits) - 1)
 
 
-def signed_code(bits: int) -> int:
-    """The code of a word's width that bits stand for."""
+def signed_code(bits: Bits) -> Bits:
+    """The code of a word's width that bits stand for; of an array, each."""
     return bits - ((bits >> (WIDTH - 1)) << WIDTH)

@@ -8,6 +8,7 @@ from golden.precision import EXACT, SIGNAL
 # What one multiplier of 18 bits takes; a weight's binary point follows from those of its operand
 # and of the sum that it belongs to.
 WIDTH = 18
+PRODUCT_WIDTH = 2 * WIDTH
 # A sample in the operand memory: moved to the left, so that weights of layer 1 reach 32.
 SAMPLE = Fix(WIDTH, 16)
 SAMPLE_SHIFT = SAMPLE.frac - SIGNAL.frac

@@ -7,28 +7,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.block import Block
-from golden.engine.formats import DROPPED, OUTPUT_SHIFT, WIDTH
+from golden.engine.accumulator import Accumulator
+from golden.engine.fields import signed_code
+from golden.engine.formats import DROPPED, OUTPUT_SHIFT, PRODUCT_WIDTH, WIDTH
 from golden.engine.operand_memory import WORD
 from golden.fixed import Codes, Fix
 from golden.port import CLOCK, Port, Unsigned, given, taken
 
-PRODUCT_WIDTH = 2 * WIDTH
-
 
 @dataclass(frozen=True)
-class MultiplyAccumulate(Block):
+class MultiplyAccumulate(Accumulator):
     """acc = operand x coefficient + (acc, or half a unit of the result).
-
-    Parameters
-    ----------
-    acc_width : int
-        Bits of the sum, 36 or more; sums of a program that was assembled for it do not leave them.
-
-    Raises
-    ------
-    ValueError
-        For an ``acc_width`` outside 36 to 48.
 
     Notes
     -----
@@ -37,14 +26,6 @@ class MultiplyAccumulate(Block):
     """
 
     block = "multiply_accumulate"
-    area = "engine"
-    acc_width: int
-
-    def __post_init__(self) -> None:
-        if not PRODUCT_WIDTH <= self.acc_width <= 48:
-            raise ValueError(
-                f"{self.entity}: got acc_width={self.acc_width}, expected {PRODUCT_WIDTH} to 48"
-            )
 
     @property
     def ports(self) -> tuple[Port, ...]:
@@ -81,9 +62,8 @@ class MultiplyAccumulate(Block):
         mask = (1 << WIDTH) - 1
         chosen = np.where(take_intercept, table >> WIDTH, table & mask)
         bits = np.asarray(weight, dtype=np.int64) | chosen
-        product = np.asarray(operand, dtype=np.int64) * (bits - ((bits >> (WIDTH - 1)) << WIDTH))
+        product = np.asarray(operand, dtype=np.int64) * signed_code(bits)
         half = 1 << (DROPPED - 1)
-        low, span = Fix(self.acc_width, 0).low, 1 << self.acc_width
         acc, found = 0, []
         for value, opens, output in zip(
             product.tolist(),
@@ -92,6 +72,6 @@ class MultiplyAccumulate(Block):
             strict=True,
         ):
             start = half << OUTPUT_SHIFT if output else half if opens else acc
-            acc = (value + start - low) % span + low
+            acc = self.wrapped(value + start)
             found.append(acc)
         return np.array(found, dtype=np.int64)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -11,10 +12,11 @@ from golden.engine.fields import get, put, signed_code
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, RESULT, SAMPLE_SHIFT, WIDTH
 from golden.engine.graph import Graph, Kind
 from golden.engine.listing import text_of
+from golden.engine.operand_memory import WORD
 from golden.engine.pipeline import Pipeline
 from golden.engine.schedule import Step, schedule
 from golden.engine.tanh_table import TanhTable
-from golden.fixed import Codes, Fix
+from golden.fixed import Codes
 
 WORD_WIDTH = 36
 # The fields of a word: lowest bit, and bits. A word of the table has a slope and an intercept.
@@ -30,7 +32,6 @@ END = (35, 1)
 INTERCEPT = (WIDTH, WIDTH)
 SLOPE = (0, WIDTH)
 
-_WORD = Fix(WIDTH, 0)
 _HALF = 1 << (DROPPED - 1)
 
 
@@ -76,7 +77,7 @@ class Program:
     pipeline: Pipeline
     notes: tuple[str, ...]
 
-    @property
+    @cached_property
     def instructions(self) -> list[Instruction]:
         """The steps, up to the end of the frame."""
         at = self.pipeline
@@ -104,12 +105,12 @@ class Program:
         """The steps whose results leave."""
         return [n for n, step in enumerate(self.instructions) if step.output]
 
-    @property
+    @cached_property
     def intercepts(self) -> Codes:
         """The intercept of each segment."""
         return np.array([signed_code(get(word, INTERCEPT)) for word in self.table])
 
-    @property
+    @cached_property
     def slopes(self) -> Codes:
         """The slope of each segment."""
         return np.array([signed_code(get(word, SLOPE)) for word in self.table])
@@ -167,17 +168,15 @@ class Program:
             else:
                 acc = acc + product
             if step.store:
-                word = np.clip(acc >> DROPPED, _WORD.low, _WORD.high)
+                word = np.clip(acc >> DROPPED, WORD.low, WORD.high)
                 memory.append(word)
                 if step.output:
                     results.append(word >> OUTPUT_SHIFT)
         return np.stack(results, axis=-1)
 
 
-def assemble(
-    graph: Graph, table: TanhTable, segments: int, pipeline: Pipeline
-) -> tuple[Program, list[Step]]:
-    """The program of a graph, and its steps.
+def assemble(graph: Graph, table: TanhTable, segments: int, pipeline: Pipeline) -> Program:
+    """The program of a graph.
 
     Parameters
     ----------
@@ -213,7 +212,7 @@ def assemble(
         put(words, n + pipeline.mark, END, n == final)
     kept = table_words(table, segments)
     notes = (*table_notes(table, segments), *_step_notes(graph, steps, len(words)))
-    return Program(graph.inputs, table.width, kept, tuple(words), pipeline, notes), steps
+    return Program(graph.inputs, table.width, kept, tuple(words), pipeline, notes)
 
 
 def check_values(graph: Graph) -> None:

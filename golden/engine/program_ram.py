@@ -7,14 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.block import Block
 from golden.engine.program import WORD_WIDTH
+from golden.engine.program_words import Stepped, later, stepped
 from golden.fixed import Codes
-from golden.port import CLOCKED, Port, Unsigned, given, taken
+from golden.port import Port, Unsigned, given, taken
 
 
 @dataclass(frozen=True)
-class ProgramRam(Block):
+class ProgramRam(Stepped):
     """Words of 36 bits, read by a counter and by the segment of a hidden sum, and written.
 
     Parameters
@@ -56,21 +56,8 @@ class ProgramRam(Block):
     @property
     def ports(self) -> tuple[Port, ...]:
         word = Unsigned(WORD_WIDTH)
-        later, looked_up = (
-            f"{clocks} clock{'s' * (clocks > 1)} later"
-            for clocks in (self.latency, self.look_up_latency)
-        )
         return (
-            *CLOCKED,
-            taken("start", "the counter steps"),
-            taken("run", "so it does; it stands at the program's first word otherwise"),
-            taken("finish", "the counter returns to it"),
-            taken(
-                "segment",
-                "which word of the table is read",
-                Unsigned(self.segment_addr_width),
-                "segment_addr_width",
-            ),
+            *self.counter_ports,
             taken(
                 "look_up", "it is read; otherwise, and in the clock of a write, `table_word` is 0"
             ),
@@ -78,19 +65,12 @@ class ProgramRam(Block):
             taken("write_addr", "where", Unsigned(self.addr_width), "addr_width"),
             taken("data", "a word of an image", word),
             given(
-                "word", f"the counter's word, {later}; in the clock of a write that before", word
+                "word",
+                f"the counter's word, {later(self.latency)}; in the clock of a write that before",
+                word,
             ),
-            given("table_word", f"that of the table, {looked_up}", word),
+            given("table_word", f"that of the table, {later(self.look_up_latency)}", word),
         )
-
-    @property
-    def latency(self) -> int:
-        return 1 + self.registers
-
-    @property
-    def look_up_latency(self) -> int:
-        """Clocks from a segment to its word."""
-        return 1 + 2 * self.registers
 
     def process(
         self,
@@ -121,6 +101,5 @@ class ProgramRam(Block):
             found.append(memory[low] if looks and not writes else 0)
             if writes:
                 memory[to] = word
-            stands = resets or ends or not (starts or runs)
-            counter = self.begin if stands else (counter + 1) % len(memory)
+            counter = stepped(counter, self.begin, len(memory), starts or runs, resets or ends)
         return np.array(fetched, dtype=np.int64), np.array(found, dtype=np.int64)

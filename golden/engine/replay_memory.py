@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.block import Block
 from golden.engine.fields import get
 from golden.engine.formats import SAMPLE_SHIFT, WIDTH
 from golden.engine.program import WORD_WIDTH
+from golden.engine.program_words import ProgramWords
 from golden.engine.replay import CLEAR, ONE_PLANE
 from golden.engine.serial_program import ALL, DEEP, END, WIDE
 from golden.fixed import Codes
@@ -18,17 +18,13 @@ from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 
 @dataclass(frozen=True)
-class ReplayMemory(Block):
+class ReplayMemory(ProgramWords):
     """Words of 36 bits, read neuron by neuron and pass by pass, and the table beside them.
 
     Parameters
     ----------
-    table, words : tuple of int
-        The memory holds the table, slope and intercept in turn, and behind it the program.
-    notes : tuple of str
-        What each of them stands for, for the exported file.
-    segment_addr_width : int
-        Bits of the address of a slope or an intercept.
+    table, words, notes, segment_addr_width
+        See ``ProgramWords``; the table has slope and intercept in turn.
 
     Notes
     -----
@@ -38,32 +34,6 @@ class ReplayMemory(Block):
     """
 
     block = "replay_memory"
-    area = "engine"
-    table: tuple[int, ...]
-    words: tuple[int, ...]
-    notes: tuple[str, ...]
-    segment_addr_width: int
-
-    @property
-    def contents(self) -> tuple[int, ...]:
-        """Every word, up to a power of two of them."""
-        given_words = (*self.table, *self.words)
-        return given_words + (0,) * ((1 << self.addr_width) - len(given_words))
-
-    @property
-    def meanings(self) -> tuple[str, ...]:
-        """What each word stands for; the last holds for all beyond."""
-        return (*self.notes, "not used")
-
-    @property
-    def addr_width(self) -> int:
-        """Bits of the program counter."""
-        return max(1, (len(self.table) + len(self.words) - 1).bit_length())
-
-    @property
-    def begin(self) -> int:
-        """The program's first address."""
-        return len(self.table)
 
     @property
     def ports(self) -> tuple[Port, ...]:

@@ -7,27 +7,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.block import Block
+from golden.engine.accumulator import Accumulator
+from golden.engine.fields import signed_code
 from golden.engine.formats import WIDTH
-from golden.engine.multiply_accumulate import PRODUCT_WIDTH
 from golden.engine.replay import CLEAR, HALF_OUTPUT_PLANE, HALF_PLANE
 from golden.fixed import Codes, Fix
 from golden.port import CLOCK, Port, Unsigned, given, taken
 
 
 @dataclass(frozen=True)
-class SerialAccumulate(Block):
+class SerialAccumulate(Accumulator):
     """acc = (acc, or 2 acc and half a unit of the result in its plane) +- coefficient; or 0.
-
-    Parameters
-    ----------
-    acc_width : int
-        Bits of the sum, 36 or more; sums of a program that was assembled for it do not leave them.
-
-    Raises
-    ------
-    ValueError
-        For an ``acc_width`` outside 36 to 48.
 
     Notes
     -----
@@ -36,14 +26,6 @@ class SerialAccumulate(Block):
     """
 
     block = "serial_accumulate"
-    area = "engine"
-    acc_width: int
-
-    def __post_init__(self) -> None:
-        if not PRODUCT_WIDTH <= self.acc_width <= 48:
-            raise ValueError(
-                f"{self.entity}: got acc_width={self.acc_width}, expected {PRODUCT_WIDTH} to 48"
-            )
 
     @property
     def ports(self) -> tuple[Port, ...]:
@@ -79,12 +61,11 @@ class SerialAccumulate(Block):
         """
         gated = np.where(take_weight, weight, 0)
         bits = np.asarray(gated, dtype=np.int64) | np.asarray(table_word, dtype=np.int64)
-        coeff = bits - ((bits >> (WIDTH - 1)) << WIDTH)
+        coeff = signed_code(bits)
         change = np.where(subtract, -coeff, coeff)
         planes = np.asarray(plane, dtype=np.int64)
         half_planes = np.where(of_output, 1 << HALF_OUTPUT_PLANE, 1 << HALF_PLANE)
         half = (planes & half_planes != 0).astype(np.int64)
-        low, span = Fix(self.acc_width, 0).low, 1 << self.acc_width
         acc, found = 0, []
         for value, shift, extra, clears in zip(
             change.tolist(),
@@ -94,6 +75,6 @@ class SerialAccumulate(Block):
             strict=True,
         ):
             acc = 0 if clears else (2 * acc + extra if shift else acc) + value
-            acc = (acc - low) % span + low
+            acc = self.wrapped(acc)
             found.append(acc)
         return np.array(found, dtype=np.int64)

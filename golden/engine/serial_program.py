@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import groupby
 
 import numpy as np
@@ -46,15 +47,15 @@ class SerialProgram(Program):
     stands.
     """
 
-    @property
+    @cached_property
     def intercepts(self) -> Codes:
         return np.array([signed_code(word) for word in self.table[1::2]])
 
-    @property
+    @cached_property
     def slopes(self) -> Codes:
         return np.array([signed_code(word) for word in self.table[::2]])
 
-    @property
+    @cached_property
     def instructions(self) -> list[Instruction]:
         found = []
         first = True
@@ -100,8 +101,8 @@ class SerialProgram(Program):
 
 def assemble_serial(
     graph: Graph, table: TanhTable, segments: int, pipeline: SerialPipeline
-) -> tuple[SerialProgram, list[Step]]:
-    """The program of a graph, and its steps; see ``assemble``."""
+) -> SerialProgram:
+    """The program of a graph; see ``assemble``."""
     check_values(graph)
     steps = schedule(graph, pipeline, replayed)
     words = [0] * (len(steps) + 1)
@@ -136,4 +137,4 @@ def assemble_serial(
         tuple(words),
         pipeline,
         (*table_texts, *texts, "what becomes of the last sum"),
-    ), steps
+    )

@@ -136,10 +136,10 @@ class Engine(Design):
             segments = min(segments, (graph.reach(table) >> table.width) + 1)
         program: Program
         if serial:
-            program, _ = assemble_serial(graph, table, segments, SerialPipeline())
+            program = assemble_serial(graph, table, segments, SerialPipeline())
         else:
             pipeline = Pipeline(int(depth == "deep"))
-            program, _ = assemble(graph, table, segments, pipeline)
+            program = assemble(graph, table, segments, pipeline)
         bound = max(graph.bound(neuron, table) for neuron in graph.neurons).bit_length() + 1
         least = LEAST_ACC_WIDTH if lean else WHOLE_ACC_WIDTH
         loaded = None

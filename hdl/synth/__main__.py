@@ -27,6 +27,7 @@ from hdl.synth.cells import (
     FAMILIES,
     FLAT,
     FLAT_FAMILY,
+    flat_name,
     synthesise,
     synthesise_flat,
 )
@@ -53,7 +54,7 @@ def tell(scene: Scene, design: Network, cells: Cells, share: dict[str, Any]) -> 
         print(f"{'':28}{'entities':>10}" + "".join(f"{name:>12}" for name in columns))
         for name, count, found in by_block(design, cells, family):
             print(f"{name:28}{count:10}" + "".join(f"{found[c]:12}" for c in columns))
-        flat = cells[family].get(f"{design.entity} {FLAT}")
+        flat = cells[family].get(flat_name(design.entity))
         if flat:
             print(f"{f'{design.entity}, {FLAT}':38}" + "".join(f"{flat[c]:12}" for c in columns))
     text = f"{share['luts_percent']:.0f} % of the LUTs, {share['mult18x18_percent']:.0f} % of the"
@@ -83,7 +84,7 @@ def main() -> None:
             jobs = {f: pool.submit(synthesise, verilog, design.entity, f) for f in FAMILIES}
             flat = pool.submit(synthesise_flat, verilog, design.entity)
             cells = {family: job.result() for family, job in jobs.items()}
-            cells[FLAT_FAMILY][f"{design.entity} {FLAT}"] = flat.result()
+            cells[FLAT_FAMILY][flat_name(design.entity)] = flat.result()
             timing = routed.result()
         share = shares(scene, design, cells)
         tell(scene, design, cells, share)

@@ -14,9 +14,14 @@ from hdl.synth.tools import run_tool, stored
 # Yosys' name of the family, and what it is.
 FAMILIES = {"xc2v": "Virtex-II, LUT of 4 inputs", "xc7": "Series 7, LUT of 6 inputs"}
 DEPTH = "depth"
-# The family in which a design is also synthesised as one piece, and what its entity is then called.
+# The family in which a design is also synthesised as one piece.
 FLAT_FAMILY = "xc2v"
 FLAT = "flattened"
+
+
+def flat_name(entity: str) -> str:
+    """What an entity in one piece is called among the others."""
+    return f"{entity} {FLAT}"
 
 
 def synthesise(verilog: Path, top: str, family: str) -> dict[str, dict[str, int]]:

@@ -71,6 +71,22 @@ def random_resets(rng: np.random.Generator, length: int, every: int) -> np.ndarr
     return column
 
 
+def random_runs(
+    rng: np.random.Generator, length: int, longest: int, every: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Runs of up to ``longest`` clocks, and the clocks of ``finish``, one in ``every``."""
+    run = np.repeat(rng.integers(0, 2, length), rng.integers(1, longest + 1, length))[:length]
+    return run, rng.random(length) < 1 / every
+
+
+def look_ups(rng: np.random.Generator, addresses: int, length: int) -> dict[str, np.ndarray]:
+    """Every address of a table once, then random ones, two of three of which are asked for."""
+    look_up = rng.random(length) < 2 / 3
+    segment = rng.integers(0, addresses, length)
+    segment[:addresses], look_up[:addresses] = np.arange(addresses), True
+    return {"segment": segment, "look_up": look_up}
+
+
 def corner_frames(fmt: Fix, inputs: int) -> np.ndarray:
     """Rails, alternating rails, zeros, and each sensor alone at a rail."""
     low, high = fmt.low, fmt.high

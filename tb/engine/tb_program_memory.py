@@ -14,7 +14,7 @@ import numpy as np
 
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import ENGINE_PARTS
-from tb.common.stimulus import random_resets
+from tb.common.stimulus import look_ups, random_resets, random_runs
 
 CASES = ENGINE_PARTS
 FAULTS = [
@@ -28,11 +28,8 @@ FAULTS = [
 async def check(bench, start, run, finish, resets):
     twin, rng = bench.twin, bench.rng
     length = len(run)
-    segments = 1 << twin.segment_addr_width
-    look_up = rng.random(length) < 2 / 3
-    segment = rng.integers(0, segments, length)
-    segment[:segments], look_up[:segments] = np.arange(segments), True
-    drive = {"start": start, "run": run, "finish": finish, "segment": segment, "look_up": look_up}
+    asked = look_ups(rng, 1 << twin.segment_addr_width, length)
+    drive = {"start": start, "run": run, "finish": finish, **asked}
     if resets:
         drive["rst"] = random_resets(rng, length, every=40)
     recording = await bench.play(drive, ["word", "table_word"])
@@ -42,15 +39,14 @@ async def check(bench, start, run, finish, resets):
     flags = [recording.unsigned(name, rows) for name in ("start", "run", "finish", "rst")]
     got = recording.unsigned("word", rows + bench.latency)
     bench.compare("word", got, twin.process(*flags), clock=rows)
-    asked = [recording.unsigned(name, rows) for name in ("segment", "look_up")]
+    seen = [recording.unsigned(name, rows) for name in ("segment", "look_up")]
     got = recording.unsigned("table_word", rows + twin.look_up_latency)
-    bench.compare("table_word", got, twin.look_up(*asked), segment=asked[0])
+    bench.compare("table_word", got, twin.look_up(*seen), segment=seen[0])
 
 
-def random_runs(rng, length):
-    """A start or a run of up to 60 clocks, and a finish in one of 20 clocks."""
-    run = np.repeat(rng.integers(0, 2, length), rng.integers(1, 61, length))[:length]
-    return rng.random(length) < 1 / 20, run, rng.random(length) < 1 / 20
+def random_steps(rng, length):
+    """A start in one of 20 clocks, and runs."""
+    return rng.random(length) < 1 / 20, *random_runs(rng, length, longest=60, every=20)
 
 
 @cocotb.test()
@@ -64,12 +60,12 @@ async def whole_memory(dut):
 @cocotb.test()
 async def runs(dut):
     bench = Bench(dut)
-    await check(bench, *random_runs(bench.rng, 3000), resets=False)
+    await check(bench, *random_steps(bench.rng, 3000), resets=False)
     bench.finish(at_least=5000)
 
 
 @cocotb.test()
 async def resets(dut):
     bench = Bench(dut)
-    await check(bench, *random_runs(bench.rng, 3000), resets=True)
+    await check(bench, *random_steps(bench.rng, 3000), resets=True)
     bench.finish(at_least=5000)

@@ -15,7 +15,7 @@ import numpy as np
 from golden.engine.program import WORD_WIDTH
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import RELOADED
-from tb.common.stimulus import random_resets
+from tb.common.stimulus import random_resets, random_runs
 
 CASES = RELOADED
 FAULTS = [
@@ -70,10 +70,9 @@ async def check(bench, run, finish, write, resets):
         bench.compare(name, got, expected[expected >= 0], clock=at)
 
 
-def random_runs(rng, length):
-    """Runs of up to 60 clocks, and a finish in one of 20 clocks."""
-    run = np.repeat(rng.integers(0, 2, length), rng.integers(1, 61, length))[:length]
-    return run, rng.random(length) < 1 / 20
+def random_writes(rng, length):
+    """Runs, and a write in one of ten clocks."""
+    return *random_runs(rng, length, longest=60, every=20), rng.random(length) < 1 / 10
 
 
 @cocotb.test()
@@ -88,12 +87,12 @@ async def whole_memory(dut):
 @cocotb.test()
 async def runs_and_writes(dut):
     bench = Bench(dut)
-    await check(bench, *random_runs(bench.rng, 3000), bench.rng.random(3000) < 0.1, resets=False)
+    await check(bench, *random_writes(bench.rng, 3000), resets=False)
     bench.finish(at_least=5000)
 
 
 @cocotb.test()
 async def resets(dut):
     bench = Bench(dut)
-    await check(bench, *random_runs(bench.rng, 3000), bench.rng.random(3000) < 0.1, resets=True)
+    await check(bench, *random_writes(bench.rng, 3000), resets=True)
     bench.finish(at_least=5000)

@@ -14,7 +14,7 @@ import numpy as np
 
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import SERIAL_PARTS
-from tb.common.stimulus import random_resets
+from tb.common.stimulus import look_ups, random_resets, random_runs
 
 CASES = SERIAL_PARTS
 FAULTS = [
@@ -31,11 +31,8 @@ FAULTS = [
 async def check(bench, run, finish, resets):
     twin, rng = bench.twin, bench.rng
     length = len(run)
-    addresses = 1 << twin.segment_addr_width
-    look_up = rng.random(length) < 2 / 3
-    segment = rng.integers(0, addresses, length)
-    segment[:addresses], look_up[:addresses] = np.arange(addresses), True
-    drive = {"run": run, "finish": finish, "segment": segment, "look_up": look_up}
+    asked = look_ups(rng, 1 << twin.segment_addr_width, length)
+    drive = {"run": run, "finish": finish, **asked}
     if resets:
         drive["rst"] = random_resets(rng, length, every=200)
     recording = await bench.play(drive, ["word", "plane", "first", "table_word"])
@@ -45,15 +42,9 @@ async def check(bench, run, finish, resets):
     flags = [recording.unsigned(name, rows) for name in ("run", "finish", "rst")]
     for name, expected in zip(("word", "plane", "first"), twin.process(*flags), strict=True):
         bench.compare(name, recording.unsigned(name, rows), expected, clock=rows)
-    asked = [recording.unsigned(name, rows) for name in ("segment", "look_up")]
+    seen = [recording.unsigned(name, rows) for name in ("segment", "look_up")]
     got = recording.unsigned("table_word", rows + bench.latency)
-    bench.compare("table_word", got, twin.look_up(*asked), segment=asked[0])
-
-
-def random_runs(rng, length):
-    """Runs of up to 600 clocks, and a finish in one of 300 clocks."""
-    run = np.repeat(rng.integers(0, 2, length), rng.integers(1, 601, length))[:length]
-    return run, rng.random(length) < 1 / 300
+    bench.compare("table_word", got, twin.look_up(*seen), segment=seen[0])
 
 
 @cocotb.test()
@@ -68,12 +59,12 @@ async def whole_program(dut):
 @cocotb.test()
 async def runs(dut):
     bench = Bench(dut)
-    await check(bench, *random_runs(bench.rng, 6000), resets=False)
+    await check(bench, *random_runs(bench.rng, 6000, longest=600, every=300), resets=False)
     bench.finish(at_least=20000)
 
 
 @cocotb.test()
 async def resets(dut):
     bench = Bench(dut)
-    await check(bench, *random_runs(bench.rng, 6000), resets=True)
+    await check(bench, *random_runs(bench.rng, 6000, longest=600, every=300), resets=True)
     bench.finish(at_least=20000)

@@ -11,7 +11,7 @@ from golden.block import walk
 from golden.networks.network import Network
 from golden.scene import Scene
 from hdl.synth.budget import Cells, budget_path, by_block, read_budget
-from hdl.synth.cells import DEPTH, FAMILIES, FLAT
+from hdl.synth.cells import DEPTH, FAMILIES, flat_name
 from hdl.synth.netlist import KINDS
 from hdl.synth.shares import shares
 from hdl.synth.timing import Timing, read_timing, timing_path
@@ -96,9 +96,7 @@ def with_activation_cells(table: Table) -> Table:
 def with_network_cells(table: Table) -> Table:
     """The table of clocks with Virtex-II cells in one piece, of those scenes that are recorded."""
     found = {
-        scene.name: read_budget(budget_path(scene.path))[FAMILY].get(
-            f"{scene.twin().entity} {FLAT}"
-        )
+        scene.name: read_budget(budget_path(scene.path))[FAMILY].get(flat_name(scene.twin().entity))
         for scene in scenes()
         if budget_path(scene.path).is_file()
     }

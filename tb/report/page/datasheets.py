@@ -14,7 +14,7 @@ from golden.fingerprint import ROOT
 from golden.scene import Scene, load_scene, scene_names
 from hdl.export.repeatable import run_repeatable
 from hdl.synth.budget import Cells, budget_path, read_budget
-from hdl.synth.cells import DEPTH, FAMILIES, FLAT, FLAT_FAMILY
+from hdl.synth.cells import DEPTH, FAMILIES, FLAT_FAMILY, flat_name
 from hdl.synth.netlist import KINDS
 from hdl.synth.shares import shares
 from hdl.synth.timing import read_timing, timing_path
@@ -85,7 +85,7 @@ def scene_table() -> str:
         row = [
             scene.name,
             top["LUT"],
-            cells[FLAT_FAMILY][f"{design.entity} {FLAT}"]["LUT"],
+            cells[FLAT_FAMILY][flat_name(design.entity)]["LUT"],
             *(top[kind] for kind in ("flip-flop", "multiplier", "block RAM", DEPTH)),
             *percents,
             design.output_clocks[-1],

@@ -1,0 +1,42 @@
+"""The sum that an engine adds up, with a multiplier and without one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from golden.block import Block
+from golden.engine.formats import PRODUCT_WIDTH
+from golden.fixed import Fix
+
+_MOST_WIDTH = 48
+
+
+@dataclass(frozen=True)
+class Accumulator(Block):
+    """A sum of ``acc_width`` bits.
+
+    Parameters
+    ----------
+    acc_width : int
+        Bits of the sum, 36 or more; sums of a program that was assembled for it do not leave them.
+
+    Raises
+    ------
+    ValueError
+        For an ``acc_width`` outside 36 to 48.
+    """
+
+    area = "engine"
+    acc_width: int
+
+    def __post_init__(self) -> None:
+        if not PRODUCT_WIDTH <= self.acc_width <= _MOST_WIDTH:
+            raise ValueError(
+                f"{self.entity}: got acc_width={self.acc_width}, expected {PRODUCT_WIDTH} to "
+                f"{_MOST_WIDTH}"
+            )
+
+    def wrapped(self, total: int) -> int:
+        """A sum in its bits; that of no program leaves them."""
+        low = Fix(self.acc_width, 0).low
+        return (total - low) % (1 << self.acc_width) + low
