@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from golden.cli import run
-from golden.errors import scene_errors
+from golden.disturbance import Disturbance
+from golden.errors import NOISE, UNKNOWN, disturbed_errors, held_out_rows, scene_errors
 from golden.machine import closing
 from golden.metrics import millimetres
 from golden.scene import Scene, thesis_figures
@@ -35,23 +36,36 @@ def twin_speed(scene: Scene) -> float:
 
 
 def error_table(scene: Scene) -> list[str]:
-    """Per output and kind: mean, largest mean over positions, and worst frame."""
+    """Per output and kind: mean, largest mean over positions, worst frame; the mean with noise."""
     found = scene_errors(scene)
+    noisy = disturbed_errors(scene, Disturbance(noise=NOISE))
     thesis = None
     if scene.reference:
         thesis = thesis_figures(scene.reference, len(scene.outputs), scene.path)
     group = f"{'mean':>6} {'largest':>8} {'worst':>6}"
     lines = [
-        f"{'':9} " + "  ".join(f"{name:^22}" for name in found) + ("   thesis" if thesis else ""),
-        f"{'output':9} " + "  ".join([group] * len(found)) + ("  largest" if thesis else ""),
+        f"{'':9} "
+        + "  ".join([*(f"{name:^22}" for name in found), "noise"])
+        + "   thesis" * bool(thesis),
+        f"{'output':9} "
+        + "  ".join([*[group] * len(found), f"{NOISE:g}"])
+        + "  largest" * bool(thesis),
     ]
     for c, name in enumerate(scene.outputs):
         cells = [
             f"{e[c].mean:6.2f} {e[c].largest_mean:8.2f} {e[c].worst:6.2f}" for e in found.values()
         ]
         last = f"  {thesis[c]:7.2f}" if thesis else ""
-        lines.append(f"{name:9} " + "  ".join(cells) + last)
+        lines.append(f"{name:9} " + "  ".join([*cells, f"{noisy[c]:5.2f}"]) + last)
     return [line.rstrip() for line in lines]
+
+
+def held_out_line(scene: Scene) -> str:
+    """What held-out frames are, or that nobody knows which these were."""
+    rows = held_out_rows(scene)
+    if rows is None:
+        return f"held-out frames are {UNKNOWN}"
+    return f"'held out' are the {len(rows)} frames that neither trained nor chose the network"
 
 
 def length_lines(scene: Scene) -> list[str]:
@@ -80,7 +94,8 @@ def report(scene: Scene, results: dict[str, Any]) -> str:
         f"{scene.precision.name} precision",
         f"errors in % on {len(vectors.codes)} recorded frames; 'largest' is the largest mean over "
         "the positions;",
-        "'held out' are the frames that neither trained nor chose the network",
+        held_out_line(scene),
+        f"'noise {NOISE:g}' is the mean with that noise on every reading, in the sensors' unit",
         "",
         *error_table(scene),
         "",

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from tb.report.measure import (
     activations,
     clocks,
+    disturbance,
     motions,
     networks,
     parallel,
@@ -28,6 +29,7 @@ TABLES: dict[str, Callable[[int], Table]] = {
     "training": training.training,
     "parallel": parallel.parallel,
     "motions": motions.motions,
+    "disturbance": disturbance.disturbance,
     "classes": rbf.classes,
     "operations": rbf.operations,
     "series": visualisation.series,
