@@ -12,7 +12,7 @@ READY = $(subst $(EMPTY) ,\ ,$(VENV))/.ready
 .PHONY: help demo test machines sim vhdl verilog train network image bench listing activations figures lean synth report docs pages lint clean tools browser
 
 help:
-	@echo "make demo    [SCENE=]                     a scene end to end: simulate, export, table of errors"
+	@echo "make demo    [SCENE=] [FULL=1]            a scene end to end: simulate, export, table of errors"
 	@echo "make test    [TESTS=tests/test_x.py] [ALL=1] [MACHINE=name]"
 	@echo "                                          the tests, or some; ALL=1 every constant; MACHINE= as elsewhere"
 	@echo "make machines [ONLY=name] [TESTS=] [WHOLE=1] [ALL=1]"
@@ -31,7 +31,8 @@ help:
 	@echo "make figures [TABLE=] [SEED=]             measured figures beside the thesis', in build/figures"
 	@echo "make lean    [SCENE=] [BESIDE=other]      what a scene leaves out, and what that saves"
 	@echo "make synth   [SCENE=] [RECORD=1]          cells of every block, clock, both beside the thesis; budget"
-	@echo "make report  [SCENE=]                     errors against cost, stability, resources, pictures: one HTML file"
+	@echo "make report  [SCENE=] [FULL=1]            errors, what noise does, what was verified, pictures: one HTML file"
+	@echo "                                          FULL=1: the errors and costs of every approximation too"
 	@echo "make docs    [LINKS=1]                    the documentation as a site; LINKS=1 follows links to others"
 	@echo "make pages                                what is generated in the documentation"
 	@echo "make lint                                 ruff and mypy"
@@ -41,7 +42,7 @@ help:
 	@echo "or a path to a .toml file; now $(SCENE)"
 
 demo: $(READY) tools
-	@$(RUN) -m tb.demo "$(SCENE)"
+	@$(RUN) -m tb.demo "$(SCENE)" $(if $(filter-out 0,$(FULL)),--full)
 
 test: $(READY) tools browser
 	@$(RUN) $(if $(MACHINE),tests/machines.py $(MACHINE) --show --whole,-m pytest -n logical --dist worksteal) \
@@ -85,7 +86,7 @@ synth: $(READY)
 	@$(RUN) -m hdl.synth "$(SCENE)" $(if $(filter-out 0,$(RECORD)),--record)
 
 report: $(READY) tools
-	@$(RUN) -m tb.report "$(SCENE)"
+	@$(RUN) -m tb.report "$(SCENE)" $(if $(filter-out 0,$(FULL)),--full)
 
 # Built anew, so that no page is left that is gone from the source, and renamed when it is whole.
 SITE ?= build/site

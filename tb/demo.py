@@ -135,8 +135,10 @@ def bench_table(results: dict[str, Any]) -> str:
 def main() -> int:
     parser = argparse.ArgumentParser(prog="make demo", description=__doc__)
     parser.add_argument("scene")
+    parser.add_argument("--full", action="store_true", help="the project's own tables too")
+    arguments = parser.parse_args()
     started = time.perf_counter()
-    scene = ready_scene(parser.parse_args().scene)
+    scene = ready_scene(arguments.scene)
     results = simulate(scene)
     print(bench_table(results))
     if results["failed"]:
@@ -144,7 +146,7 @@ def main() -> int:
     print(report(scene, results))
     for simulator in SIMULATORS:
         print(f"{language(simulator):8} in build/{scene.name}/{language(simulator)}")
-    build_report(scene)
+    build_report(scene, arguments.full)
     print("\n".join(["", *closing(time.perf_counter() - started, **simulator_versions())]))
     return 0
 

@@ -1,0 +1,189 @@
+"""What a scene's networks make of its recorded rows: row by row, along the positions, how sure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from golden.errors import held_out_rows
+from golden.metrics import percent_errors
+from golden.networks.mlp import Real
+from golden.precision import SIGNAL
+from golden.scene import Scene
+from golden.table import rows_where
+from tb.report.measure.table import Cell, Table
+
+Rows = NDArray[np.int64]
+
+WORST = 5  # rows shown of every output
+RESAMPLES, SEED = 2000, 1
+SURE = 95  # per cent of the resamples that an interval holds
+# Neighbours in the file are alike when they differ by less than this part of what rows in random
+# order do (squared); then stretches of them are drawn, so many at most.
+ALIKE, STRETCHES = 0.5, 20
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The recorded rows of a scene and what became of them.
+
+    Attributes
+    ----------
+    scene : Scene
+    numbers : int array, shape (rows,)
+        Rows of the CSV, from 1 for the first below the header.
+    readings : float array, shape (rows, sensors)
+    targets, results, errors : float arrays, shape (rows, outputs)
+        What was recorded, what the hardware computes, and the error in percent.
+    groups : float array, shape (rows,)
+        The positions; zeros where the scene names none.
+    held_out : int array or None
+        Which of the rows neither trained nor chose a network; None where that is unknown.
+    """
+
+    scene: Scene
+    numbers: Rows
+    readings: Real
+    targets: Real
+    results: Real
+    errors: Real
+    groups: Real
+    held_out: Rows | None
+
+    @property
+    def alike(self) -> bool:
+        """Whether neighbours in the file read more alike than rows in random order."""
+        steps = (np.diff(self.readings, axis=0) ** 2).mean(axis=0)
+        spread = 2 * self.readings.var(axis=0)
+        moving = spread > 0
+        return bool((steps[moving] / spread[moving]).mean() < ALIKE)
+
+    @property
+    def stretches(self) -> Rows:
+        """For each row the number of what is drawn with it: of itself, or of its stretch."""
+        rows = np.arange(len(self.errors))
+        return rows * min(STRETCHES, len(rows)) // len(rows) if self.alike else rows
+
+    def interval(self, errors: Real, drawn: Rows) -> tuple[float, float]:
+        """Between what the mean error lies in ``SURE`` per cent of the resamples.
+
+        Parameters
+        ----------
+        errors : float array, shape (n,)
+        drawn : int array, shape (n,)
+            Errors with one number are drawn together.
+        """
+        _, member = np.unique(drawn, return_inverse=True)
+        counts = np.bincount(member)
+        sums = np.bincount(member, errors)
+        chosen = np.random.default_rng(SEED).integers(0, len(counts), (RESAMPLES, len(counts)))
+        means = sums[chosen].sum(axis=1) / counts[chosen].sum(axis=1)
+        low, high = np.percentile(means, [(100 - SURE) / 2, (100 + SURE) / 2])
+        return float(low), float(high)
+
+
+def outcome(scene: Scene) -> Outcome:
+    """The networks' hardware on the recorded rows."""
+    vectors = scene.vectors()
+    results = SIGNAL.to_real(scene.twin().process(vectors.codes))
+    return Outcome(
+        scene,
+        rows_where(scene.data_path, scene.where) + 1,
+        vectors.inputs,
+        vectors.targets,
+        results,
+        percent_errors(results, vectors.targets, scene.outputs, scene.full_scale),
+        vectors.groups,
+        held_out_rows(scene),
+    )
+
+
+def worst_rows(found: Outcome) -> Table:
+    """The rows with the largest errors of each output, and what they hold."""
+    scene = found.scene
+    beside = [scene.group_by] if scene.group_by not in ("", *scene.outputs) else []
+    rows: list[list[Cell]] = []
+    for c, output in enumerate(scene.outputs):
+        # Where errors are equal, the row that comes first.
+        for row in np.argsort(-found.errors[:, c], kind="stable")[:WORST]:
+            values = [*found.readings[row], *[found.groups[row]] * len(beside)]
+            pair = (found.targets[row, c], found.results[row, c], found.errors[row, c])
+            rows.append([output, int(found.numbers[row]), *map(float, (*values, *pair))])
+    return Table(
+        "worst_rows",
+        ["output", "row", *scene.sensors, *beside, "recorded", "computed", "error %"],
+        rows,
+        f"The {WORST} rows with the largest bit-true errors of each output, and their readings. "
+        f"Row 1 of {scene.data_path.name} is the first below its header.",
+    )
+
+
+def along(found: Outcome) -> Table:
+    """Mean errors at each position."""
+    scene = found.scene
+    rows: list[list[Cell]] = []
+    for place in np.unique(found.groups):
+        here = found.errors[found.groups == place]
+        rows.append([float(place), len(here), *map(float, here.mean(axis=0))])
+    return Table(
+        "along",
+        [scene.group_by, "rows", *(f"{name} %" for name in scene.outputs)],
+        rows,
+        f"Bit-true mean error of the rows at each {scene.group_by}.",
+    )
+
+
+def confidence(found: Outcome) -> Table:
+    """Figures of each output with what a bootstrap says of them."""
+    scene, stretches = found.scene, found.stretches
+    rows: list[list[Cell]] = []
+
+    def add(output: str, figure: str, errors: Real, drawn: Rows) -> None:
+        interval = found.interval(errors, drawn)
+        rows.append([output, figure, len(errors), float(errors.mean()), *interval])
+
+    for c, output in enumerate(scene.outputs):
+        errors = found.errors[:, c]
+        add(output, "mean", errors, stretches)
+        if found.held_out is not None:
+            held = found.held_out
+            add(output, "mean, held out", errors[held], stretches[held])
+        if scene.group_by:
+            places = np.unique(found.groups)
+            means = [errors[found.groups == place].mean() for place in places]
+            place = places[int(np.argmax(means))]
+            there = np.flatnonzero(found.groups == place)
+            add(output, f"largest mean, {scene.group_by} {place:g}", errors[there], there)
+    unit = (
+        f"stretches of rows, {stretches.max() + 1} in all, as neighbours in the file are alike"
+        if found.alike
+        else "rows"
+    )
+    return Table(
+        "confidence",
+        ["output", "figure", "rows", "%", "from", "to"],
+        rows,
+        f"Bit-true errors in percent, and between what they lie in {SURE} % of {RESAMPLES} "
+        f"resamples (bootstrap, seed {SEED}). Drawn are {unit}; at one position single rows. It "
+        "tells what chance in these rows does, not what other loads or other sensors would do.",
+    )
+
+
+def sensors(found: Outcome) -> Table:
+    """The range of every sensor's readings, and how many lie outside that of the codes."""
+    rows: list[list[Cell]] = []
+    for name, column in zip(found.scene.sensors, found.readings.T, strict=True):
+        low, high = float(column.min()), float(column.max())
+        _, outside = SIGNAL.quantise(column)
+        ends = int(((column == low) | (column == high)).sum())
+        rows.append([name, low, high, outside, 100 * outside / len(column), ends])
+    return Table(
+        "sensors",
+        ["sensor", "least", "largest", "readings outside", "% outside", "readings at either end"],
+        rows,
+        f"Readings outside {SIGNAL.to_real(SIGNAL.low):g} to {SIGNAL.to_real(SIGNAL.high):.4f} are "
+        "replaced by the nearest code. Many at either end tell of a sensor that was saturated "
+        "before it was recorded.",
+    )
