@@ -22,8 +22,8 @@ _BESIDE += [(-0.7, -0.7), (-0.7, 0.7), (1.9, 0.0), (-1.9, 0.0), (0.0, -1.9), (0.
 
 
 @dataclass(frozen=True)
-class Design:
-    """One disc of the picture."""
+class Disc:
+    """A design in the picture."""
 
     name: str
     kind: str
@@ -33,10 +33,10 @@ class Design:
     error: float
 
 
-def designs(table: Table) -> list[Design]:
+def designs(table: Table) -> list[Disc]:
     """Networks of four outputs within a scan, and the printed ones; the fewest LUTs first."""
     found = [
-        Design(
+        Disc(
             str(row["scene"]).removeprefix("comparison/"),
             str(row["design"]),
             number(row, "LUT"),
@@ -53,7 +53,7 @@ def designs(table: Table) -> list[Design]:
         luts = printed["luts_percent"] * device["luts4"] / 100
         multipliers = printed["mult18x18_percent"] * device["mult18x18"] / 100
         found.append(
-            Design(
+            Disc(
                 f"thesis, {name}",
                 "printed",
                 luts,
