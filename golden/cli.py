@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 import warnings
 from collections.abc import Callable
@@ -9,6 +10,20 @@ from collections.abc import Callable
 
 class CommandError(Exception):
     """A fault of the user's input or machine; the message says what to do."""
+
+
+def words(name: str, text: str) -> list[str]:
+    """The words of a command's variable that may hold several; quotes hold blanks together.
+
+    Raises
+    ------
+    CommandError
+        For a quote without its other.
+    """
+    try:
+        return shlex.split(text)
+    except ValueError as error:
+        raise CommandError(f"{name}={text}: {error}") from None
 
 
 def run(main: Callable[[], int | None]) -> int:
