@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from golden.cli import naming
 from golden.metrics import OutputError, percent_errors, summarise
 from golden.precision import SIGNAL
 from golden.scene import Scene
@@ -17,7 +18,8 @@ def scene_errors(scene: Scene) -> dict[str, list[OutputError]]:
     real = scene.process_real(vectors.inputs)
     bit_true = SIGNAL.to_real(scene.twin().process(vectors.codes))
     everything = np.arange(len(vectors.codes))
-    held_out = split_rows(len(vectors.codes), scene.training.seed).test
+    with naming(scene.data_path):
+        held_out = split_rows(len(vectors.codes), scene.training.seed).test
     return {
         name: summarise(
             percent_errors(results[rows], vectors.targets[rows], scene.outputs, scene.full_scale),

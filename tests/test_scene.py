@@ -31,7 +31,7 @@ def edited(scene: Scene, old: str, new: str) -> str:
             'hidden = "5"',
             "hidden: got '5', expected a whole number, or a list",
         ),
-        ("hidden = 5", "hidden = -1", "network.hidden: got -1, expected 0 or more"),
+        ("hidden = 5", "hidden = -1", "network.hidden: got -1, expected 0 to 1024"),
         ('weights = "small.npz"', "", "network.weights: missing, expected text"),
         ("hidden = 5", "hidden = [5, 4]", r"hidden: got \[5, 4\], expected 1: single has one for"),
         ('"single"', '"cascade"', "weights: got 'small.npz', expected 2: cascade has one for each"),
@@ -112,6 +112,17 @@ def test_a_fault_in_a_scene_names_file_key_and_what_was_expected(
     with pytest.raises(ValueError, match=message) as caught:
         load_scene(path)
     assert "small.toml" in str(caught.value)
+
+
+@pytest.mark.parametrize("other", ["./a.npz", "b/../a.npz", "link.npz"])
+def test_two_networks_in_one_file_are_refused(small_cascade: Scene, other: str) -> None:
+    """However the file is named: one would overwrite the other."""
+    small_cascade.path.with_name("link.npz").symlink_to("a.npz")
+    names = '["chain.npz", "chain-1.npz", "chain-2.npz"]'
+    path = edited(small_cascade, names, f'["chain.npz", "a.npz", "{other}"]')
+    message = f"chain.toml: network.weights: got 'a.npz' and '{other}', which are one file"
+    with pytest.raises(ValueError, match=message):
+        load_scene(path)
 
 
 def test_an_unknown_scene_lists_the_known_ones() -> None:

@@ -11,8 +11,10 @@ import pytest
 
 from golden.activation.schemes import SCHEMES
 from golden.activation.segments import gradient_real
+from golden.cli import CommandError
+from golden.fingerprint import fingerprint
 from golden.metrics import percent_errors
-from golden.network_files.network_file import provenance_path, save_network
+from golden.network_files.network_file import provenance_path, save_network, save_networks
 from golden.networks.mlp import tanh
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_names
@@ -328,3 +330,35 @@ def test_a_constant_column_is_refused(small_scene: Scene, column: int, key: str)
     message = rf"'{lines[0][column]}': got 0.5 in every row, .* out of data.{key}"
     with pytest.raises(ValueError, match=message):
         task_for(small_scene, small_scene.vectors(), [])
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("chain.csv/net.npz", r"net.npz: cannot be written: .*chain.csv: File exists"),
+        ("folder.npz", "folder.npz: cannot be written: got a folder, expected a file"),
+        ("net.onx", "net.onx: got the ending '.onx', expected one of"),
+        ("chain.mat", "chain.provenance.toml: got two networks that write it"),
+    ],
+)
+def test_where_networks_go_is_checked_before_the_search(
+    small_cascade: Scene, tmp_path: Path, name: str, message: str
+) -> None:
+    (tmp_path / "folder.npz").mkdir()
+    last = replace(small_cascade.members[-1], weights_path=tmp_path / name)
+    scene = replace(small_cascade, members=(*small_cascade.members[:-1], last))
+    before = fingerprint([tmp_path])
+    with pytest.raises((CommandError, ValueError), match=message):
+        command.train_scene(scene, tmp_path / "build", 1)
+    assert fingerprint([tmp_path]) == before
+    assert not (tmp_path / "build").exists()
+
+
+def test_all_networks_are_written_or_none(small_cascade: Scene, tmp_path: Path) -> None:
+    """Though the last cannot be, which only its writing tells."""
+    before = fingerprint([tmp_path])
+    paths, mlps = small_cascade.weights_paths, small_cascade.mlps()
+    stories = [{"seed": 1}, {"seed": 2}, {"seed": object()}]
+    with pytest.raises(TypeError, match="object is not JSON"):
+        save_networks(list(zip(paths, reversed(mlps), stories, strict=True)))
+    assert fingerprint([tmp_path]) == before

@@ -77,6 +77,7 @@ CHOICES = {
 def checked(raw: dict[str, Any], path: Path) -> dict[str, dict[str, Any]]:
     """Every section with every key, types and choices checked, defaults filled in."""
     _refuse_unknown(raw, KEYS, f"{path}: section")
+    _refuse_long(raw, f"{path}: ")
     values: dict[str, dict[str, Any]] = {}
     for section, keys in KEYS.items():
         if section in OPTIONAL and section not in raw:
@@ -102,6 +103,18 @@ def checked(raw: dict[str, Any], path: Path) -> dict[str, dict[str, Any]]:
                 )
             values[section][key] = value
     return values
+
+
+def _refuse_long(value: Any, place: str) -> None:
+    """Whole numbers have the 64 bits that TOML gives them, so that each is a float, too."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            _refuse_long(inner, f"{place}{'' if place.endswith(': ') else '.'}{key}")
+    elif isinstance(value, list):
+        for inner in value:
+            _refuse_long(inner, place)
+    elif isinstance(value, int) and not -(1 << 63) <= value < 1 << 63:
+        raise ValueError(f"{place}: got a number of {value.bit_length()} bits, expected 64 at most")
 
 
 def _is(value: Any, kind: Any) -> bool:

@@ -17,7 +17,7 @@ from joblib import parallel_config
 
 from golden.cli import run
 from golden.fingerprint import fingerprint, sources
-from golden.network_files.network_file import provenance_path, save_network
+from golden.network_files.network_file import check_targets, provenance_path, save_networks
 from golden.networks.mlp import Mlp
 from golden.scene import Scene, load_scene
 from golden.training.search import Result, bit_true_errors, candidates, search, train
@@ -92,6 +92,7 @@ def computed_on(cluster: str | None) -> Iterator[None]:
 def train_scene(scene: Scene, build: Path, workers: int) -> None:
     """Train all networks of the scene, then write them."""
     started = time.monotonic()
+    check_targets(scene.weights_paths)
     vectors = scene.vectors()
     settings = scene.training
     versions = (np.__version__, scipy.__version__, platform.python_version())
@@ -135,9 +136,9 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
                 "scipy": versions[1],
             }
         )
-    # Written only now: the networks of a cascade belong together.
-    for member, mlp, story in zip(scene.members, mlps, stories, strict=True):
-        save_network(member.weights_path, mlp, story)
+    # All or none: the networks of a cascade belong together.
+    save_networks(list(zip(scene.weights_paths, mlps, stories, strict=True)))
+    for member in scene.members:
         print(f"wrote {member.weights_path} and {provenance_path(member.weights_path).name}")
     print(f"{time.monotonic() - started:.0f} s")
 

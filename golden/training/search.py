@@ -20,6 +20,7 @@ import numpy as np
 from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
+from golden.files import reading, writing
 from golden.networks.mlp import Mlp, tanh
 from golden.training import levenberg_marquardt, scg
 from golden.training.objective import Objective, Rows, pack, unpack
@@ -159,11 +160,14 @@ def search(task: Task, record: Path, workers: int = -1) -> Iterator[Result]:
     # The recorded ones stand first in the order, except after a crash between two lines.
     yield from (known[c] for c in candidates(task) if c in known)
     jobs = (delayed(measure)(task, hidden, restart) for hidden, restart in missing)
-    record.parent.mkdir(parents=True, exist_ok=True)
-    with record.open("a", encoding="utf-8") as handle:
+    with writing(record):
+        record.parent.mkdir(parents=True, exist_ok=True)
+        handle = record.open("a", encoding="utf-8")
+    with handle:
         for result in Parallel(n_jobs=workers, return_as="generator")(jobs):
-            handle.write(json.dumps(asdict(result)) + "\n")
-            handle.flush()
+            with writing(record):
+                handle.write(json.dumps(asdict(result)) + "\n")
+                handle.flush()
             yield result
 
 
@@ -171,8 +175,11 @@ def _read(record: Path) -> Iterator[Result]:
     """Results of an earlier, interrupted search; a last line cut off by it is dropped."""
     if not record.is_file():
         return
-    lines = record.read_text(encoding="utf-8").split("\n")
+    with reading(record, "text"):
+        lines = record.read_text(encoding="utf-8").split("\n")
     for line in lines[:-1]:
-        yield Result(**json.loads(line))
+        with reading(record, "a record of candidates, which may be deleted"):
+            result = Result(**json.loads(line))
+        yield result
     if lines[-1]:
         record.write_text("\n".join(lines[:-1]) + "\n", encoding="utf-8")

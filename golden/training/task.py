@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from golden.cli import naming
 from golden.fixed import Codes
 from golden.metrics import error_scale
 from golden.networks.arrangement import seen
@@ -86,7 +87,8 @@ def task_for(scene: Scene, vectors: Vectors, earlier: Sequence[Mlp]) -> Task:
     ValueError
         For too few rows to split, or a column without which the network would learn the same.
     """
-    split = split_rows(len(vectors.inputs), scene.training.seed)
+    with naming(scene.data_path):
+        split = split_rows(len(vectors.inputs), scene.training.seed)
     _refuse_constant(scene, vectors)
     codes, inputs = vectors.codes, SIGNAL.to_real(vectors.codes)
     bit_true: list[Codes] = []
