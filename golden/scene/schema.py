@@ -57,6 +57,11 @@ KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
         "steps": (int, 200),
         "patience": (int, 40),
         "earlier_outputs": (str, "bit-true"),
+        "split": (str, "random"),
+        "split_by": (list, []),
+        "block_rows": (int, 5),
+        "noise": (float, 0.0),
+        "drift": (dict, {}),
     },
     "front_end": FRONT_END_KEYS,
     "visualisation": VISUALISATION_KEYS,
@@ -73,6 +78,7 @@ CHOICES = {
     ("hardware", "pipeline"): ("short", "deep"),
     ("training", "optimiser"): ("levenberg-marquardt", "scg"),
     ("training", "earlier_outputs"): ("bit-true", "float"),
+    ("training", "split"): ("random", "blocks", "groups"),
 }
 
 
