@@ -8,28 +8,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden.disturbance import Disturbance
-from golden.metrics import OutputError, percent_errors, summarise
+from golden.metrics import OutputError, summarise
 from golden.network_files.network_file import provenance_path
 from golden.precision import SIGNAL
 from golden.scene import Scene
-from golden.training.task import split_rows
+from golden.training.split import split_of, split_story
 
 HELD_OUT = "bit-true, held out"
 
 # What is said where nobody can tell which rows a network has not seen.
 UNKNOWN = "unknown: not trained here"
 
+# What provenance says that tells nothing of the split: there was no other.
+UNTOLD = {"split": "random", "split_by": "", "block_rows": 0}
+
 # At 50,000 frames the mean error moves by one per cent from one seed to another.
 FRAMES = 50_000
 SEED = 1
 
-# Errors are given with this noise too, in the unit of the sensors' columns: 2 mV for volts.
+# Errors are given with this noise too, on signals from -1 to 1: 2 mV where that is a volt.
 NOISE = 0.002
-
-
-def split_story(scene: Scene) -> dict[str, str | int]:
-    """What the provenance of a network must say, so that the scene's split is the one it had."""
-    return {"data": scene.data_path.name, "seed": scene.training.seed}
 
 
 def held_out_rows(scene: Scene) -> NDArray[np.int64] | None:
@@ -49,13 +47,14 @@ def held_out_rows(scene: Scene) -> NDArray[np.int64] | None:
         if not path.is_file():
             return None
         try:
-            told = tomllib.loads(path.read_text(encoding="utf-8"))
+            told = UNTOLD | tomllib.loads(path.read_text(encoding="utf-8"))
         except tomllib.TOMLDecodeError as error:
             raise ValueError(f"{path}: not TOML: {error}") from None
         shape = ":".join(str(n) for n in mlp.shape)
+        told.setdefault("rows", expected["rows"])
         if any(told.get(key) != value for key, value in (expected | {"network": shape}).items()):
             return None
-    return split_rows(len(scene.vectors().codes), scene.training.seed).test
+    return split_of(scene).test
 
 
 def scene_errors(scene: Scene) -> dict[str, list[OutputError]]:
@@ -70,12 +69,24 @@ def scene_errors(scene: Scene) -> dict[str, list[OutputError]]:
     if held_out is not None:
         kinds.append((HELD_OUT, bit_true, held_out))
     return {
-        name: summarise(
-            percent_errors(results[rows], vectors.targets[rows], scene.outputs, scene.full_scale),
-            vectors.groups[rows],
-        )
+        name: summarise(vectors.percent_errors(results)[rows], vectors.groups[rows])
         for name, results, rows in kinds
     }
+
+
+def unit_errors(scene: Scene) -> dict[str, OutputError]:
+    """Bit-true errors on the recorded vectors in the units of the outputs that have a scale or a
+    unit, by output."""
+    vectors = scene.vectors()
+    results = scene.outputs_in_units(scene.twin().process(vectors.codes))
+    found = summarise(np.abs(results - scene.in_units(vectors.targets)), vectors.groups)
+    named = scene.scale.keys() | scene.units.keys()
+    return {name: error for name, error in zip(scene.outputs, found, strict=True) if name in named}
+
+
+def noise_of(scene: Scene) -> float:
+    """The noise that a scene's errors are given with: the one that it states, or ``NOISE``."""
+    return scene.training.disturbance.noise or NOISE
 
 
 def disturbed_errors(scene: Scene, disturbance: Disturbance, seed: int = SEED) -> list[float]:
@@ -90,10 +101,7 @@ def disturbed_errors(scene: Scene, disturbance: Disturbance, seed: int = SEED) -
     many = np.tile(vectors.inputs, (draws, 1))
     readings = disturbance.of(many.reshape(1, -1), np.random.default_rng(seed)).reshape(many.shape)
     codes, _ = SIGNAL.quantise(readings)
-    errors = percent_errors(
-        SIGNAL.to_real(scene.twin().core.process(codes)),
-        np.tile(vectors.targets, (draws, 1)),
-        scene.outputs,
-        scene.full_scale,
+    results = SIGNAL.to_real(scene.twin().core.process(codes)).reshape(
+        draws, *vectors.targets.shape
     )
-    return [float(error) for error in errors.mean(axis=0)]
+    return [float(error) for error in vectors.percent_errors(results).mean(axis=(0, 1))]

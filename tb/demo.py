@@ -16,10 +16,19 @@ import numpy as np
 
 from golden.cli import run
 from golden.disturbance import Disturbance
-from golden.errors import NOISE, UNKNOWN, disturbed_errors, held_out_rows, scene_errors
+from golden.errors import (
+    UNKNOWN,
+    disturbed_errors,
+    held_out_rows,
+    noise_of,
+    scene_errors,
+    unit_errors,
+)
 from golden.machine import closing
 from golden.metrics import millimetres
 from golden.scene import Scene, thesis_figures
+from golden.scene.ranges import ranges
+from golden.scene.vectors import warn_outside
 from tb.common.results import simulate
 from tb.common.runner import ready_scene
 from tb.common.tools import SIMULATORS, language, simulator_versions
@@ -38,7 +47,8 @@ def twin_speed(scene: Scene) -> float:
 def error_table(scene: Scene) -> list[str]:
     """Per output and kind: mean, largest mean over positions, worst frame; the mean with noise."""
     found = scene_errors(scene)
-    noisy = disturbed_errors(scene, Disturbance(noise=NOISE))
+    noise = noise_of(scene)
+    noisy = disturbed_errors(scene, Disturbance(noise))
     thesis = None
     if scene.reference:
         thesis = thesis_figures(scene.reference, len(scene.outputs), scene.path)
@@ -48,7 +58,7 @@ def error_table(scene: Scene) -> list[str]:
         + "  ".join([*(f"{name:^22}" for name in found), "noise"])
         + "   thesis" * bool(thesis),
         f"{'output':9} "
-        + "  ".join([*[group] * len(found), f"{NOISE:g}"])
+        + "  ".join([*[group] * len(found), f"{noise:>5g}"])
         + "  largest" * bool(thesis),
     ]
     for c, name in enumerate(scene.outputs):
@@ -69,7 +79,7 @@ def held_out_line(scene: Scene) -> str:
 
 
 def length_lines(scene: Scene) -> list[str]:
-    """The bit-true errors of lengths, in millimetres."""
+    """The bit-true errors of lengths in millimetres, and of what has a scale in its unit."""
     found = scene_errors(scene)["bit-true"]
     lines = []
     for name, error in zip(scene.outputs, found, strict=True):
@@ -79,6 +89,12 @@ def length_lines(scene: Scene) -> list[str]:
                 f"{name + ' in mm':26}mean {mm.mean:.2f}, largest {mm.largest_mean:.2f}, "
                 f"worst {mm.worst:.2f}"
             )
+    for name, error in unit_errors(scene).items():
+        unit = scene.units.get(name, "its unit")
+        lines.append(
+            f"{name + ' in ' + unit:26}mean {error.mean:.3g}, largest {error.largest_mean:.3g}, "
+            f"worst {error.worst:.3g}"
+        )
     return lines
 
 
@@ -95,7 +111,8 @@ def report(scene: Scene, results: dict[str, Any]) -> str:
         f"errors in % on {len(vectors.codes)} recorded frames; 'largest' is the largest mean over "
         "the positions;",
         held_out_line(scene),
-        f"'noise {NOISE:g}' is the mean with that noise on every reading, in the sensors' unit",
+        f"'noise {noise_of(scene):g}' is the mean with that noise on every reading; codes reach "
+        "from -1 to 1",
         "",
         *error_table(scene),
         "",
@@ -106,6 +123,7 @@ def report(scene: Scene, results: dict[str, Any]) -> str:
         f"({scene.clock_mhz * 1e6 / interval:,.0f} frames a second)",
         *(f"{design.entity:25} {fact}" for fact in design.facts()),
         f"samples saturated         {vectors.saturated} of {vectors.codes.size}",
+        *ranges(scene),
         *(f"left out                  {text}" for text in scene.twin().left_out()),
         "",
         "frames a second, simulated: "
@@ -139,6 +157,7 @@ def main() -> int:
     arguments = parser.parse_args()
     started = time.perf_counter()
     scene = ready_scene(arguments.scene)
+    warn_outside(scene)
     results = simulate(scene)
     print(bench_table(results))
     if results["failed"]:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from golden.scene import Scene, load_scene
+from golden.scene.scale import Scale
 from tb.report.draw.outcome import along_plot, disturbance_plots, predicted_plots
 from tb.report.measure.disturbance import noise_and_drift
 from tb.report.measure.outcome import (
@@ -112,10 +113,26 @@ def scene_with(readings: list[float], folder: Path) -> Scene:
 def test_readings_outside_the_range_are_counted_per_sensor(tmp_path: Path) -> None:
     table = sensors(outcome(scene_with([1.5, -1.2, 1.2, 1.5], tmp_path)))
     first, *others = table.rows
-    assert first[:4] == ["sensor1", -1.2, 1.5, 4]
-    assert first[4] == pytest.approx(100 * 4 / 143)
-    assert first[5] == 3
-    assert [row[3] for row in others] == [0, 0, 0]
+    assert first[:6] == ["sensor1", -1.2, 1.5, -1.0, 8191 / 8192, 4]
+    assert first[6] == pytest.approx(100 * 4 / 143)
+    assert first[7] == 3
+    assert [row[5] for row in others] == [0, 0, 0]
+
+
+def test_what_has_a_scale_stands_in_its_unit(tmp_path: Path) -> None:
+    """The same readings in another unit: the same errors, and values in that unit."""
+    scene = load_scene("digit-load")
+    header, *lines = scene.data_path.read_text().splitlines()
+    raw = [
+        f"{1000 * float(line.partition(',')[0]) + 50!r},{line.partition(',')[2]}" for line in lines
+    ]
+    path = tmp_path / "readings.csv"
+    path.write_text("\n".join([header, *raw]) + "\n")
+    scaled = replace(scene, data_path=path, scale={"sensor1": Scale(50.0, 1000.0)})
+    found, plain = outcome(scaled), outcome(scene)
+    np.testing.assert_allclose(found.readings[:, 0], 1000 * plain.readings[:, 0] + 50)
+    row = sensors(found).rows[0]
+    assert row[3:6] == [-950.0, 50 + 1000 * 8191 / 8192, 0]
 
 
 def test_rows_that_the_scene_leaves_out_keep_their_numbers() -> None:

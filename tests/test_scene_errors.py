@@ -12,16 +12,17 @@ import pytest
 from golden.disturbance import Disturbance
 from golden.errors import (
     HELD_OUT,
+    NOISE,
     UNKNOWN,
     disturbed_errors,
     held_out_rows,
+    noise_of,
     scene_errors,
 )
-from golden.metrics import percent_errors
 from golden.network_files.network_file import provenance_path, save_network
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_path
-from golden.training.task import split_rows
+from golden.training.split import split_of, split_story
 from tb.common.cases import random_mlp
 from tb.demo import error_table, held_out_line
 from tb.report.measure.disturbance import KINDS, NONE, noise_and_drift
@@ -49,8 +50,7 @@ def provenance(scene: Path) -> Path:
 def test_the_held_out_rows_of_every_shipped_scene_are_known(scene: Scene) -> None:
     rows = held_out_rows(scene)
     assert rows is not None
-    count = len(scene.vectors().codes)
-    assert rows.tolist() == split_rows(count, scene.training.seed).test.tolist()
+    assert rows.tolist() == split_of(scene).test.tolist()
 
 
 def elsewhere(scene: Path) -> None:
@@ -66,6 +66,19 @@ def other_seed(scene: Path) -> None:
     scene.write_text(scene.read_text().replace("seed = 1", "seed = 2"))
 
 
+def other_split(scene: Path) -> None:
+    scene.write_text(scene.read_text() + 'split = "blocks"\n')
+
+
+def other_rows(scene: Path) -> None:
+    """A row more in the file, and provenance that tells how many there were."""
+    story = split_story(load_scene(str(scene)))
+    with provenance(scene).open("a") as handle:
+        handle.write(f"rows = {story['rows']}\n")
+    data = scene.parent / "appendix2.csv"
+    data.write_text(data.read_text() + data.read_text().splitlines()[-1] + "\n")
+
+
 def other_network(scene: Path) -> None:
     """Put where a trained one was, whose provenance stays."""
     member = load_scene(str(scene)).members[0]
@@ -75,7 +88,9 @@ def other_network(scene: Path) -> None:
     scene.write_text(scene.read_text().replace("hidden = 16", "hidden = 5"))
 
 
-@pytest.mark.parametrize("change", [elsewhere, other_data, other_seed, other_network])
+@pytest.mark.parametrize(
+    "change", [elsewhere, other_data, other_seed, other_split, other_rows, other_network]
+)
 def test_what_was_not_trained_here_holds_nothing_out(scene: Path, change) -> None:
     assert held_out_rows(load_scene(str(scene))) is not None
     change(scene)
@@ -111,8 +126,7 @@ def test_the_errors_are_the_mean_of_whole_recordings(disturbance: Disturbance) -
     for _ in range(200):
         codes, _ = SIGNAL.quantise(disturbance.of(vectors.inputs, rng))
         results = SIGNAL.to_real(scene.twin().process(codes))
-        errors = percent_errors(results, vectors.targets, scene.outputs, scene.full_scale)
-        means.append(errors.mean(axis=0))
+        means.append(vectors.percent_errors(results).mean(axis=0))
     deviation = np.std(means, axis=0) / np.sqrt(len(means))
     miss = np.abs(np.mean(means, axis=0) - disturbed_errors(scene, disturbance))
     assert (miss < 5 * deviation).all()
@@ -126,6 +140,15 @@ def test_another_seed_moves_the_errors_as_little_as_the_page_says() -> None:
         for other in others:
             assert other != first
             np.testing.assert_allclose(other, first, rtol=0.03)
+
+
+def test_a_scene_may_state_its_noise(scene: Path) -> None:
+    assert noise_of(load_scene(str(scene))) == NOISE
+    scene.write_text(scene.read_text() + "noise = 0.004\n")
+    stated = load_scene(str(scene))
+    assert noise_of(stated) == 0.004
+    (line,) = (line for line in error_table(stated) if line.startswith("load"))
+    assert line.split()[-2] == f"{disturbed_errors(stated, Disturbance(0.004))[0]:.2f}"
 
 
 def test_a_table_of_disturbances_has_every_kind_and_size() -> None:

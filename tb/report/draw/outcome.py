@@ -145,7 +145,7 @@ def disturbance_plots(table: Table) -> Iterator[Plot]:
         ]
         groups = {name: [(row[0], row[1 + c]) for row in rows] for c, name in enumerate(outputs)}
         largest = max(range(len(outputs)), key=lambda c: rows[-1][1 + c])
-        unit = "part of the reading" if key == "gain" else "unit of the sensors"
+        unit = "part of the signal" if key == "gain" else "signals from -1 to 1"
         yield Plot(
             f"disturbed_{key}",
             f"Mean error against {kind}",

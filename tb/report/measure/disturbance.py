@@ -19,8 +19,8 @@ KINDS: dict[str, tuple[str, tuple[float, ...]]] = {
 NONE = "as recorded"
 MEANING = (
     "Bit-true mean errors in percent on all recorded rows with disturbed readings. Sizes are "
-    "standard deviations: of noise and offsets in the unit of the sensors' columns, 0.001 is 1 mV "
-    "where they hold volts, of gains a part of the reading. Noise differs from reading to reading, "
+    "standard deviations: of noise and offsets on signals from -1 to 1, of which 0.001 is 1 mV "
+    "where 1 is a volt; of gains a part of the signal. Noise differs from reading to reading, "
     "a drift of gain or offset from sensor to sensor. All rows are drawn so many times that they "
     f"are {FRAMES:,} frames or more, each with a drift of its own."
 )

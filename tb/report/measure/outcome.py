@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden.errors import held_out_rows
-from golden.metrics import percent_errors
 from golden.networks.mlp import Real
 from golden.precision import SIGNAL
 from golden.scene import Scene
-from golden.table import rows_where
+from golden.scene.scale import signals
+from golden.scene.vectors import read_recorded
 from tb.report.measure.table import Cell, Table
 
 Rows = NDArray[np.int64]
@@ -20,6 +20,7 @@ Rows = NDArray[np.int64]
 WORST = 5  # rows shown of every output
 RESAMPLES, SEED = 2000, 1
 SURE = 95  # per cent of the resamples that an interval holds
+RANGE = SIGNAL.to_real([SIGNAL.low, SIGNAL.high])
 # Neighbours in the file are alike when they differ by less than this part of what rows in random
 # order do (squared); then stretches of them are drawn, so many at most.
 ALIKE, STRETCHES = 0.5, 20
@@ -35,8 +36,10 @@ class Outcome:
     numbers : int array, shape (rows,)
         Rows of the CSV, from 1 for the first below the header.
     readings : float array, shape (rows, sensors)
+        In the units of the sensors' columns.
     targets, results, errors : float arrays, shape (rows, outputs)
-        What was recorded, what the hardware computes, and the error in percent.
+        What was recorded, what the hardware computes, in the units of the columns, and the error
+        in percent.
     groups : float array, shape (rows,)
         The positions; zeros where the scene names none.
     held_out : int array or None
@@ -86,16 +89,16 @@ class Outcome:
 
 def outcome(scene: Scene) -> Outcome:
     """The networks' hardware on the recorded rows."""
-    vectors = scene.vectors()
-    results = SIGNAL.to_real(scene.twin().process(vectors.codes))
+    recorded, vectors = read_recorded(scene), scene.vectors()
+    codes = scene.twin().process(vectors.codes)
     return Outcome(
         scene,
-        rows_where(scene.data_path, scene.where) + 1,
-        vectors.inputs,
-        vectors.targets,
-        results,
-        percent_errors(results, vectors.targets, scene.outputs, scene.full_scale),
-        vectors.groups,
+        recorded.numbers + 1,
+        recorded.inputs,
+        recorded.targets,
+        scene.outputs_in_units(codes),
+        vectors.percent_errors(SIGNAL.to_real(codes)),
+        recorded.groups,
         held_out_rows(scene),
     )
 
@@ -174,16 +177,27 @@ def confidence(found: Outcome) -> Table:
 def sensors(found: Outcome) -> Table:
     """The range of every sensor's readings, and how many lie outside that of the codes."""
     rows: list[list[Cell]] = []
-    for name, column in zip(found.scene.sensors, found.readings.T, strict=True):
+    scales = found.scene.scales(found.scene.sensors)
+    for name, scale, column in zip(found.scene.sensors, scales, found.readings.T, strict=True):
         low, high = float(column.min()), float(column.max())
-        _, outside = SIGNAL.quantise(column)
+        _, outside = SIGNAL.quantise(signals(column[:, np.newaxis], [scale]))
+        first, last = (float(scale.offset + scale.factor * end) for end in RANGE)
         ends = int(((column == low) | (column == high)).sum())
-        rows.append([name, low, high, outside, 100 * outside / len(column), ends])
+        rows.append([name, low, high, first, last, outside, 100 * outside / len(column), ends])
     return Table(
         "sensors",
-        ["sensor", "least", "largest", "readings outside", "% outside", "readings at either end"],
+        [
+            "sensor",
+            "least",
+            "largest",
+            "first code",
+            "last code",
+            "readings outside",
+            "% outside",
+            "at either end",
+        ],
         rows,
-        f"Readings outside {SIGNAL.to_real(SIGNAL.low):g} to {SIGNAL.to_real(SIGNAL.high):.4f} are "
-        "replaced by the nearest code. Many at either end tell of a sensor that was saturated "
+        "Readings beyond what the first and the last code stand for are replaced by the nearest "
+        "code. Many that are the least or the largest one tell of a sensor that was saturated "
         "before it was recorded.",
     )

@@ -97,7 +97,7 @@ def content(scene: Scene, tell: Progress, full: bool = False) -> Page:
     return Page(
         f"tactus: {scene.name}",
         summary.built(scene, design),
-        summary.errors(found, disturbed, moved),
+        summary.errors(found, moved),
         summary.cost_table(scene, design, cost, compared=bool(scene.reference or moved)),
         [section for section in sections if section is not None],
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from golden.scene import Scene
-from tb.report.draw import findings
+from tb.report.draw import area, findings, tanh_words
 from tb.report.draw.plots import Plot
 from tb.report.measure.activation_errors import thesis_figure
 from tb.report.measure.costs import with_activation_cells, with_network_cells
@@ -41,7 +41,6 @@ def sections(scene: Scene, state: str, draw: Draw, tell: Progress) -> list[Secti
         *findings.activation_plots(activations),
         findings.iterations_plot(tables, thesis_figure("pade")),
         *findings.network_plots(networks),
-        *findings.area_plots(networks),
         *findings.training_plots(tables),
         *findings.swing_plots(tables),
         findings.damping_plot(tables),
@@ -50,6 +49,20 @@ def sections(scene: Scene, state: str, draw: Draw, tell: Progress) -> list[Secti
         findings.engines_plot(speed),
     ]
     *costly, fast = draw("plots", plots)
+    costly += [
+        Picture(
+            "networks_area",
+            "Networks: area, clocks and error",
+            area.area(networks),
+            area.sentence(networks),
+        ),
+        Picture(
+            "tanh_words",
+            "Engine: error of tanh against words",
+            tanh_words.tanh_words(tables["tanh_words"]),
+            tanh_words.sentence(tables["tanh_words"]),
+        ),
+    ]
     return [
         Section("error-against-cost", "Error against cost", pictures=costly),
         _stability(tables["stability"]),

@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from golden.block import walk
-from golden.errors import HELD_OUT, NOISE, UNKNOWN, scene_errors
+from golden.disturbance import Disturbance
+from golden.errors import HELD_OUT, UNKNOWN, disturbed_errors, noise_of, scene_errors
 from golden.networks.network import Network
 from golden.scene import Scene, thesis_figures
 from hdl.synth.timing import DEVICE_NAME
@@ -33,24 +34,25 @@ def built(scene: Scene, design: Network) -> list[str]:
     ]
 
 
-def errors(found: Outcome, disturbed: Table, moved: Table | None) -> Table:
+def errors(found: Outcome, moved: Table | None) -> Table:
     """Errors of every output, as recorded and with noise, and those of the reference."""
     scene = found.scene
     if moved is not None:
         return _motion_errors(scene, moved)
     known = scene_errors(scene)
-    (noisy,) = rows_of(disturbed, disturbance="noise", size=NOISE)
-    columns = ["output", "mean %", "largest %", "worst %", "held out %", f"noise {NOISE:g} %"]
+    noise = noise_of(scene)
+    noisy = disturbed_errors(scene, Disturbance(noise))
+    columns = ["output", "mean %", "largest %", "worst %", "held out %", f"noise {noise:g} %"]
     rows: list[list[Cell]] = []
     for c, name in enumerate(scene.outputs):
         error = known["bit-true"][c]
         held: Cell = known[HELD_OUT][c].mean if HELD_OUT in known else UNKNOWN
-        rows.append([name, error.mean, error.largest_mean, error.worst, held, noisy[f"{name} %"]])
+        rows.append([name, error.mean, error.largest_mean, error.worst, held, noisy[c]])
     note = (
         "Bit-true, which is what the hardware computes, on the recorded rows"
         + (f"; largest: the largest mean at one {scene.group_by}. " if scene.group_by else ". ")
         + "Held out: the mean of rows that neither trained nor chose the network. Noise: the mean "
-        "with so much on every reading, in the unit of the sensors' columns."
+        "with so much on every reading, as a signal from -1 to 1."
     )
     if not scene.group_by:
         columns, rows = _without(2, columns), [_without(2, row) for row in rows]
