@@ -157,5 +157,4 @@ def _toml(value: Any) -> str:
     if isinstance(value, dict):
         return "{ " + ", ".join(f"{_toml(k)} = {_toml(v)}" for k, v in value.items()) + " }"
     # A text of JSON is one of TOML, but for the one control character that JSON leaves as it is.
-    text = json.dumps(value, ensure_ascii=False) if isinstance(value, str) else str(value)
-    return text.replace("\x7f", "\\u007f")
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
