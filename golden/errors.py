@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from golden.disturbance import Disturbance
 from golden.metrics import OutputError, summarise
 from golden.network_files.network_file import provenance_path
+from golden.networks.mlp import Real
 from golden.precision import SIGNAL
 from golden.scene import Scene
 from golden.training.split import split_of, split_story
@@ -90,7 +91,13 @@ def noise_of(scene: Scene) -> float:
 
 
 def disturbed_errors(scene: Scene, disturbance: Disturbance, seed: int = SEED) -> list[float]:
-    """Bit-true mean error of each output, in percent, on disturbed readings of all rows.
+    """Bit-true mean error of each output, in percent, on disturbed readings of all rows."""
+    errors = disturbed_rows(scene, disturbance, seed).mean(axis=0)
+    return [float(error) for error in errors]
+
+
+def disturbed_rows(scene: Scene, disturbance: Disturbance, seed: int = SEED) -> Real:
+    """Bit-true errors in percent, shape (rows, outputs): of each row the mean of its draws.
 
     All rows are disturbed so many times that they are ``FRAMES`` or more. Each frame is a
     recording of its own, with a drift of its own: the mean is that of whole recordings, and comes
@@ -104,4 +111,5 @@ def disturbed_errors(scene: Scene, disturbance: Disturbance, seed: int = SEED) -
     results = SIGNAL.to_real(scene.twin().core.process(codes)).reshape(
         draws, *vectors.targets.shape
     )
-    return [float(error) for error in vectors.percent_errors(results).mean(axis=(0, 1))]
+    rows: Real = vectors.percent_errors(results).mean(axis=0)
+    return rows

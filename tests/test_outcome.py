@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -22,6 +23,8 @@ from tb.report.measure.outcome import (
     worst_rows,
 )
 from tb.report.measure.table import Table
+
+SVG = "{http://www.w3.org/2000/svg}"
 
 
 @pytest.fixture(scope="module")
@@ -48,6 +51,7 @@ def test_neighbours_along_the_beam_are_alike_and_those_of_a_shuffled_file_are_no
 def test_a_constant_sensor_says_nothing_of_neighbours(digit: Outcome) -> None:
     readings = np.column_stack([shuffled(digit).readings, np.ones(143)])
     assert not replace(digit, readings=readings).alike
+    assert not replace(digit, readings=np.ones((143, 4))).alike
 
 
 def test_an_interval_holds_the_mean_as_often_as_it_says(digit: Outcome) -> None:
@@ -71,7 +75,7 @@ def test_errors_that_come_in_stretches_are_less_sure(digit: Outcome) -> None:
 
 def test_every_figure_lies_in_its_interval(digit: Outcome) -> None:
     table = confidence(digit)
-    assert len(table.rows) == 3 * 4
+    assert len(table.rows) == 5 * 4
     for _, _, _, figure, low, high in table.rows:
         assert low <= figure <= high
         assert low < high
@@ -79,7 +83,8 @@ def test_every_figure_lies_in_its_interval(digit: Outcome) -> None:
 
 def test_without_positions_and_provenance_only_means_are_left(digit: Outcome) -> None:
     bare = replace(digit, held_out=None, scene=replace(digit.scene, group_by=""))
-    assert [row[1] for row in confidence(bare).rows] == ["mean"] * 4
+    kinds = ["mean", "mean, noise 0.002", "mean, floating point"]
+    assert [row[1] for row in confidence(bare).rows] == kinds * 4
     assert "position" not in worst_rows(bare).columns
 
 
@@ -169,6 +174,17 @@ def test_of_many_rows_some_are_drawn_and_the_worst_is_one_of_them() -> None:
         worst = int(np.argmax(found.errors[:, c]))
         assert (found.targets[worst, c], found.results[worst, c]) in points
         assert "Every 9th row" in plot.sentence
+
+
+@pytest.mark.parametrize("name", ["_load", "$load$", "a & b", "<x>", "Kraft in µN"])
+def test_any_name_of_a_column_is_drawn(digit: Outcome, name: str) -> None:
+    scene = replace(digit.scene, outputs=(name, *digit.scene.outputs[1:]), group_by="$1$ _")
+    found = replace(digit, scene=scene)
+    drawn = [next(predicted_plots(found)).draw(), along_plot(found, along(found)).draw()]
+    for text in drawn:
+        words = [element.text for element in ElementTree.fromstring(text).iter(f"{SVG}text")]
+        assert any(name in (word or "") for word in words), words
+    assert any("$1$ _" in (word or "") for word in words)
 
 
 def test_sentences_follow_their_figures(digit: Outcome) -> None:

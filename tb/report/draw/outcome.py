@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from golden.errors import UNKNOWN
 from tb.report.draw.looks import nth
 from tb.report.draw.plots import Plot
-from tb.report.draw.svg import PLOT_INCHES, style, svg
+from tb.report.draw.svg import PLOT_INCHES, plain, style, svg
 from tb.report.measure.disturbance import KINDS, NONE
 from tb.report.measure.outcome import Outcome
 from tb.report.measure.table import Table
@@ -92,7 +92,7 @@ def predicted_plots(found: Outcome) -> Iterator[Predicted]:
         yield Predicted(
             f"predicted_{c}",
             f"{output}: computed against recorded",
-            output,
+            plain(output),
             tuple(
                 (
                     label,
@@ -117,20 +117,23 @@ def along_plot(found: Outcome, table: Table) -> Plot:
     """Mean errors against the position."""
     places = [float(str(row[0])) for row in table.rows]
     groups = {
-        name: [
+        plain(name): [
             (place, float(str(row[2 + c]))) for place, row in zip(places, table.rows, strict=True)
         ]
         for c, name in enumerate(found.scene.outputs)
     }
-    worst = max(groups, key=lambda name: max(error for _, error in groups[name]))
-    error, place = max((error, place) for place, error in groups[worst])
+    error, place, name = max(
+        (float(str(row[2 + c])), place, name)
+        for place, row in zip(places, table.rows, strict=True)
+        for c, name in enumerate(found.scene.outputs)
+    )
     return Plot(
         "along",
         f"Mean error along {found.scene.group_by}",
-        found.scene.group_by,
+        plain(found.scene.group_by),
         "mean error %",
         groups,
-        f"The largest is that of {worst} at {place:g}, {error:.2f} %.",
+        f"The largest is that of {name} at {place:g}, {error:.2f} %.",
         [table.name],
         linear="xy",
     )
@@ -143,7 +146,9 @@ def disturbance_plots(table: Table) -> Iterator[Plot]:
         rows = [
             [float(str(cell)) for cell in row[1:]] for row in table.rows if row[0] in (NONE, kind)
         ]
-        groups = {name: [(row[0], row[1 + c]) for row in rows] for c, name in enumerate(outputs)}
+        groups = {
+            plain(name): [(row[0], row[1 + c]) for row in rows] for c, name in enumerate(outputs)
+        }
         largest = max(range(len(outputs)), key=lambda c: rows[-1][1 + c])
         unit = "part of the signal" if key == "gain" else "signals from -1 to 1"
         yield Plot(

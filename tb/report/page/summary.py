@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from golden.block import walk
-from golden.disturbance import Disturbance
-from golden.errors import HELD_OUT, UNKNOWN, disturbed_errors, noise_of, scene_errors
+from golden.errors import HELD_OUT, UNKNOWN, noise_of, scene_errors
 from golden.networks.network import Network
 from golden.scene import Scene, thesis_figures
 from hdl.synth.timing import DEVICE_NAME
@@ -41,13 +40,13 @@ def errors(found: Outcome, moved: Table | None) -> Table:
         return _motion_errors(scene, moved)
     known = scene_errors(scene)
     noise = noise_of(scene)
-    noisy = disturbed_errors(scene, Disturbance(noise))
+    noisy = found.noisy.mean(axis=0)
     columns = ["output", "mean %", "largest %", "worst %", "held out %", f"noise {noise:g} %"]
     rows: list[list[Cell]] = []
     for c, name in enumerate(scene.outputs):
         error = known["bit-true"][c]
         held: Cell = known[HELD_OUT][c].mean if HELD_OUT in known else UNKNOWN
-        rows.append([name, error.mean, error.largest_mean, error.worst, held, noisy[c]])
+        rows.append([name, error.mean, error.largest_mean, error.worst, held, float(noisy[c])])
     note = (
         "Bit-true, which is what the hardware computes, on the recorded rows"
         + (f"; largest: the largest mean at one {scene.group_by}. " if scene.group_by else ". ")
