@@ -9,7 +9,7 @@ RUN = "$(VENV)/bin/python"
 EMPTY :=
 READY = $(subst $(EMPTY) ,\ ,$(VENV))/.ready
 
-.PHONY: help demo test machines sim vhdl verilog train network image bench listing activations figures lean synth report docs pages lint clean tools browser
+.PHONY: help demo test machines sim vhdl verilog scene train network image bench listing activations figures lean synth report docs pages lint clean tools browser
 
 help:
 	@echo "make demo    [SCENE=]                     a scene end to end: simulate, export, table of errors"
@@ -21,6 +21,8 @@ help:
 	@echo "                                          one bench, or every bench of the scene"
 	@echo "make vhdl    [SCENE=]                     export to build/<scene>/vhdl"
 	@echo "make verilog [SCENE=]                     export to build/<scene>/verilog"
+	@echo "make scene   CSV=readings.csv OUTPUTS=a,b [TO=my-rig.toml]"
+	@echo "                                          a scene for your own readings, and what they show"
 	@echo "make train   [SCENE=] [CLUSTER=]          train the scene's networks, write them beside it"
 	@echo "make network TO=file.onnx [SCENE=] [OUTPUT=]"
 	@echo "                                          write a network of the scene as .npz, .mat or .onnx"
@@ -56,6 +58,10 @@ sim: $(READY)
 
 vhdl verilog: $(READY)
 	@$(RUN) -m hdl.export "$(SCENE)" $@
+
+# What is given on the command line is in the recipe's environment.
+scene: $(READY)
+	@$(RUN) -m golden.rig.write_scene "$$CSV" "$$OUTPUTS" $(if $(TO),--to="$$TO")
 
 train: $(READY)
 	@$(RUN) -m golden.training "$(SCENE)" $(if $(CLUSTER),--cluster "$(CLUSTER)")

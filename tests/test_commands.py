@@ -51,6 +51,7 @@ def test_make_alone_lists_the_targets() -> None:
         "sim",
         "vhdl",
         "verilog",
+        "scene",
         "train",
         "network",
         "image",

@@ -1,0 +1,53 @@
+"""What a check saw: a line each, and whether anything can be done in spite of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+OK, NOTE, WARNING, FAULT = "ok", "note", "warning", "fault"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One finding.
+
+    Parameters
+    ----------
+    verdict : str
+        ``ok``; ``note``, which is worth knowing; ``warning``, which makes the result worse than it
+        seems; ``fault``, with which nothing can be done.
+    subject : str
+        What was looked at: a file, a column.
+    text : str
+    """
+
+    verdict: str
+    subject: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.verdict:8} {self.subject}: {self.text}"
+
+
+def faults(findings: Iterable[Finding]) -> list[str]:
+    """The faults among them, as messages."""
+    return [f"{f.subject}: {f.text}" for f in findings if f.verdict == FAULT]
+
+
+def refuse(findings: Sequence[Finding]) -> None:
+    """Stop at faults, all of them in one message.
+
+    Raises
+    ------
+    ValueError
+    """
+    found = faults(findings)
+    if found:
+        raise ValueError("\nerror: ".join(found))
+
+
+def several(names: Sequence[str], most: int = 5) -> str:
+    """Names in a row, the last ones left out where there are many."""
+    shown = ", ".join(map(repr, names[:most]))
+    return f"{shown} and {len(names) - most} more" if len(names) > most else shown
