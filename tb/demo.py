@@ -15,10 +15,12 @@ from typing import Any
 import numpy as np
 
 from golden.cli import run
-from golden.errors import scene_errors
+from golden.errors import scene_errors, unit_errors
 from golden.machine import closing
 from golden.metrics import millimetres
 from golden.scene import Scene, thesis_figures
+from golden.scene.ranges import ranges
+from golden.scene.vectors import warn_outside
 from tb.common.results import simulate
 from tb.common.runner import ready_scene
 from tb.common.tools import SIMULATORS, language, simulator_versions
@@ -55,7 +57,7 @@ def error_table(scene: Scene) -> list[str]:
 
 
 def length_lines(scene: Scene) -> list[str]:
-    """The bit-true errors of lengths, in millimetres."""
+    """The bit-true errors of lengths in millimetres, and of what has a scale in its unit."""
     found = scene_errors(scene)["bit-true"]
     lines = []
     for name, error in zip(scene.outputs, found, strict=True):
@@ -65,6 +67,12 @@ def length_lines(scene: Scene) -> list[str]:
                 f"{name + ' in mm':26}mean {mm.mean:.2f}, largest {mm.largest_mean:.2f}, "
                 f"worst {mm.worst:.2f}"
             )
+    for name, error in unit_errors(scene).items():
+        unit = scene.units.get(name, "its unit")
+        lines.append(
+            f"{name + ' in ' + unit:26}mean {error.mean:.3g}, largest {error.largest_mean:.3g}, "
+            f"worst {error.worst:.3g}"
+        )
     return lines
 
 
@@ -91,6 +99,7 @@ def report(scene: Scene, results: dict[str, Any]) -> str:
         f"({scene.clock_mhz * 1e6 / interval:,.0f} frames a second)",
         *(f"{design.entity:25} {fact}" for fact in design.facts()),
         f"samples saturated         {vectors.saturated} of {vectors.codes.size}",
+        *ranges(scene),
         *(f"left out                  {text}" for text in scene.twin().left_out()),
         "",
         "frames a second, simulated: "
@@ -122,6 +131,7 @@ def main() -> int:
     parser.add_argument("scene")
     started = time.perf_counter()
     scene = ready_scene(parser.parse_args().scene)
+    warn_outside(scene)
     results = simulate(scene)
     print(bench_table(results))
     if results["failed"]:

@@ -20,6 +20,7 @@ from golden.rig.survey import Survey, survey
 from golden.rig.write_scene import names_of, write_scene
 from golden.scene import FOLDER, Scene, load_scene
 from golden.table import read_table
+from golden.training.scaling import scaled
 
 ROOT = Path(__file__).parents[1]
 RNG = np.random.default_rng(3)
@@ -252,6 +253,16 @@ def test_one_output_is_one_network(tmp_path: Path) -> None:
 
 def test_targets_of_zero_have_a_full_scale(tmp_path: Path) -> None:
     assert scene_of(tmp_path, place=PLACE - PLACE[0]).vectors().targets.shape == (60, 2)
+
+
+def test_raw_units_are_scaled(tmp_path: Path) -> None:
+    """Any column beyond the codes: of a sensor, or of an output."""
+    assert not scene_of(tmp_path).scale
+    for folder, changed in (("a", {"s2": TABLE["s2"] * 4095}), ("b", {"place": PLACE * 300})):
+        (tmp_path / folder).mkdir()
+        scene = scene_of(tmp_path / folder, **changed)
+        assert set(scene.scale.values()) == {"auto"}
+        assert scaled(scene).vectors().codes.shape == (60, 3)
 
 
 AWKWARD = ["Kraft, N", "a'b", "läge (mm)", "a\\b", "# no comment", "]", "a = 1", "日本"]

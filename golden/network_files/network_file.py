@@ -6,9 +6,11 @@ networks trained elsewhere come as Netlab-style .mat or as .onnx. A scene can na
 
 from __future__ import annotations
 
+import json
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 
@@ -97,12 +99,19 @@ def write_network(path: Path, mlp: Mlp) -> None:
         form.write(temporary, mlp)
 
 
-def save_network(path: Path, mlp: Mlp, provenance: dict[str, str | int | float]) -> None:
-    """Write the network and its provenance; either file is whole or untouched."""
+def save_network(path: Path, mlp: Mlp, provenance: dict[str, Any]) -> None:
+    """Write the network and its provenance, texts, numbers and tables of these; either file is
+    whole or untouched."""
     write_network(path, mlp)
-    lines = [
-        f'{key} = "{value}"' if isinstance(value, str) else f"{key} = {value}"
-        for key, value in provenance.items()
-    ]
+    lines = [f"{key} = {_toml(value)}" for key, value in provenance.items()]
     with replace_file(provenance_path(path)) as temporary:
         temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _toml(value: Any) -> str:
+    """A text, a number or a table of these as TOML writes it on one line."""
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{_toml(k)} = {_toml(v)}" for k, v in value.items()) + " }"
+    # A text of JSON is one of TOML, but for the one control character that JSON leaves as it is.
+    text = json.dumps(value, ensure_ascii=False) if isinstance(value, str) else str(value)
+    return text.replace("\x7f", "\\u007f")

@@ -15,6 +15,7 @@ from golden.rig.finding import refuse
 from golden.rig.recording import read_recording
 from golden.rig.survey import Survey, survey
 from golden.scene import Scene, load_scene
+from golden.training.scaling import scaled
 
 
 def names_of(text: str) -> list[str]:
@@ -33,7 +34,7 @@ def write_scene(found: Survey, path: Path) -> Scene:
     with replace_file(path) as temporary:
         temporary.write_text(draft(found, path), encoding="utf-8")
         scene = load_scene(str(temporary))
-        scene.vectors()
+        scaled(scene).vectors()
         files = [path, *scene.weights_paths, *map(provenance_path, scene.weights_paths)]
         for file in files:
             if file.exists() or file.is_symlink():

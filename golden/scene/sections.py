@@ -14,6 +14,7 @@ from golden.networks.designs import DESIGNS
 from golden.networks.mlp import Mlp
 from golden.precision import PRECISIONS
 from golden.scene.reference import thesis_figures
+from golden.scene.scale import refuse_other_column
 from golden.table import suggest
 
 
@@ -71,7 +72,7 @@ def beside(path: Path, name: str) -> Path:
 
 
 def check_data(data: dict[str, Any], path: Path) -> None:
-    """Refuse columns, scales, lengths and a reference that cannot be.
+    """Refuse columns, full scales, lengths, units and a reference that cannot be.
 
     Raises
     ------
@@ -96,6 +97,10 @@ def check_data(data: dict[str, Any], path: Path) -> None:
     for name, value in data["where"].items():
         if type(value) not in (int, float) or not math.isfinite(value):
             raise ValueError(f"{path}: data.where.{name}: got {value!r}, expected a number")
+    for name, unit in data["units"].items():
+        refuse_other_column("units", name, [*data["sensors"], *data["outputs"]], path)
+        if type(unit) is not str or not unit.isprintable():
+            raise ValueError(f"{path}: data.units.{name}: got {unit!r}, expected text, such as 'g'")
     if data["reference"]:
         thesis_figures(data["reference"], len(data["outputs"]), path)
 

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import scipy
@@ -20,6 +21,10 @@ from golden.fingerprint import fingerprint, sources
 from golden.network_files.network_file import provenance_path, save_network
 from golden.networks.mlp import Mlp
 from golden.scene import Scene, load_scene
+from golden.scene.scale import on_readings, on_signals
+from golden.scene.trained_scale import story
+from golden.scene.vectors import warn_outside
+from golden.training.scaling import scaled
 from golden.training.search import Result, bit_true_errors, candidates, search, train
 from golden.training.task import Task, task_for
 
@@ -92,17 +97,21 @@ def computed_on(cluster: str | None) -> Iterator[None]:
 def train_scene(scene: Scene, build: Path, workers: int) -> None:
     """Train all networks of the scene, then write them."""
     started = time.monotonic()
+    scene = scaled(scene)
+    warn_outside(scene)
     vectors = scene.vectors()
     settings = scene.training
     versions = (np.__version__, scipy.__version__, platform.python_version())
     state = fingerprint([*sources("golden"), scene.path, scene.data_path], *versions)
     records = build / scene.name / "training" / state[:16]
     mlps: list[Mlp] = []
-    stories: list[dict[str, str | int | float]] = []
+    files: list[Mlp] = []
+    stories: list[dict[str, Any]] = []
     for number, member in enumerate(scene.members):
         task = task_for(scene, vectors, mlps)
         best, refused = choose(task, records / f"{number}.jsonl", workers)
-        mlps.append(train(task, best.hidden, best.restart))
+        files.append(on_readings(train(task, best.hidden, best.restart), *scene.scales_of(number)))
+        mlps.append(on_signals(files[-1], *scene.scales_of(number)))
         # Another processor, of a cluster or of a search begun elsewhere, rounds otherwise: what is
         # stated is what the network that is written does.
         validation, test = bit_true_errors(task, mlps[-1])
@@ -133,11 +142,12 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
                 "python": versions[2],
                 "numpy": versions[0],
                 "scipy": versions[1],
+                **story(scene.known_scales, files[-1]),
             }
         )
     # Written only now: the networks of a cascade belong together.
-    for member, mlp, story in zip(scene.members, mlps, stories, strict=True):
-        save_network(member.weights_path, mlp, story)
+    for member, mlp, told in zip(scene.members, files, stories, strict=True):
+        save_network(member.weights_path, mlp, told)
         print(f"wrote {member.weights_path} and {provenance_path(member.weights_path).name}")
     print(f"{time.monotonic() - started:.0f} s")
 

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden.fixed import Codes
-from golden.metrics import error_scale
 from golden.networks.arrangement import seen
 from golden.networks.mlp import Mlp, Real
 from golden.precision import SIGNAL
 from golden.scene import Scene, Vectors
+from golden.scene.scale import readings
 
 
 @dataclass(frozen=True)
@@ -108,15 +108,15 @@ def task_for(scene: Scene, vectors: Vectors, earlier: Sequence[Mlp]) -> Task:
         seen(scene.arrangement, inputs, given),
         seen(scene.arrangement, codes, bit_true),
         targets,
-        error_scale(targets, outputs, scene.full_scale),
+        vectors.scale[:, columns],
         split,
     )
 
 
 def _refuse_constant(scene: Scene, vectors: Vectors) -> None:
     for key, names, values in (
-        ("sensors", scene.sensors, vectors.inputs),
-        ("outputs", scene.outputs, vectors.targets),
+        ("sensors", scene.sensors, readings(vectors.inputs, scene.scales(scene.sensors))),
+        ("outputs", scene.outputs, scene.in_units(vectors.targets)),
     ):
         for name, column in zip(names, values.T, strict=True):
             if (column == column[0]).all():
