@@ -9,7 +9,7 @@ RUN = "$(VENV)/bin/python"
 EMPTY :=
 READY = $(subst $(EMPTY) ,\ ,$(VENV))/.ready
 
-.PHONY: help demo test machines sim vhdl verilog scene train network image bench listing activations figures lean synth report docs pages lint clean tools browser
+.PHONY: help demo test machines sim vhdl verilog scene check train predict network image bench listing activations figures lean synth report docs pages lint clean tools browser
 
 help:
 	@echo "make demo    [SCENE=]                     a scene end to end: simulate, export, table of errors"
@@ -23,7 +23,10 @@ help:
 	@echo "make verilog [SCENE=]                     export to build/<scene>/verilog"
 	@echo "make scene   CSV=readings.csv OUTPUTS=a,b [TO=my-rig.toml]"
 	@echo "                                          a scene for your own readings, and what they show"
+	@echo "make check   [SCENE=]                     what can be wrong with a scene, in seconds"
 	@echo "make train   [SCENE=] [CLUSTER=]          train the scene's networks, write them beside it"
+	@echo "make predict CSV=new.csv TO=out.csv [SCENE=]"
+	@echo "                                          the hardware's outputs for new readings, and which are unlike any"
 	@echo "make network TO=file.onnx [SCENE=] [OUTPUT=]"
 	@echo "                                          write a network of the scene as .npz, .mat or .onnx"
 	@echo "make image   [SCENE=] [HARDWARE=scene]    what makes an engine that can be reloaded run the scene"
@@ -63,8 +66,14 @@ vhdl verilog: $(READY)
 scene: $(READY)
 	@$(RUN) -m golden.rig.write_scene "$$CSV" "$$OUTPUTS" $(if $(TO),--to="$$TO")
 
+check: $(READY)
+	@$(RUN) -m tb.check "$(SCENE)"
+
 train: $(READY)
 	@$(RUN) -m golden.training "$(SCENE)" $(if $(CLUSTER),--cluster "$(CLUSTER)")
+
+predict: $(READY)
+	@$(RUN) -m golden.rig.predict "$(SCENE)" "$$CSV" "$$TO"
 
 network: $(READY)
 	@$(RUN) -m golden.network_files.convert "$(SCENE)" "$(TO)" $(if $(OUTPUT),--output "$(OUTPUT)")

@@ -30,6 +30,12 @@ class Finding:
         return f"{self.verdict:8} {self.subject}: {self.text}"
 
 
+def fault(message: object, verdict: str = FAULT) -> Finding:
+    """The finding that an error's message tells, which begins with its subject."""
+    subject, _, text = str(message).partition(": ")
+    return Finding(verdict, subject, text)
+
+
 def faults(findings: Iterable[Finding]) -> list[str]:
     """The faults among them, as messages."""
     return [f"{f.subject}: {f.text}" for f in findings if f.verdict == FAULT]

@@ -11,6 +11,7 @@ from golden.networks.mlp import Real
 from golden.precision import SIGNAL
 from golden.rig import readings
 from golden.rig.finding import FAULT, NOTE, Finding
+from golden.rig.finding import fault as told
 from golden.rig.recording import Recording
 from golden.table import suggest
 
@@ -79,7 +80,7 @@ def survey(recording: Recording, outputs: Sequence[str]) -> Survey:
             fault = f"{path}: output {name!r}: got {column.values[0]:g} in every row"
             fault += ", expected values that differ"
         if fault:
-            findings.append(_fault(fault))
+            findings.append(told(fault))
         else:
             targets[name] = column.values
     for number, name in enumerate(recording.names, start=1):
@@ -92,7 +93,7 @@ def survey(recording: Recording, outputs: Sequence[str]) -> Survey:
         if not column.numeric:
             left_out[name] = f"no numbers, line {column.odd[0][0]} holds {column.odd[0][1]!r}"
         elif column.odd:
-            findings.append(_fault(column.fault(recording.path)))
+            findings.append(told(column.fault(recording.path)))
         else:
             why = _no_sensor(column.values, sensors, targets)
             if why:
@@ -113,11 +114,6 @@ def survey(recording: Recording, outputs: Sequence[str]) -> Survey:
         findings.append(_beyond(path, found))
     findings += readings.odd_names(path, [*sensors, *targets])
     return found
-
-
-def _fault(text: str) -> Finding:
-    subject, _, rest = text.partition(": ")
-    return Finding(FAULT, subject, rest)
 
 
 def _no_sensor(values: Real, sensors: dict[str, Real], outputs: dict[str, Real]) -> str:
