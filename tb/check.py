@@ -10,7 +10,7 @@ from pathlib import Path
 from golden.cli import CommandError, run
 from golden.machine import versions
 from golden.rig.check import everything
-from golden.rig.finding import OK, WARNING, Finding, fault, faults
+from golden.rig.finding import OK, WARNING, Finding, faults, told
 from golden.scene import load_scene
 from tb.common.tools import SIMULATORS, version
 
@@ -31,11 +31,10 @@ def tools() -> list[Finding]:
 
 def check(name: str, build: Path) -> list[Finding]:
     """Everything about a scene and this machine."""
-    try:
-        scene = load_scene(name)
-    except (FileNotFoundError, ValueError) as error:
-        return [fault(error), *tools()]
-    return [*everything(scene, build), *tools()]
+    findings: list[Finding] = []
+    with told(findings):
+        findings += everything(load_scene(name), build)
+    return findings + tools()
 
 
 def main() -> None:

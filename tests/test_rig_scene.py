@@ -255,6 +255,12 @@ def test_targets_of_zero_have_a_full_scale(tmp_path: Path) -> None:
     assert scene_of(tmp_path, place=PLACE - PLACE[0]).vectors().targets.shape == (60, 2)
 
 
+def test_interpolated_rows_are_held_out_in_blocks(tmp_path: Path) -> None:
+    assert scene_of(tmp_path).training.split == "random"
+    (tmp_path / "own").mkdir()
+    assert scene_of(tmp_path / "own", **halves()).training.split == "blocks"
+
+
 def test_raw_units_are_scaled(tmp_path: Path) -> None:
     """Any column beyond the codes: of a sensor, or of an output."""
     assert not scene_of(tmp_path).scale

@@ -15,17 +15,18 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from golden.network_files.network_file import FORMS, provenance_path, write_network
+from golden.files import check_writable
+from golden.network_files.network_file import check_targets, write_network
 from golden.networks.mlp import Mlp
 from golden.precision import SIGNAL
 from golden.rig import readings
-from golden.rig.finding import FAULT, NOTE, OK, WARNING, Finding, fault
-from golden.rig.places import refusal
+from golden.rig.finding import FAULT, NOTE, OK, WARNING, Finding, fault, faults, told
 from golden.rig.recording import read_recording
 from golden.scene import Scene, scene_names
 from golden.scene.scale import on_readings
 from golden.scene.vectors import Recorded, read_recorded
 from golden.training.scaling import scaled
+from golden.training.split import split_of
 
 
 def before_training(scene: Scene, build: Path) -> list[Finding]:
@@ -63,23 +64,24 @@ def _summary(scene: Scene) -> str:
 
 def data(scene: Scene) -> list[Finding]:
     """The recordings: whether they can be read, and what they show."""
-    try:
+    path = str(scene.data_path)
+    findings: list[Finding] = []
+    with told(findings):
         read_recording(scene.data_path)
         rows = read_recorded(scene)
-    except (FileNotFoundError, ValueError) as error:
-        return [fault(error)]
-    path = str(scene.data_path)
-    few = readings.few_rows(path, len(rows.inputs))
-    same = _constant(scene, rows)
-    findings = [Finding(OK, path, f"{len(rows.inputs)} rows"), *few, *same]
-    if same or any(finding.verdict == FAULT for finding in few):
-        return findings
-    try:
-        scene = scaled(scene)
-        vectors = scene.vectors()
-    except ValueError as error:
-        return [*findings, fault(error)]
-    # Rows of another unit are as telling as those of signals.
+        findings.append(Finding(OK, path, f"{len(rows.inputs)} rows"))
+        findings += readings.few_rows(path, len(rows.inputs))
+        findings += _constant(scene, rows)
+        if not faults(findings):
+            split_of(scene)
+            findings += _columns(scaled(scene), rows)
+    return findings
+
+
+def _columns(scene: Scene, rows: Recorded) -> list[Finding]:
+    """What each column shows, as recorded and as a signal."""
+    path, vectors = str(scene.data_path), scene.vectors()
+    findings = []
     signals = np.concatenate([vectors.inputs, vectors.targets], axis=1)
     own = np.concatenate([rows.inputs, rows.targets], axis=1)
     for c, name in enumerate([*scene.sensors, *scene.outputs]):
@@ -90,7 +92,8 @@ def data(scene: Scene) -> list[Finding]:
     for c, name in enumerate(scene.sensors):
         findings += readings.few_codes(name, vectors.inputs[:, c])
         findings += readings.at_an_end(name, rows.inputs[:, c])
-    findings += readings.interpolated(path, rows.inputs)
+    if scene.training.split == "random":
+        findings += readings.interpolated(path, rows.inputs)
     findings += readings.twins(path, [*scene.sensors, *scene.outputs], own)
     return findings
 
@@ -113,16 +116,10 @@ def _constant(scene: Scene, rows: Recorded) -> list[Finding]:
 
 def networks_writable(scene: Scene) -> list[Finding]:
     """The files that training writes: their endings, and whether each can be written."""
-    findings = []
+    findings: list[Finding] = []
     for path in scene.weights_paths:
-        if path.suffix not in FORMS:
-            text = f"got the ending {path.suffix!r}, expected one of {', '.join(FORMS)}"
-            findings.append(Finding(FAULT, str(path), text))
-            continue
-        for file in (path, provenance_path(path)):
-            refused = refusal(file)
-            if refused:
-                findings.append(Finding(FAULT, str(file), refused))
+        with told(findings):
+            check_targets([path])
     if not findings:
         folders = ", ".join(sorted({str(path.parent) for path in scene.weights_paths}))
         findings.append(Finding(OK, folders, "networks can be written"))
@@ -131,26 +128,25 @@ def networks_writable(scene: Scene) -> list[Finding]:
 
 def networks_there(scene: Scene) -> list[Finding]:
     """The network files that are there: whether they fit the scene."""
-    findings = []
+    findings: list[Finding] = []
     for member in scene.members:
         path = member.weights_path
-        try:
-            shape = member.load().shape
-            findings.append(Finding(OK, str(path), "a {}:{}:{} network".format(*shape)))
-        except FileNotFoundError:
-            findings.append(Finding(NOTE, str(path), "not there yet; make train writes it"))
-        except ValueError as error:
-            findings.append(fault(error))
+        with told(findings):
+            try:
+                shape = member.load().shape
+                findings.append(Finding(OK, str(path), "a {}:{}:{} network".format(*shape)))
+            except FileNotFoundError:
+                findings.append(Finding(NOTE, str(path), "not there yet; make train writes it"))
     return findings
 
 
 def build_writable(scene: Scene, build: Path) -> list[Finding]:
     """The folder that exports, benches and searches write into."""
     folder = build / scene.name
-    refused = refusal(folder / "file")
-    if refused:
-        return [Finding(FAULT, str(folder), refused)]
-    findings = [Finding(OK, str(folder), "can be written")]
+    findings: list[Finding] = []
+    with told(findings):
+        check_writable([folder / "training" / "0.jsonl"])
+        findings.append(Finding(OK, str(folder), "can be written"))
     if scene.name in scene_names() and scene.path.parent.name != scene.name:
         text = f"is the folder of the shipped scene {scene.name} too; give the file another name"
         findings.append(Finding(WARNING, str(folder), text))
@@ -161,33 +157,31 @@ def design(scene: Scene, trained: bool) -> list[Finding]:
     """The hardware: of the networks where they are there, else of the least and the largest."""
     if trained:
         return _built(scene, "")
-    try:
+    unknown: list[Finding] = []
+    with told(unknown):
         scene = scaled(scene)
-    except (FileNotFoundError, ValueError):
+    if unknown:
         return []  # A fault of the data, which is told there.
     low, high = scene.training.hidden
-    findings = []
+    findings: list[Finding] = []
     for hidden, verdict in ((low, FAULT), (high, WARNING)):
         with _stand_in(scene, hidden) as other:
-            sizes = [mlp.shape[1] for mlp in other.mlps()]
-            found = _built(other, f"with {', '.join(map(str, sizes))} hidden nodes: ")
-        wrong = [f for f in found if f.verdict == FAULT]
-        if wrong:
-            return [replace(f, verdict=verdict) for f in wrong]
-        findings = found
+            sizes = ", ".join(str(mlp.shape[1]) for mlp in other.mlps())
+            findings = _built(other, f"with {sizes} hidden nodes: ")
+        if faults(findings):
+            return [replace(finding, verdict=verdict) for finding in findings]
     return findings
 
 
 def _built(scene: Scene, before: str) -> list[Finding]:
-    try:
-        # What is said of weights is said of those that will come.
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            core = scene.twin().core
-    except (FileNotFoundError, ValueError) as error:
-        return [fault(error)]
-    facts = "; ".join(core.facts()) or f"clocks from frame to frame: {core.interval}"
-    return [Finding(OK, f"hardware.design {scene.design}", f"{before}{facts}")]
+    findings: list[Finding] = []
+    # What is warned of weights is told again of those that training finds.
+    with told(findings), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        core = scene.twin().core
+        facts = "; ".join(core.facts()) or f"clocks from frame to frame: {core.interval}"
+        findings.append(Finding(OK, f"hardware.design {scene.design}", f"{before}{facts}"))
+    return findings
 
 
 @contextmanager

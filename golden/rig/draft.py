@@ -40,7 +40,7 @@ hidden = [4, 12]
 restarts = 4
 # Little, since readings have little noise; 1e-4 where they have much.
 weight_decay = 1e-6
-"""
+{split}"""
 
 SINGLE = """\
 # One output, one network.
@@ -67,6 +67,11 @@ SCALE = """\
 # column follow from the rows that train.
 scale = "auto"
 """
+BLOCKS = """\
+# Many rows are means of the rows beside them: one that is held out at random has been seen. So
+# stretches of neighbouring rows are held out.
+split = "blocks"
+"""
 
 
 def draft(found: Survey, path: Path) -> str:
@@ -90,6 +95,7 @@ def draft(found: Survey, path: Path) -> str:
         scale=SCALE if found.beyond else "",
         arrangement=CASCADE if len(outputs) > 1 else SINGLE,
         weights=_list(weights(outputs, path)),
+        split=BLOCKS if found.interpolated else "",
     )
 
 

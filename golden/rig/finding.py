@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
+
+from golden.cli import is_complaint
 
 OK, NOTE, WARNING, FAULT = "ok", "note", "warning", "fault"
 
@@ -34,6 +37,17 @@ def fault(message: object, verdict: str = FAULT) -> Finding:
     """The finding that an error's message tells, which begins with its subject."""
     subject, _, text = str(message).partition(": ")
     return Finding(verdict, subject, text)
+
+
+@contextmanager
+def told(findings: list[Finding]) -> Iterator[None]:
+    """A complaint from the block becomes one of the findings."""
+    try:
+        yield
+    except Exception as error:
+        if not is_complaint(error):
+            raise
+        findings.append(fault(error))
 
 
 def faults(findings: Iterable[Finding]) -> list[str]:

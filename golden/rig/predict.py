@@ -12,11 +12,10 @@ from pathlib import Path
 import numpy as np
 
 from golden.cli import run
-from golden.files import replace_file
+from golden.files import check_writable, replace_file, same_file
 from golden.networks.mlp import Real
 from golden.precision import SIGNAL
 from golden.rig.finding import fault, refuse
-from golden.rig.places import refusal
 from golden.rig.recording import Recording, read_recording
 from golden.rig.trained_on import TrainedOn, trained_on
 from golden.scene import Scene, load_scene
@@ -107,14 +106,11 @@ def check_place(scene: Scene, source: Path, path: Path) -> None:
 
     Raises
     ------
-    ValueError
+    CommandError, ValueError
     """
-    read = [source, *scene.files]
-    if any(path.resolve() == file.resolve() for file in read):
+    if any(same_file(path, file) for file in [source, *scene.files]):
         raise ValueError(f"TO={path}: is read, expected another file")
-    refused = refusal(path)
-    if refused:
-        raise ValueError(f"TO={path}: {refused}")
+    check_writable([path])
 
 
 def main() -> None:

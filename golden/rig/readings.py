@@ -29,7 +29,7 @@ LINES = 0.05
 def few_rows(subject: str, rows: int) -> list[Finding]:
     """Too few rows to split, or to be sure of anything."""
     if rows < LEAST_ROWS:
-        text = f"got {rows} rows, expected at least {LEAST_ROWS} to split into 50, 25 and 25 %"
+        text = f"got {rows} rows, expected at least {LEAST_ROWS} to split in 50, 25, 25 %"
         return [Finding(FAULT, subject, text)]
     if rows < FEW_ROWS:
         text = (

@@ -10,6 +10,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from golden.files import check_file, reading
+
 # What spreadsheets write between cells instead of a comma.
 FOREIGN = {";": "a semicolon", "\t": "a tab", "|": "a bar"}
 DECIMAL_COMMA = re.compile(r"\s*[-+]?\d*,\d+([eE][-+]?\d+)?\s*")
@@ -85,21 +87,18 @@ def read_recording(path: Path) -> Recording:
 
     Raises
     ------
-    FileNotFoundError
-        When there is no such file.
+    FileNotFoundError, CommandError
+        When there is no such file, or it cannot be read.
     ValueError
         For text that is not UTF-8, another separator than a comma, no rows, a header of numbers,
         a name that stands twice, or rows of another length than the header.
     """
-    if not path.is_file():
-        raise FileNotFoundError(f"{path}: no such file")
+    check_file(path)
     text = _text(path)
     _refuse_separator(path, text)
     reader = csv.reader(text.splitlines(keepends=True))
-    try:
+    with reading(path, "CSV"):
         rows = [(reader.line_num, tuple(row)) for row in reader if any(map(str.strip, row))]
-    except csv.Error as error:
-        raise ValueError(f"{path}:{reader.line_num}: not CSV: {error}") from None
     if len(rows) < 2:
         raise ValueError(f"{path}: got {len(rows)} lines, expected a header and at least one row")
     names = tuple(name.strip() for name in rows[0][1])
@@ -120,7 +119,8 @@ def read_recording(path: Path) -> Recording:
 
 
 def _text(path: Path) -> str:
-    data = path.read_bytes()
+    with reading(path, "CSV"):
+        data = path.read_bytes()
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
         raise ValueError(f"{path}: got UTF-16, expected UTF-8; save it as 'CSV UTF-8'")
     try:

@@ -10,8 +10,7 @@ import numpy as np
 from golden.networks.mlp import Real
 from golden.precision import SIGNAL
 from golden.rig import readings
-from golden.rig.finding import FAULT, NOTE, Finding
-from golden.rig.finding import fault as told
+from golden.rig.finding import FAULT, NOTE, Finding, fault
 from golden.rig.recording import Recording
 from golden.table import suggest
 
@@ -41,6 +40,11 @@ class Survey:
         """Whether anything lies outside the hardware's range, and so needs a scale."""
         columns = [*self.sensors.values(), *self.outputs.values()]
         return any(readings.beyond("", column) for column in columns)
+
+    @property
+    def interpolated(self) -> bool:
+        """Whether rows lie between others, so that one that is held out has been seen."""
+        return bool(readings.interpolated("", np.column_stack(list(self.sensors.values()))))
 
     def lines(self) -> list[str]:
         """A line for every column: what it is, from where to where."""
@@ -75,12 +79,12 @@ def survey(recording: Recording, outputs: Sequence[str]) -> Survey:
     left_out: dict[str, str] = {}
     for name in dict.fromkeys(n for n in outputs if n in recording.names):
         column = recording.column(name)
-        fault = column.fault(recording.path)
-        if not fault and readings.constant(column.values):
-            fault = f"{path}: output {name!r}: got {column.values[0]:g} in every row"
-            fault += ", expected values that differ"
-        if fault:
-            findings.append(told(fault))
+        wrong = column.fault(recording.path)
+        if not wrong and readings.constant(column.values):
+            wrong = f"{path}: output {name!r}: got {column.values[0]:g} in every row"
+            wrong += ", expected values that differ"
+        if wrong:
+            findings.append(fault(wrong))
         else:
             targets[name] = column.values
     for number, name in enumerate(recording.names, start=1):
@@ -93,7 +97,7 @@ def survey(recording: Recording, outputs: Sequence[str]) -> Survey:
         if not column.numeric:
             left_out[name] = f"no numbers, line {column.odd[0][0]} holds {column.odd[0][1]!r}"
         elif column.odd:
-            findings.append(told(column.fault(recording.path)))
+            findings.append(fault(column.fault(recording.path)))
         else:
             why = _no_sensor(column.values, sensors, targets)
             if why:

@@ -10,14 +10,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from golden.network_files.network_file import provenance_path
 from golden.networks.mlp import Real
 from golden.scene import Scene
 from golden.scene.vectors import read_recorded
-from golden.training.task import split_rows
+from golden.training.split import split_of
 
 
 @dataclass(frozen=True)
@@ -77,7 +76,7 @@ def trained_on(scene: Scene) -> tuple[TrainedOn, str]:
     """
     recorded = read_recorded(scene).inputs
     if all(provenance_path(path).is_file() for path in scene.weights_paths):
-        rows: NDArray[np.int64] = split_rows(len(recorded), scene.training.seed).training
+        rows = split_of(scene).training
         return TrainedOn(scene.sensors, recorded[rows]), f"the {len(rows)} rows that trained"
     everything = f"all {len(recorded)} recorded rows, as the networks were not trained here"
     return TrainedOn(scene.sensors, recorded), everything

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from golden.cli import run
-from golden.files import replace_file
+from golden.files import check_writable, replace_file
 from golden.network_files.network_file import provenance_path
 from golden.rig.draft import draft
 from golden.rig.finding import refuse
@@ -53,6 +53,7 @@ def main() -> None:
     path: Path = arguments.to or Path(arguments.csv).with_suffix(".toml")
     if path.suffix != ".toml":
         raise ValueError(f"TO={path}: got the ending {path.suffix!r}, expected .toml")
+    check_writable([path])
     if path.exists():
         raise ValueError(f"{path}: is there already; choose another name with TO=")
     recording = read_recording(Path(arguments.csv))
