@@ -44,7 +44,9 @@ def absorb(cells: dict[str, Cell], outputs: set[Any]) -> int:
     moved = 0
     for cell in [c for c in cells.values() if c["type"] == MULTIPLIER]:
         moved += _operands(cell, registers)
-        moved += _behind(cell, [f"P{i}" for i in range(WIDTHS["P"])], cells, outputs, _product_clock)
+        moved += _behind(
+            cell, [f"P{i}" for i in range(WIDTHS["P"])], cells, outputs, _product_clock
+        )
     read = _readers(cells)
     for name, cell in list(cells.items()):
         if cell["type"] == REGISTER and cell["connections"]["Q"][0] not in outputs | read.keys():
