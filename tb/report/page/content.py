@@ -46,6 +46,7 @@ def content(scene: Scene, tell: Progress) -> Page:
         *findings.training_plots(tables),
         *findings.swing_plots(tables),
         findings.damping_plot(tables),
+        *findings.bound_plots(tables),
         findings.plate_plot(tables),
         findings.series_plot(tables),
         findings.engines_plot(speed),
