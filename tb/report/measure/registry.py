@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from tb.report.measure import (
     activations,
+    bounds,
     clocks,
     disturbance,
     motions,
@@ -37,6 +38,8 @@ TABLES: dict[str, Callable[[int], Table]] = {
     "series": visualisation.series,
     "profile": visualisation.profile,
     "beam": physics.beam,
+    "bounds": bounds.bounds,
+    "bound_along": bounds.bound_along,
     "plate": physics.plate,
     "swing": physics.swing,
     "swing_damping": physics.swing_damping,

@@ -44,6 +44,7 @@ def sections(scene: Scene, state: str, draw: Draw, tell: Progress) -> list[Secti
         *findings.training_plots(tables),
         *findings.swing_plots(tables),
         findings.damping_plot(tables),
+        *findings.bound_plots(tables),
         findings.plate_plot(tables),
         findings.series_plot(tables),
         findings.engines_plot(speed),
