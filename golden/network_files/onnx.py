@@ -7,12 +7,24 @@ from typing import Any
 
 import numpy as np
 import onnx
-from google.protobuf.message import DecodeError
-from onnx import TensorProto, helper, numpy_helper
+from onnx import AttributeProto, TensorProto, helper, numpy_helper
 
+from golden.files import reading
+from golden.network_files.numbers import real_numbers
 from golden.networks.mlp import Mlp, Real
 
-OPERATORS = ("Gemm", "MatMul", "Add", "Tanh", "Cast", "Identity", "Reshape")
+# Whichever way they stand in the file, weights are told as of nodes in rows.
+TRANSPOSED = ()
+# Each with the numbers of inputs that it may have.
+OPERATORS = {
+    "Gemm": (2, 3),
+    "MatMul": (2,),
+    "Add": (2,),
+    "Tanh": (1,),
+    "Cast": (1,),
+    "Identity": (1,),
+    "Reshape": (2,),
+}
 # Old enough for every runtime in use, new enough for every operator used.
 OPSET, IR_VERSION = 13, 7
 
@@ -54,12 +66,10 @@ def read(path: Path) -> dict[str, Real]:
         When the file is no ONNX graph, or for any other operator or order; the message names
         the operator.
     """
-    try:
+    with reading(path, "an ONNX file"):
         model = onnx.load(str(path))
-    except (DecodeError, ValueError, OSError) as error:
-        raise ValueError(f"{path}: not an ONNX file: {error}") from None
     graph = model.graph
-    constants = {c.name: numpy_helper.to_array(c) for c in graph.initializer}
+    constants = {c.name: _array(path, c) for c in graph.initializer}
     inputs = [i.name for i in graph.input if i.name not in constants]
     if len(inputs) != 1 or len(graph.output) != 1:
         raise ValueError(
@@ -73,7 +83,7 @@ def read(path: Path) -> dict[str, Real]:
             value = next((a for a in node.attribute if a.name == "value"), None)
             if value is None:
                 raise chain.refuse(node, "expected a tensor as its value")
-            constants[node.output[0]] = numpy_helper.to_array(value.t)
+            constants.update(dict.fromkeys(node.output, _array(path, value.t)))
             continue
         _step(chain, node, current, constants)
         current = node.output[0]
@@ -93,35 +103,54 @@ def read(path: Path) -> dict[str, Real]:
     }
 
 
+def _array(path: Path, tensor: Any) -> Any:
+    """A constant of the graph."""
+    with reading(path, f"an ONNX file whose tensor {tensor.name!r} holds numbers"):
+        array = numpy_helper.to_array(tensor)
+        # Short floats are records to numpy.
+        return array.astype(np.float32) if array.dtype.kind == "V" else array
+
+
 def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> None:
     """Take one operator into the chain."""
     if node.op_type not in OPERATORS or node.domain not in ("", "ai.onnx"):
         raise chain.refuse(node, f"not supported, expected one of {', '.join(OPERATORS)}")
-    if current not in node.input:
+    given = [name for name in node.input if name]
+    if len(given) not in OPERATORS[node.op_type] or len(node.output) != 1:
+        expected = " or ".join(str(count) for count in OPERATORS[node.op_type])
+        raise chain.refuse(
+            node,
+            f"got {len(given)} inputs and {len(node.output)} outputs, expected {expected} and 1",
+        )
+    if current not in given:
         raise chain.refuse(node, f"does not read {current!r}; expected a chain without branches")
-    others = [name for name in node.input if name and name != current]
+    others = [name for name in given if name != current]
     missing = [name for name in others if name not in constants]
-    if missing or list(node.input).count(current) != 1:
+    if missing or given.count(current) != 1:
         raise chain.refuse(
             node, f"reads {missing or current!r}, expected constants beside {current!r}"
         )
-    values = [np.asarray(constants[name]) for name in others]
-    attributes = {a.name: helper.get_attribute_value(a) for a in node.attribute}
+    values = [real_numbers(chain.path, name, constants[name]) for name in others]
+    kinds = {AttributeProto.INT: "i", AttributeProto.FLOAT: "f"}
+    attributes = {a.name: getattr(a, kinds[a.type]) for a in node.attribute if a.type in kinds}
     if node.op_type in ("Gemm", "MatMul"):
         if node.input[0] != current or values[0].ndim != 2:
             raise chain.refuse(node, "expected the data first and a matrix of weights second")
         if attributes.get("transA", 0):
             raise chain.refuse(node, "transA=1, expected 0")
-        weights = values[0].astype(np.float64) * attributes.get("alpha", 1.0)
+        weights = values[0] * attributes.get("alpha", 1.0)
+        weights = weights if attributes.get("transB", 0) else weights.T
         bias = None
         if len(values) > 1:
-            bias = np.broadcast_to(
-                values[1].astype(np.float64) * attributes.get("beta", 1.0),
-                (1, weights.shape[0 if attributes.get("transB", 0) else 1]),
-            )
-        chain.linear(weights if attributes.get("transB", 0) else weights.T, bias)
+            bias = values[1] * attributes.get("beta", 1.0)
+            if bias.size not in (1, len(weights)):
+                raise chain.refuse(
+                    node, f"got a bias of shape {bias.shape}, expected {len(weights)} numbers"
+                )
+            bias = np.broadcast_to(bias.ravel(), len(weights))
+        chain.linear(weights, bias)
     elif node.op_type == "Add":
-        chain.add(node, values[0].astype(np.float64))
+        chain.add(node, values[0])
     elif node.op_type == "Tanh":
         chain.tanh_after.append(len(chain.layers))
     elif node.op_type == "Reshape":
@@ -129,8 +158,9 @@ def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> 
         # and their order stay what they are.
         width = len(chain.layers[-1]["w"]) if chain.layers else None
         shapes = [[-1, width]] + ([[-1, 1]] if node.output[0] == chain.output else [])
-        if values[0].tolist() not in shapes:
-            raise chain.refuse(node, f"to {values[0].tolist()}, expected one of {shapes}")
+        shape = np.asarray(constants[others[0]]).tolist()
+        if shape not in shapes:
+            raise chain.refuse(node, f"to {shape}, expected one of {shapes}")
 
 
 def write(path: Path, mlp: Mlp) -> None:

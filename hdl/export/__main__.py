@@ -11,8 +11,11 @@ from pathlib import Path
 
 import myhdl
 
+from golden.files import writing
 from golden.fingerprint import fingerprint, sources
 from golden.scene import load_scene
+from golden.scene.ranges import ranges
+from golden.scene.vectors import warn_outside
 from hdl.export.exporter import ORDER, export
 from hdl.export.hierarchy import LANGUAGES
 from hdl.export.repeatable import run_repeatable
@@ -25,6 +28,7 @@ def main() -> None:
     parser.add_argument("--build", type=Path, default=Path("build"))
     arguments = parser.parse_args()
     scene = load_scene(arguments.scene)
+    warn_outside(scene)
     design = scene.twin()
     top = design.entity
     folder = arguments.build / scene.name / arguments.language
@@ -33,11 +37,14 @@ def main() -> None:
     versions = (myhdl.__version__, platform.python_version())
     if not _is_current(stamp, folder, inputs, versions):
         export(scene, arguments.language, folder)
-        stamp.write_text(_state(folder, inputs, versions))
+        with writing(stamp):
+            stamp.write_text(_state(folder, inputs, versions), encoding="utf-8")
     count = len((folder / ORDER).read_text().split())
     print(f"{count} files in {folder}, top {top}, compile order in {folder / ORDER}")
     for fact in design.core.facts():
         print(f"{design.core.entity}: {fact}")
+    for line in ranges(scene):
+        print(line)
 
 
 def _state(folder: Path, inputs: list[Path], versions: tuple[str, ...]) -> str:
@@ -49,7 +56,7 @@ def _is_current(stamp: Path, folder: Path, inputs: list[Path], versions: tuple[s
     return (
         stamp.is_file()
         and folder.is_dir()
-        and stamp.read_text(encoding="utf-8") == _state(folder, inputs, versions)
+        and stamp.read_text(encoding="utf-8", errors="replace") == _state(folder, inputs, versions)
     )
 
 
