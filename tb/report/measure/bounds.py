@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden.disturbance import Disturbance
-from golden.metrics import error_scale, percent_errors
+from golden.errors import disturbed_rows
+from golden.metrics import error_scale
 from golden.networks.mlp import Real
 from golden.physics.beam import Beam
 from golden.physics.bound import UNKNOWN, least_mean_errors
 from golden.physics.digit_data import RECORDED, SENSORS
 from golden.physics.known_loads import least_errors
 from golden.physics.strain_sensor import COLUMNS, fit_sensors, loads_from_codes, read_sensors
-from golden.precision import SIGNAL
 from golden.scene import load_scene
 from golden.table import read_table
 from golden.units import FULL_SCALE, POSITION_MM
@@ -67,24 +67,17 @@ def limits(noise: float | None, seed: int) -> Limits:
     sensors = fit_sensors(table, beam)
     if noise is None:
         left = read_sensors(sensors, loads_from_codes(targets, beam)) - readings
-        sigma, disturbance, draws = np.sqrt((left**2).mean(axis=0)), Disturbance(), 1
+        sigma = np.sqrt((left**2).mean(axis=0))
     else:
-        sigma, disturbance, draws = np.full(len(SENSORS), noise), Disturbance(noise), DRAWS
-    seen = disturbance.of(np.tile(readings, (draws, 1)), rng)
-    codes, _ = SIGNAL.quantise(seen)
-    errors = percent_errors(
-        SIGNAL.to_real(scene.twin().process(codes)),
-        np.tile(targets, (draws, 1)),
-        COLUMNS,
-        scene.full_scale,
-    )
+        sigma = np.full(len(SENSORS), noise)
+    reached = disturbed_rows(scene, Disturbance(noise or 0.0), seed)
     bound = np.full(targets.shape, np.inf)
     unknown = slice(len(UNKNOWN))
     bound[:, unknown] = least_mean_errors(sensors, targets, sigma, scale[:, unknown])
     any_load, known_loads = (
         least_errors(sensors, targets, sigma, scale, known, DRAWS, rng) for known in (False, True)
     )
-    return Limits(bound, errors.reshape(draws, *targets.shape).mean(axis=0), any_load, known_loads)
+    return Limits(bound, reached, any_load, known_loads)
 
 
 def bounds(seed: int) -> Table:
@@ -109,7 +102,7 @@ def bounds(seed: int) -> Table:
         "where it lies under the load, and in sensor 2 at the nearest. A shape never does while "
         "the width is unknown; seven of the eight loads are rectangles, so that a guess is wrong "
         f"for one. '{SCENE}' is the scene, bit-true, on the recorded readings with "
-        f"that noise, {DRAWS} draws. 'Any load' and 'known loads' are the least mean errors, on "
+        "that noise. 'Any load' and 'known loads' are the least mean errors, on "
         "readings of the model, of estimators that know which widths and shapes there are, and "
         "which eight loads. 'As recorded' takes what the fit leaves of each sensor for noise and "
         "adds none: most of it is not noise but how this beam differs from theory, the same each "
