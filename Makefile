@@ -9,8 +9,8 @@ SITE ?= build/site
 # What a user may give. Recipes read it from the environment, as "$$SCENE", and never as text that
 # make puts in: so no character of it is special, neither to make, which would expand a $ on the
 # way, nor to the shell. Only whether it is given may be asked of make: $(if $(BLOCK),...).
-GIVEN := ALL BESIDE BLOCK CLUSTER CSV FRAMES HARDWARE LINKS MACHINE ONLY OUTPUT OUTPUTS PYTHON RECORD SCENE SEED SIM \
-	SITE TABLE TESTS TO VENV WAVES WHOLE
+GIVEN := ALL BESIDE BLOCK CLUSTER CSV FRAMES FULL HARDWARE LINKS MACHINE ONLY OUTPUT OUTPUTS PYTHON RECORD SCENE \
+	SEED SIM SITE TABLE TESTS TO VENV WAVES WHOLE
 literal = $(if $(value $(1)),$(eval override $(1) := $$(value $(1)))$(eval export $(1)))
 $(foreach name,$(GIVEN),$(call literal,$(name)))
 
@@ -21,7 +21,7 @@ READY := ready
 .PHONY: help demo test machines sim vhdl verilog scene check train predict network image bench listing activations figures lean synth report docs pages lint clean tools browser ready
 
 help:
-	@echo "make demo    [SCENE=]                     a scene end to end: simulate, export, table of errors"
+	@echo "make demo    [SCENE=] [FULL=1]            a scene end to end: simulate, export, table of errors"
 	@echo "make test    [TESTS=tests/test_x.py] [ALL=1] [MACHINE=name]"
 	@echo "                                          the tests, or some; ALL=1 every constant; MACHINE= as elsewhere"
 	@echo "make machines [ONLY=name] [TESTS=] [WHOLE=1] [ALL=1]"
@@ -45,7 +45,8 @@ help:
 	@echo "make figures [TABLE=] [SEED=]             measured figures beside the thesis', in build/figures"
 	@echo "make lean    [SCENE=] [BESIDE=other]      what a scene leaves out, and what that saves"
 	@echo "make synth   [SCENE=] [RECORD=1]          cells of every block, clock, both beside the thesis; budget"
-	@echo "make report  [SCENE=]                     errors against cost, stability, resources, pictures: one HTML file"
+	@echo "make report  [SCENE=] [FULL=1]            errors, what noise does, what was verified, pictures: one HTML file"
+	@echo "                                          FULL=1: the errors and costs of every approximation too"
 	@echo "make docs    [LINKS=1]                    the documentation as a site; LINKS=1 follows links to others"
 	@echo "make pages                                what is generated in the documentation"
 	@echo "make lint                                 ruff and mypy"
@@ -55,7 +56,7 @@ help:
 	@printf 'or a path to a .toml file; now %s\n' "$$SCENE"
 
 demo: $(READY) tools
-	@$(RUN) -m tb.demo "$$SCENE"
+	@$(RUN) -m tb.demo "$$SCENE" $(if $(filter-out 0,$(FULL)),--full)
 
 test: $(READY) tools browser
 	@$(RUN) $(if $(MACHINE),tests/machines.py "$$MACHINE" --show --whole,tests/chosen.py) \
@@ -108,7 +109,7 @@ synth: $(READY)
 	@$(RUN) -m hdl.synth "$$SCENE" $(if $(filter-out 0,$(RECORD)),--record)
 
 report: $(READY) tools
-	@$(RUN) -m tb.report "$$SCENE"
+	@$(RUN) -m tb.report "$$SCENE" $(if $(filter-out 0,$(FULL)),--full)
 
 # Built anew, so that no page is left that is gone from the source, and renamed when it is whole.
 SPHINX = $(RUN) -m sphinx -q -W --keep-going -d "$$SITE.doctrees" docs

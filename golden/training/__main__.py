@@ -35,6 +35,7 @@ from golden.training.search import (
     search,
     train,
 )
+from golden.training.split import split_story
 from golden.training.task import Task, task_for
 
 # Least seconds between two lines of progress.
@@ -130,7 +131,7 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
         stories.append(
             {
                 "scene": scene.name,
-                "data": scene.data_path.name,
+                **split_story(scene),
                 "arrangement": scene.arrangement,
                 "outputs": ", ".join(member.outputs),
                 "precision": scene.precision.name,
@@ -139,7 +140,6 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
                 "network": ":".join(str(n) for n in mlps[-1].shape),
                 "optimiser": settings.optimiser,
                 "earlier_outputs": settings.earlier_outputs if number else "none",
-                "seed": settings.seed,
                 "candidates": total,
                 "candidates_refused": refused,
                 "hidden": f"{candidates(task)[0][0]} to {candidates(task)[-1][0]}",
@@ -148,9 +148,6 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
                 "weight_decay": settings.weight_decay,
                 "steps": settings.steps,
                 "patience": settings.patience,
-                "split": settings.split,
-                "split_by": ", ".join(settings.split_by),
-                "block_rows": settings.block_rows if settings.split == "blocks" else 0,
                 "noise": settings.disturbance.noise,
                 "drift_gain": settings.disturbance.gain,
                 "drift_offset": settings.disturbance.offset,
