@@ -222,6 +222,12 @@ def test_the_interpolated_rows_of_the_digit_are_seen() -> None:
     assert len(readings.on_lines(noisy)) < 5
 
 
+def test_readings_that_stay_are_no_lines() -> None:
+    steps = np.repeat(np.random.default_rng(2).uniform(-1, 1, (6, 3)).round(4), 10, axis=0)
+    assert not len(readings.on_lines(steps))
+    assert len(readings.on_lines(np.linspace([0, 0, 0], [1, 2, -3], 11))) == 9
+
+
 # --- the scene
 
 
