@@ -277,6 +277,14 @@ def test_raw_units_are_scaled(tmp_path: Path) -> None:
         assert scaled(scene).vectors().codes.shape == (60, 3)
 
 
+def test_units_are_taken_from_the_names(tmp_path: Path) -> None:
+    named = {"load [g]": FORCE, "x (mm)": PLACE, "s4 [m V]": TABLE["s1"] ** 2, "[g]": PLACE**2}
+    scene = scene_of(tmp_path, "load [g],x (mm)", **named)
+    assert scene.units == {"load [g]": "g", "x (mm)": "mm", "s4 [m V]": "m V"}
+    (tmp_path / "plain").mkdir()
+    assert "units" not in scene_of(tmp_path / "plain").path.read_text()
+
+
 AWKWARD = ["Kraft, N", "a'b", "läge (mm)", "a\\b", "# no comment", "]", "a = 1", "日本"]
 
 
