@@ -15,7 +15,7 @@ from collected import CASES_OF
 from conftest import tiered
 from shared import Shared
 
-from hdl.synth.timing import UNREAD, mapped
+from hdl.synth.timing import OPERANDS, mapped
 from hdl.synth.tools import run_tool
 from tb.common.runner import Job, run_job
 
@@ -34,7 +34,7 @@ def engine_in(shared: Shared, case: str, folder: Path) -> Job:
 
 def passes_with(job: Job, text: str) -> bool:
     """Whether the bench passes with another way of reading the operand memory."""
-    (file,) = job.hdl_folder.glob(re.search(r"\S+/m:", UNREAD)[0].replace("/m:", ".v"))
+    (file,) = job.hdl_folder.glob(f"{OPERANDS}.v")
     source, count = re.subn(r"found <= memory", text, file.read_text())
     assert count == 1
     file.write_text(source)
