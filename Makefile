@@ -4,12 +4,21 @@ SCENE ?= digit
 SEED ?= 1
 PYTHON ?= python3
 VENV ?= .venv
-RUN = "$(VENV)/bin/python"
-# A path may hold blanks, a target none.
-EMPTY :=
-READY = $(subst $(EMPTY) ,\ ,$(VENV))/.ready
+SITE ?= build/site
 
-.PHONY: help demo test machines sim vhdl verilog train network image bench listing activations figures lean synth report docs pages lint clean tools browser
+# What a user may give. Recipes read it from the environment, as "$$SCENE", and never as text that
+# make puts in: so no character of it is special, neither to make, which would expand a $ on the
+# way, nor to the shell. Only whether it is given may be asked of make: $(if $(BLOCK),...).
+GIVEN := ALL BESIDE BLOCK CLUSTER FRAMES HARDWARE LINKS MACHINE ONLY OUTPUT PYTHON RECORD SCENE SEED SIM \
+	SITE TABLE TESTS TO VENV WAVES WHOLE
+literal = $(if $(value $(1)),$(eval override $(1) := $$(value $(1)))$(eval export $(1)))
+$(foreach name,$(GIVEN),$(call literal,$(name)))
+
+RUN := "$$VENV/bin/python"
+# A target by a name of its own: the path of the environment may hold what is special in one of make's.
+READY := ready
+
+.PHONY: help demo test machines sim vhdl verilog train network image bench listing activations figures lean synth report docs pages lint clean tools browser ready
 
 help:
 	@echo "make demo    [SCENE=]                     a scene end to end: simulate, export, table of errors"
@@ -38,65 +47,64 @@ help:
 	@echo "make clean                                remove build and .venv"
 	@echo
 	@echo "SCENE is a name ($(basename $(notdir $(filter-out %.provenance.toml,$(wildcard golden/scenes/*/*.toml)))))"
-	@echo "or a path to a .toml file; now $(SCENE)"
+	@printf 'or a path to a .toml file; now %s\n' "$$SCENE"
 
 demo: $(READY) tools
-	@$(RUN) -m tb.demo "$(SCENE)"
+	@$(RUN) -m tb.demo "$$SCENE"
 
 test: $(READY) tools browser
-	@$(RUN) $(if $(MACHINE),tests/machines.py $(MACHINE) --show --whole,-m pytest -n logical --dist worksteal) \
-		$(if $(filter-out 0,$(ALL)),--all) $(if $(MACHINE),--tests "$(TESTS)",$(TESTS))
+	@$(RUN) $(if $(MACHINE),tests/machines.py "$$MACHINE" --show --whole,tests/chosen.py) \
+		--tests="$$TESTS" $(if $(filter-out 0,$(ALL)),--all)
 
 machines: $(READY) tools browser
-	@$(RUN) tests/machines.py $(ONLY) --tests "$(TESTS)" $(if $(filter-out 0,$(WHOLE)),--whole) $(if $(filter-out 0,$(ALL)),--all)
+	@$(RUN) tests/machines.py "$$ONLY" --tests="$$TESTS" $(if $(filter-out 0,$(WHOLE)),--whole) $(if $(filter-out 0,$(ALL)),--all)
 
 sim: $(READY)
-	@$(RUN) -m tb.sim "$(SCENE)" --seed "$(SEED)" \
-		$(if $(BLOCK),--block "$(BLOCK)") $(if $(FRAMES),--frames "$(FRAMES)") $(if $(SIM),--sim "$(SIM)") $(if $(filter-out 0,$(WAVES)),--waves)
+	@$(RUN) -m tb.sim "$$SCENE" --seed="$$SEED" \
+		$(if $(BLOCK),--block="$$BLOCK") $(if $(FRAMES),--frames="$$FRAMES") $(if $(SIM),--sim="$$SIM") $(if $(filter-out 0,$(WAVES)),--waves)
 
 vhdl verilog: $(READY)
-	@$(RUN) -m hdl.export "$(SCENE)" $@
+	@$(RUN) -m hdl.export "$$SCENE" $@
 
 train: $(READY)
-	@$(RUN) -m golden.training "$(SCENE)" $(if $(CLUSTER),--cluster "$(CLUSTER)")
+	@$(RUN) -m golden.training "$$SCENE" $(if $(CLUSTER),--cluster="$$CLUSTER")
 
 network: $(READY)
-	@$(RUN) -m golden.network_files.convert "$(SCENE)" "$(TO)" $(if $(OUTPUT),--output "$(OUTPUT)")
+	@$(RUN) -m golden.network_files.convert "$$SCENE" "$$TO" $(if $(OUTPUT),--output="$$OUTPUT")
 
 image: $(READY)
-	@$(RUN) -m golden.scene.write_image "$(SCENE)" $(if $(HARDWARE),--hardware "$(HARDWARE)")
+	@$(RUN) -m golden.scene.write_image "$$SCENE" $(if $(HARDWARE),--hardware="$$HARDWARE")
 
 bench: $(READY)
-	@$(RUN) -m tb.report.measure.benchmark "$(SCENE)" $(if $(FRAMES),--frames "$(FRAMES)")
+	@$(RUN) -m tb.report.measure.benchmark "$$SCENE" $(if $(FRAMES),--frames="$$FRAMES")
 
 listing: $(READY)
-	@$(RUN) -m golden.engine "$(SCENE)"
+	@$(RUN) -m golden.engine "$$SCENE"
 
 activations: $(READY)
 	@$(RUN) -m tb.report.measure.activation_errors
 
 figures: $(READY)
-	@$(RUN) -m tb.report.measure $(if $(TABLE),"$(TABLE)") --seed "$(SEED)"
+	@$(RUN) -m tb.report.measure $(if $(TABLE),"$$TABLE") --seed="$$SEED"
 
 lean: $(READY)
-	@$(RUN) -m hdl.synth.lean "$(SCENE)" $(BESIDE)
+	@$(RUN) -m hdl.synth.lean "$$SCENE" --beside="$$BESIDE"
 
 synth: $(READY)
-	@$(RUN) -m hdl.synth "$(SCENE)" $(if $(filter-out 0,$(RECORD)),--record)
+	@$(RUN) -m hdl.synth "$$SCENE" $(if $(filter-out 0,$(RECORD)),--record)
 
 report: $(READY) tools
-	@$(RUN) -m tb.report "$(SCENE)"
+	@$(RUN) -m tb.report "$$SCENE"
 
 # Built anew, so that no page is left that is gone from the source, and renamed when it is whole.
-SITE ?= build/site
-SPHINX = $(RUN) -m sphinx -q -W --keep-going -d "$(SITE).doctrees" docs
+SPHINX = $(RUN) -m sphinx -q -W --keep-going -d "$$SITE.doctrees" docs
 
 docs: $(READY)
-	@rm -rf "$(SITE).new" "$(SITE).doctrees"
-	@$(SPHINX) "$(SITE).new"
-	@$(if $(filter-out 0,$(LINKS)),$(SPHINX) -b linkcheck "$(SITE).links")
-	@rm -rf "$(SITE)" "$(SITE).doctrees" "$(SITE).links" && mv "$(SITE).new" "$(SITE)"
-	@echo "wrote $(SITE)/index.html"
+	@rm -rf -- "$$SITE.new" "$$SITE.doctrees"
+	@$(SPHINX) "$$SITE.new"
+	@$(if $(filter-out 0,$(LINKS)),$(SPHINX) -b linkcheck "$$SITE.links")
+	@rm -rf -- "$$SITE" "$$SITE.doctrees" "$$SITE.links" && mv -- "$$SITE.new" "$$SITE"
+	@printf 'wrote %s/index.html\n' "$$SITE"
 
 # What stands between markers in the pages: ports and clocks that the twins publish, recorded cells.
 pages: $(READY)
@@ -106,7 +114,7 @@ lint: $(READY)
 	@$(RUN) -m ruff check . && $(RUN) -m ruff format --check . && $(RUN) -m mypy
 
 clean:
-	rm -rf build "$(VENV)"
+	rm -rf build "$$VENV"
 
 # Simulators and what Debian's own Python lacks. As root, or where sudo asks no password, they are
 # installed; elsewhere the command to run is printed.
@@ -123,22 +131,24 @@ browser:
 	$(call install,$$missing)
 
 # For x86-64 every package comes compiled; elsewhere pip compiles cocotb.
-$(READY): pyproject.toml
-	@missing=; \
-	command -v $(PYTHON) >/dev/null || missing="$$missing python3"; \
-	$(PYTHON) -c "import ensurepip" 2>/dev/null || missing="$$missing python3-venv"; \
+ready:
+	@if [ -e "$$VENV/.ready" ] && ! [ pyproject.toml -nt "$$VENV/.ready" ]; then exit 0; fi; \
+	set -e; \
+	missing=; \
+	command -v "$$PYTHON" >/dev/null || missing="$$missing python3"; \
+	"$$PYTHON" -c "import ensurepip" 2>/dev/null || missing="$$missing python3-venv"; \
 	test "$$(uname -m)" = x86_64 || command -v g++ >/dev/null || missing="$$missing g++ python3-dev"; \
-	$(call install,$$missing)
-	@$(PYTHON) -c "import sys; sys.exit(not (3, 11) <= sys.version_info[:2] < (3, 14))" || \
-		{ echo "error: $(PYTHON) is $$($(PYTHON) -V), expected Python 3.11 to 3.13; set PYTHON=" >&2; exit 2; }
-	@echo "setting up $(VENV)"
-	@$(PYTHON) -m venv "$(VENV)"
-	@$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[dev]"
-	@missing=; \
+	{ $(call install,$$missing); } || exit 2; \
+	"$$PYTHON" -c "import sys; sys.exit(not (3, 11) <= sys.version_info[:2] < (3, 14))" || \
+		{ echo "error: $$PYTHON is $$("$$PYTHON" -V), expected Python 3.11 to 3.13; set PYTHON=" >&2; exit 2; }; \
+	printf 'setting up %s\n' "$$VENV"; \
+	"$$PYTHON" -m venv -- "$$VENV"; \
+	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[dev]"; \
+	missing=; \
 	test -n "$$($(RUN) -m find_libpython)" || \
 		missing="libpython$$($(RUN) -c 'import sys; print("%d.%d" % sys.version_info[:2])')"; \
-	$(call install,$$missing)
-	@touch "$@"
+	{ $(call install,$$missing); } || exit 2; \
+	touch "$$VENV/.ready"
 
 # $(1): packages, maybe none.
 define install

@@ -2,26 +2,112 @@
 
 from __future__ import annotations
 
+import dis
+import os
+import shlex
 import sys
+import traceback
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+
+# Of random numbers, for every generator there is.
+MOST_SEED = (1 << 32) - 1
+ROOMS = ("golden", "hdl", "tb", "tests", "__main__")
+REPORT = (
+    "This is a fault in tactus and not in what it was given. Please report the lines above, with "
+    "the command and the files that it read, to those from whom you have tactus."
+)
 
 
 class CommandError(Exception):
     """A fault of the user's input or machine; the message says what to do."""
 
 
+def whole(name: str, least: int, most: int) -> Callable[[str], int]:
+    """What makes a whole number of a command's variable, for argparse.
+
+    Raises
+    ------
+    CommandError
+        From what it returns, for another text or a number outside ``least`` to ``most``.
+    """
+
+    def number(text: str) -> int:
+        with suppress(ValueError):
+            if least <= int(text) <= most:
+                return int(text)
+        raise CommandError(f"{name}={text}: expected a whole number, {least} to {most}")
+
+    return number
+
+
+def words(name: str, text: str) -> list[str]:
+    """The words of a command's variable that may hold several; quotes hold blanks together.
+
+    Raises
+    ------
+    CommandError
+        For a quote without its other.
+    """
+    try:
+        return shlex.split(text)
+    except ValueError as error:
+        raise CommandError(f"{name}={text}: {error}") from None
+
+
 def run(main: Callable[[], int | None]) -> int:
     """The exit code of ``main``; its complaints about input go to stderr as one message.
 
-    Warnings go there too, each as a line of its own.
+    Warnings go there too, each as a line of its own. A fault of this project keeps its traceback.
     """
     warnings.formatwarning = lambda message, *_, **__: f"warning: {message}\n"
     try:
-        return main() or 0
-    except (CommandError, ValueError, FileNotFoundError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
+        code = main() or 0
+        sys.stdout.flush()
+        return code
+    except BrokenPipeError:
+        # Who read the output has read enough, such as head. Nothing more is written, not even at
+        # the interpreter's end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 141
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return 130
+    except Exception as error:
+        if not is_complaint(error):
+            traceback.print_exc()
+            print(f"\n{REPORT}", file=sys.stderr)
+            return 1
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+
+
+@contextmanager
+def naming(place: object) -> Iterator[None]:
+    """Complaints from the block get in front what they are about: a file, a key."""
+    try:
+        yield
+    except ValueError as error:
+        if not is_complaint(error):
+            raise
+        raise ValueError(f"{place}: {error}") from None
+
+
+def is_complaint(error: Exception) -> bool:
+    """Whether an error tells the user of a fault of the input or the machine.
+
+    That is what a ``raise`` of this project says. What a library raises for itself is not written
+    for a user: who calls it converts what a user can bring about, and the rest is a fault of ours.
+    """
+    if isinstance(error, CommandError):
+        return True
+    if not isinstance(error, ValueError | FileNotFoundError):
+        return False
+    step = error.__traceback__
+    while step and step.tb_next:
+        step = step.tb_next
+    if step is None:
+        return False
+    code, room = step.tb_frame.f_code, step.tb_frame.f_globals["__name__"].split(".")[0]
+    return room in ROOMS and code.co_code[step.tb_lasti] == dis.opmap["RAISE_VARARGS"]

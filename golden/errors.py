@@ -7,7 +7,7 @@ import numpy as np
 from golden.metrics import OutputError, summarise
 from golden.precision import SIGNAL
 from golden.scene import Scene
-from golden.training.task import split_rows
+from golden.training.split import split_of
 
 
 def scene_errors(scene: Scene) -> dict[str, list[OutputError]]:
@@ -17,7 +17,7 @@ def scene_errors(scene: Scene) -> dict[str, list[OutputError]]:
     real = scene.process_real(vectors.inputs)
     bit_true = SIGNAL.to_real(scene.twin().process(vectors.codes))
     everything = np.arange(len(vectors.codes))
-    held_out = split_rows(len(vectors.codes), scene.training.seed).test
+    held_out = split_of(scene).test
     return {
         name: summarise(vectors.percent_errors(results)[rows], vectors.groups[rows])
         for name, results, rows in (

@@ -1,15 +1,153 @@
-"""Writing files so that a failure leaves nothing half-written.
+"""Files: read so that a fault names them, written so that a failure leaves nothing half-written.
 
 Files and folders get the permissions that the umask leaves, as if written in place.
 """
 
 from __future__ import annotations
 
+import errno
+import json
+import os
 import secrets
 import shutil
-from collections.abc import Iterator
-from contextlib import contextmanager
+import stat
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
+from typing import Any
+
+from golden.cli import CommandError
+
+# What a full or broken disk says, of a write to a file that the error does not name.
+DISK = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS}
+
+
+def check_file(path: Path, missing: str = "no such file") -> None:
+    """Refuse what is no file: nothing, a folder, a device, a name that no file can have.
+
+    Raises
+    ------
+    FileNotFoundError
+        Where nothing is; the message says ``missing``.
+    CommandError
+        For anything else.
+    """
+    try:
+        mode = path.stat().st_mode
+    except FileNotFoundError:
+        raise FileNotFoundError(f"{path}: {missing}") from None
+    except (OSError, ValueError) as error:
+        raise CommandError(f"{path}: cannot be read: {_reason(error)}") from None
+    if not stat.S_ISREG(mode):
+        kind = "a folder" if stat.S_ISDIR(mode) else "no regular file"
+        raise CommandError(f"{path}: got {kind}, expected a file")
+
+
+def same_file(one: Path, other: Path) -> bool:
+    """Whether two paths name one file, now or once both are written.
+
+    By links, by ``..`` on the way, or by capitals where the file system folds them: that it does is
+    seen in a folder on the way that is found by another case of its name, too.
+    """
+    one, other = (Path(os.path.realpath(path)) for path in (one, other))
+    if one == other:
+        return True
+    with suppress(OSError, ValueError):
+        if one.samefile(other):
+            return True
+    if str(one).casefold() != str(other).casefold():
+        return False
+    folders = [folder for folder in one.parents if folder.name.swapcase() != folder.name]
+    with suppress(OSError, ValueError):
+        there = next(folder for folder in folders if folder.is_dir())
+        return there.with_name(there.name.swapcase()).samefile(there)
+    return False
+
+
+@contextmanager
+def reading(path: Path, form: str) -> Iterator[None]:
+    """Around one call that reads the file at ``path``: what stops it becomes a message.
+
+    Nothing of ours may stand in the block: what a parser raises is about the file, whatever it is.
+
+    Parameters
+    ----------
+    path : Path
+    form : str
+        What the file should hold, such as "TOML".
+
+    Raises
+    ------
+    CommandError
+        When the file cannot be read.
+    ValueError
+        When it holds something else.
+    """
+    try:
+        yield
+    except UnicodeDecodeError as error:
+        got = error.object[error.start]
+        raise ValueError(
+            f"{path}: got the byte 0x{got:02x} at {error.start}, expected UTF-8 text"
+        ) from None
+    except Exception as error:
+        if isinstance(error, OSError) and error.errno:
+            raise CommandError(f"{path}: cannot be read:{_where(error, path)}") from None
+        raise ValueError(f"{path}: not {form}: {_reason(error)}") from None
+
+
+def read_kept(path: Path) -> Any:
+    """What a file of an earlier command holds as JSON; None where it is missing or damaged."""
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return None
+
+
+@contextmanager
+def writing(path: Path, through: Path | None = None) -> Iterator[None]:
+    """Around what writes ``path``: a fault of the machine becomes a message that names it.
+
+    Parameters
+    ----------
+    path : Path
+    through : Path, optional
+        What is written in its place. Then only faults of that and of the disk are meant, since
+        other work may stand in the block.
+
+    Raises
+    ------
+    CommandError
+    """
+    try:
+        yield
+    except OSError as error:
+        named = Path(str(error.filename)) if error.filename else None
+        if through and not (through in (named, *named.parents) if named else error.errno in DISK):
+            raise
+        raise CommandError(f"{path}: cannot be written:{_where(error, path)}") from None
+    except ValueError as error:  # a NUL in the name
+        if through or "null" not in str(error):
+            raise
+        raise CommandError(f"{path}: cannot be written: {_reason(error)}") from None
+
+
+def _reason(error: Exception) -> str:
+    """The first line of what an error says, in words where it says nothing."""
+    if isinstance(error, RecursionError):
+        return "nested too deep"
+    if isinstance(error, MemoryError):
+        return "asks for more memory than there is"
+    if isinstance(error, OSError) and error.strerror:
+        return error.strerror
+    return (str(error).strip() or type(error).__name__).splitlines()[0]
+
+
+def _where(error: OSError, path: Path) -> str:
+    """What a system error says, with the file it is about where that is no stand-in of ``path``."""
+    named = Path(str(error.filename)) if error.filename else path
+    own = named == path or named.name.startswith(f".{path.name}.")
+    return f"{'' if own else f' {named}:'} {_reason(error)}"
 
 
 def _beside(path: Path) -> Path:
@@ -18,28 +156,120 @@ def _beside(path: Path) -> Path:
     return path.with_name(f".{path.name}.{secrets.token_hex(8)}{path.suffix}")
 
 
+def check_writable(paths: Sequence[Path]) -> None:
+    """Refuse a path where no file can be written, before the work whose result goes there.
+
+    Raises
+    ------
+    CommandError
+    """
+    for path in paths:
+        missing = [folder for folder in path.parents if not _exists(folder)]
+        try:
+            _refuse_folder(path)
+            with writing(path):
+                temporary = _beside(path)
+                temporary.touch(exist_ok=False)
+                temporary.unlink()
+        finally:
+            for folder in missing:
+                with suppress(OSError):
+                    folder.rmdir()
+
+
+def _exists(path: Path) -> bool:
+    """Also what cannot be asked: a name too long is found out by who writes."""
+    try:
+        return path.exists()
+    except (OSError, ValueError):
+        return True
+
+
+def _refuse_folder(path: Path) -> None:
+    with writing(path):
+        if path.is_dir():
+            raise IsADirectoryError(errno.EISDIR, "got a folder, expected a file")
+
+
 @contextmanager
 def replace_file(path: Path) -> Iterator[Path]:
     """Yield a temporary path beside ``path``; rename it to ``path`` when the block succeeds."""
-    temporary = _beside(path)
-    try:
-        temporary.touch(exist_ok=False)
+    with replace_files([path]) as (temporary,):
         yield temporary
-        temporary.replace(path)
+
+
+@contextmanager
+def replace_files(paths: Sequence[Path]) -> Iterator[list[Path]]:
+    """Yield a temporary path beside each; rename all when the block succeeds, or none.
+
+    Raises
+    ------
+    CommandError
+        When one of them cannot be written; then all are what they were.
+    """
+    temporaries: list[Path] = []
+    try:
+        with ExitStack() as stack:
+            for path in paths:
+                _refuse_folder(path)
+                with writing(path):
+                    temporaries.append(_beside(path))
+                    temporaries[-1].touch(exist_ok=False)
+                stack.enter_context(writing(path, through=temporaries[-1]))
+            yield temporaries
+        _rename_all(temporaries, paths)
     finally:
-        temporary.unlink(missing_ok=True)
+        for temporary in temporaries:
+            temporary.unlink(missing_ok=True)
+
+
+def _rename_all(temporaries: Sequence[Path], paths: Sequence[Path]) -> None:
+    """What is replaced is kept by a second name until nothing can fail any more."""
+    with ExitStack() as tidy, ExitStack() as undo:
+        for temporary, path in zip(temporaries, paths, strict=True):
+            with writing(path):
+                if path is paths[-1]:
+                    pass
+                elif path.exists():
+                    old = _beside(path)
+                    tidy.callback(old.unlink, missing_ok=True)
+                    _second_name(path, old)
+                    undo.callback(old.replace, path)
+                else:
+                    undo.callback(path.unlink, missing_ok=True)
+                temporary.replace(path)
+        undo.pop_all()
+
+
+def _second_name(path: Path, name: Path) -> None:
+    """A link, or a copy where the file system has none."""
+    try:
+        name.hardlink_to(path)
+    except OSError:
+        shutil.copy2(path, name)
 
 
 @contextmanager
 def replace_folder(path: Path) -> Iterator[Path]:
-    """Yield a temporary folder beside ``path``; put it in place when the block succeeds."""
-    temporary, old = _beside(path), _beside(path)
-    try:
+    """Yield a temporary folder beside ``path``; put it in place when the block succeeds.
+
+    Raises
+    ------
+    CommandError
+        When it cannot be written.
+    """
+    with writing(path):
+        if path.exists() and not path.is_dir():
+            raise NotADirectoryError(errno.ENOTDIR, "got a file, expected a folder")
+        temporary, old = _beside(path), _beside(path)
         temporary.mkdir()
-        yield temporary
-        if path.exists():
-            path.replace(old)
-        temporary.replace(path)
+    try:
+        with writing(path, through=temporary):
+            yield temporary
+        with writing(path):
+            if path.exists():
+                path.replace(old)
+            temporary.replace(path)
         shutil.rmtree(old, ignore_errors=True)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from golden.files import replace_file
+from golden.files import check_file, reading, replace_file
 
 
 def read_table(path: Path, columns: Sequence[str]) -> NDArray[np.float64]:
@@ -30,15 +30,14 @@ def read_table(path: Path, columns: Sequence[str]) -> NDArray[np.float64]:
 
     Raises
     ------
-    FileNotFoundError
-        When there is no such file.
+    FileNotFoundError, CommandError
+        When there is no such file, or it cannot be read.
     ValueError
         For an empty file, a missing or repeated column, a row of another length than the header,
         a cell that is no number, NaN or infinity; the message names file, line and column.
     """
-    if not path.is_file():
-        raise FileNotFoundError(f"{path}: no such file")
-    with path.open(newline="", encoding="utf-8-sig") as handle:
+    check_file(path)
+    with reading(path, "CSV"), path.open(newline="", encoding="utf-8-sig") as handle:
         rows = [(reader.line_num, row) for reader in [csv.reader(handle)] for row in reader if row]
     if len(rows) < 2:
         raise ValueError(f"{path}: got {len(rows)} lines, expected a header and at least one row")

@@ -5,10 +5,12 @@ from __future__ import annotations
 import argparse
 import sys
 
-from golden.cli import CommandError, run
+from golden.cli import MOST_SEED, run, whole
 from golden.scene import load_scene
 from tb.common.runner import FRAMES, SEED, Outcome, plan, run_jobs
 from tb.common.tools import SIMULATORS
+
+MOST_FRAMES = 1_000_000
 
 
 def tell(outcome: Outcome) -> None:
@@ -37,12 +39,10 @@ def main() -> int:
     parser.add_argument("scene")
     parser.add_argument("--block")
     parser.add_argument("--sim", help=f"one of {', '.join(SIMULATORS)}; both when left out")
-    parser.add_argument("--seed", type=int, default=SEED)
-    parser.add_argument("--frames", type=int, default=FRAMES)
+    parser.add_argument("--seed", type=whole("SEED", 0, MOST_SEED), default=SEED)
+    parser.add_argument("--frames", type=whole("FRAMES", 1, MOST_FRAMES), default=FRAMES)
     parser.add_argument("--waves", action="store_true")
     arguments = parser.parse_args()
-    if arguments.frames < 1:
-        raise CommandError(f"FRAMES={arguments.frames}: expected 1 or more")
     jobs = plan(
         load_scene(arguments.scene),
         [arguments.sim] if arguments.sim else SIMULATORS,

@@ -24,6 +24,8 @@ from typing import BinaryIO
 
 from groups import EVERYTHING, FILES, NUMBERS, ORDER, VERSIONS, Group
 
+from golden.cli import run as run_command
+from golden.cli import words
 from golden.machine import FLAGS, SETTINGS
 
 ROOT = Path(__file__).parents[1]
@@ -40,7 +42,7 @@ python3 -m venv .venv
 .venv/bin/python -m uv pip install --quiet --resolution lowest-direct -e .[dev]
 touch .venv/.ready"""
 
-# As the Makefile has it.
+# As make test has it.
 CORES = ("-n", "logical", "--dist", "worksteal")
 X86 = 'platform.machine() == "x86_64"'
 OTHER_USER = 'os.geteuid() == 0 and shutil.which("setpriv")'
@@ -209,15 +211,16 @@ def main() -> int:
     parser.add_argument("--all", action="store_true", help="that, and what make test ALL=1 adds")
     parser.add_argument("--show", action="store_true", help="print what the tests print")
     arguments = parser.parse_args()
-    for name in arguments.names:
+    names = [word for text in arguments.names for word in words("ONLY", text)]
+    for name in names:
         if name not in MACHINES:
             print(
                 f"error: {name}: no such machine, expected {', '.join(MACHINES)}", file=sys.stderr
             )
             return 2
-    chosen = shlex.split(arguments.tests)
+    chosen = words("TESTS", arguments.tests)
     results: dict[str, str] = {}
-    for name in arguments.names or MACHINES:
+    for name in names or MACHINES:
         machine = MACHINES[name]
         group = EVERYTHING if arguments.whole or arguments.all else machine.group
         tests = chosen or [f"--deselect=tests/{test}" for test in group.leaves_out()]
@@ -232,13 +235,13 @@ def main() -> int:
             print(f"{results[name]}   {name:18} is {ran[0]} here", flush=True)
         else:
             results[name] = tell(name, "chosen" if chosen else group.name, tests, arguments.show)
-    words = list(results.values())
-    if len(words) > 1:
-        counts = [f"{words.count(word)} {word}" for word in ("passed", "failed", "not run")]
+    verdicts = list(results.values())
+    if len(verdicts) > 1:
+        counts = [f"{verdicts.count(word)} {word}" for word in ("passed", "failed", "not run")]
         print(f"machines: {', '.join(counts)}")
-    if "failed" in words:
+    if "failed" in verdicts:
         return 1
-    return 2 if arguments.names and "not run" in words else 0
+    return 2 if names and "not run" in verdicts else 0
 
 
 def same(one: Machine, other: Machine) -> bool:
@@ -292,8 +295,8 @@ def run(machine: Machine, tests: list[str], output: BinaryIO | None) -> int:
         home = Path(name)
         folder = home / machine.copy
         copy_checkout(folder, machine)
-        words = [f"TESTS={shlex.join(tests)}", f"PYTHON={machine.python}", "VENV=.venv"]
-        command = ["make", "--no-print-directory", "test", "MACHINE=", *words]
+        given = [f"TESTS={shlex.join(tests)}", f"PYTHON={machine.python}", "VENV=.venv"]
+        command = ["make", "--no-print-directory", "test", "MACHINE=", *given]
         if machine.lowest:
             command = ["sh", "-e", "-c", f"{LOWEST}\n{shlex.join(command)}"]
         if machine.user:
@@ -347,4 +350,4 @@ def as_nobody(command: list[str], home: Path, sudo: bool) -> list[str]:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_command(main))

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from golden.files import replace_file, replace_folder
+from golden.cli import CommandError
+from golden.files import check_writable, replace_file, replace_files, replace_folder, same_file
 
 
 @contextmanager
@@ -52,3 +53,57 @@ def test_a_failure_leaves_what_was(tmp_path: Path) -> None:
             half(replace, tmp_path / target, file)
         assert (tmp_path / target / file).read_text(encoding="utf-8") == "old"
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.csv", "b"]
+
+
+def test_several_files_are_replaced_or_none(tmp_path: Path) -> None:
+    """Though the fault is found only when the last is renamed."""
+    paths = [tmp_path / "new.csv", tmp_path / "old.csv", tmp_path / "last.csv"]
+    paths[1].write_text("old", encoding="utf-8")
+
+    def replace(fault: Callable[[], object]) -> None:
+        with replace_files(paths) as temporaries:
+            for temporary in temporaries:
+                temporary.write_text("new", encoding="utf-8")
+            fault()
+
+    with pytest.raises(CommandError, match=r"last.csv: cannot be written: Is a directory"):
+        replace(paths[2].mkdir)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["last.csv", "old.csv"]
+    assert paths[1].read_text(encoding="utf-8") == "old"
+    paths[2].rmdir()
+    replace(lambda: None)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["last.csv", "new.csv", "old.csv"]
+    assert {path.read_text(encoding="utf-8") for path in paths} == {"new"}
+
+
+def test_what_can_be_written_is_found_out_without_writing(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("old", encoding="utf-8")
+    check_writable([tmp_path / "a.csv", tmp_path / "b" / "c" / "d.csv"])
+    assert [p.name for p in tmp_path.iterdir()] == ["a.csv"]
+    for name in ("a.csv/b.csv", ".", "x" * 5000, "b/\0"):
+        with pytest.raises(CommandError, match="cannot be written: "):
+            check_writable([tmp_path / name])
+    assert [p.name for p in tmp_path.iterdir()] == ["a.csv"]
+
+
+def test_other_faults_in_the_block_are_what_they_were(tmp_path: Path) -> None:
+    for replace in (replace_file, replace_folder):
+        with pytest.raises(FileNotFoundError), replace(tmp_path / "a"):
+            (tmp_path / "nowhere").read_text(encoding="utf-8")
+
+
+def test_one_file_by_two_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "a").touch()
+    (tmp_path / "link").symlink_to("a")
+    (tmp_path / "later").symlink_to("not-yet")
+    (tmp_path / "hard").hardlink_to(tmp_path / "a")
+    for one, other in (("a", "b/../a"), ("a", "link"), ("not-yet", "later"), ("a", "hard")):
+        assert same_file(tmp_path / one, tmp_path / other)
+    for one, other in (("a", "b"), ("a", "A"), ("link", "later")):
+        assert not same_file(tmp_path / one, tmp_path / other)
+    # On a file system that folds capitals:
+    samefile = Path.samefile
+    monkeypatch.setattr(
+        Path, "samefile", lambda p, q: str(p).lower() == str(q).lower() or samefile(p, q)
+    )
+    assert same_file(tmp_path / "new.npz", tmp_path / "NEW.npz")

@@ -229,7 +229,6 @@ def test_what_scales_value_by_value_is_folded(tmp_path: Path, before: list) -> N
         ({1: node("Mul", "a b2", "b")}, "operator Mul .* got 2 values, expected 1 or 5"),
         ({1: node("Div", "b1 a", "b")}, "operator Div .* expected the data first"),
         ({1: node("Div", "a zero", "b")}, "operator Div .* by numbers other than 0"),
-        ({1: node("Sub", "a", "b")}, "operator Sub .* expected a constant beside it"),
         ({1: node("Scaler", "a", "b")}, "operator Scaler .* not supported"),
         ({1: scaler("a", "b")}, "operator Scaler .* attributes offset and scale"),
         ({0: node("MatMul", "w1 x", "a")}, "operator MatMul .* expected the data first"),
@@ -268,7 +267,7 @@ def test_netlab_structures_of_any_name(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"got 0 networks .* fields w1, b1, w2, b2"):
         load_network(path, SHAPE)
     savemat(path, {"one": fields | {"w1": "text"}})
-    with pytest.raises(ValueError, match="holds no real numbers"):
+    with pytest.raises(ValueError, match="w1: got <U4, expected real numbers"):
         load_network(path, SHAPE)
 
 

@@ -18,7 +18,8 @@ from golden.scene.scale import Scale, on_readings, on_signals, range_scale, read
 from golden.scene.vectors import warn_outside
 from golden.training import __main__ as command
 from golden.training.scaling import scaled
-from golden.training.task import split_rows, task_for
+from golden.training.split import split_rows
+from golden.training.task import task_for
 from hdl.export import __main__ as export
 from tb.common.cases import random_mlp, write_scene
 from tb.demo import length_lines
@@ -157,8 +158,9 @@ def test_what_is_trained_in_units_errs_as_its_provenance_says(tmp_path: Path) ->
     again = trained(in_units(tmp_path, rows=40, keys=AUTO), tmp_path / "build")
     provenance = tomllib.loads(provenance_path(again.weights_paths[0]).read_text())
     task = task_for(again, again.vectors(), [])
-    errors = 100 * np.abs(task.bit_true(again.mlps()[0]) - task.targets) / task.scale
-    rms = np.sqrt((errors[task.split.test] ** 2).mean())
+    frames = task.recorded.take(task.split.test)
+    errors = 100 * np.abs(task.bit_true(again.mlps()[0], frames) - frames.targets) / frames.scale
+    rms = np.sqrt((errors**2).mean())
     assert provenance["test_rms_percent"] == pytest.approx(rms, abs=1e-4)
     # The file maps readings to units: without its scene too.
     file = load_network(again.weights_paths[0], (3, 5, 2))

@@ -31,7 +31,7 @@ def edited(scene: Scene, old: str, new: str) -> str:
             'hidden = "5"',
             "hidden: got '5', expected a whole number, or a list",
         ),
-        ("hidden = 5", "hidden = -1", "network.hidden: got -1, expected 0 or more"),
+        ("hidden = 5", "hidden = -1", "network.hidden: got -1, expected 0 to 1024"),
         ('weights = "small.npz"', "", "network.weights: missing, expected text"),
         ("hidden = 5", "hidden = [5, 4]", r"hidden: got \[5, 4\], expected 1: single has one for"),
         ('"single"', '"cascade"', "weights: got 'small.npz', expected 2: cascade has one for each"),
@@ -73,6 +73,24 @@ def edited(scene: Scene, old: str, new: str) -> str:
         ("steps = 20", "steps = 0", "training.steps: got 0, expected above 0"),
         ("steps = 20", "weight_decay = -1", "training.weight_decay: got -1.0"),
         ("steps = 20", "weight_decay = nan", "training.weight_decay: got nan"),
+        ("steps = 20", 'split = "block"', "training.split: got 'block', .*did you mean 'blocks'"),
+        (
+            "steps = 20",
+            'split_by = ["y0"]',
+            r"split_by: got \['y0'\] with split 'random', exp",
+        ),
+        ("steps = 20", 'split = "groups"', "training.split_by: got none with split 'groups', exp"),
+        (
+            "steps = 20",
+            'split = "groups"\nsplit_by = ["y0", "y0"]',
+            "training.split_by: got .*, expected columns, each once",
+        ),
+        ("steps = 20", "block_rows = 0", "training.block_rows: got 0, expected above 0"),
+        ("steps = 20", "noise = -1", "training.noise: got -1.0, expected a number from 0 to 100"),
+        ("steps = 20", "noise = nan", "training.noise: got nan, expected a number from 0 to 100"),
+        ("steps = 20", "drift = 0.1", "training.drift: got 0.1, expected a table"),
+        ("steps = 20", "drift = { gian = 1 }", "drift: 'gian' is not known, .*you mean 'gain'"),
+        ("steps = 20", "drift = { gain = true }", "training.drift.gain: got True, expected a num"),
         ("steps = 20", "seed = -1", "training.seed: got -1, expected 0 or more"),
         ("[network]", 'reference = "digit"\n[network]', "data.reference: got 'digit', expected"),
         ("[network]", 'reference = "digit.hybrid"\n[network]', "with 2 simulation figures"),
@@ -112,6 +130,17 @@ def test_a_fault_in_a_scene_names_file_key_and_what_was_expected(
     with pytest.raises(ValueError, match=message) as caught:
         load_scene(path)
     assert "small.toml" in str(caught.value)
+
+
+@pytest.mark.parametrize("other", ["./a.npz", "b/../a.npz", "link.npz"])
+def test_two_networks_in_one_file_are_refused(small_cascade: Scene, other: str) -> None:
+    """However the file is named: one would overwrite the other."""
+    small_cascade.path.with_name("link.npz").symlink_to("a.npz")
+    names = '["chain.npz", "chain-1.npz", "chain-2.npz"]'
+    path = edited(small_cascade, names, f'["chain.npz", "a.npz", "{other}"]')
+    message = f"chain.toml: network.weights: got 'a.npz' and '{other}', which are one file"
+    with pytest.raises(ValueError, match=message):
+        load_scene(path)
 
 
 def test_an_unknown_scene_lists_the_known_ones() -> None:

@@ -8,9 +8,12 @@ from typing import Any
 import numpy as np
 from scipy.io import loadmat, savemat
 
+from golden.files import reading
+from golden.network_files.numbers import real_numbers
 from golden.networks.mlp import Mlp, Real
 
 # Netlab keeps samples in rows: w1 is inputs x hidden, b1 is 1 x hidden.
+TRANSPOSED = ("w1", "w2")
 VARIABLE = "network"
 FIELDS = ("w1", "b1", "w2", "b2")
 
@@ -25,10 +28,8 @@ def read(path: Path) -> dict[str, Real]:
     ValueError
         When the file is no MATLAB file up to version 7, or holds no such fields or several.
     """
-    try:
+    with reading(path, "a MATLAB file up to version 7"):
         variables = loadmat(path, squeeze_me=False, struct_as_record=False)
-    except (ValueError, NotImplementedError, TypeError, OSError) as error:
-        raise ValueError(f"{path}: not a MATLAB file up to version 7: {error}") from None
     names = [name for name in variables if not name.startswith("__")]
     found = [fields for name in names if (fields := _fields(variables[name]))]
     if all(name in variables for name in FIELDS):
@@ -38,10 +39,7 @@ def read(path: Path) -> dict[str, Real]:
             f"{path}: got {len(found)} networks among the variables {', '.join(names)}, expected "
             f"one with the fields {', '.join(FIELDS)}"
         )
-    try:
-        arrays = {name: np.asarray(found[0][name], dtype=np.float64) for name in FIELDS}
-    except (TypeError, ValueError):
-        raise ValueError(f"{path}: a field of {', '.join(FIELDS)} holds no real numbers") from None
+    arrays = {name: real_numbers(path, name, found[0][name]) for name in FIELDS}
     return {
         "w1": arrays["w1"].T,
         "b1": arrays["b1"].ravel(),

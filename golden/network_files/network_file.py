@@ -7,6 +7,7 @@ networks trained elsewhere come as Netlab-style .mat or as .onnx. A scene can na
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -14,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from golden.files import replace_file
+from golden.files import check_file, check_writable, replace_file, replace_files, same_file
 from golden.networks.mlp import Mlp
 from golden.table import suggest
 
@@ -48,11 +49,13 @@ def load_network(path: Path, shape: tuple[int, int, int]) -> Mlp:
         When the file's ending or contents are none of the three forms, an array is missing, has
         another shape than expected, or holds NaN; the message names file and array.
     """
-    if not path.is_file():
-        raise FileNotFoundError(f"{path}: no such network; make train SCENE=... writes it")
-    found = _form(path).read(path)
+    form = _form(path)
+    check_file(path, "no such network; make train SCENE=... writes it")
+    found = form.read(path)
     inputs, hidden, outputs = shape
     hidden = hidden or np.size(found.get("b1", 0))
+    if not hidden:
+        raise ValueError(f"{path}: b1: got 0 hidden nodes, expected 1 or more")
     expected = {
         "w1": (hidden, inputs),
         "b1": (hidden,),
@@ -66,9 +69,12 @@ def load_network(path: Path, shape: tuple[int, int, int]) -> Mlp:
         arrays[name] = found[name]
     for name, array in arrays.items():
         if array.shape != expected[name]:
+            # As the file has it.
+            way = -1 if name in form.TRANSPOSED else 1
+            hint = "; it is transposed" if array.T.shape == expected[name] else ""
             raise ValueError(
-                f"{path}: {name}: got shape {array.shape}, expected {expected[name]} "
-                f"of a {inputs}:{hidden}:{outputs} network"
+                f"{path}: {name}: got shape {array.shape[::way]}, expected {expected[name][::way]} "
+                f"of a {inputs}:{hidden}:{outputs} network{hint}"
             )
         if not np.isfinite(array).all():
             raise ValueError(f"{path}: {name}: got NaN or infinity, expected finite numbers")
@@ -99,13 +105,51 @@ def write_network(path: Path, mlp: Mlp) -> None:
         form.write(temporary, mlp)
 
 
-def save_network(path: Path, mlp: Mlp, provenance: dict[str, Any]) -> None:
-    """Write the network and its provenance, texts, numbers and tables of these; either file is
-    whole or untouched."""
-    write_network(path, mlp)
-    lines = [f"{key} = {_toml(value)}" for key, value in provenance.items()]
-    with replace_file(provenance_path(path)) as temporary:
-        temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
+def check_targets(paths: Sequence[Path]) -> None:
+    """Refuse paths where networks and their provenance cannot be written.
+
+    Raises
+    ------
+    CommandError, ValueError
+        For one that cannot be written, another ending than ``write_network`` knows, and two
+        networks with one file.
+    """
+    files = [file for path in paths for file in _files(path)]
+    for i, file in enumerate(files):
+        if any(same_file(file, other) for other in files[:i]):
+            raise ValueError(f"{file}: got two networks that write it, expected a file for each")
+    for path in paths:
+        _form(path)
+    check_writable(files)
+
+
+def _files(path: Path) -> tuple[Path, Path]:
+    return path, provenance_path(path)
+
+
+# Texts, numbers and tables of these.
+Provenance = Mapping[str, Any]
+
+
+def save_networks(networks: Sequence[tuple[Path, Mlp, Provenance]]) -> None:
+    """Write networks and the provenance of each: all of them, or none.
+
+    Raises
+    ------
+    CommandError, ValueError
+        When one of the files cannot be written; then all are what they were.
+    """
+    with replace_files([file for path, *_ in networks for file in _files(path)]) as temporaries:
+        for number, (path, mlp, provenance) in enumerate(networks):
+            network, story = temporaries[2 * number : 2 * number + 2]
+            _form(path).write(network, mlp)
+            lines = [f"{key} = {_toml(value)}" for key, value in provenance.items()]
+            story.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def save_network(path: Path, mlp: Mlp, provenance: Provenance) -> None:
+    """Write a network and its provenance; see ``save_networks``."""
+    save_networks([(path, mlp, provenance)])
 
 
 def _toml(value: Any) -> str:
@@ -113,5 +157,4 @@ def _toml(value: Any) -> str:
     if isinstance(value, dict):
         return "{ " + ", ".join(f"{_toml(k)} = {_toml(v)}" for k, v in value.items()) + " }"
     # A text of JSON is one of TOML, but for the one control character that JSON leaves as it is.
-    text = json.dumps(value, ensure_ascii=False) if isinstance(value, str) else str(value)
-    return text.replace("\x7f", "\\u007f")
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-import zipfile
 from pathlib import Path
 
 import numpy as np
 
+from golden.files import reading
+from golden.network_files.numbers import real_numbers
 from golden.networks.mlp import Mlp, Real
+
+# Of the weights, nodes stand in rows.
+TRANSPOSED = ()
 
 
 def read(path: Path) -> dict[str, Real]:
@@ -18,12 +22,9 @@ def read(path: Path) -> dict[str, Real]:
     ValueError
         When the file is no NPZ or holds no numbers.
     """
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            return {name: np.asarray(archive[name], dtype=np.float64) for name in archive.files}
-    except (zipfile.BadZipFile, EOFError, ValueError, AttributeError, TypeError) as error:
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise ValueError(f"{path}: not an NPZ of numbers: {reason}") from None
+    with reading(path, "an NPZ of numbers"), np.load(path, allow_pickle=False) as archive:
+        arrays = {name: archive[name] for name in archive.files}
+    return {name: real_numbers(path, name, array) for name, array in arrays.items()}
 
 
 def write(path: Path, mlp: Mlp) -> None:

@@ -11,14 +11,18 @@ from typing import Any
 
 import numpy as np
 import onnx
-from google.protobuf.message import DecodeError
-from onnx import TensorProto, helper, numpy_helper
+from onnx import AttributeProto, TensorProto, helper, numpy_helper
 
+from golden.files import reading
+from golden.network_files.numbers import real_numbers
 from golden.networks.mlp import Mlp, Real, shifted
 
-LINEAR = ("Gemm", "MatMul")
-ELEMENTWISE = ("Add", "Sub", "Mul", "Div", "Scaler")
-OPERATORS = (*LINEAR, *ELEMENTWISE, "Tanh", "Cast", "Identity", "Reshape")
+# Whichever way they stand in the file, weights are told as of nodes in rows.
+TRANSPOSED = ()
+# Each with the numbers of inputs that it may have.
+LINEAR = {"Gemm": (2, 3), "MatMul": (2,)}
+ELEMENTWISE = {"Add": (2,), "Sub": (2,), "Mul": (2,), "Div": (2,), "Scaler": (1,)}
+OPERATORS = LINEAR | ELEMENTWISE | {"Tanh": (1,), "Cast": (1,), "Identity": (1,), "Reshape": (2,)}
 # Old enough for every runtime in use, new enough for every operator used.
 OPSET, IR_VERSION = 13, 7
 
@@ -77,12 +81,10 @@ def read(path: Path) -> dict[str, Real]:
         When the file is no ONNX graph, or for any other operator or order; the message names
         the operator.
     """
-    try:
+    with reading(path, "an ONNX file"):
         model = onnx.load(str(path))
-    except (DecodeError, ValueError, OSError) as error:
-        raise ValueError(f"{path}: not an ONNX file: {error}") from None
     graph = model.graph
-    constants = {c.name: numpy_helper.to_array(c) for c in graph.initializer}
+    constants = {c.name: _array(path, c) for c in graph.initializer}
     inputs = [i.name for i in graph.input if i.name not in constants]
     if len(inputs) != 1 or len(graph.output) != 1:
         raise ValueError(
@@ -96,7 +98,7 @@ def read(path: Path) -> dict[str, Real]:
             value = next((a for a in node.attribute if a.name == "value"), None)
             if value is None:
                 raise chain.refuse(node, "expected a tensor as its value")
-            constants[node.output[0]] = numpy_helper.to_array(value.t)
+            constants.update(dict.fromkeys(node.output, _array(path, value.t)))
             continue
         _step(chain, node, current, constants)
         current = node.output[0]
@@ -111,29 +113,43 @@ def read(path: Path) -> dict[str, Real]:
     return {"w1": first["w"], "b1": first["b"], "w2": second["w"], "b2": second["b"]}
 
 
+def _array(path: Path, tensor: Any) -> Any:
+    """A constant of the graph."""
+    with reading(path, f"an ONNX file whose tensor {tensor.name!r} holds numbers"):
+        array = numpy_helper.to_array(tensor)
+        # Short floats are records to numpy.
+        return array.astype(np.float32) if array.dtype.kind == "V" else array
+
+
 def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> None:
     """Take one operator into the chain."""
     domains = ("ai.onnx.ml",) if node.op_type == "Scaler" else ("", "ai.onnx")
     if node.op_type not in OPERATORS or node.domain not in domains:
         raise chain.refuse(node, f"not supported, expected one of {', '.join(OPERATORS)}")
-    if current not in node.input:
+    given = [name for name in node.input if name]
+    if len(given) not in OPERATORS[node.op_type] or len(node.output) != 1:
+        expected = " or ".join(str(count) for count in OPERATORS[node.op_type])
+        raise chain.refuse(
+            node,
+            f"got {len(given)} inputs and {len(node.output)} outputs, expected {expected} and 1",
+        )
+    if current not in given:
         raise chain.refuse(node, f"does not read {current!r}; expected a chain without branches")
-    others = [name for name in node.input if name and name != current]
+    others = [name for name in given if name != current]
     missing = [name for name in others if name not in constants]
-    if missing or list(node.input).count(current) != 1:
+    if missing or given.count(current) != 1:
         raise chain.refuse(
             node, f"reads {missing or current!r}, expected constants beside {current!r}"
         )
-    values = [np.asarray(constants[name]) for name in others]
-    attributes = {a.name: helper.get_attribute_value(a) for a in node.attribute}
-    if not values and node.op_type in (*LINEAR, "Add", "Sub", "Mul", "Div", "Reshape"):
-        raise chain.refuse(node, f"reads {current!r} alone, expected a constant beside it")
+    values = [real_numbers(chain.path, name, constants[name]) for name in others]
+    kinds = {AttributeProto.INT: "i", AttributeProto.FLOAT: "f", AttributeProto.FLOATS: "floats"}
+    attributes = {a.name: getattr(a, kinds[a.type]) for a in node.attribute if a.type in kinds}
     if node.op_type in LINEAR:
         if node.input[0] != current or values[0].ndim != 2:
             raise chain.refuse(node, "expected the data first and a matrix of weights second")
         if attributes.get("transA", 0):
             raise chain.refuse(node, "transA=1, expected 0")
-        weights = values[0].astype(np.float64) * attributes.get("alpha", 1.0)
+        weights = values[0] * attributes.get("alpha", 1.0)
         weights = weights if attributes.get("transB", 0) else weights.T
         bias = _row(chain, node, values[1]) if len(values) > 1 else np.zeros(1)
         bias = chain.wide(node, bias * attributes.get("beta", 1.0), len(weights))
@@ -147,8 +163,9 @@ def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> 
         # and their order stay what they are.
         width = len(chain.layers[-1]["w"]) if chain.layers else None
         shapes = [[-1, width]] + ([[-1, 1]] if node.output[0] == chain.output else [])
-        if values[0].tolist() not in shapes:
-            raise chain.refuse(node, f"to {values[0].tolist()}, expected one of {shapes}")
+        shape = np.asarray(constants[others[0]]).tolist()
+        if shape not in shapes:
+            raise chain.refuse(node, f"to {shape}, expected one of {shapes}")
 
 
 def _factor_and_shift(
@@ -177,7 +194,7 @@ def _row(chain: _Chain, node: Any, values: Any) -> Real:
     """A constant that holds one number for each value of a frame, or one for all."""
     if values.size != 1 and values.shape[-1] != values.size:
         raise chain.refuse(node, f"got a constant of shape {values.shape}, expected one row")
-    row: Real = values.astype(np.float64).ravel()
+    row: Real = values.ravel()
     return row
 
 

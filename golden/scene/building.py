@@ -6,10 +6,12 @@ from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING
 
+from golden.cli import naming
 from golden.instruments.instrument import Instrument
 from golden.instruments.readout import Readout
 from golden.networks.arrangement import arrange
 from golden.networks.axis_network import AxisNetwork
+from golden.networks.constants import constants_of
 from golden.networks.design import Design
 from golden.networks.designs import DESIGNS
 from golden.networks.network import Network
@@ -30,11 +32,16 @@ def build_twin(scene: Scene, lean: bool) -> Network:
         network's frames.
     """
     design = DESIGNS[scene.design]
+    mlps, build = scene.mlps(), partial(scene.build, lean=lean)
     try:
-        together = _of_several(scene, design, lean)
-    except ValueError as error:
-        raise ValueError(f"{scene.path}: {error}") from None
-    network = together or arrange(scene.arrangement, scene.mlps(), partial(scene.build, lean=lean))
+        network = _of_several(scene, design, lean) or arrange(scene.arrangement, mlps, build)
+    except ValueError:
+        # What is wrong with one network alone is told of its file.
+        for member, mlp in zip(scene.members, mlps, strict=True):
+            with naming(member.weights_path):
+                constants_of(mlp, scene.precision, scene.activation, scene.activation_options, lean)
+        with naming(scene.path):
+            raise
     if scene.interface == "axi_stream":
         return AxisNetwork(network)
     drawn = scene.visualisation
@@ -43,10 +50,8 @@ def build_twin(scene: Scene, lean: bool) -> Network:
     readout = Readout(network, drawn.load_profile, drawn.results) if drawn else Readout(network)
     if scene.front_end is None:
         return readout
-    try:
+    with naming(f"{scene.path}: front_end"):
         return Instrument(scene.front_end.scan_sequencer(network), readout)
-    except ValueError as error:
-        raise ValueError(f"{scene.path}: front_end: {error}") from None
 
 
 def _of_several(scene: Scene, design: type[Design], lean: bool) -> Network | None:

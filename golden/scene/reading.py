@@ -6,6 +6,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+from golden.files import check_file, reading
 from golden.precision import PRECISIONS
 from golden.scene.front_end import front_end
 from golden.scene.scale import read_scale
@@ -46,24 +47,34 @@ def load_scene(name: str) -> Scene:
 
     Raises
     ------
-    FileNotFoundError
-        For an unknown scene; the message lists those there are.
+    FileNotFoundError, CommandError
+        For an unknown scene; the message lists those there are. For one that cannot be read.
     ValueError
         For a fault in the file; the message names file, key, what was got and what was expected.
     """
     known = scene_names()
     shipped = name in known or name in comparison_names()
-    path = scene_path(name) if shipped else Path(name).expanduser()
-    if not shipped and not (name.endswith(".toml") and path.is_file()):
+    path = scene_path(name) if shipped else _expanded(name)
+    try:
+        if not (shipped or name.endswith(".toml")):
+            raise FileNotFoundError
+        check_file(path)
+    except FileNotFoundError:
         raise FileNotFoundError(
             f"scene {name!r}: no such scene, expected a path to a .toml file or one of "
             f"{', '.join(known)}{suggest(name, known)}"
-        )
-    try:
+        ) from None
+    with reading(path, "TOML"):
         raw = tomllib.loads(path.read_text(encoding="utf-8"))
-    except tomllib.TOMLDecodeError as error:
-        raise ValueError(f"{path}: not TOML: {error}") from None
     return _scene(checked(raw, path), path)
+
+
+def _expanded(name: str) -> Path:
+    """The path, with the folder of a user for ~ where there is one."""
+    try:
+        return Path(name).expanduser()
+    except RuntimeError:
+        return Path(name)
 
 
 def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
@@ -74,7 +85,7 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
     return Scene(
         name=path.stem,
         path=path,
-        data_path=beside(path, data["file"]),
+        data_path=beside(path, "data.file", data["file"]),
         sensors=tuple(data["sensors"]),
         outputs=tuple(data["outputs"]),
         group_by=data["group_by"],

@@ -57,6 +57,11 @@ KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
         "steps": (int, 200),
         "patience": (int, 40),
         "earlier_outputs": (str, "bit-true"),
+        "split": (str, "random"),
+        "split_by": (list, []),
+        "block_rows": (int, 5),
+        "noise": (float, 0.0),
+        "drift": (dict, {}),
     },
     "front_end": FRONT_END_KEYS,
     "visualisation": VISUALISATION_KEYS,
@@ -73,12 +78,14 @@ CHOICES = {
     ("hardware", "pipeline"): ("short", "deep"),
     ("training", "optimiser"): ("levenberg-marquardt", "scg"),
     ("training", "earlier_outputs"): ("bit-true", "float"),
+    ("training", "split"): ("random", "blocks", "groups"),
 }
 
 
 def checked(raw: dict[str, Any], path: Path) -> dict[str, dict[str, Any]]:
     """Every section with every key, types and choices checked, defaults filled in."""
     _refuse_unknown(raw, KEYS, f"{path}: section")
+    _refuse_long(raw, f"{path}: ")
     values: dict[str, dict[str, Any]] = {}
     for section, keys in KEYS.items():
         if section in OPTIONAL and section not in raw:
@@ -104,6 +111,18 @@ def checked(raw: dict[str, Any], path: Path) -> dict[str, dict[str, Any]]:
                 )
             values[section][key] = value
     return values
+
+
+def _refuse_long(value: Any, place: str) -> None:
+    """Whole numbers have the 64 bits that TOML gives them, so that each is a float, too."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            _refuse_long(inner, f"{place}{'' if place.endswith(': ') else '.'}{key}")
+    elif isinstance(value, list):
+        for inner in value:
+            _refuse_long(inner, place)
+    elif isinstance(value, int) and not -(1 << 63) <= value < 1 << 63:
+        raise ValueError(f"{place}: got a number of {value.bit_length()} bits, expected 64 at most")
 
 
 def _is(value: Any, kind: Any) -> bool:

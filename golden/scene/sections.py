@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from golden.activation.schemes import SCHEMES
+from golden.disturbance import MOST, Disturbance
+from golden.files import same_file
 from golden.network_files.network_file import load_network
 from golden.networks.designs import DESIGNS
 from golden.networks.mlp import Mlp
@@ -17,13 +19,22 @@ from golden.scene.reference import thesis_figures
 from golden.scene.scale import refuse_other_column
 from golden.table import suggest
 
+# An engine's memory of operands has as many words.
+MOST_HIDDEN = 1024
+MOST_RESTARTS = 100_000
+MOST_STEPS = 1_000_000
+CLOCKS_MHZ = (0.001, 10_000.0)
+DRIFTS = ("gain", "offset")
+
 
 @dataclass(frozen=True)
 class Training:
     """How a scene's networks are trained; see ``golden.training``.
 
     ``earlier_outputs`` tells what a network of a cascade trains on: the outputs that the networks
-    before it give in floating point (the thesis' cascade A) or bit-true (cascade B).
+    before it give in floating point (the thesis' cascade A) or bit-true (cascade B). ``split``,
+    ``split_by`` and ``block_rows`` are those of ``golden.training.split``; ``disturbance`` is what
+    the sensors are expected to do to the readings.
     """
 
     optimiser: str
@@ -34,6 +45,10 @@ class Training:
     steps: int
     patience: int
     earlier_outputs: str
+    split: str
+    split_by: tuple[str, ...]
+    block_rows: int
+    disturbance: Disturbance
 
 
 @dataclass(frozen=True)
@@ -66,8 +81,16 @@ class Member:
         return load_network(self.weights_path, (self.inputs, self.hidden, len(self.outputs)))
 
 
-def beside(path: Path, name: str) -> Path:
-    """The file that a scene names relative to itself, without ``..`` on the way."""
+def beside(path: Path, key: str, name: str) -> Path:
+    """The file that a scene names relative to itself, without ``..`` on the way.
+
+    Raises
+    ------
+    ValueError
+        For a name that no file has.
+    """
+    if not name or not name.isprintable():
+        raise ValueError(f"{path}: {key}: got {name!r}, expected the name of a file")
     return Path(os.path.normpath(path.parent / name))
 
 
@@ -80,8 +103,15 @@ def check_data(data: dict[str, Any], path: Path) -> None:
     """
     for key in ("sensors", "outputs"):
         names = data[key]
-        if not names or any(type(n) is not str for n in names) or len(set(names)) < len(names):
+        text = all(type(n) is str and n for n in names)
+        if not names or not text or len(set(names)) < len(names):
             raise ValueError(f"{path}: data.{key}: got {names!r}, expected column names, each once")
+    both = [name for name in data["outputs"] if name in data["sensors"]]
+    if both:
+        raise ValueError(
+            f"{path}: data.outputs: got {both[0]!r}, a sensor, expected columns that data.sensors "
+            "does not have"
+        )
     for key, known in (("full_scale", data["outputs"]), ("length_mm", list(data["full_scale"]))):
         for name, scale in data[key].items():
             if name not in known:
@@ -114,18 +144,65 @@ def training(values: dict[str, Any], path: Path) -> Training:
         For a number that cannot be.
     """
     span = values["hidden"]
-    if [type(n) for n in span] != [int, int] or not 1 <= span[0] <= span[1]:
+    if [type(n) for n in span] != [int, int] or not 1 <= span[0] <= span[1] <= MOST_HIDDEN:
         raise ValueError(
             f"{path}: training.hidden: got {span!r}, expected the least and the largest number of "
-            "hidden nodes, such as [4, 25]"
+            f"hidden nodes, such as [4, 25], {MOST_HIDDEN} at most"
         )
-    for key in ("restarts", "steps", "patience"):
-        if not 0 < values[key] < math.inf:
-            raise ValueError(f"{path}: training.{key}: got {values[key]!r}, expected above 0")
+    limits = {"restarts": MOST_RESTARTS, "steps": MOST_STEPS}
+    for key in ("restarts", "steps", "patience", "block_rows"):
+        most = limits.get(key, math.inf)
+        if not 0 < values[key] <= most:
+            limit = f" and {most} at most" if most < math.inf else ""
+            raise ValueError(
+                f"{path}: training.{key}: got {values[key]!r}, expected above 0{limit}"
+            )
     for key in ("weight_decay", "seed"):
         if not 0 <= values[key] < math.inf:
             raise ValueError(f"{path}: training.{key}: got {values[key]!r}, expected 0 or more")
-    return Training(**(values | {"hidden": (span[0], span[1])}))
+    kept = {key: values[key] for key in values if key not in ("noise", "drift")}
+    read = {
+        "hidden": (span[0], span[1]),
+        "split_by": _split_by(values, path),
+        "disturbance": _disturbance(values, path),
+    }
+    return Training(**(kept | read))
+
+
+def _split_by(values: dict[str, Any], path: Path) -> tuple[str, ...]:
+    """The columns of ``training.split_by``."""
+    names, split = values["split_by"], values["split"]
+    if any(type(n) is not str for n in names) or len(set(names)) < len(names):
+        raise ValueError(f"{path}: training.split_by: got {names!r}, expected columns, each once")
+    if names and split == "random":
+        raise ValueError(
+            f"{path}: training.split_by: got {names!r} with split 'random', expected 'blocks' or "
+            "'groups'"
+        )
+    if split == "groups" and not names:
+        raise ValueError(
+            f"{path}: training.split_by: got none with split 'groups', expected the columns whose "
+            "values are held out together"
+        )
+    return tuple(names)
+
+
+def _disturbance(values: dict[str, Any], path: Path) -> Disturbance:
+    """What ``training.noise`` and ``training.drift`` say of the sensors."""
+    drift = values["drift"]
+    for name in drift:
+        if name not in DRIFTS:
+            raise ValueError(
+                f"{path}: training.drift: {name!r} is not known, expected {' or '.join(DRIFTS)}"
+                f"{suggest(name, DRIFTS)}"
+            )
+    sizes = {"noise": values["noise"]} | {f"drift.{name}": drift[name] for name in drift}
+    for key, size in sizes.items():
+        if type(size) not in (int, float) or not 0 <= size <= MOST:
+            raise ValueError(
+                f"{path}: training.{key}: got {size!r}, expected a number from 0 to {MOST:g}"
+            )
+    return Disturbance(values["noise"], **{name: float(size) for name, size in drift.items()})
 
 
 def check_hardware(values: dict[str, dict[str, Any]], path: Path) -> None:
@@ -147,9 +224,10 @@ def check_hardware(values: dict[str, dict[str, Any]], path: Path) -> None:
             f"{path}: hardware.precision: got {hardware['precision']!r} with design "
             f"{design.block!r}, expected {' or '.join(design.precisions)}"
         )
-    if not 0 < hardware["clock_mhz"] < math.inf:
+    if not CLOCKS_MHZ[0] <= hardware["clock_mhz"] <= CLOCKS_MHZ[1]:
         raise ValueError(
-            f"{path}: hardware.clock_mhz: got {hardware['clock_mhz']!r}, expected above 0"
+            f"{path}: hardware.clock_mhz: got {hardware['clock_mhz']!r}, expected "
+            f"{CLOCKS_MHZ[0]:g} to {CLOCKS_MHZ[1]:g}"
         )
     framed = hardware["interface"] == "axi_stream"
     around = [section for section in ("front_end", "visualisation") if section in values]
@@ -259,16 +337,25 @@ def members(data: dict[str, Any], network: dict[str, Any], path: Path) -> tuple[
     if len(hidden) == 1:
         hidden = hidden * count
     for key, values in (("hidden", hidden), ("weights", weights)):
-        if len(values) != count or (key == "weights" and len(set(values)) < count):
+        if len(values) != count:
             one = "one for all outputs" if single else "one for each output"
             raise ValueError(
                 f"{path}: network.{key}: got {network[key]!r}, expected {count}: "
                 f"{network['arrangement']} has {one}"
             )
-    if min(hidden) < 0:
-        raise ValueError(f"{path}: network.hidden: got {network['hidden']}, expected 0 or more")
+    if not 0 <= min(hidden) <= max(hidden) <= MOST_HIDDEN:
+        raise ValueError(
+            f"{path}: network.hidden: got {network['hidden']}, expected 0 to {MOST_HIDDEN}"
+        )
+    files = [beside(path, "network.weights", name) for name in weights]
+    for i, file in enumerate(files):
+        for j in range(i):
+            if same_file(files[j], file):
+                raise ValueError(
+                    f"{path}: network.weights: got {weights[j]!r} and {weights[i]!r}, which are "
+                    "one file, expected a file for each network"
+                )
     cascade = network["arrangement"] == "cascade"
     return tuple(
-        Member(sensors + i * cascade, hidden[i], tuple(groups[i]), beside(path, weights[i]))
-        for i in range(count)
+        Member(sensors + i * cascade, hidden[i], tuple(groups[i]), files[i]) for i in range(count)
     )

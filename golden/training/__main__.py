@@ -18,14 +18,21 @@ from joblib import parallel_config
 
 from golden.cli import run
 from golden.fingerprint import fingerprint, sources
-from golden.network_files.network_file import provenance_path, save_network
+from golden.network_files.network_file import check_targets, provenance_path, save_networks
 from golden.networks.mlp import Mlp
 from golden.scene import Scene, load_scene
 from golden.scene.scale import on_readings, on_signals
 from golden.scene.trained_scale import story
 from golden.scene.vectors import warn_outside
 from golden.training.scaling import scaled
-from golden.training.search import Result, bit_true_errors, candidates, search, train
+from golden.training.search import (
+    Result,
+    bit_true_error,
+    bit_true_errors,
+    candidates,
+    search,
+    train,
+)
 from golden.training.task import Task, task_for
 
 # Least seconds between two lines of progress.
@@ -97,6 +104,7 @@ def computed_on(cluster: str | None) -> Iterator[None]:
 def train_scene(scene: Scene, build: Path, workers: int) -> None:
     """Train all networks of the scene, then write them."""
     started = time.monotonic()
+    check_targets(scene.weights_paths)
     scene = scaled(scene)
     warn_outside(scene)
     vectors = scene.vectors()
@@ -114,7 +122,7 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
         mlps.append(on_signals(files[-1], *scene.scales_of(number)))
         # Another processor, of a cluster or of a search begun elsewhere, rounds otherwise: what is
         # stated is what the network that is written does.
-        validation, test = bit_true_errors(task, mlps[-1])
+        errors = stated_errors(task, mlps[-1])
         total = len(candidates(task))
         stories.append(
             {
@@ -137,19 +145,38 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
                 "weight_decay": settings.weight_decay,
                 "steps": settings.steps,
                 "patience": settings.patience,
-                "validation_rms_percent": round(validation, 4),
-                "test_rms_percent": round(test, 4),
+                "split": settings.split,
+                "split_by": ", ".join(settings.split_by),
+                "block_rows": settings.block_rows if settings.split == "blocks" else 0,
+                "noise": settings.disturbance.noise,
+                "drift_gain": settings.disturbance.gain,
+                "drift_offset": settings.disturbance.offset,
+                **errors,
                 "python": versions[2],
                 "numpy": versions[0],
                 "scipy": versions[1],
                 **story(scene.known_scales, files[-1]),
             }
         )
-    # Written only now: the networks of a cascade belong together.
-    for member, mlp, told in zip(scene.members, files, stories, strict=True):
-        save_network(member.weights_path, mlp, told)
+    # All or none: the networks of a cascade belong together.
+    save_networks(list(zip(scene.weights_paths, files, stories, strict=True)))
+    for member in scene.members:
         print(f"wrote {member.weights_path} and {provenance_path(member.weights_path).name}")
     print(f"{time.monotonic() - started:.0f} s")
+
+
+def stated_errors(task: Task, mlp: Mlp) -> dict[str, float]:
+    """What provenance says of the rows that did not train: as recorded and, where the scene names
+    noise or drift, as disturbed."""
+    errors: dict[str, float] = {}
+    for part in ("validation", "test"):
+        recorded = task.recorded.take(getattr(task.split, part))
+        errors[f"{part}_rms_percent"] = bit_true_error(task, mlp, recorded)
+    if not task.scene.training.disturbance.none:
+        validation, test = bit_true_errors(task, mlp)
+        errors["validation_disturbed_rms_percent"] = validation
+        errors["test_disturbed_rms_percent"] = test
+    return {name: round(error, 4) for name, error in errors.items()}
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ from dataclasses import replace
 from golden.scene import Scene
 from golden.scene.scale import AUTO, range_scale
 from golden.scene.vectors import read_recorded
-from golden.training.task import split_rows
+from golden.training.split import split_of
 
 
 def scaled(scene: Scene) -> Scene:
@@ -19,13 +19,13 @@ def scaled(scene: Scene) -> Scene:
     Raises
     ------
     FileNotFoundError, ValueError
-        See ``read_recorded``, ``split_rows`` and ``range_scale``.
+        See ``read_recorded``, ``split_of`` and ``range_scale``.
     """
     wanted = [name for name, scale in scene.scale.items() if scale == AUTO]
     if not wanted:
         return scene
     rows = read_recorded(scene)
-    training = split_rows(len(rows.inputs), scene.training.seed).training
+    training = split_of(scene).training
     columns = dict(zip(scene.sensors, rows.inputs[training].T, strict=True))
     columns |= dict(zip(scene.outputs, rows.targets.T, strict=True))
     found = dict(scene.scale)

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import myhdl
 
+from golden.files import writing
 from golden.fingerprint import fingerprint, sources
 from golden.scene import load_scene
 from golden.scene.ranges import ranges
@@ -36,7 +37,8 @@ def main() -> None:
     versions = (myhdl.__version__, platform.python_version())
     if not _is_current(stamp, folder, inputs, versions):
         export(scene, arguments.language, folder)
-        stamp.write_text(_state(folder, inputs, versions))
+        with writing(stamp):
+            stamp.write_text(_state(folder, inputs, versions), encoding="utf-8")
     count = len((folder / ORDER).read_text().split())
     print(f"{count} files in {folder}, top {top}, compile order in {folder / ORDER}")
     for fact in design.core.facts():
@@ -54,7 +56,7 @@ def _is_current(stamp: Path, folder: Path, inputs: list[Path], versions: tuple[s
     return (
         stamp.is_file()
         and folder.is_dir()
-        and stamp.read_text(encoding="utf-8") == _state(folder, inputs, versions)
+        and stamp.read_text(encoding="utf-8", errors="replace") == _state(folder, inputs, versions)
     )
 
 

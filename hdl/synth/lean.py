@@ -1,13 +1,14 @@
-"""``python -m hdl.synth.lean SCENE [SCENE ...]``: what a scene leaves out, and what that saves.
+"""``python -m hdl.synth.lean SCENE``: what a scene leaves out, and what that saves.
 
-The first scene is built twice: whole, with every segment of every activation and every hidden node,
-and as it is. Further scenes are built as they are, to compare with.
+The scene is built twice: whole, with every segment of every activation and every hidden node, and
+as it is. Those of ``--beside`` are built as they are, to compare with.
 """
 
 from __future__ import annotations
 
 import argparse
 
+from golden.cli import words
 from golden.scene import load_scene
 from hdl.export.repeatable import run_repeatable
 from hdl.synth.activations import cells
@@ -19,8 +20,11 @@ FAMILY = "xc2v"
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="make lean", description=__doc__)
-    parser.add_argument("scenes", nargs="+", metavar="SCENE")
-    scenes = [load_scene(name) for name in parser.parse_args().scenes]
+    parser.add_argument("scene")
+    parser.add_argument("--beside", default="", help="scenes, quoted as for a shell")
+    arguments = parser.parse_args()
+    names = [arguments.scene, *words("BESIDE", arguments.beside)]
+    scenes = [load_scene(name) for name in names]
     first = scenes[0]
     print(f"scene {first.name} leaves out:")
     for text in first.twin().left_out():

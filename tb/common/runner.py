@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import shutil
 import subprocess
 import sys
@@ -20,6 +21,7 @@ from typing import Any
 
 from golden.block import Block, walk
 from golden.cli import CommandError
+from golden.files import writing
 from golden.scene import Scene, load_scene, scene_names, scene_path
 from golden.table import suggest
 from hdl.export.exporter import MANIFEST, ORDER
@@ -107,8 +109,10 @@ def export(scene: Scene, tongue: str, build: Path = BUILD) -> None:
     """
     command = [sys.executable, "-m", "hdl.export", str(scene.path), tongue, "--build", str(build)]
     result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-    if result.returncode:
+    if result.returncode == 2:
         raise CommandError(result.stderr.strip().removeprefix("error: "))
+    if result.returncode:
+        raise RuntimeError(f"{shlex.join(command)}\n{result.stderr}")
 
 
 def plan(
@@ -201,7 +205,8 @@ def _check_block(scene: Scene, block: str) -> None:
 def run_job(job: Job) -> Outcome:
     """Build and simulate one entity."""
     shutil.rmtree(job.folder, ignore_errors=True)
-    job.folder.mkdir(parents=True)
+    with writing(job.folder):
+        job.folder.mkdir(parents=True)
     result = job.folder / "compared.jsonl"
     sources = [str(job.hdl_folder / name) for name in job.files]
     rerun = f"make sim BLOCK={job.block} SIM={job.simulator} SCENE={_scene_argument(job.scene)}"

@@ -4,15 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from golden.scene import thesis_table
 from tb.report.draw.looks import activation_look, network_look
 from tb.report.draw.plots import Plot
 from tb.report.measure.table import Cell, Table
 
 Row = dict[str, Cell]
-
-# Of the thesis' front end.
-SCAN_CLOCKS = 4096
 
 
 def rows_of(table: Table, **where: Cell) -> list[Row]:
@@ -171,48 +167,6 @@ def network_plots(table: Table) -> list[Plot]:
                 )
             )
     return plots
-
-
-def area_plots(table: Table) -> list[Plot]:
-    """What the designs of four outputs cost in LUTs and in clocks, each with its error.
-
-    The printed points of the thesis are shares of its device, at the clocks of a scan.
-    """
-    rows = [row for row in rows_of(table, data="appendix2", outputs=4) if row["LUT"] is not None]
-    rows = [row for row in rows if number(row, "clocks a frame") < SCAN_CLOCKS]
-    if not rows:
-        return []
-    device = thesis_table("board")["luts4"]
-    points = {
-        f"{row['scene']}: {row['clocks a frame']} clocks, {number(row, 'largest %'):.2f} %": [
-            (number(row, "clocks a frame"), number(row, "LUT"))
-        ]
-        for row in rows
-    }
-    looks = {
-        label: network_look(*_form(row).split(", "))
-        for label, row in zip(points, rows, strict=True)
-    }
-    for name, key in (("cascade", "digit.cascade_b"), ("single network", "digit.hybrid")):
-        share = thesis_table(key)["luts_percent"]
-        points[f"thesis, printed: {name}"] = [(SCAN_CLOCKS, share * device / 100)]
-    least = min(rows, key=lambda row: number(row, "LUT"))
-    most = max(rows, key=lambda row: number(row, "LUT"))
-    plot = Plot(
-        "networks_area",
-        "Networks: area against clocks, with the largest mean error of the worst output",
-        "clocks a frame",
-        "Virtex-II LUTs",
-        points,
-        f"{least['scene']} takes {number(least, 'LUT'):,.0f} LUTs and "
-        f"{number(least, 'clocks a frame'):,.0f} clocks, {most['scene']} "
-        f"{number(most, 'LUT'):,.0f} and {number(most, 'clocks a frame'):,.0f}; a scan of the "
-        f"sensors takes {SCAN_CLOCKS}. The thesis is shown at the clocks of its scan.",
-        [table.name],
-        joined=False,
-        looks=looks,
-    )
-    return [plot]
 
 
 def _form(row: Row) -> str:

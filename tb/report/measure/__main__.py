@@ -15,7 +15,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from golden.cli import CommandError, run
+from golden.cli import MOST_SEED, CommandError, run, whole
 from golden.files import replace_folder
 from golden.fingerprint import ROOT, fingerprint, sources
 from golden.machine import facts, versions
@@ -26,7 +26,7 @@ from tb.report.measure.registry import TABLES
 def main() -> None:
     parser = argparse.ArgumentParser(prog="make figures", description=__doc__)
     parser.add_argument("tables", nargs="*", metavar="TABLE")
-    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--seed", type=whole("SEED", 0, MOST_SEED), default=1)
     parser.add_argument("--build", type=Path, default=Path("build"))
     arguments = parser.parse_args()
     names = arguments.tables or list(TABLES)
@@ -36,8 +36,6 @@ def main() -> None:
                 f"TABLE={name}: no such table, expected one of {', '.join(TABLES)}"
                 f"{suggest(name, list(TABLES))}"
             )
-    if arguments.seed < 0:
-        raise CommandError(f"SEED={arguments.seed}: expected 0 or more")
     folder = arguments.build / "figures"
     with replace_folder(folder) as temporary:
         data = {

@@ -13,21 +13,20 @@ import time
 
 import numpy as np
 
-from golden.cli import run
+from golden.cli import run, whole
 from golden.networks.arrangement import process_real
 from golden.precision import SIGNAL
 from golden.scene import load_scene
 
 FLOAT_CHUNK = 4096
+MOST_FRAMES = 10_000_000
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="make bench", description=__doc__)
     parser.add_argument("scene")
-    parser.add_argument("--frames", type=int, default=1_000_000)
+    parser.add_argument("--frames", type=whole("FRAMES", 1, MOST_FRAMES), default=1_000_000)
     arguments = parser.parse_args()
-    if arguments.frames < 1:
-        raise ValueError(f"frames: got {arguments.frames}, expected 1 or more")
     scene = load_scene(arguments.scene)
     design = scene.twin()
     recorded = scene.vectors().codes

@@ -13,6 +13,7 @@ from tb.report.measure import (
     physics,
     rbf,
     recordings,
+    tanh_words,
     training,
     visualisation,
 )
@@ -25,6 +26,7 @@ TABLES: dict[str, Callable[[int], Table]] = {
     "clocks": clocks.clocks,
     "activations": activations.activations,
     "iterations": activations.iterations,
+    "tanh_words": tanh_words.tanh_words,
     "training": training.training,
     "parallel": parallel.parallel,
     "motions": motions.motions,

@@ -7,7 +7,7 @@ from golden.networks.network import Network
 from golden.scene import Scene
 from tb.common.results import stored_results
 from tb.common.tools import SIMULATORS, version
-from tb.report.draw import findings
+from tb.report.draw import area, findings, tanh_words
 from tb.report.draw.pictures import draw
 from tb.report.draw.plots import Plot
 from tb.report.measure.activation_errors import thesis_figure
@@ -42,7 +42,6 @@ def content(scene: Scene, tell: Progress) -> Page:
         *findings.activation_plots(activations),
         findings.iterations_plot(tables, thesis_figure("pade")),
         *findings.network_plots(networks),
-        *findings.area_plots(networks),
         *findings.training_plots(tables),
         *findings.swing_plots(tables),
         findings.damping_plot(tables),
@@ -51,6 +50,20 @@ def content(scene: Scene, tell: Progress) -> Page:
         findings.engines_plot(speed),
     ]
     *costly, fast = _drawn(scene, plots, drawing, tell)
+    costly += [
+        Picture(
+            "networks_area",
+            "Networks: area, clocks and error",
+            area.area(networks),
+            area.sentence(networks),
+        ),
+        Picture(
+            "tanh_words",
+            "Engine: error of tanh against words",
+            tanh_words.tanh_words(tables["tanh_words"]),
+            tanh_words.sentence(tables["tanh_words"]),
+        ),
+    ]
     shown = {"stability"}
     sections = [
         _verified(scene),

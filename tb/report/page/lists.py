@@ -1,7 +1,8 @@
 """``python -m tb.report.page.lists``: what pages list and the project knows.
 
-Rewrites what stands between the markers of README.md and of pages in ``docs``, and the picture of
-the networks that the demo builds; the rest of a page is left alone.
+Rewrites what stands between the markers of README.md and of pages in ``docs``, and the pictures of
+the networks that the demo builds, of what designs cost and of an engine's tanh; the rest of a page
+is left alone.
 """
 
 from __future__ import annotations
@@ -17,7 +18,13 @@ from golden.fingerprint import ROOT
 from golden.scene import load_scene, scene_names
 from hdl.synth.budget import budget_path, read_budget
 from hdl.synth.timing import read_timing, timing_path
+from tb.report.draw.area import area
 from tb.report.draw.network import network
+from tb.report.draw.tanh_words import tanh_words as draw_tanh_words
+from tb.report.measure.clocks import clocks
+from tb.report.measure.costs import with_network_cells
+from tb.report.measure.steps import SEED
+from tb.report.measure.tanh_words import tanh_words
 from tb.report.page.markers import put, write
 
 COMMAND = "python -m tb.report.page.lists"
@@ -104,6 +111,8 @@ def pages() -> dict[Path, str]:
         for page, section, text in sections
     }
     found[docs / "networks.svg"] = network(load_scene(DEMO)) + "\n"
+    found[docs / "area.svg"] = area(with_network_cells(clocks(SEED))) + "\n"
+    found[docs / "activations" / "engine.svg"] = draw_tanh_words(tanh_words(SEED)) + "\n"
     return found
 
 

@@ -1,0 +1,24 @@
+"""What stands in a file as an array of real numbers, whichever form the file has."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from golden.networks.mlp import Real
+
+
+def real_numbers(path: Path, name: str, value: Any) -> Real:
+    """An array as float64.
+
+    Raises
+    ------
+    ValueError
+        For anything else: text, complex numbers, records, sparse matrices.
+    """
+    array = np.asarray(value)
+    if array.dtype.kind not in "biuf":
+        raise ValueError(f"{path}: {name}: got {array.dtype}, expected real numbers")
+    return array.astype(np.float64)

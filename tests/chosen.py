@@ -1,0 +1,24 @@
+"""``make test``: pytest on all cores, on the tests that are named or on all."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+
+from machines import CORES
+
+from golden.cli import run, words
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="make test", description=__doc__)
+    parser.add_argument("--tests", default="", help="arguments of pytest, quoted as for a shell")
+    parser.add_argument("--all", action="store_true", help="what ALL=1 adds, too")
+    arguments = parser.parse_args()
+    command = [sys.executable, "-m", "pytest", *CORES, *["--all"] * arguments.all]
+    os.execv(sys.executable, [*command, *words("TESTS", arguments.tests)])
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

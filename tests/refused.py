@@ -1,0 +1,76 @@
+"""What commands say of bad input: one line, exit code 2, nothing written, no traceback."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from golden.cli import run
+from golden.fingerprint import fingerprint
+from tb.common import results, runner
+
+# The module behind each target of make, and what stands before and after the scene.
+COMMANDS = {
+    "train": "golden.training.__main__",
+    "vhdl": "hdl.export.__main__",
+    "sim": "tb.sim",
+    "network": "golden.network_files.convert",
+    "image": "golden.scene.write_image",
+    "bench": "tb.report.measure.benchmark",
+    "listing": "golden.engine.__main__",
+    "figures": "tb.report.measure.__main__",
+    "lean": "hdl.synth.lean",
+    "synth": "hdl.synth.__main__",
+    "report": "tb.report.__main__",
+    "demo": "tb.demo",
+}
+
+
+class Desk:
+    """A folder with the scene ``mine.toml``, its data and its network, and what a command says."""
+
+    def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture):
+        self.folder = folder
+        self._monkeypatch = monkeypatch
+        self._capfd = capfd
+        monkeypatch.chdir(folder)
+        monkeypatch.setattr(warnings, "formatwarning", warnings.formatwarning)
+        monkeypatch.setenv("PYTHONHASHSEED", "0")
+        for module in (runner, results):
+            monkeypatch.setattr(module, "BUILD", folder / "build")
+
+    def edit(self, old: str, new: str, file: str = "mine.toml") -> None:
+        """Put ``new`` in the place of ``old``, which the file must have."""
+        text = (self.folder / file).read_text(encoding="utf-8")
+        assert old in text, f"{file} has no {old!r}"
+        (self.folder / file).write_text(text.replace(old, new, 1), encoding="utf-8")
+
+    def call(self, command: str, *words: str) -> tuple[int, str]:
+        """Exit code and what was said on stderr, but for warnings."""
+        main: Callable[[], int | None] = importlib.import_module(COMMANDS[command]).main
+        self._monkeypatch.setattr(sys, "argv", [command, *words])
+        self._capfd.readouterr()
+        try:
+            code = run(main)
+        except SystemExit as stop:
+            code = stop.code if isinstance(stop.code, int) else 1
+        said = self._capfd.readouterr().err
+        return code, "".join(
+            line for line in said.splitlines(keepends=True) if not line.startswith("warning: ")
+        )
+
+    def refuses(self, command: str, *words: str) -> str:
+        """The one line in which a command refuses, with the folder left as it was."""
+        before = fingerprint([self.folder])
+        code, said = self.call(command, *words)
+        assert "Traceback" not in said, said
+        assert code == 2, said
+        lines = [line for line in said.splitlines() if not line.startswith("usage: ")]
+        assert len(lines) == 1, said
+        assert fingerprint([self.folder]) == before
+        return lines[0]
