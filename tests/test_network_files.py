@@ -229,6 +229,7 @@ def test_what_scales_value_by_value_is_folded(tmp_path: Path, before: list) -> N
         ({1: node("Mul", "a b2", "b")}, "operator Mul .* got 2 values, expected 1 or 5"),
         ({1: node("Div", "b1 a", "b")}, "operator Div .* expected the data first"),
         ({1: node("Div", "a zero", "b")}, "operator Div .* by numbers other than 0"),
+        ({1: node("Sub", "a", "b")}, "operator Sub .* got 1 inputs .* expected 2 and 1"),
         ({1: node("Scaler", "a", "b")}, "operator Scaler .* not supported"),
         ({1: scaler("a", "b")}, "operator Scaler .* attributes offset and scale"),
         ({0: node("MatMul", "w1 x", "a")}, "operator MatMul .* expected the data first"),

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from golden.disturbance import Disturbance
-from golden.errors import scene_errors, unit_errors
+from golden.errors import disturbed_errors, scene_errors, unit_errors
 from golden.network_files.network_file import load_network, provenance_path, save_network
 from golden.precision import SIGNAL
 from golden.scene import Scene, comparison_names, load_scene, scene_names
@@ -201,16 +201,34 @@ def test_training_works_with_what_the_readings_cover(tmp_path, monkeypatch, colu
     assert np.ptp(moved, axis=0) == pytest.approx([0, 0], abs=1e-12)
 
 
-def test_noise_is_in_the_unit_of_the_readings(tmp_path: Path) -> None:
-    scene = in_units(tmp_path, rows=40)
-    quiet = replace(scene, training=replace(scene.training, disturbance=Disturbance(noise=1e-9)))
-    loud = replace(scene, training=replace(scene.training, disturbance=Disturbance(noise=0.2)))
-    # The same draws of another size.
-    one, other = (task_for(s, s.vectors(), []).training.inputs for s in (quiet, loud))
-    scales = scene.scales(scene.sensors)
-    spread = (readings(other, scales) - readings(one, scales)).std(axis=0)
-    # x0 and x2 in units of 2.5 and 40 to the range of the codes; x1 saturates here and there.
-    assert spread[[0, 2]] == pytest.approx([0.2, 0.2], rel=0.2)
+def test_noise_and_drift_are_in_the_unit_of_the_readings(small_scene: Scene, tmp_path) -> None:
+    """Readings and noise of four times the size, which no float rounds."""
+    disturbance = Disturbance(noise=0.1, gain=0.05, offset=0.2)
+    lines = [line.split(",") for line in small_scene.data_path.read_text().splitlines()]
+    for line in lines[1:]:
+        line[:3] = (repr(4 * float(cell)) for cell in line[:3])
+    (tmp_path / "four.csv").write_text("\n".join(",".join(line) for line in lines))
+    scales = [Scale(0.0, 4.0)] * 3
+    save_network(
+        tmp_path / "four.npz", on_readings(small_scene.mlps()[0], scales, [Scale()] * 2), {}
+    )
+    text = small_scene.path.read_text().replace("small.", "four.")
+    keys = "".join(f"x{k} = {{ factor = 4 }}, " for k in range(3)).removesuffix(", ")
+    (tmp_path / "four.toml").write_text(
+        text.replace("[network]", f"scale = {{ {keys} }}\n[network]")
+    )
+    four = load_scene(str(tmp_path / "four.toml"))
+    wider = replace(disturbance, noise=0.4, offset=0.8)
+    assert disturbed_errors(four, wider) == disturbed_errors(small_scene, disturbance)
+    assert disturbed_errors(four, disturbance) != disturbed_errors(small_scene, disturbance)
+    one, other = (
+        task_for(scene, scene.vectors(), []).training.inputs
+        for scene in (
+            replace(s, training=replace(s.training, disturbance=d))
+            for s, d in ((small_scene, disturbance), (four, wider))
+        )
+    )
+    assert np.array_equal(one, other)
 
 
 def test_auto_without_its_provenance_says_what_to_do(tmp_path: Path) -> None:

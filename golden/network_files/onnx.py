@@ -19,10 +19,22 @@ from golden.networks.mlp import Mlp, Real, shifted
 
 # Whichever way they stand in the file, weights are told as of nodes in rows.
 TRANSPOSED = ()
+LINEAR = ("Gemm", "MatMul")
+ELEMENTWISE = ("Add", "Sub", "Mul", "Div", "Scaler")
 # Each with the numbers of inputs that it may have.
-LINEAR = {"Gemm": (2, 3), "MatMul": (2,)}
-ELEMENTWISE = {"Add": (2,), "Sub": (2,), "Mul": (2,), "Div": (2,), "Scaler": (1,)}
-OPERATORS = LINEAR | ELEMENTWISE | {"Tanh": (1,), "Cast": (1,), "Identity": (1,), "Reshape": (2,)}
+OPERATORS = {
+    "Gemm": (2, 3),
+    "MatMul": (2,),
+    "Add": (2,),
+    "Sub": (2,),
+    "Mul": (2,),
+    "Div": (2,),
+    "Scaler": (1,),
+    "Tanh": (1,),
+    "Cast": (1,),
+    "Identity": (1,),
+    "Reshape": (2,),
+}
 # Old enough for every runtime in use, new enough for every operator used.
 OPSET, IR_VERSION = 13, 7
 
@@ -142,7 +154,9 @@ def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> 
             node, f"reads {missing or current!r}, expected constants beside {current!r}"
         )
     values = [real_numbers(chain.path, name, constants[name]) for name in others]
-    kinds = {AttributeProto.INT: "i", AttributeProto.FLOAT: "f", AttributeProto.FLOATS: "floats"}
+    kinds = {AttributeProto.INT: "i", AttributeProto.FLOAT: "f"}
+    if node.op_type == "Scaler":
+        kinds = {AttributeProto.FLOATS: "floats"}
     attributes = {a.name: getattr(a, kinds[a.type]) for a in node.attribute if a.type in kinds}
     if node.op_type in LINEAR:
         if node.input[0] != current or values[0].ndim != 2:
@@ -169,7 +183,7 @@ def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> 
 
 
 def _factor_and_shift(
-    chain: _Chain, node: Any, current: str, values: list[Any], attributes: dict[str, Any]
+    chain: _Chain, node: Any, current: str, values: list[Real], attributes: dict[str, Any]
 ) -> tuple[Real, Real]:
     """What an operator that takes value by value multiplies with, and then adds."""
     if node.op_type == "Scaler":
@@ -190,7 +204,7 @@ def _factor_and_shift(
     return 1 / value, np.zeros(1)
 
 
-def _row(chain: _Chain, node: Any, values: Any) -> Real:
+def _row(chain: _Chain, node: Any, values: Real) -> Real:
     """A constant that holds one number for each value of a frame, or one for all."""
     if values.size != 1 and values.shape[-1] != values.size:
         raise chain.refuse(node, f"got a constant of shape {values.shape}, expected one row")

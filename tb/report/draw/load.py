@@ -85,8 +85,9 @@ class Beam:
 
 
 def has_load(scene: Scene) -> bool:
-    """Whether a scene tells enough to draw the load along the beam."""
-    return scene.visualisation is not None or set(RESULTS) <= set(scene.outputs)
+    """Whether a scene tells enough to draw the load along the beam: from signals, without units."""
+    plain = set(scene.outputs) - scene.scale.keys()
+    return scene.visualisation is not None or set(RESULTS) <= plain
 
 
 def beam(scene: Scene) -> Beam:
@@ -114,6 +115,7 @@ def beam(scene: Scene) -> Beam:
             "outputs": list(scene.outputs),
             "length_mm": scene.length_mm,
             "full_scale": scene.full_scale,
+            "scale": scene.scale,
         }
         defaults = {key: default for key, (_, default) in KEYS.items()}
         shown = visualisation(defaults, data, scene.path)
