@@ -107,7 +107,8 @@ def export(scene: Scene, tongue: str, build: Path = BUILD) -> None:
     CommandError
         With the exporter's message, when the scene cannot be exported.
     """
-    command = [sys.executable, "-m", "hdl.export", str(scene.path), tongue, "--build", str(build)]
+    command = [sys.executable, "-m", "hdl.export", str(scene.path.resolve()), tongue]
+    command += ["--build", str(build)]
     result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     if result.returncode == 2:
         raise CommandError(result.stderr.strip().removeprefix("error: "))
