@@ -266,12 +266,15 @@ def _scene_argument(scene: Scene) -> str:
 
 
 def run_jobs(
-    jobs: list[Job], tell: Callable[[Outcome], None], at_once: int | None = None
+    jobs: list[Job],
+    tell: Callable[[Outcome], None],
+    at_once: int | None = None,
+    work: Callable[[Job], Outcome] = run_job,
 ) -> list[Outcome]:
     """Run all jobs, as many at a time as there are cores; ``tell`` hears of each as it ends."""
     outcomes = []
     with ThreadPoolExecutor(at_once or os.cpu_count() or 1) as pool:
-        for outcome in pool.map(run_job, jobs):
+        for outcome in pool.map(work, jobs):
             tell(outcome)
             outcomes.append(outcome)
     return outcomes
