@@ -170,13 +170,11 @@ def search(task: Task, record: Path, workers: int = -1) -> Iterator[Result]:
     jobs = (delayed(measure)(task, hidden, restart) for hidden, restart in missing)
     with writing(record):
         record.parent.mkdir(parents=True, exist_ok=True)
-        handle = record.open("a", encoding="utf-8")
-    with handle:
-        for result in Parallel(n_jobs=workers, return_as="generator")(jobs):
-            with writing(record):
-                handle.write(json.dumps(asdict(result)) + "\n")
-                handle.flush()
-            yield result
+        record.touch()
+    for result in Parallel(n_jobs=workers, return_as="generator")(jobs):
+        with writing(record), record.open("a", encoding="utf-8") as handle:
+            handle.write(json.dumps(asdict(result)) + "\n")
+        yield result
 
 
 def _read(record: Path) -> Iterator[Result]:
