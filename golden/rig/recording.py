@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import re
+import shlex
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -148,7 +149,7 @@ def _refuse_separator(path: Path, text: str) -> None:
             shown = change.replace("\t", "\\t")
             raise ValueError(
                 f"{path}: got {got}, expected a comma{' and decimal points' if decimal else ''}; "
-                f"tr '{shown}' '{into}' < {path.name} > comma.csv makes it so"
+                f"tr '{shown}' '{into}' < {shlex.quote(str(path))} > comma.csv makes it so"
             )
     words = header.split()
     if len(words) > 1 and any(len(line.split()) == len(words) for line in text.splitlines()[1:2]):
