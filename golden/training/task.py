@@ -14,7 +14,7 @@ from golden.networks.arrangement import seen
 from golden.networks.mlp import Mlp, Real
 from golden.precision import SIGNAL
 from golden.scene import Scene, Vectors
-from golden.scene.scale import Scale, range_scale, readings, signals
+from golden.scene.scale import Scale, range_scale, readings
 from golden.training.objective import Rows
 from golden.training.split import Split, split_of
 
@@ -126,11 +126,8 @@ def task_for(scene: Scene, vectors: Vectors, earlier: Sequence[Mlp]) -> Task:
         rows = np.tile(rows, -(-least // len(rows)))
         rng = np.random.default_rng([scene.training.seed, PARTS.index(part)])
         # Each row has a drift of its own: few drifts, each of many rows, would be a chance sample.
-        given = [disturbance.of(recorded_in_units[[row]], rng) for row in rows]
-        return frames(signals(np.concatenate(given), scales), rows)
-
-    scales = scene.scales(scene.sensors)
-    recorded_in_units = readings(vectors.inputs, scales)
+        inputs = [disturbance.of(vectors.inputs[[row]], rng) for row in rows]
+        return frames(np.concatenate(inputs), rows)
 
     recorded = frames(vectors.inputs, np.arange(len(targets)))
     return Task(scene, number, split, recorded, *(disturbed(part) for part in PARTS))
