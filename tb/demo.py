@@ -16,10 +16,20 @@ from typing import Any
 import numpy as np
 
 from golden.cli import run
-from golden.errors import scene_errors
+from golden.disturbance import Disturbance
+from golden.errors import (
+    UNKNOWN,
+    disturbed_errors,
+    held_out_rows,
+    noise_of,
+    scene_errors,
+    unit_errors,
+)
 from golden.machine import closing
 from golden.metrics import millimetres
 from golden.scene import Scene, thesis_figures
+from golden.scene.ranges import ranges
+from golden.scene.vectors import warn_outside
 from tb.common.results import simulate
 from tb.common.runner import ready_scene
 from tb.common.tools import SIMULATORS, language, simulator_versions
@@ -36,27 +46,41 @@ def twin_speed(scene: Scene) -> float:
 
 
 def error_table(scene: Scene) -> list[str]:
-    """Per output and kind: mean, largest mean over positions, and worst frame."""
+    """Per output and kind: mean, largest mean over positions, worst frame; the mean with noise."""
     found = scene_errors(scene)
+    noise = noise_of(scene)
+    noisy = disturbed_errors(scene, Disturbance(noise))
     thesis = None
     if scene.reference:
         thesis = thesis_figures(scene.reference, len(scene.outputs), scene.path)
     group = f"{'mean':>6} {'largest':>8} {'worst':>6}"
     lines = [
-        f"{'':9} " + "  ".join(f"{name:^22}" for name in found) + ("   thesis" if thesis else ""),
-        f"{'output':9} " + "  ".join([group] * len(found)) + ("  largest" if thesis else ""),
+        f"{'':9} "
+        + "  ".join([*(f"{name:^22}" for name in found), "noise"])
+        + "   thesis" * bool(thesis),
+        f"{'output':9} "
+        + "  ".join([*[group] * len(found), f"{noise:>5g}"])
+        + "  largest" * bool(thesis),
     ]
     for c, name in enumerate(scene.outputs):
         cells = [
             f"{e[c].mean:6.2f} {e[c].largest_mean:8.2f} {e[c].worst:6.2f}" for e in found.values()
         ]
         last = f"  {thesis[c]:7.2f}" if thesis else ""
-        lines.append(f"{name:9} " + "  ".join(cells) + last)
+        lines.append(f"{name:9} " + "  ".join([*cells, f"{noisy[c]:5.2f}"]) + last)
     return [line.rstrip() for line in lines]
 
 
+def held_out_line(scene: Scene) -> str:
+    """What held-out frames are, or that nobody knows which these were."""
+    rows = held_out_rows(scene)
+    if rows is None:
+        return f"held-out frames are {UNKNOWN}"
+    return f"'held out' are the {len(rows)} frames that neither trained nor chose the network"
+
+
 def length_lines(scene: Scene) -> list[str]:
-    """The bit-true errors of lengths, in millimetres."""
+    """The bit-true errors of lengths in millimetres, and of what has a scale in its unit."""
     found = scene_errors(scene)["bit-true"]
     lines = []
     for name, error in zip(scene.outputs, found, strict=True):
@@ -66,6 +90,12 @@ def length_lines(scene: Scene) -> list[str]:
                 f"{name + ' in mm':26}mean {mm.mean:.2f}, largest {mm.largest_mean:.2f}, "
                 f"worst {mm.worst:.2f}"
             )
+    for name, error in unit_errors(scene).items():
+        unit = scene.units.get(name, "its unit")
+        lines.append(
+            f"{name + ' in ' + unit:26}mean {error.mean:.3g}, largest {error.largest_mean:.3g}, "
+            f"worst {error.worst:.3g}"
+        )
     return lines
 
 
@@ -81,7 +111,9 @@ def report(scene: Scene, results: dict[str, Any]) -> str:
         f"{scene.precision.name} precision",
         f"errors in % on {len(vectors.codes)} recorded frames; 'largest' is the largest mean over "
         "the positions;",
-        "'held out' are the frames that neither trained nor chose the network",
+        held_out_line(scene),
+        f"'noise {noise_of(scene):g}' is the mean with that noise on every reading; codes reach "
+        "from -1 to 1",
         "",
         *error_table(scene),
         "",
@@ -92,6 +124,7 @@ def report(scene: Scene, results: dict[str, Any]) -> str:
         f"({scene.clock_mhz * 1e6 / interval:,.0f} frames a second)",
         *(f"{design.entity:25} {fact}" for fact in design.facts()),
         f"samples saturated         {vectors.saturated} of {vectors.codes.size}",
+        *ranges(scene),
         *(f"left out                  {text}" for text in scene.twin().left_out()),
         "",
         "frames a second, simulated: "
@@ -121,8 +154,11 @@ def bench_table(results: dict[str, Any]) -> str:
 def main() -> int:
     parser = argparse.ArgumentParser(prog="make demo", description=__doc__)
     parser.add_argument("scene")
+    parser.add_argument("--full", action="store_true", help="the project's own tables too")
+    arguments = parser.parse_args()
     started = time.perf_counter()
-    scene = ready_scene(parser.parse_args().scene)
+    scene = ready_scene(arguments.scene)
+    warn_outside(scene)
     results = simulate(scene)
     print(bench_table(results))
     if results["failed"]:
@@ -130,7 +166,7 @@ def main() -> int:
     print(report(scene, results))
     for simulator in SIMULATORS:
         print(f"{language(simulator):8} in build/{scene.name}/{language(simulator)}")
-    build_report(scene)
+    build_report(scene, arguments.full)
     print("\n".join(["", *closing(time.perf_counter() - started, **simulator_versions())]))
     return 0
 

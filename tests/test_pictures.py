@@ -17,13 +17,18 @@ from golden.flow import Carried
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_names
 from tb.report.draw.animation import animation
+from tb.report.draw.area import area, designs
+from tb.report.draw.axes import Axes
 from tb.report.draw.datapath import datapath
 from tb.report.draw.load import beam
 from tb.report.draw.network import network
 from tb.report.draw.profile import profile
 from tb.report.draw.swing import swing
+from tb.report.draw.tanh_words import tanh_words as draw_tanh_words
 from tb.report.draw.waveforms import Port, waveforms
 from tb.report.measure.recording import record
+from tb.report.measure.table import Table
+from tb.report.measure.tanh_words import tanh_words
 
 SVG = "{http://www.w3.org/2000/svg}"
 FRAME = 40
@@ -319,3 +324,70 @@ def test_the_swing_is_drawn_for_each_arrangement(name: str) -> None:
 def test_the_swing_is_refused_for_other_outputs() -> None:
     with pytest.raises(ValueError, match=r"digit.toml: swing: got outputs load, position"):
         swing(load_scene("digit"))
+
+
+AREA = (
+    *("scene", "data", "outputs", "design"),
+    *("largest %", "clocks a frame", "LUT", "multiplier"),
+)
+
+
+def a_table_of_designs() -> Table:
+    """Engines that lie on each other, one of two outputs, one not recorded, one after its scan."""
+    rows = [
+        ["digit", "appendix2", 4, "engine", 0.5, 300, 137, 1],
+        ["comparison/other", "appendix2", 4, "engine", 0.5, 305, 137, 1],
+        ["digit-hybrid", "appendix2", 4, "hybrid", 0.4, 84, 8000, 93],
+        ["few", "appendix2", 2, "parallel", 0.5, 17, 900, 30],
+        ["unknown", "appendix2", 4, "hybrid", 0.5, 84, None, None],
+        ["late", "appendix2", 4, "engine", 0.5, 4304, 400, 5],
+        ["swing", "swing-train", 4, "engine", 0.5, 300, 137, 1],
+    ]
+    return Table("clocks", AREA, rows, "")
+
+
+def test_area_shows_designs_of_four_outputs_within_a_scan_and_the_printed_ones() -> None:
+    found = {design.name: design for design in designs(a_table_of_designs())}
+    assert list(found) == ["digit", "other", "thesis, single", "thesis, cascade", "digit-hybrid"]
+    # Tables 5.3 and 5.4: 20 and 24 % of 28672 LUTs, 51 and 60 % of 96 multipliers.
+    assert (found["thesis, single"].luts, found["thesis, cascade"].luts) == (5734.4, 6881.28)
+    assert found["thesis, cascade"].multipliers == 57.6
+    assert (found["thesis, single"].error, found["thesis, cascade"].error) == (14.2, 3.67)
+    assert found["thesis, single"].clocks == 4096
+
+
+def test_every_disc_of_area_has_a_letter_of_its_own_and_a_row() -> None:
+    root = parse(area(a_table_of_designs()))
+    discs = list(root.iter(f"{SVG}circle"))
+    assert len(discs) == 5
+    bold = [e for e in root.iter(f"{SVG}text") if e.get("font-weight") == "bold"]
+    for letter in "abcde":
+        beside, row = (e for e in bold if e.text == letter)
+        assert float(row.get("y", 0)) > float(beside.get("y", 0))
+        place = complex(float(beside.get("x", 0)), float(beside.get("y", 0)) - 4)
+        for disc in discs:
+            middle = complex(float(disc.get("cx", 0)), float(disc.get("cy", 0)))
+            assert abs(place - middle) > float(disc.get("r", 0)) + 4
+    places = [(e.get("x"), e.get("y")) for e in bold]
+    assert len(set(places)) == len(places)
+
+
+def test_axes_are_logarithmic() -> None:
+    axes = Axes(10, 20, 100, 200, (1, 100), (0.1, 1000))
+    assert axes.at(1, 0.1) == (10, 220)
+    assert axes.at(10, 1000) == (60, 20)
+    assert axes.at(100, 10) == pytest.approx((110, 120))
+    assert words(parse(f'<svg xmlns="{SVG[1:-1]}">{"".join(axes.drawn("x", "y"))}</svg>')) == [
+        *("1", "2", "5", "10", "20", "50", "100"),
+        *("0.1", "0.2", "0.5", "1", "2", "5", "10", "20", "50", "100", "200", "500", "1000"),
+        *("x", "y"),
+    ]
+
+
+def test_tanh_words_fills_what_an_engine_may_have() -> None:
+    table = tanh_words(1)
+    discs = list(parse(draw_tanh_words(table)).iter(f"{SVG}circle"))
+    assert len(discs) == len(table.rows)
+    filled = [n for n, disc in enumerate(discs) if disc.get("fill") != "#fff"]
+    assert filled == [n for n, row in enumerate(table.rows) if row[-1] == "yes"]
+    assert len(filled) == 3

@@ -17,10 +17,11 @@ from golden.engine.program import table_words
 from golden.engine.program_memory import ProgramMemory
 from golden.engine.round_saturate import RoundSaturate
 from golden.engine.table_address import TableAddress
-from golden.engine.tanh_table import tanh_table
+from golden.engine.tanh_table import ENDS, tanh_table
 from golden.fixed import Codes
 from golden.precision import SIGNAL
 from golden.transcendental import tanh_floors
+from tb.report.measure.tanh_words import tanh_words
 
 WIDTHS = (7, 8, 9)
 CODES = np.arange(HIDDEN.low, HIDDEN.high + 1)
@@ -103,6 +104,18 @@ def test_the_blocks_compute_it(width: int) -> None:
     zero = np.zeros(len(q), dtype=np.int64)
     word = RoundSaturate(PRODUCT_WIDTH).process(np.ones(len(q)), sums, zero)
     assert np.array_equal(word, results(width)[::9])
+
+
+def test_the_figures_of_every_table_are_those_of_its_integers(floors: Codes) -> None:
+    """Of those that an engine may have by the reference above; of all, how they depend on words."""
+    found = {(row[0], row[1]): row[2:] for row in tanh_words(1).rows}
+    unit = 1 << (FRAC - SIGNAL.frac)
+    for width, end in ENDS.items():
+        words, largest, _, chosen = found.pop((width, float(end)))
+        assert (words, chosen) == (len(tanh_table(width).slopes), "yes")
+        assert largest == errors(width, floors).max() / unit
+    assert {row[-1] for row in found.values()} == {"no"}
+    assert all(words == end * 2 ** (14 - width) for (width, end), (words, *_) in found.items())
 
 
 @pytest.mark.parametrize("width", [6, 10])

@@ -12,6 +12,7 @@ import pytest
 from golden.activation.schemes import SCHEMES
 from golden.activation.segments import gradient_real
 from golden.cli import CommandError
+from golden.disturbance import Disturbance
 from golden.fingerprint import fingerprint
 from golden.metrics import percent_errors
 from golden.network_files.network_file import provenance_path, save_network, save_networks
@@ -21,8 +22,16 @@ from golden.scene import Scene, load_scene, scene_names
 from golden.training import __main__ as command
 from golden.training.objective import Objective, Rows, pack, unpack
 from golden.training.scg import minimise
-from golden.training.search import OPTIMISERS, Result, bit_true_errors, search, train
-from golden.training.task import Task, split_rows, task_for
+from golden.training.search import (
+    OPTIMISERS,
+    Result,
+    bit_true_error,
+    bit_true_errors,
+    search,
+    train,
+)
+from golden.training.split import split_of, split_rows
+from golden.training.task import MEASURED_ROWS, PARTS, TRAINED_ROWS, Task, task_for
 from tb.common.cases import random_mlp
 
 SHAPE = (3, 4, 2)
@@ -263,10 +272,12 @@ def test_shipped_networks_have_the_errors_of_their_provenance(name: str) -> None
     vectors = scene.vectors()
     results = SIGNAL.to_real(scene.twin().process(vectors.codes))
     errors = percent_errors(results, vectors.targets, scene.outputs, scene.full_scale)
-    split = split_rows(len(vectors.inputs), scene.training.seed)
+    split = split_of(scene)
     for member in scene.members:
         provenance = tomllib.loads(provenance_path(member.weights_path).read_text())
         assert provenance["design"] == scene.design
+        # Those written before the key was there were split at random.
+        assert provenance.get("split", "random") == scene.training.split
         columns = [scene.outputs.index(name) for name in member.outputs]
         for part in ("validation", "test"):
             rms = np.sqrt((errors[getattr(split, part)][:, columns] ** 2).mean())
@@ -281,11 +292,107 @@ def test_a_network_of_a_cascade_sees_what_the_scene_says(small_cascade: Scene) -
     for loop, given in (("bit-true", SIGNAL.to_real(results)), ("float", real)):
         training = replace(small_cascade.training, earlier_outputs=loop)
         task = task_for(replace(small_cascade, training=training), vectors, mlps[:2])
-        assert np.array_equal(task.codes, np.hstack([vectors.codes, results[:, :2]]))
-        assert np.array_equal(task.inputs[:, :3], SIGNAL.to_real(vectors.codes))
-        assert np.allclose(task.inputs[:, 3:], given[:, :2], atol=1e-12)
-        assert np.array_equal(task.targets, vectors.targets[:, 2:])
-        assert np.array_equal(task.bit_true(mlps[2]), SIGNAL.to_real(results[:, 2:]))
+        frames = task.recorded
+        assert np.array_equal(frames.codes, np.hstack([vectors.codes, results[:, :2]]))
+        assert np.array_equal(frames.inputs[:, :3], SIGNAL.to_real(vectors.codes))
+        assert np.allclose(frames.inputs[:, 3:], given[:, :2], atol=1e-12)
+        assert np.array_equal(frames.targets, vectors.targets[:, 2:])
+        assert np.array_equal(task.bit_true(mlps[2], frames), SIGNAL.to_real(results[:, 2:]))
+
+
+def disturbed(scene: Scene, **sizes: float) -> Scene:
+    return replace(scene, training=replace(scene.training, disturbance=Disturbance(**sizes)))
+
+
+def test_without_a_disturbance_the_parts_are_as_recorded(small_cascade: Scene) -> None:
+    task = task_for(small_cascade, small_cascade.vectors(), small_cascade.mlps()[:1])
+    for part in PARTS:
+        frames, recorded = getattr(task, part), task.recorded.take(getattr(task.split, part))
+        for name in ("inputs", "codes", "targets", "scale"):
+            assert np.array_equal(getattr(frames, name), getattr(recorded, name)), (part, name)
+
+
+def test_every_network_of_a_cascade_sees_the_same_disturbed_readings(small_cascade: Scene) -> None:
+    """And what the networks before it make of them, bit by bit."""
+    scene, mlps = disturbed(small_cascade, noise=0.01), small_cascade.mlps()
+    first, second = (task_for(scene, scene.vectors(), mlps[:n]) for n in (0, 1))
+    for part, least in zip(PARTS, (TRAINED_ROWS, MEASURED_ROWS, MEASURED_ROWS), strict=True):
+        before, after = getattr(first, part), getattr(second, part)
+        assert np.array_equal(after.codes[:, :3], before.codes)
+        assert np.array_equal(after.codes[:, 3:], scene.build(mlps[0]).process(before.codes))
+        rows = getattr(first.split, part)
+        assert least <= len(before.codes) < least + len(rows)
+        assert len(before.codes) % len(rows) == 0
+        assert np.array_equal(
+            before.targets,
+            np.tile(first.recorded.targets[rows], (len(before.codes) // len(rows), 1)),
+        )
+
+
+@pytest.mark.parametrize(
+    ("sizes", "expected"),
+    [
+        ({"noise": 0.01}, lambda x: 0.01 * np.ones_like(x)),
+        ({"offset": 0.01}, lambda x: 0.01 * np.ones_like(x)),
+        ({"gain": 0.01}, lambda x: 0.01 * np.abs(x)),
+    ],
+)
+def test_parts_are_disturbed_by_as_much_as_the_scene_says(
+    small_scene: Scene, sizes: dict[str, float], expected
+) -> None:
+    scene = disturbed(small_scene, **sizes)
+    task = task_for(scene, scene.vectors(), [])
+    for part in PARTS:
+        frames, rows = getattr(task, part), getattr(task.split, part)
+        recorded = np.tile(scene.vectors().inputs[rows], (len(frames.inputs) // len(rows), 1))
+        inside = np.abs(recorded) < 0.9  # the format's ends clip the others
+        moved = ((frames.inputs - recorded) / expected(recorded))[inside & (recorded != 0)]
+        # 600 draws or more: their deviation is within 15 % by more than four of its own.
+        assert moved.std() == pytest.approx(1, rel=0.15)
+        assert abs(moved.mean()) < 0.2
+
+
+def test_candidates_are_compared_on_the_same_draws(small_scene: Scene) -> None:
+    scene = disturbed(small_scene, noise=0.02, gain=0.01)
+    one, two = (task_for(scene, scene.vectors(), []) for _ in range(2))
+    for part in PARTS:
+        assert np.array_equal(getattr(one, part).codes, getattr(two, part).codes)
+    other = replace(scene, training=replace(scene.training, seed=2))
+    assert not np.array_equal(
+        one.validation.codes, task_for(other, scene.vectors(), []).validation.codes
+    )
+
+
+def test_training_for_noise_makes_a_network_that_noise_moves_less() -> None:
+    scene = load_scene("digit")
+    noisy = disturbed(scene, noise=0.02)
+    asked = task_for(noisy, scene.vectors(), [])
+    plain = train(task_for(scene, scene.vectors(), []), 8, 0)
+    trained = train(asked, 8, 0)
+    # On the rows that neither saw, under the noise: by far, so that no last bit turns it round.
+    assert bit_true_error(asked, trained, asked.test) < 0.8 * bit_true_error(
+        asked, plain, asked.test
+    )
+
+
+def test_provenance_states_split_disturbance_and_both_errors(
+    small_scene: Scene, tmp_path: Path
+) -> None:
+    scene = disturbed(small_scene, noise=0.02, gain=0.01)
+    scene = replace(
+        scene, training=replace(scene.training, split="blocks", block_rows=2, restarts=1)
+    )
+    command.train_scene(scene, tmp_path, 1)
+    (member,) = scene.members
+    story = tomllib.loads(provenance_path(member.weights_path).read_text())
+    assert [story[key] for key in ("split", "split_by", "block_rows")] == ["blocks", "", 2]
+    assert [story[key] for key in ("noise", "drift_gain", "drift_offset")] == [0.02, 0.01, 0]
+    task = task_for(scene, scene.vectors(), [])
+    for part in ("validation", "test"):
+        recorded = task.recorded.take(getattr(task.split, part))
+        for name, frames in (("", recorded), ("_disturbed", getattr(task, part))):
+            error = bit_true_error(task, member.load(), frames)
+            assert story[f"{part}{name}_rms_percent"] == round(error, 4)
 
 
 def test_a_cascade_is_written_whole_or_not_at_all(

@@ -19,7 +19,7 @@ from golden.engine.formats import (
 from golden.engine.graph import Graph, Kind, Neuron
 from golden.engine.operand_select import OperandSelect
 from golden.engine.table_address import TableAddress
-from golden.engine.tanh_table import tanh_table
+from golden.engine.tanh_table import TanhTable, tanh_table
 from golden.fixed import Codes, Fix, Overflow, Rounding, requantise
 from golden.networks.mlp import Mlp, Real
 from golden.precision import SIGNAL
@@ -96,10 +96,14 @@ def _taken(weights: Real, result: Fix, operand: Fix) -> Real:
 def tanh_error(segment_width: int) -> float:
     """Largest error of tanh over every code of q, its rounding to 17 fraction bits included."""
     q = np.arange(HIDDEN.low, HIDDEN.high + 1)
-    table = tanh_table(segment_width)
-    segment = TableAddress(segment_width, len(table.slopes)).process(q)
-    select = OperandSelect(segment_width)
+    r = tanh_codes(tanh_table(segment_width), q)
+    return float(np.abs(RESULT.to_real(r) - np.tanh(HIDDEN.to_real(q))).max())
+
+
+def tanh_codes(table: TanhTable, q: Codes) -> Codes:
+    """What an engine with the table computes of codes of q, Fix(18,17)."""
+    segment = TableAddress(table.width, len(table.slopes)).process(q)
+    select = OperandSelect(table.width)
     sums = np.array(table.intercepts)[segment] * select.process(q, np.full(len(q), Kind.INTERCEPT))
     sums += np.array(table.slopes)[segment] * select.process(q, np.full(len(q), Kind.DISTANCE))
-    r = requantise(sums, DROPPED, RESULT, Rounding.ROUND, Overflow.SATURATE)
-    return float(np.abs(RESULT.to_real(r) - np.tanh(HIDDEN.to_real(q))).max())
+    return requantise(sums, DROPPED, RESULT, Rounding.ROUND, Overflow.SATURATE)

@@ -58,6 +58,22 @@ def tanh_table(width: int) -> TanhTable:
     ------
     ValueError
         For another width.
+    """
+    if width not in ENDS:
+        raise ValueError(f"segment_width: got {width}, expected one of {', '.join(map(str, ENDS))}")
+    return fitted(width, ENDS[width])
+
+
+def fitted(width: int, end: Fraction) -> TanhTable:
+    """The words of the segments up to an end.
+
+    Parameters
+    ----------
+    width : int
+        See ``TanhTable``.
+    end : Fraction
+        A multiple of a segment, 6 at most: from 6.5 on a line reaches 1 before it, which is above
+        the last word, and the table is not monotone.
 
     Notes
     -----
@@ -69,10 +85,8 @@ def tanh_table(width: int) -> TanhTable:
     is odd. The odd slope moves a border by 2**-6 units of the result at most, which no rounding
     sees.
     """
-    if width not in ENDS:
-        raise ValueError(f"segment_width: got {width}, expected one of {', '.join(map(str, ENDS))}")
     step = Fraction(1, 1 << (HIDDEN.frac - width))
-    segments = int(ENDS[width] / step)
+    segments = int(end / step)
     curve = tanh_floors(step, segments, _FRAC)
     borders = [0]
     # A slope must stay below 1; the odd one below is the largest code.

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 
@@ -126,7 +127,8 @@ def _files(path: Path) -> tuple[Path, Path]:
     return path, provenance_path(path)
 
 
-Provenance = Mapping[str, str | int | float]
+# Texts, numbers and tables of these.
+Provenance = Mapping[str, Any]
 
 
 def save_networks(networks: Sequence[tuple[Path, Mlp, Provenance]]) -> None:
@@ -141,14 +143,18 @@ def save_networks(networks: Sequence[tuple[Path, Mlp, Provenance]]) -> None:
         for number, (path, mlp, provenance) in enumerate(networks):
             network, story = temporaries[2 * number : 2 * number + 2]
             _form(path).write(network, mlp)
-            # A text in JSON is one in TOML, too.
-            lines = [
-                f"{key} = {json.dumps(value, ensure_ascii=False)}"
-                for key, value in provenance.items()
-            ]
+            lines = [f"{key} = {_toml(value)}" for key, value in provenance.items()]
             story.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def save_network(path: Path, mlp: Mlp, provenance: Provenance) -> None:
     """Write a network and its provenance; see ``save_networks``."""
     save_networks([(path, mlp, provenance)])
+
+
+def _toml(value: Any) -> str:
+    """A text, a number or a table of these as TOML writes it on one line."""
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{_toml(k)} = {_toml(v)}" for k, v in value.items()) + " }"
+    # A text of JSON is one of TOML, but for the one control character that JSON leaves as it is.
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

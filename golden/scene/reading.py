@@ -9,6 +9,7 @@ from typing import Any
 from golden.files import check_file, reading
 from golden.precision import PRECISIONS
 from golden.scene.front_end import front_end
+from golden.scene.scale import read_scale
 from golden.scene.scene import Scene
 from golden.scene.schema import checked
 from golden.scene.sections import (
@@ -91,6 +92,8 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
         where={name: float(value) for name, value in data["where"].items()},
         full_scale={name: float(s) for name, s in data["full_scale"].items()},
         length_mm={name: float(s) for name, s in data["length_mm"].items()},
+        scale=read_scale(data, path),
+        units=data["units"],
         reference=data["reference"],
         arrangement=network["arrangement"],
         members=members(data, network, path),

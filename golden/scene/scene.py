@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from golden.activation.schemes import SCHEMES, Scheme
+from golden.fixed import Codes
+from golden.network_files.network_file import provenance_path
 from golden.networks.arrangement import process_real
 from golden.networks.design import Design
 from golden.networks.designs import DESIGNS
 from golden.networks.mlp import Mlp, Real
 from golden.networks.network import Network
-from golden.precision import Precision
+from golden.precision import SIGNAL, Precision
 from golden.scene.building import build_twin
 from golden.scene.front_end import FrontEnd
+from golden.scene.scale import AUTO, Scale, on_signals, readings, signals
 from golden.scene.sections import Member, Training
+from golden.scene.trained_scale import trained_scales
 from golden.scene.vectors import Vectors, read_vectors
 from golden.scene.visualisation import Visualisation
 
@@ -38,9 +43,13 @@ class Scene:
     where : dict
         Columns and the values that they have in the rows that are used.
     full_scale : dict
-        Outputs whose error is divided by this constant instead of by the target.
+        Outputs whose error is divided by this constant instead of by the target; in their units.
     length_mm : dict
         What the full scale of an output is in millimetres.
+    scale : dict
+        Columns and their ``Scale``, or "auto"; see ``golden.scene.scale``.
+    units : dict
+        Columns and the names of their units.
     reference : str
         Table of golden/data/thesis_numbers.toml to compare with, or nothing.
     arrangement : str
@@ -73,6 +82,8 @@ class Scene:
     where: dict[str, float]
     full_scale: dict[str, float]
     length_mm: dict[str, float]
+    scale: dict[str, Scale | str]
+    units: dict[str, str]
     reference: str
     arrangement: str
     members: tuple[Member, ...]
@@ -95,7 +106,8 @@ class Scene:
     @property
     def files(self) -> list[Path]:
         """Everything that the scene reads: its own file, its networks, its data."""
-        return [self.path, *self.weights_paths, self.data_path]
+        told = [provenance_path(p) for p in self.weights_paths if AUTO in self.scale.values()]
+        return [self.path, *self.weights_paths, *told, self.data_path]
 
     @property
     def activation_text(self) -> str:
@@ -117,21 +129,58 @@ class Scene:
         return read_vectors(self)
 
     def mlps(self) -> list[Mlp]:
-        """The trained networks in floating point, read once.
+        """The trained networks in floating point, on signals, read once.
 
         Raises
         ------
         FileNotFoundError, ValueError
-            See ``load_network``.
+            See ``load_network`` and ``trained_scales``.
         """
         return self._mlps
 
     @cached_property
     def _mlps(self) -> list[Mlp]:
-        return [member.load() for member in self.members]
+        return [
+            on_signals(member.load(), *self.scales_of(number))
+            for number, member in enumerate(self.members)
+        ]
+
+    def columns_of(self, number: int) -> list[str]:
+        """What a network of the scene takes and gives: sensors, earlier outputs, its own."""
+        member = self.members[number]
+        return [*[*self.sensors, *self.outputs][: member.inputs], *member.outputs]
+
+    def scales_of(self, number: int) -> tuple[list[Scale], list[Scale]]:
+        """The scales of what a network takes, and of what it gives."""
+        scales, inputs = self.scales(self.columns_of(number)), self.members[number].inputs
+        return scales[:inputs], scales[inputs:]
+
+    def scales(self, columns: Sequence[str]) -> list[Scale]:
+        """The scale of each of these columns; see ``trained_scales``."""
+        return [self.known_scales.get(name, Scale()) for name in columns]
+
+    @cached_property
+    def known_scales(self) -> dict[str, Scale]:
+        """The scales of the columns that name one; see ``trained_scales``."""
+        return trained_scales(self)
+
+    def codes_of(self, readings: Real) -> Codes:
+        """Codes of the sensors' readings, shape (frames, sensors), in the sensors' units."""
+        return SIGNAL.quantise(signals(readings, self.scales(self.sensors)), "readings")[0]
+
+    def in_units(self, outputs: Real) -> Real:
+        """Outputs, shape (frames, outputs), as signals, in their units."""
+        return readings(outputs, self.scales(self.outputs))
+
+    def outputs_in_units(self, codes: Codes) -> Real:
+        """Codes of the outputs, shape (frames, outputs), in their units."""
+        return self.in_units(SIGNAL.to_real(codes))
 
     def process_real(self, samples: Real) -> Real:
-        """Outputs of the trained networks with this scene's activation in floating point."""
+        """Outputs of the trained networks with this scene's activation in floating point.
+
+        Samples and outputs are signals.
+        """
         return process_real(self.arrangement, self.mlps(), samples, self.scheme.real)
 
     def build(self, mlp: Mlp, variant: str = "", lean: bool = True) -> Design:

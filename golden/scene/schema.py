@@ -14,7 +14,7 @@ from golden.scene.visualisation import KEYS as VISUALISATION_KEYS
 from golden.table import suggest
 
 # Section, key, type, default; None as a default makes the key required. A type in brackets is one
-# such value for all networks of the scene, or a list of one for each.
+# such value for all networks of the scene, or a list of one for each; several are alternatives.
 KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
     "data": {
         "file": (str, None),
@@ -24,6 +24,8 @@ KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
         "where": (dict, {}),
         "full_scale": (dict, {}),
         "length_mm": (dict, {}),
+        "scale": ((dict, str), {}),
+        "units": (dict, {}),
         "reference": (str, ""),
     },
     "network": {
@@ -55,6 +57,11 @@ KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
         "steps": (int, 200),
         "patience": (int, 40),
         "earlier_outputs": (str, "bit-true"),
+        "split": (str, "random"),
+        "split_by": (list, []),
+        "block_rows": (int, 5),
+        "noise": (float, 0.0),
+        "drift": (dict, {}),
     },
     "front_end": FRONT_END_KEYS,
     "visualisation": VISUALISATION_KEYS,
@@ -71,6 +78,7 @@ CHOICES = {
     ("hardware", "pipeline"): ("short", "deep"),
     ("training", "optimiser"): ("levenberg-marquardt", "scg"),
     ("training", "earlier_outputs"): ("bit-true", "float"),
+    ("training", "split"): ("random", "blocks", "groups"),
 }
 
 
@@ -121,12 +129,16 @@ def _is(value: Any, kind: Any) -> bool:
     if isinstance(kind, list):
         values = value if isinstance(value, list) else [value]
         return all(type(v) is kind[0] for v in values)
+    if isinstance(kind, tuple):
+        return any(_is(value, one) for one in kind)
     return type(value) is kind
 
 
 def _kind(kind: Any) -> str:
     if isinstance(kind, list):
         return f"{_kind(kind[0])}, or a list with one for each network"
+    if isinstance(kind, tuple):
+        return " or ".join(_kind(one) for one in kind)
     names = {
         str: "text",
         bool: "true or false",

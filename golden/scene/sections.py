@@ -9,12 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from golden.activation.schemes import SCHEMES
+from golden.disturbance import MOST, Disturbance
 from golden.files import same_file
 from golden.network_files.network_file import load_network
 from golden.networks.designs import DESIGNS
 from golden.networks.mlp import Mlp
 from golden.precision import PRECISIONS
 from golden.scene.reference import thesis_figures
+from golden.scene.scale import refuse_other_column
 from golden.table import suggest
 
 # An engine's memory of operands has as many words.
@@ -22,6 +24,7 @@ MOST_HIDDEN = 1024
 MOST_RESTARTS = 100_000
 MOST_STEPS = 1_000_000
 CLOCKS_MHZ = (0.001, 10_000.0)
+DRIFTS = ("gain", "offset")
 
 
 @dataclass(frozen=True)
@@ -29,7 +32,9 @@ class Training:
     """How a scene's networks are trained; see ``golden.training``.
 
     ``earlier_outputs`` tells what a network of a cascade trains on: the outputs that the networks
-    before it give in floating point (the thesis' cascade A) or bit-true (cascade B).
+    before it give in floating point (the thesis' cascade A) or bit-true (cascade B). ``split``,
+    ``split_by`` and ``block_rows`` are those of ``golden.training.split``; ``disturbance`` is what
+    the sensors are expected to do to the readings.
     """
 
     optimiser: str
@@ -40,6 +45,10 @@ class Training:
     steps: int
     patience: int
     earlier_outputs: str
+    split: str
+    split_by: tuple[str, ...]
+    block_rows: int
+    disturbance: Disturbance
 
 
 @dataclass(frozen=True)
@@ -86,7 +95,7 @@ def beside(path: Path, key: str, name: str) -> Path:
 
 
 def check_data(data: dict[str, Any], path: Path) -> None:
-    """Refuse columns, scales, lengths and a reference that cannot be.
+    """Refuse columns, full scales, lengths, units and a reference that cannot be.
 
     Raises
     ------
@@ -118,6 +127,10 @@ def check_data(data: dict[str, Any], path: Path) -> None:
     for name, value in data["where"].items():
         if type(value) not in (int, float) or not math.isfinite(value):
             raise ValueError(f"{path}: data.where.{name}: got {value!r}, expected a number")
+    for name, unit in data["units"].items():
+        refuse_other_column("units", name, [*data["sensors"], *data["outputs"]], path)
+        if type(unit) is not str or not unit.isprintable():
+            raise ValueError(f"{path}: data.units.{name}: got {unit!r}, expected text, such as 'g'")
     if data["reference"]:
         thesis_figures(data["reference"], len(data["outputs"]), path)
 
@@ -136,7 +149,9 @@ def training(values: dict[str, Any], path: Path) -> Training:
             f"{path}: training.hidden: got {span!r}, expected the least and the largest number of "
             f"hidden nodes, such as [4, 25], {MOST_HIDDEN} at most"
         )
-    for key, most in (("restarts", MOST_RESTARTS), ("steps", MOST_STEPS), ("patience", math.inf)):
+    limits = {"restarts": MOST_RESTARTS, "steps": MOST_STEPS}
+    for key in ("restarts", "steps", "patience", "block_rows"):
+        most = limits.get(key, math.inf)
         if not 0 < values[key] <= most:
             limit = f" and {most} at most" if most < math.inf else ""
             raise ValueError(
@@ -145,7 +160,49 @@ def training(values: dict[str, Any], path: Path) -> Training:
     for key in ("weight_decay", "seed"):
         if not 0 <= values[key] < math.inf:
             raise ValueError(f"{path}: training.{key}: got {values[key]!r}, expected 0 or more")
-    return Training(**(values | {"hidden": (span[0], span[1])}))
+    kept = {key: values[key] for key in values if key not in ("noise", "drift")}
+    read = {
+        "hidden": (span[0], span[1]),
+        "split_by": _split_by(values, path),
+        "disturbance": _disturbance(values, path),
+    }
+    return Training(**(kept | read))
+
+
+def _split_by(values: dict[str, Any], path: Path) -> tuple[str, ...]:
+    """The columns of ``training.split_by``."""
+    names, split = values["split_by"], values["split"]
+    if any(type(n) is not str for n in names) or len(set(names)) < len(names):
+        raise ValueError(f"{path}: training.split_by: got {names!r}, expected columns, each once")
+    if names and split == "random":
+        raise ValueError(
+            f"{path}: training.split_by: got {names!r} with split 'random', expected 'blocks' or "
+            "'groups'"
+        )
+    if split == "groups" and not names:
+        raise ValueError(
+            f"{path}: training.split_by: got none with split 'groups', expected the columns whose "
+            "values are held out together"
+        )
+    return tuple(names)
+
+
+def _disturbance(values: dict[str, Any], path: Path) -> Disturbance:
+    """What ``training.noise`` and ``training.drift`` say of the sensors."""
+    drift = values["drift"]
+    for name in drift:
+        if name not in DRIFTS:
+            raise ValueError(
+                f"{path}: training.drift: {name!r} is not known, expected {' or '.join(DRIFTS)}"
+                f"{suggest(name, DRIFTS)}"
+            )
+    sizes = {"noise": values["noise"]} | {f"drift.{name}": drift[name] for name in drift}
+    for key, size in sizes.items():
+        if type(size) not in (int, float) or not 0 <= size <= MOST:
+            raise ValueError(
+                f"{path}: training.{key}: got {size!r}, expected a number from 0 to {MOST:g}"
+            )
+    return Disturbance(values["noise"], **{name: float(size) for name, size in drift.items()})
 
 
 def check_hardware(values: dict[str, dict[str, Any]], path: Path) -> None:

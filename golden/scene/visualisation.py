@@ -7,6 +7,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from golden.scene.scale import read_scale
 from golden.table import suggest
 from golden.visualisation.load_profile import SHAPE_THRESHOLD, LoadProfile, load_profile, width_gain
 
@@ -52,16 +53,22 @@ def visualisation(values: dict[str, Any], data: dict[str, Any], path: Path) -> V
     Raises
     ------
     ValueError
-        For an output that the scene has not or that is named twice, an output whose length in
-        millimetres is not known, a ramp or a threshold outside the format, or a C too large.
+        For an output that the scene has not, that is named twice or that has a scale, an output
+        whose length in millimetres is not known, a ramp or a threshold outside the format, or a C
+        too large.
     """
-    outputs = data["outputs"]
+    outputs, scaled = data["outputs"], read_scale(data, path)
     names = [values[key] for key in RESULTS]
     for key, name in zip(RESULTS, names, strict=True):
         if name not in outputs:
             raise ValueError(
                 f"{path}: visualisation.{key}: got {name!r}, expected one of the outputs "
                 f"{', '.join(outputs)}{suggest(name, outputs)}"
+            )
+        if name in scaled:
+            raise ValueError(
+                f"{path}: visualisation.{key}: got {name!r}, which has a data.scale, expected an "
+                "output that has none: the profile is drawn from signals"
             )
         if names.count(name) > 1:
             raise ValueError(

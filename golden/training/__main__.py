@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import scipy
@@ -19,8 +20,22 @@ from golden.cli import CommandError, run
 from golden.fingerprint import fingerprint, sources
 from golden.network_files.network_file import check_targets, provenance_path, save_networks
 from golden.networks.mlp import Mlp
+from golden.rig.check import before_training
+from golden.rig.finding import refuse
 from golden.scene import Scene, load_scene
-from golden.training.search import Result, bit_true_errors, candidates, search, train
+from golden.scene.scale import on_readings, on_signals
+from golden.scene.trained_scale import story
+from golden.scene.vectors import warn_outside
+from golden.training.scaling import scaled
+from golden.training.search import (
+    Result,
+    bit_true_error,
+    bit_true_errors,
+    candidates,
+    search,
+    train,
+)
+from golden.training.split import split_story
 from golden.training.task import Task, task_for
 
 # Least seconds between two lines of progress.
@@ -68,6 +83,7 @@ def main() -> None:
             for member in scene.members
         )
         scene = replace(scene, members=tuple(members))
+    refuse(before_training(scene, arguments.build))
     with computed_on(arguments.cluster):
         train_scene(scene, arguments.build, arguments.workers)
 
@@ -93,25 +109,29 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
     """Train all networks of the scene, then write them."""
     started = time.monotonic()
     check_targets(scene.weights_paths)
+    scene = scaled(scene)
+    warn_outside(scene)
     vectors = scene.vectors()
     settings = scene.training
     versions = (np.__version__, scipy.__version__, platform.python_version())
     state = fingerprint([*sources("golden"), scene.path, scene.data_path], *versions)
     records = build / scene.name / "training" / state[:16]
     mlps: list[Mlp] = []
-    stories: list[dict[str, str | int | float]] = []
+    files: list[Mlp] = []
+    stories: list[dict[str, Any]] = []
     for number, member in enumerate(scene.members):
         task = task_for(scene, vectors, mlps)
         best, refused = choose(task, records / f"{number}.jsonl", workers)
-        mlps.append(train(task, best.hidden, best.restart))
+        files.append(on_readings(train(task, best.hidden, best.restart), *scene.scales_of(number)))
+        mlps.append(on_signals(files[-1], *scene.scales_of(number)))
         # Another processor, of a cluster or of a search begun elsewhere, rounds otherwise: what is
         # stated is what the network that is written does.
-        validation, test = bit_true_errors(task, mlps[-1])
+        errors = stated_errors(task, mlps[-1])
         total = len(candidates(task))
         stories.append(
             {
                 "scene": scene.name,
-                "data": scene.data_path.name,
+                **split_story(scene),
                 "arrangement": scene.arrangement,
                 "outputs": ", ".join(member.outputs),
                 "precision": scene.precision.name,
@@ -120,7 +140,6 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
                 "network": ":".join(str(n) for n in mlps[-1].shape),
                 "optimiser": settings.optimiser,
                 "earlier_outputs": settings.earlier_outputs if number else "none",
-                "seed": settings.seed,
                 "candidates": total,
                 "candidates_refused": refused,
                 "hidden": f"{candidates(task)[0][0]} to {candidates(task)[-1][0]}",
@@ -129,18 +148,35 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
                 "weight_decay": settings.weight_decay,
                 "steps": settings.steps,
                 "patience": settings.patience,
-                "validation_rms_percent": round(validation, 4),
-                "test_rms_percent": round(test, 4),
+                "noise": settings.disturbance.noise,
+                "drift_gain": settings.disturbance.gain,
+                "drift_offset": settings.disturbance.offset,
+                **errors,
                 "python": versions[2],
                 "numpy": versions[0],
                 "scipy": versions[1],
+                **story(scene.known_scales, files[-1]),
             }
         )
     # All or none: the networks of a cascade belong together.
-    save_networks(list(zip(scene.weights_paths, mlps, stories, strict=True)))
+    save_networks(list(zip(scene.weights_paths, files, stories, strict=True)))
     for member in scene.members:
         print(f"wrote {member.weights_path} and {provenance_path(member.weights_path).name}")
     print(f"{time.monotonic() - started:.0f} s")
+
+
+def stated_errors(task: Task, mlp: Mlp) -> dict[str, float]:
+    """What provenance says of the rows that did not train: as recorded and, where the scene names
+    noise or drift, as disturbed."""
+    errors: dict[str, float] = {}
+    for part in ("validation", "test"):
+        recorded = task.recorded.take(getattr(task.split, part))
+        errors[f"{part}_rms_percent"] = bit_true_error(task, mlp, recorded)
+    if not task.scene.training.disturbance.none:
+        validation, test = bit_true_errors(task, mlp)
+        errors["validation_disturbed_rms_percent"] = validation
+        errors["test_disturbed_rms_percent"] = test
+    return {name: round(error, 4) for name, error in errors.items()}
 
 
 if __name__ == "__main__":

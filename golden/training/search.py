@@ -3,10 +3,13 @@
 Each candidate runs three steps: the optimiser on tanh; the same on the activation that the hardware
 has, where that is not tanh, so that the weights make up for its error; and a shift of the output
 biases by the mean bit-true error, which takes out what truncation adds. The candidate with the
-least bit-true error on the validation rows is kept. On one machine a candidate depends on the task,
-its hidden nodes and its number alone, so neither the number of workers nor an interruption changes
-the outcome. Elsewhere it comes out otherwise: where BLAS or tanh round the last bit in another way,
-which another processor does, and for SCG on some ten thousand rows another number of threads too.
+least bit-true error on the validation rows is kept. Where the scene names noise or drift of its
+sensors, all of this is done on disturbed rows, the same ones for every candidate.
+
+On one machine a candidate depends on the task, its hidden nodes and its number alone, so neither
+the number of workers nor an interruption changes the outcome. Elsewhere it comes out otherwise:
+where BLAS or tanh round the last bit in another way, which another processor does, and for SCG on
+some ten thousand rows another number of threads too.
 """
 
 from __future__ import annotations
@@ -18,13 +21,12 @@ from pathlib import Path
 
 import numpy as np
 from joblib import Parallel, delayed
-from numpy.typing import NDArray
 
 from golden.files import reading, writing
 from golden.networks.mlp import Mlp, tanh
 from golden.training import levenberg_marquardt, scg
-from golden.training.objective import Objective, Rows, pack, unpack
-from golden.training.task import Task
+from golden.training.objective import Objective, pack, unpack
+from golden.training.task import Frames, Task
 
 OPTIMISERS = {"levenberg-marquardt": levenberg_marquardt.descend, "scg": scg.descend}
 
@@ -38,7 +40,8 @@ class Result:
     hidden, restart : int
         Which candidate.
     validation, test : float
-        Root mean square of the bit-true percent errors; infinite where it was refused.
+        Root mean square of the bit-true percent errors under the scene's disturbance; infinite
+        where it was refused.
     refused : str
         Why the hardware's formats cannot hold it, or nothing.
     """
@@ -66,12 +69,13 @@ def starting_weights(shape: tuple[int, int, int], rng: np.random.Generator) -> M
     )
 
 
-def shift_biases(task: Task, mlp: Mlp, rows: NDArray[np.int64]) -> Mlp:
-    """Output biases moved by the weighted mean bit-true error on ``rows``, twice."""
-    weight = 1 / task.scale[rows] ** 2
+def shift_biases(task: Task, mlp: Mlp) -> Mlp:
+    """Output biases moved by the weighted mean bit-true error of the training rows, twice."""
+    frames = task.training
+    weight = 1 / frames.scale**2
     for _ in range(2):
-        results = task.bit_true(mlp, rows)
-        miss = (weight * (task.targets[rows] - results)).sum(axis=0) / weight.sum(axis=0)
+        results = task.bit_true(mlp, frames)
+        miss = (weight * (frames.targets - results)).sum(axis=0) / weight.sum(axis=0)
         mlp = Mlp(mlp.w1, mlp.b1, mlp.w2, mlp.b2 + miss)
     return mlp
 
@@ -94,20 +98,17 @@ def train(
         When the hardware's formats cannot hold its weights.
     """
     settings = task.scene.training
-    training, validation = (
-        Rows(task.inputs[rows], task.targets[rows], task.scale[rows])
-        for rows in (task.split.training, task.split.validation)
-    )
-    shape = (task.inputs.shape[1], hidden, task.targets.shape[1])
+    frames = task.training
+    shape = (frames.inputs.shape[1], hidden, frames.targets.shape[1])
     rng = np.random.default_rng([settings.seed, task.number, hidden, restart])
     point = pack(starting_weights(shape, rng))
     descend = OPTIMISERS[settings.optimiser]
     for activation in dict.fromkeys((tanh, task.scene.scheme.real)):
         aim = objective(
-            shape, activation, training, validation, settings.weight_decay, settings.patience
+            shape, activation, frames, task.validation, settings.weight_decay, settings.patience
         )
         point = aim.search(descend, point, settings.steps)
-    return shift_biases(task, unpack(point, shape), task.split.training)
+    return shift_biases(task, unpack(point, shape))
 
 
 def measure(task: Task, hidden: int, restart: int) -> Result:
@@ -120,19 +121,20 @@ def measure(task: Task, hidden: int, restart: int) -> Result:
 
 
 def bit_true_errors(task: Task, mlp: Mlp) -> tuple[float, float]:
-    """Root mean square of the bit-true percent errors on the validation and on the test rows.
+    """Those of the validation and of the test rows, under the scene's disturbance.
 
     Raises
     ------
     ValueError
         When the hardware's formats cannot hold the weights.
     """
-    errors = 100 * np.abs(task.bit_true(mlp) - task.targets) / task.scale
-    validation, test = (
-        float(np.sqrt((errors[rows] ** 2).mean()))
-        for rows in (task.split.validation, task.split.test)
-    )
-    return validation, test
+    return bit_true_error(task, mlp, task.validation), bit_true_error(task, mlp, task.test)
+
+
+def bit_true_error(task: Task, mlp: Mlp, frames: Frames) -> float:
+    """Root mean square of the bit-true percent errors on some frames of a task."""
+    errors = 100 * (task.bit_true(mlp, frames) - frames.targets) / frames.scale
+    return float(np.sqrt((errors**2).mean()))
 
 
 def candidates(task: Task) -> list[tuple[int, int]]:

@@ -4,41 +4,47 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.cli import naming
 from golden.fixed import Codes
-from golden.metrics import error_scale
 from golden.networks.arrangement import seen
 from golden.networks.mlp import Mlp, Real
 from golden.precision import SIGNAL
 from golden.scene import Scene, Vectors
+from golden.scene.scale import readings
+from golden.training.objective import Rows
+from golden.training.split import Split, split_of
+
+PARTS = ("training", "validation", "test")
+
+
+# A disturbed part of the rows is so many recordings of it that it has at least so many rows: fewer
+# leave it to chance which network looks best, more make training slow.
+TRAINED_ROWS = 300
+MEASURED_ROWS = 600
 
 
 @dataclass(frozen=True)
-class Split:
-    """Row numbers of the training, validation and test rows: 50, 25 and 25 % of all."""
+class Frames(Rows):
+    """Rows as the sensors give them.
 
-    training: NDArray[np.int64]
-    validation: NDArray[np.int64]
-    test: NDArray[np.int64]
-
-
-def split_rows(rows: int, seed: int) -> Split:
-    """A random split of ``rows`` rows.
-
-    Raises
-    ------
-    ValueError
-        For fewer than 8 rows: a part would hold a single row or none.
+    Attributes
+    ----------
+    inputs : float array, shape (rows, inputs)
+        What training sees: the samples as quantised and, in a cascade, the outputs of the networks
+        before, bit-true or in floating point as ``training.earlier_outputs`` says.
+    codes : int64 array, shape (rows, inputs)
+        What the hardware sees.
     """
-    if rows < 8:
-        raise ValueError(f"got {rows} rows, expected at least 8 to split into 50, 25 and 25 %")
-    order = np.random.default_rng(seed).permutation(rows)
-    half, three_quarters = rows // 2, rows // 2 + rows // 4
-    return Split(order[:half], order[half:three_quarters], order[three_quarters:])
+
+    codes: Codes
+
+    def take(self, rows: NDArray[np.int64]) -> Frames:
+        """Some of the rows."""
+        return Frames(self.inputs[rows], self.targets[rows], self.scale[rows], self.codes[rows])
 
 
 @dataclass(frozen=True)
@@ -50,25 +56,23 @@ class Task:
     scene : Scene
     number : int
         Which network of the scene.
-    inputs : float array, shape (rows, inputs)
-        What it trains on: the samples as quantised and, in a cascade, the outputs of the networks
-        before it, bit-true or in floating point as ``training.earlier_outputs`` says.
-    codes : int64 array, shape (rows, inputs)
-        What its hardware sees.
-    targets, scale : float arrays, shape (rows, outputs)
-        ``scale`` is what an error counts against: the target or a full scale.
     split : Split
+    recorded : Frames
+        All rows, as recorded.
+    training, validation, test : Frames
+        The parts of the split under ``training.noise`` and ``training.drift``; without any, as
+        recorded. Every candidate has the same.
     """
 
     scene: Scene
     number: int
-    inputs: Real
-    codes: Codes
-    targets: Real
-    scale: Real
     split: Split
+    recorded: Frames
+    training: Frames
+    validation: Frames
+    test: Frames
 
-    def bit_true(self, mlp: Mlp, rows: NDArray[np.int64] | slice = slice(None)) -> Real:
+    def bit_true(self, mlp: Mlp, frames: Frames) -> Real:
         """Outputs of ``mlp`` in the scene's hardware.
 
         Raises
@@ -76,7 +80,7 @@ class Task:
         ValueError
             When the hardware's formats cannot hold its weights.
         """
-        return SIGNAL.to_real(self.scene.build(mlp).process(self.codes[rows]))
+        return SIGNAL.to_real(self.scene.build(mlp).process(frames.codes))
 
 
 def task_for(scene: Scene, vectors: Vectors, earlier: Sequence[Mlp]) -> Task:
@@ -87,38 +91,56 @@ def task_for(scene: Scene, vectors: Vectors, earlier: Sequence[Mlp]) -> Task:
     ValueError
         For too few rows to split, or a column without which the network would learn the same.
     """
-    with naming(scene.data_path):
-        split = split_rows(len(vectors.inputs), scene.training.seed)
     _refuse_constant(scene, vectors)
-    codes, inputs = vectors.codes, SIGNAL.to_real(vectors.codes)
+    split = split_of(scene)
+    number = len(earlier)
+    outputs = scene.members[number].outputs
+    columns = [scene.outputs.index(name) for name in outputs]
+    targets = vectors.targets[:, columns]
+    scale = vectors.scale[:, columns]
+
+    def frames(inputs: Real, rows: NDArray[np.int64]) -> Frames:
+        codes, _ = SIGNAL.quantise(inputs, f"{scene.data_path} sensors")
+        return Frames(targets=targets[rows], scale=scale[rows], **_seen(scene, codes, earlier))
+
+    def disturbed(part: str) -> Frames:
+        rows: NDArray[np.int64] = getattr(split, part)
+        disturbance = scene.training.disturbance
+        if disturbance.none:
+            return recorded.take(rows)
+        least = TRAINED_ROWS if part == "training" else MEASURED_ROWS
+        rows = np.tile(rows, -(-least // len(rows)))
+        rng = np.random.default_rng([scene.training.seed, PARTS.index(part)])
+        # Each row has a drift of its own: few drifts, each of many rows, would be a chance sample.
+        inputs = [disturbance.of(vectors.inputs[[row]], rng) for row in rows]
+        return frames(np.concatenate(inputs), rows)
+
+    recorded = frames(vectors.inputs, np.arange(len(targets)))
+    return Task(scene, number, split, recorded, *(disturbed(part) for part in PARTS))
+
+
+def _seen(scene: Scene, codes: Codes, earlier: Sequence[Mlp]) -> dict[str, Any]:
+    """What the network after ``earlier`` sees of the sensors' codes, as numbers and as codes."""
+    samples = SIGNAL.to_real(codes)
     bit_true: list[Codes] = []
     given: list[Real] = []
     for mlp in earlier:
         bit_true.append(scene.build(mlp).process(seen(scene.arrangement, codes, bit_true)))
         if scene.training.earlier_outputs == "float":
-            real = seen(scene.arrangement, inputs, given)
+            real = seen(scene.arrangement, samples, given)
             given.append(mlp.process(real, scene.scheme.real))
         else:
             given.append(SIGNAL.to_real(bit_true[-1]))
-    number = len(earlier)
-    outputs = scene.members[number].outputs
-    columns = [scene.outputs.index(name) for name in outputs]
-    targets = vectors.targets[:, columns]
-    return Task(
-        scene,
-        number,
-        seen(scene.arrangement, inputs, given),
-        seen(scene.arrangement, codes, bit_true),
-        targets,
-        error_scale(targets, outputs, scene.full_scale),
-        split,
-    )
+    return {
+        "inputs": seen(scene.arrangement, samples, given),
+        "codes": seen(scene.arrangement, codes, bit_true),
+    }
 
 
 def _refuse_constant(scene: Scene, vectors: Vectors) -> None:
     for key, names, values in (
-        ("sensors", scene.sensors, vectors.inputs),
-        ("outputs", scene.outputs, vectors.targets),
+        ("sensors", scene.sensors, readings(vectors.inputs, scene.scales(scene.sensors))),
+        ("outputs", scene.outputs, scene.in_units(vectors.targets)),
     ):
         for name, column in zip(names, values.T, strict=True):
             if (column == column[0]).all():

@@ -14,6 +14,8 @@ import myhdl
 from golden.files import writing
 from golden.fingerprint import fingerprint, sources
 from golden.scene import load_scene
+from golden.scene.ranges import ranges
+from golden.scene.vectors import warn_outside
 from hdl.export.exporter import ORDER, export
 from hdl.export.hierarchy import LANGUAGES
 from hdl.export.repeatable import run_repeatable
@@ -26,6 +28,7 @@ def main() -> None:
     parser.add_argument("--build", type=Path, default=Path("build"))
     arguments = parser.parse_args()
     scene = load_scene(arguments.scene)
+    warn_outside(scene)
     design = scene.twin()
     top = design.entity
     folder = arguments.build / scene.name / arguments.language
@@ -40,6 +43,8 @@ def main() -> None:
     print(f"{count} files in {folder}, top {top}, compile order in {folder / ORDER}")
     for fact in design.core.facts():
         print(f"{design.core.entity}: {fact}")
+    for line in ranges(scene):
+        print(line)
 
 
 def _state(folder: Path, inputs: list[Path], versions: tuple[str, ...]) -> str:

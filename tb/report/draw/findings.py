@@ -4,15 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from golden.scene import thesis_table
 from tb.report.draw.looks import activation_look, network_look
 from tb.report.draw.plots import Plot
 from tb.report.measure.table import Cell, Table
 
 Row = dict[str, Cell]
-
-# Of the thesis' front end.
-SCAN_CLOCKS = 4096
 
 
 def rows_of(table: Table, **where: Cell) -> list[Row]:
@@ -173,48 +169,6 @@ def network_plots(table: Table) -> list[Plot]:
     return plots
 
 
-def area_plots(table: Table) -> list[Plot]:
-    """What the designs of four outputs cost in LUTs and in clocks, each with its error.
-
-    The printed points of the thesis are shares of its device, at the clocks of a scan.
-    """
-    rows = [row for row in rows_of(table, data="appendix2", outputs=4) if row["LUT"] is not None]
-    rows = [row for row in rows if number(row, "clocks a frame") < SCAN_CLOCKS]
-    if not rows:
-        return []
-    device = thesis_table("board")["luts4"]
-    points = {
-        f"{row['scene']}: {row['clocks a frame']} clocks, {number(row, 'largest %'):.2f} %": [
-            (number(row, "clocks a frame"), number(row, "LUT"))
-        ]
-        for row in rows
-    }
-    looks = {
-        label: network_look(*_form(row).split(", "))
-        for label, row in zip(points, rows, strict=True)
-    }
-    for name, key in (("cascade", "digit.cascade_b"), ("single network", "digit.hybrid")):
-        share = thesis_table(key)["luts_percent"]
-        points[f"thesis, printed: {name}"] = [(SCAN_CLOCKS, share * device / 100)]
-    least = min(rows, key=lambda row: number(row, "LUT"))
-    most = max(rows, key=lambda row: number(row, "LUT"))
-    plot = Plot(
-        "networks_area",
-        "Networks: area against clocks, with the largest mean error of the worst output",
-        "clocks a frame",
-        "Virtex-II LUTs",
-        points,
-        f"{least['scene']} takes {number(least, 'LUT'):,.0f} LUTs and "
-        f"{number(least, 'clocks a frame'):,.0f} clocks, {most['scene']} "
-        f"{number(most, 'LUT'):,.0f} and {number(most, 'clocks a frame'):,.0f}; a scan of the "
-        f"sensors takes {SCAN_CLOCKS}. The thesis is shown at the clocks of its scan.",
-        [table.name],
-        joined=False,
-        looks=looks,
-    )
-    return [plot]
-
-
 def _form(row: Row) -> str:
     activation = str(row["activation"]).split(" ")[0]
     return f"{row['design']}, {row['arrangement']}, {activation}, {row['precision']}"
@@ -317,6 +271,67 @@ def damping_plot(tables: Mapping[str, Table]) -> Plot:
         f"{', '.join(f'{x:g}' for x in sorted(turns))}; no error is above {max(errors):.1e} rad.",
         ["swing_damping"],
     )
+
+
+def bound_plots(tables: Mapping[str, Table]) -> list[Plot]:
+    """Load, position and width along the beam: what can be known, and what the scene reaches."""
+    table = tables["bound_along"]
+    *_, bound, reached, any_load, _ = table.columns
+    scene = reached.removesuffix(" %")
+    plots = []
+    for output in dict.fromkeys(str(row["output"]) for row in rows_of(table)):
+        rows = rows_of(table, output=output)
+        within = [row for row in rows if row["in the readings"] == "yes"]
+        if not within:
+            continue
+        without = [row for row in rows if row["in the readings"] == "no"]
+        points = {"bound": _along(within, bound)}
+        points |= {scene: _along(within, reached)}
+        if without:
+            points = {
+                **points,
+                f"{scene}, not in the readings": _along(without, reached),
+                "best guess there": _along(without, any_load),
+            }
+            of = sum(number(row, "placements") for row in rows)
+            says = (
+                f"At {sum(number(row, 'placements') for row in without):g} of {of:g} placements no "
+                f"reading holds the {output}: no sensor lies under the load. There {scene} is off "
+                f"by {_mean(without, reached):.2g} %, where the best estimator for any load can "
+                f"only guess, {_mean(without, any_load):.2g} %: it has learnt which loads exist, "
+                f"and a load that is not one of them gets a {output} that means nothing."
+            )
+        else:
+            ratio = _mean(within, reached) / _mean(within, bound)
+            says = (
+                f"{scene} is off by {_mean(within, reached):.2g} %, {ratio:.1f} times what the "
+                f"sensors allow, {_mean(within, bound):.2g} %."
+            )
+        plots.append(
+            Plot(
+                f"bound_{output}",
+                f"What can be known: {output} along the beam, noise of 2 mV",
+                "position from the tip, mm",
+                "mean error %",
+                points,
+                says,
+                [table.name, "bounds"],
+                joined=False,
+                linear="x",
+            )
+        )
+    return plots
+
+
+def _along(rows: list[Row], error: str) -> list[tuple[float, float]]:
+    return groups(rows, lambda _: error, "position mm", error)[error]
+
+
+def _mean(rows: list[Row], error: str) -> float:
+    """Over placements."""
+    counts = [number(row, "placements") for row in rows]
+    errors = [number(row, error) for row in rows]
+    return sum(c * e for c, e in zip(counts, errors, strict=True)) / sum(counts)
 
 
 def plate_plot(tables: Mapping[str, Table]) -> Plot:

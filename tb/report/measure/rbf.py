@@ -17,7 +17,7 @@ from golden.training import levenberg_marquardt
 from golden.training.objective import Objective, Rows, pack, unpack
 from golden.training.rbf import train_rbf
 from golden.training.search import starting_weights
-from golden.training.task import Split, split_rows
+from golden.training.split import Split, split_rows
 from golden.units import FULL_SCALE, LOAD_G, POSITION_MM
 from tb.report.measure.table import Cell, Table
 

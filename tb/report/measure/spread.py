@@ -174,7 +174,9 @@ def written(scene: Scene, folder: Path) -> Iterator[Trained]:
     for member in scene.members:
         path = folder / member.weights_path.name
         story = tomllib.loads(provenance_path(path).read_text(encoding="utf-8"))
-        errors = (story[f"{part}_rms_percent"] for part in ("validation", "test"))
+        # As ``moved`` measures them: under noise and drift, where the scene names some.
+        disturbed = "_disturbed" if not scene.training.disturbance.none else ""
+        errors = (story[f"{part}{disturbed}_rms_percent"] for part in ("validation", "test"))
         yield Trained(replace(member, weights_path=path).load(), *errors)
 
 

@@ -1,7 +1,8 @@
 """``python -m tb.report.page.lists``: what pages list and the project knows.
 
-Rewrites what stands between the markers of README.md and of pages in ``docs``, and the picture of
-the networks that the demo builds; the rest of a page is left alone.
+Rewrites what stands between the markers of README.md and of pages in ``docs``, and the pictures of
+the networks that the demo builds, of what designs cost and of an engine's tanh; the rest of a page
+is left alone.
 """
 
 from __future__ import annotations
@@ -12,16 +13,25 @@ from pathlib import Path
 
 from golden.activation.segments import GRADIENT, INTERCEPT, UPPER
 from golden.cli import run
+from golden.disturbance import Disturbance
 from golden.engine.pipeline import Pipeline
+from golden.errors import disturbed_errors
 from golden.fingerprint import ROOT
 from golden.scene import load_scene, scene_names
 from hdl.synth.budget import budget_path, read_budget
 from hdl.synth.timing import read_timing, timing_path
+from tb.report.draw.area import area
 from tb.report.draw.network import network
+from tb.report.draw.tanh_words import tanh_words as draw_tanh_words
+from tb.report.measure.clocks import clocks
+from tb.report.measure.costs import with_network_cells
+from tb.report.measure.steps import SEED
+from tb.report.measure.tanh_words import tanh_words
 from tb.report.page.markers import put, write
 
 COMMAND = "python -m tb.report.page.lists"
 DEMO = "digit"
+DISTURBED = ("digit", "digit-single", "digit-thesis", "swing-multiple")
 
 
 def scenes() -> str:
@@ -89,12 +99,35 @@ def cost() -> str:
     return "\n".join(lines)
 
 
+def disturbed() -> str:
+    """What noise and drift do to the errors of some scenes."""
+    disturbances = {
+        "as recorded": Disturbance(),
+        "noise 1 mV": Disturbance(noise=0.001),
+        "noise 2 mV": Disturbance(noise=0.002),
+        "noise 8 mV": Disturbance(noise=0.008),
+        "gain drift 1 %": Disturbance(gain=0.01),
+        "offset drift 10 mV": Disturbance(offset=0.01),
+    }
+    lines = [
+        f"| scene | output | {' | '.join(disturbances)} |",
+        f"|{'---|' * (2 + len(disturbances))}",
+    ]
+    for name in DISTURBED:
+        scene = load_scene(name)
+        errors = [disturbed_errors(scene, disturbance) for disturbance in disturbances.values()]
+        for output, found in zip(scene.outputs, zip(*errors, strict=True), strict=True):
+            lines.append(f"| {name} | {output} | {' | '.join(f'{e:.2f}' for e in found)} |")
+    return "\n".join(lines)
+
+
 def pages() -> dict[Path, str]:
     """Every file that this command writes, as it must be."""
     docs = ROOT / "docs"
     sections = [
         (ROOT / "README.md", "cost", cost),
         (docs / "README.md", "commands", commands),
+        (docs / "figures.md", "disturbance", disturbed),
         (docs / "scenes.md", "scenes", scenes),
         (docs / "blocks" / "gradient.md", "segments", segments),
         (docs / "blocks" / "engine.md", "pipeline", pipeline),
@@ -104,6 +137,8 @@ def pages() -> dict[Path, str]:
         for page, section, text in sections
     }
     found[docs / "networks.svg"] = network(load_scene(DEMO)) + "\n"
+    found[docs / "area.svg"] = area(with_network_cells(clocks(SEED))) + "\n"
+    found[docs / "activations" / "engine.svg"] = draw_tanh_words(tanh_words(SEED)) + "\n"
     return found
 
 

@@ -1,0 +1,155 @@
+"""What the codes of a column stand for in the column's own unit: ``data.scale`` of a scene.
+
+Equation: ``reading = offset + factor * signal``, where a signal is code / 2**13, in [-1, 1). So
+``offset`` is the reading of code 0 and ``factor`` what full scale adds to it, both in the unit of
+the column: an ADC of 0 to 5 V has ``{ offset = 2.5, factor = 2.5 }``. A column that names no scale
+holds signals.
+
+Hardware knows signals alone, and nothing is added to it: the scale of a sensor says which reading
+its converter has to give as which code. A network file maps readings to outputs in their units,
+whoever trained it; the scales are folded into its weights when it is read.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from golden.networks.mlp import Mlp, Real, shifted
+from golden.table import suggest
+
+AUTO = "auto"
+
+# Of the range of the readings that "auto" is worked out from, what the codes reach beyond either
+# end: readings that are still to come go further, and half a bit of fourteen is what it costs.
+BEYOND = 0.25
+
+# Far beyond any unit: it only keeps sums finite.
+LARGEST = 1e150
+
+
+@dataclass(frozen=True)
+class Scale:
+    """The scale of one column.
+
+    Attributes
+    ----------
+    offset, factor : float
+        In the unit of the column; the factor is above 0.
+    """
+
+    offset: float = 0.0
+    factor: float = 1.0
+
+
+def signals(readings: Real, scales: Sequence[Scale]) -> Real:
+    """Signals of readings, shape (..., columns)."""
+    offsets, factors = _arrays(scales)
+    result: Real = (readings - offsets) / factors
+    return result
+
+
+def readings(signals: Real, scales: Sequence[Scale]) -> Real:
+    """Readings of signals, shape (..., columns)."""
+    offsets, factors = _arrays(scales)
+    result: Real = offsets + factors * signals
+    return result
+
+
+def _arrays(scales: Sequence[Scale]) -> tuple[Real, Real]:
+    return np.array([s.offset for s in scales]), np.array([s.factor for s in scales])
+
+
+def on_signals(mlp: Mlp, inputs: Sequence[Scale], outputs: Sequence[Scale]) -> Mlp:
+    """A network on readings as the same network on signals, which is what hardware holds."""
+    into, out = _arrays(inputs), _arrays(outputs)
+    return Mlp(
+        mlp.w1 * into[1],
+        shifted(mlp.b1, mlp.w1, into[0]),
+        mlp.w2 / out[1][:, np.newaxis],
+        (mlp.b2 - out[0]) / out[1],
+    )
+
+
+def on_readings(mlp: Mlp, inputs: Sequence[Scale], outputs: Sequence[Scale]) -> Mlp:
+    """A network on signals as the same network on readings, which is what a file holds."""
+    into, out = _arrays(inputs), _arrays(outputs)
+    w1 = mlp.w1 / into[1]
+    return Mlp(
+        w1, shifted(mlp.b1, w1, -into[0]), mlp.w2 * out[1][:, np.newaxis], mlp.b2 * out[1] + out[0]
+    )
+
+
+def range_scale(column: Real) -> Scale:
+    """The scale that "auto" stands for: the range of these readings, and a quarter of it beyond
+    either end.
+
+    In three digits of the factor, so that it can be read and copied.
+
+    Raises
+    ------
+    ValueError
+        When the readings do not differ, or are too large to subtract.
+    """
+    low, high = float(column.min()), float(column.max())
+    half = high / 2 - low / 2
+    if not half > 0:
+        raise ValueError(f"got {low:g} in every row, expected readings that differ")
+    if not half < LARGEST:
+        raise ValueError(f"got {low:g} to {high:g}, expected a range below {2 * LARGEST:g}")
+    text = f"{half * (1 + 2 * BEYOND):.2e}"
+    return Scale(round(low + half, 2 - int(text.split("e")[1])), float(text))
+
+
+def read_scale(data: dict[str, Any], path: Path) -> dict[str, Scale | str]:
+    """``data.scale``, checked: column to its scale, or to "auto".
+
+    Raises
+    ------
+    ValueError
+        For another column than a sensor or an output, or what is no scale.
+    """
+    given, columns = data["scale"], [*data["sensors"], *data["outputs"]]
+    if isinstance(given, str):
+        if given != AUTO:
+            raise ValueError(
+                f"{path}: data.scale: got {given!r}, expected 'auto' or a table of columns"
+            )
+        return dict.fromkeys(columns, AUTO)
+    found: dict[str, Scale | str] = {}
+    for name, value in given.items():
+        place = f"{path}: data.scale.{name}"
+        refuse_other_column("scale", name, columns, path)
+        if value == AUTO:
+            found[name] = AUTO
+            continue
+        if not isinstance(value, dict) or not {"factor"} <= set(value) <= {"offset", "factor"}:
+            raise ValueError(
+                f"{place}: got {value!r}, expected 'auto' or {{ offset = , factor = }}"
+            )
+        for key, number in value.items():
+            if type(number) not in (int, float) or not math.isfinite(number):
+                raise ValueError(f"{place}.{key}: got {number!r}, expected a number")
+        if value["factor"] <= 0:
+            raise ValueError(f"{place}.factor: got {value['factor']!r}, expected above 0")
+        found[name] = Scale(float(value.get("offset", 0)), float(value["factor"]))
+    return found
+
+
+def refuse_other_column(key: str, name: str, columns: Sequence[str], path: Path) -> None:
+    """Refuse a name in ``data.<key>`` that is no sensor and no output.
+
+    Raises
+    ------
+    ValueError
+    """
+    if name not in columns:
+        raise ValueError(
+            f"{path}: data.{key}: {name!r} is no sensor and no output, expected one of "
+            f"{', '.join(columns)}{suggest(name, columns)}"
+        )

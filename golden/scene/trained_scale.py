@@ -1,0 +1,87 @@
+"""What "auto" in ``data.scale`` came to when the networks of a scene were trained.
+
+Training writes it into the provenance beside each network file, with a digest of the weights: the
+scale of another network would be a wrong one.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import tomllib
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from golden.network_files.network_file import provenance_path
+from golden.networks.mlp import Mlp
+from golden.scene.scale import AUTO, Scale, read_scale
+
+if TYPE_CHECKING:
+    from golden.scene.scene import Scene
+
+
+def story(scales: dict[str, Scale], mlp: Mlp) -> dict[str, Any]:
+    """What the provenance of a network tells of the scales that it was trained with.
+
+    Parameters
+    ----------
+    scales : dict
+        Of every column that has one; where none has, nothing is told.
+    mlp : Mlp
+        What the network file holds.
+    """
+    table = {name: {"offset": s.offset, "factor": s.factor} for name, s in scales.items()}
+    return {"scale": table, "scale_of": _digest(mlp)} if scales else {}
+
+
+def trained_scales(scene: Scene) -> dict[str, Scale]:
+    """The scale of every column of a scene that names one, "auto" replaced by what it came to.
+
+    Raises
+    ------
+    FileNotFoundError
+        When "auto" is asked for and there is no network yet.
+    ValueError
+        When a network was not trained here, or with another scale than the others.
+    """
+    found = {name: scale for name, scale in scene.scale.items() if isinstance(scale, Scale)}
+    for name in (name for name, scale in scene.scale.items() if scale == AUTO):
+        places = [
+            (member.weights_path, _told(scene, number).get(name))
+            for number, member in enumerate(scene.members)
+            if name in scene.columns_of(number)
+        ]
+        for path, told in places:
+            if not isinstance(told, Scale) or told != places[0][1]:
+                reason = "another scale than the network before" if told else "no scale for it"
+                raise ValueError(
+                    f"{scene.path}: data.scale.{name}: got {AUTO!r}, but {provenance_path(path)} "
+                    f"has {reason}: {path.name} was not trained here or not by this scene; make "
+                    "train works the scale out, for a network from elsewhere give { offset = , "
+                    "factor = }, the range of the codes"
+                )
+            found[name] = told
+    return {name: found[name] for name in scene.scale}
+
+
+def _told(scene: Scene, number: int) -> dict[str, Scale | str]:
+    """The scales in the provenance of a network; none where it is that of another one."""
+    member = scene.members[number]
+    mlp, path = member.load(), provenance_path(member.weights_path)
+    if not path.is_file():
+        return {}
+    try:
+        values = tomllib.loads(path.read_text(encoding="utf-8"))
+    except tomllib.TOMLDecodeError as error:
+        raise ValueError(f"{path}: not TOML: {error}") from None
+    if values.get("scale_of") != _digest(mlp):
+        return {}
+    told = values.get("scale", {})
+    return read_scale({"scale": told, "sensors": list(told), "outputs": []}, path)
+
+
+def _digest(mlp: Mlp) -> str:
+    """A number for the weights, the same in every form of file."""
+    arrays = (mlp.w1, mlp.b1, mlp.w2, mlp.b2)
+    data = b"".join(np.ascontiguousarray(a, dtype="<f8").tobytes() for a in arrays)
+    return hashlib.sha256(data).hexdigest()[:16]

@@ -1,0 +1,320 @@
+"""Raw units: what codes stand for, where "auto" comes from, and readings outside the codes."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from golden.errors import scene_errors, unit_errors
+from golden.network_files.network_file import load_network, provenance_path, save_network
+from golden.precision import SIGNAL
+from golden.scene import Scene, comparison_names, load_scene, scene_names
+from golden.scene.scale import Scale, on_readings, on_signals, range_scale, readings, signals
+from golden.scene.vectors import warn_outside
+from golden.training import __main__ as command
+from golden.training.scaling import scaled
+from golden.training.split import split_rows
+from golden.training.task import task_for
+from hdl.export import __main__ as export
+from tb.common.cases import random_mlp, write_scene
+from tb.demo import length_lines
+
+# Of x0, x1, x2, y0, y1; an output whose error is relative to its target keeps 0 where it is.
+SCALES = [Scale(2.5, 2.5), Scale(), Scale(-300.0, 40.0), Scale(0.0, 25.0), Scale(60.0, 70.0)]
+TEXT = """scale = { x0 = { offset = 2.5, factor = 2.5 }, x2 = { offset = -300, factor = 40.0 }, \
+y0 = { factor = 25 }, y1 = { offset = 60, factor = 70 } }
+units = { x0 = "V", y0 = "g" }
+full_scale = { y1 = 70 }
+"""
+
+
+def in_units(folder: Path, rows: int = 12, keys: str = TEXT) -> Scene:
+    """A 3:5:2 scene whose recordings are in raw units; its network is the one of ``signal_scene``
+    on readings."""
+    mlp = on_readings(random_mlp((3, 5, 2), 1.0, 1), SCALES[:3], SCALES[3:])
+    path = write_scene(folder, "raw", "exact", [mlp], rows=rows)
+    csv = path.with_suffix(".csv")
+    lines = csv.read_text().splitlines()
+    values = np.array([[float(cell) for cell in line.split(",")] for line in lines[1:]])
+    raw = readings(values, SCALES)
+    csv.write_text("\n".join([lines[0], *(",".join(f"{v:.5f}" for v in row) for row in raw)]))
+    path.write_text(path.read_text().replace('group_by = "y0"\n', keys))
+    return load_scene(str(path))
+
+
+def signal_scene(folder: Path) -> Scene:
+    """The same recordings and the same network without units."""
+    path = write_scene(folder, "plain", "exact", [random_mlp((3, 5, 2), 1.0, 1)])
+    path.write_text(path.read_text().replace('group_by = "y0"\n', "full_scale = { y1 = 1 }\n"))
+    return load_scene(str(path))
+
+
+def test_the_ends_of_a_range() -> None:
+    """An ADC of 0 to 5 V."""
+    scale = [Scale(2.5, 2.5)]
+    assert signals(np.array([[0.0], [2.5], [5.0]]), scale).ravel().tolist() == [-1, 0, 1]
+    assert readings(np.array([[-1.0], [0.0], [0.5]]), scale).ravel().tolist() == [0, 2.5, 3.75]
+
+
+def test_a_network_on_signals_is_that_on_readings() -> None:
+    mlp = random_mlp((3, 5, 2), 1.0, 1)
+    into, out = SCALES[:3], SCALES[3:]
+    raw = np.random.default_rng(1).uniform(-400, 400, (50, 3))
+    expected = signals(mlp.process(raw), out)
+    assert np.allclose(on_signals(mlp, into, out).process(signals(raw, into)), expected)
+    back = on_readings(on_signals(mlp, into, out), into, out)
+    assert np.allclose(back.process(raw), mlp.process(raw), atol=1e-9)
+
+
+@given(st.floats(-1e6, 1e6), st.floats(1e-3, 1e6), st.lists(st.floats(0, 1)))
+def test_auto_leaves_a_quarter_of_the_range_at_either_end(
+    start: float, width: float, between: list[float]
+) -> None:
+    scale = range_scale(start + width * np.array([*between, 0, 1]))
+    found = signals(np.array([[start], [start + width]]), [scale]).ravel()
+    # Factor and offset in three digits of the factor: each moves an end by half a hundredth.
+    assert found == pytest.approx([-2 / 3, 2 / 3], abs=0.0101)
+    assert float(f"{scale.factor:.2e}") == scale.factor
+
+
+@pytest.mark.parametrize("column", [[2.5, 2.5], [-1.7e308, np.nextafter(np.inf, 0)]])
+def test_readings_that_give_no_range(column: list[float]) -> None:
+    if column[0] == column[1]:
+        with pytest.raises(ValueError, match=r"got 2.5 in every row"):
+            range_scale(np.array(column))
+    else:
+        with pytest.raises(ValueError, match="expected a range"):
+            range_scale(np.array(column))
+
+
+def test_a_scene_in_units_is_the_scene_without(tmp_path: Path) -> None:
+    raw, plain = in_units(tmp_path), signal_scene(tmp_path)
+    assert np.array_equal(raw.vectors().codes, plain.vectors().codes)
+    assert np.allclose(raw.vectors().targets, plain.vectors().targets, atol=1e-6)
+    assert raw.twin() == plain.twin()
+    for kind, errors in scene_errors(plain).items():
+        for one, other in zip(errors, scene_errors(raw)[kind], strict=True):
+            assert one.mean == pytest.approx(other.mean, rel=1e-3), kind
+
+
+def test_outputs_and_errors_in_units(tmp_path: Path) -> None:
+    scene = in_units(tmp_path)
+    codes = np.array([[SIGNAL.low, 0], [4096, SIGNAL.low]])
+    assert scene.outputs_in_units(codes).tolist() == [[-25, 60], [12.5, -10]]
+    assert scene.codes_of(np.array([[0.0, 0.5, -280.0]])).tolist() == [[SIGNAL.low, 4096, 4096]]
+    # Errors against a full scale of 70: a hundredth of them in % is a 0.7 in the unit.
+    percent = scene_errors(scene)["bit-true"][1]
+    assert unit_errors(scene)["y1"].mean == pytest.approx(0.7 * percent.mean)
+    assert [line.split("  ")[0] for line in length_lines(scene)] == ["y0 in g", "y1 in its unit"]
+
+
+def test_make_vhdl_prints_what_the_ends_of_the_codes_are(tmp_path, monkeypatch, capsys) -> None:
+    scene = in_units(tmp_path)
+    words = ["hdl.export", str(scene.path), "verilog", "--build", str(tmp_path / "build")]
+    monkeypatch.setattr("sys.argv", words)
+    export.main()
+    printed = capsys.readouterr().out.splitlines()
+    assert "sensor x0: code -8192 is 0 V, 8191 is 4.99969 V, one code 0.000305176 V" in printed
+    assert "output y1: code -8192 is -10, 8191 is 129.991, one code 0.00854492" in printed
+    assert not any("x1" in line for line in printed)
+
+
+def trained(scene: Scene, build: Path) -> Scene:
+    command.train_scene(scene, build, 1)
+    return load_scene(str(scene.path))
+
+
+AUTO = 'scale = "auto"\nfull_scale = { y0 = 25, y1 = 70 }\n'
+
+
+def test_auto_is_that_of_the_training_rows_and_stands_in_the_provenance(tmp_path: Path) -> None:
+    scene = in_units(tmp_path, rows=40, keys=AUTO)
+    split = split_rows(40, scene.training.seed)
+    lines = scene.data_path.read_text().splitlines()
+    row = int(split.test[0])
+    cells = lines[row + 1].split(",")
+    # Far beyond what the training rows hold, in a sensor and in an output.
+    lines[row + 1] = ",".join([*cells[:2], "900", "80", cells[4]])
+    scene.data_path.write_text("\n".join(lines))
+    again = trained(scene, tmp_path / "build")
+    told = tomllib.loads(provenance_path(again.weights_paths[0]).read_text())["scale"]
+    assert list(told) == ["x0", "x1", "x2", "y0", "y1"]
+    assert {n: Scale(**s) for n, s in told.items()} == again.known_scales
+    x2, y0 = again.scales(["x2", "y0"])
+    assert x2.offset + x2.factor < -220
+    assert y0.offset + y0.factor > 80
+    vectors = again.vectors()
+    assert vectors.codes[row, 2] == SIGNAL.high
+    assert "'x2': got 1 of 40 readings outside" in vectors.outside[0]
+    assert f"the furthest 900 in row {row + 1}" in vectors.outside[0]
+
+
+def test_what_is_trained_in_units_errs_as_its_provenance_says(tmp_path: Path) -> None:
+    again = trained(in_units(tmp_path, rows=40, keys=AUTO), tmp_path / "build")
+    provenance = tomllib.loads(provenance_path(again.weights_paths[0]).read_text())
+    task = task_for(again, again.vectors(), [])
+    frames = task.recorded.take(task.split.test)
+    errors = 100 * np.abs(task.bit_true(again.mlps()[0], frames) - frames.targets) / frames.scale
+    rms = np.sqrt((errors**2).mean())
+    assert provenance["test_rms_percent"] == pytest.approx(rms, abs=1e-4)
+    # The file maps readings to units: without its scene too.
+    file = load_network(again.weights_paths[0], (3, 5, 2))
+    raw = readings(again.vectors().inputs, again.scales(again.sensors))
+    assert np.allclose(
+        file.process(raw),
+        again.in_units(again.mlps()[0].process(signals(raw, again.scales(again.sensors)))),
+    )
+
+
+def test_auto_without_its_provenance_says_what_to_do(tmp_path: Path) -> None:
+    scene = in_units(tmp_path, rows=40, keys=AUTO)
+    message = (
+        r"raw.toml: data.scale.x0: got 'auto', but .*raw.provenance.toml has no scale for it: "
+        r"raw.npz was not trained here .* make train .* give \{ offset = , factor = \}"
+    )
+    with pytest.raises(ValueError, match=message):
+        scene.vectors()
+    again = trained(scene, tmp_path / "build")
+    assert again.vectors().codes.shape == (40, 3)
+    # Another network in place of the one that the provenance is about.
+    provenance = provenance_path(again.weights_paths[0])
+    told = provenance.read_text()
+    save_network(again.weights_paths[0], random_mlp((3, 5, 2), 1.0, 2), {})
+    provenance.write_text(told)
+    with pytest.raises(ValueError, match=message):
+        load_scene(str(scene.path)).mlps()
+    provenance.unlink()
+    with pytest.raises(ValueError, match=message):
+        load_scene(str(scene.path)).vectors()
+    again.weights_paths[0].unlink()
+    with pytest.raises(FileNotFoundError, match=r"no such network; make train"):
+        load_scene(str(scene.path)).vectors()
+
+
+def test_networks_of_a_cascade_have_one_scale(small_cascade: Scene, tmp_path: Path) -> None:
+    text = small_cascade.path.read_text()
+    small_cascade.path.write_text(text.replace('group_by = "y0"\n', 'scale = "auto"\n'))
+    scene = load_scene(str(small_cascade.path))
+    with pytest.raises(ValueError, match=r"chain.provenance.toml has no scale"):
+        scene.twin()
+    again = trained(scene, tmp_path / "build")
+    assert again.columns_of(2) == ["x0", "x1", "x2", "y0", "y1", "y2"]
+    assert again.twin().outputs == 3
+    other = provenance_path(again.weights_paths[1])
+    told = other.read_text()
+    assert '"x1" = { "offset" = ' in told
+    other.write_text(told.replace('"x1" = { "offset" = ', '"x1" = { "offset" = 1'))
+    with pytest.raises(ValueError, match=r"x1: .*chain-1.provenance.toml has another scale than"):
+        load_scene(str(scene.path)).vectors()
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ('scale = "atuo"', "data.scale: got 'atuo', expected 'auto' or a table"),
+        ("scale = 3", "data.scale: got 3, expected a table or text"),
+        (
+            "scale = { x9 = 'auto' }",
+            "data.scale: 'x9' is no sensor and no output, expected one of x0",
+        ),
+        ("scale = { x0 = 3 }", "data.scale.x0: got 3, expected 'auto' or { offset = , factor = }"),
+        ("scale = { x0 = { offset = 3 } }", "data.scale.x0: got {'offset': 3}, expected 'auto'"),
+        ("scale = { x0 = { factor = 3, of = 1 } }", "data.scale.x0: got .* expected 'auto'"),
+        ("scale = { x0 = { factor = 0 } }", "data.scale.x0.factor: got 0, expected above 0"),
+        ("scale = { x0 = { factor = inf } }", "data.scale.x0.factor: got inf, expected a number"),
+        ("scale = { x0 = { factor = true } }", "x0.factor: got True, expected a number"),
+        ("units = { x9 = 'V' }", "data.units: 'x9' is no sensor and no output"),
+        ("units = { x0 = 3 }", "data.units.x0: got 3, expected text, such as 'g'"),
+    ],
+)
+def test_a_fault_in_a_scale_is_named(small_scene: Scene, keys: str, message: str) -> None:
+    text = small_scene.path.read_text()
+    small_scene.path.write_text(text.replace("[network]", f"{keys}\n[network]"))
+    with pytest.raises(ValueError, match=message) as caught:
+        load_scene(str(small_scene.path))
+    assert "small.toml" in str(caught.value)
+
+
+def with_readings(scene: Scene, column: int, values: list[str]) -> Scene:
+    """The scene with other cells at the head of a column."""
+    lines = [line.split(",") for line in scene.data_path.read_text().splitlines()]
+    for line, value in zip(lines[1:], values, strict=False):
+        line[column] = value
+    scene.data_path.write_text("\n".join(",".join(line) for line in lines))
+    return load_scene(str(scene.path))
+
+
+@pytest.mark.parametrize("run", ["train", "vhdl"])
+def test_a_reading_outside_the_codes_is_warned_of(
+    small_scene: Scene, tmp_path: Path, monkeypatch, run: str
+) -> None:
+    scene = with_readings(small_scene, 1, ["-3.5"])
+    message = (
+        r"small.csv: column 'x1': got 1 of 12 readings outside -1 to 1, the furthest -3.5 in row 1"
+    )
+    with pytest.warns(UserWarning, match=message):
+        warn_outside(scene)
+    build = ["--build", str(tmp_path / "build")]
+    words = {"train": ["--workers", "1"], "vhdl": ["verilog"]}[run]
+    monkeypatch.setattr("sys.argv", [run, str(scene.path), *words, *build])
+    with pytest.warns(UserWarning, match=message):
+        (command if run == "train" else export).main()
+
+
+def test_the_ends_of_the_range_are_inside_it(small_scene: Scene, recwarn) -> None:
+    scene = with_readings(small_scene, 1, ["1", "-1", "1", "1"])
+    warn_outside(scene)
+    assert not recwarn.list
+    assert scene.vectors().saturated == 3
+
+
+def test_a_sensor_far_outside_the_codes_is_refused(small_scene: Scene) -> None:
+    scene = with_readings(small_scene, 2, ["0.5", "120", "-70"])
+    message = (
+        r"small.csv: column 'x2': got 2 of 12 readings outside -1 to 1, the furthest 120 in row 2, "
+        r"expected at most a tenth; give x2 a data.scale in .*small.toml"
+    )
+    with pytest.raises(ValueError, match=message):
+        scene.vectors()
+    text = scene.path.read_text()
+    wide = text.replace("[network]", "scale = { x2 = { factor = 128 } }\n[network]")
+    scene.path.write_text(wide)
+    assert load_scene(str(scene.path)).vectors().outside == ()
+    scene.path.write_text(wide.replace("128", "100"))
+    assert (
+        "outside -100 to 100, the furthest 120" in load_scene(str(scene.path)).vectors().outside[0]
+    )
+
+
+def test_a_target_outside_the_codes_names_its_unit(tmp_path: Path) -> None:
+    scene = with_readings(in_units(tmp_path), 4, ["129", "-11"])
+    message = r"'y1': got a target of -11 in row 2, expected -10 to 130, .* give y1 a data.scale"
+    with pytest.raises(ValueError, match=message):
+        scene.vectors()
+
+
+@pytest.mark.parametrize("name", [*scene_names(), *comparison_names()])
+def test_no_shipped_recording_is_outside(name: str) -> None:
+    assert load_scene(name).vectors().outside == ()
+
+
+def test_a_constant_sensor_has_no_range(tmp_path: Path) -> None:
+    scene = with_readings(in_units(tmp_path, keys=AUTO), 0, ["2.5"] * 12)
+    with pytest.raises(ValueError, match=r"column 'x0': got 2.5 in every row, .* data.scale.x0"):
+        scaled(scene)
+
+
+def test_a_profile_is_drawn_from_signals(tmp_path: Path) -> None:
+    from tb.common.cases import VISUALISATION
+
+    mlp = random_mlp((3, 4, 4), 1.0, 1)
+    path = write_scene(tmp_path, "drawn", "exact", [mlp], sections=VISUALISATION)
+    load_scene(str(path))
+    path.write_text(path.read_text().replace("[network]", "scale = { y1 = 'auto' }\n[network]"))
+    with pytest.raises(ValueError, match=r"visualisation.position: got 'y1', which has a data.sc"):
+        load_scene(str(path))
