@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -96,7 +97,7 @@ def read_recording(path: Path) -> Recording:
     check_file(path)
     text = _text(path)
     _refuse_separator(path, text)
-    reader = csv.reader(text.splitlines(keepends=True))
+    reader = csv.reader(io.StringIO(text, newline=""))
     with reading(path, "CSV"):
         rows = [(reader.line_num, tuple(row)) for row in reader if any(map(str.strip, row))]
     if len(rows) < 2:
