@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from golden.disturbance import Disturbance
 from golden.errors import FRAMES, disturbed_errors
-from golden.scene import Scene
-from tb.report.measure.networks import scenes
+from golden.scene import Scene, load_scene, scene_names
+from tb.report.measure.bounds import bounds_of
 from tb.report.measure.table import Cell, Table
 
 # By the name that ``Disturbance`` has for it: how a reader names it, and its sizes.
@@ -17,6 +17,8 @@ KINDS: dict[str, tuple[str, tuple[float, ...]]] = {
     "offset": ("offset drift", (0.001, 0.002, 0.005, 0.01, 0.02)),
 }
 NONE = "as recorded"
+# Behind the name of an output: what its sensors allow.
+BOUND = ", bound"
 MEANING = (
     "Bit-true mean errors in percent on all recorded rows with disturbed readings. Sizes are "
     "standard deviations: of noise and offsets on signals from -1 to 1, of which 0.001 is 1 mV "
@@ -45,13 +47,25 @@ def disturbed(scene: Scene, seed: int) -> list[list[Cell]]:
 def noise_and_drift(scene: Scene, seed: int) -> Table:
     """One scene: a row a disturbance, a column an output."""
     columns = ["disturbance", "size", *(f"{name} %" for name in scene.outputs)]
-    return Table("noise_and_drift", columns, disturbed(scene, seed), MEANING)
+    rows, note = disturbed(scene, seed), MEANING
+    kind, sizes = KINDS["noise"]
+    bounds = bounds_of(scene, sizes)
+    for name, bound in bounds.items():
+        columns.append(f"{name}{BOUND} %")
+        known: dict[Cell, float] = dict(zip(sizes, bound, strict=True))
+        rows = [[*row, known[row[1]] if row[0] == kind else None] for row in rows]
+    if bounds:
+        note += (
+            " Bound: that of Cramer and Rao for that noise alone, shape known; no estimator that "
+            "is right on average errs less (docs/limits.md)."
+        )
+    return Table("noise_and_drift", columns, rows, note)
 
 
 def disturbance(seed: int) -> Table:
-    """Every output of every shipped scene and of those for comparison: a column a disturbance."""
+    """Every output of every shipped scene: a column a disturbance."""
     rows: list[list[Cell]] = []
-    for scene in scenes():
+    for scene in map(load_scene, scene_names()):
         _, _, *errors = zip(*disturbed(scene, seed), strict=True)
         rows += [
             [scene.name, name, *found] for name, found in zip(scene.outputs, errors, strict=True)
