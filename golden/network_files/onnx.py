@@ -157,7 +157,10 @@ def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> 
     kinds = {AttributeProto.INT: "i", AttributeProto.FLOAT: "f"}
     if node.op_type == "Scaler":
         kinds = {AttributeProto.FLOATS: "floats"}
-    attributes = {a.name: getattr(a, kinds[a.type]) for a in node.attribute if a.type in kinds}
+    attributes = {a.name: getattr(a, kinds.get(a.type, "name")) for a in node.attribute}
+    for name in ("alpha", "beta", "transA", "transB", "offset", "scale"):
+        if isinstance(attributes.get(name), str):
+            raise chain.refuse(node, f"got another {name}, expected a number")
     if node.op_type in LINEAR:
         if node.input[0] != current or values[0].ndim != 2:
             raise chain.refuse(node, "expected the data first and a matrix of weights second")
