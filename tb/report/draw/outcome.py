@@ -149,7 +149,7 @@ def disturbance_plots(table: Table) -> Iterator[Plot]:
         for name in names
         if name not in outputs
     }
-    for key, (kind, sizes) in KINDS.items():
+    for key, (kind, _) in KINDS.items():
         rows = [row for row in table.rows if row[0] in (NONE, kind)]
         errors = {
             name: [
@@ -161,10 +161,8 @@ def disturbance_plots(table: Table) -> Iterator[Plot]:
         }
         errors = {name: points for name, points in errors.items() if points}
         largest = max(outputs, key=lambda name: errors[name][-1][1])
-        text = (
-            f"{largest} is the worst at {sizes[-1]:g}: {errors[largest][-1][1]:.2g} %, "
-            f"{errors[largest][0][1]:.2g} % as recorded."
-        )
+        (_, recorded), *_, (size, error) = errors[largest]
+        text = f"{largest} is the worst at {size:g}: {error:.2g} %, {recorded:.2g} % as recorded."
         allowed = [
             f"{points[-1][1]:.2g} % of {name.removesuffix(BOUND)}"
             for name, points in errors.items()
@@ -172,7 +170,7 @@ def disturbance_plots(table: Table) -> Iterator[Plot]:
         ]
         if allowed:
             text += f" The sensors allow {', '.join(allowed)} there."
-        unit = "part of the signal" if key == "gain" else "signals from -1 to 1"
+        unit = "part of the reading" if key == "gain" else "unit of the readings"
         yield Plot(
             f"disturbed_{key}",
             f"Mean error against {kind}",
