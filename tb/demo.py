@@ -112,8 +112,7 @@ def report(scene: Scene, results: dict[str, Any]) -> str:
         f"errors in % on {len(vectors.codes)} recorded frames; 'largest' is the largest mean over "
         "the positions;",
         held_out_line(scene),
-        f"'noise {noise_of(scene):g}' is the mean with that noise on every reading; codes reach "
-        "from -1 to 1",
+        f"'noise {noise_of(scene):g}' is the mean with that noise on every reading, in its unit",
         "",
         *error_table(scene),
         "",
