@@ -9,7 +9,7 @@ SITE ?= build/site
 # What a user may give. Recipes read it from the environment, as "$$SCENE", and never as text that
 # make puts in: so no character of it is special, neither to make, which would expand a $ on the
 # way, nor to the shell. Only whether it is given may be asked of make: $(if $(BLOCK),...).
-GIVEN := ALL BESIDE BLOCK CLUSTER FRAMES FULL HARDWARE LINKS MACHINE ONLY OUTPUT PYTHON RECORD SCENE SEED SIM \
+GIVEN := ALL BESIDE BLOCK CLUSTER CSV FRAMES FULL HARDWARE LINKS MACHINE ONLY OUTPUT PYTHON RECORD SCENE SEED SIM \
 	SITE TABLE TESTS TO VENV WAVES WHOLE
 literal = $(if $(value $(1)),$(eval override $(1) := $$(value $(1)))$(eval export $(1)))
 $(foreach name,$(GIVEN),$(call literal,$(name)))
@@ -18,7 +18,7 @@ RUN := "$$VENV/bin/python"
 # A target by a name of its own: the path of the environment may hold what is special in one of make's.
 READY := ready
 
-.PHONY: help demo test machines sim vhdl verilog train network image bench listing activations figures lean synth report docs pages lint clean tools browser ready
+.PHONY: help demo test machines sim vhdl verilog train recalibrate network image bench listing activations figures lean synth report docs pages lint clean tools browser ready
 
 help:
 	@echo "make demo    [SCENE=] [FULL=1]            a scene end to end: simulate, export, table of errors"
@@ -31,6 +31,9 @@ help:
 	@echo "make vhdl    [SCENE=]                     export to build/<scene>/vhdl"
 	@echo "make verilog [SCENE=]                     export to build/<scene>/verilog"
 	@echo "make train   [SCENE=] [CLUSTER=]          train the scene's networks, write them beside it"
+	@echo "make recalibrate [SCENE=] [CSV=placements.csv] [TO=folder]"
+	@echo "                                          gain and offset of each sensor from known placements; without any,"
+	@echo "                                          those that tell most"
 	@echo "make network TO=file.onnx [SCENE=] [OUTPUT=]"
 	@echo "                                          write a network of the scene as .npz, .mat or .onnx"
 	@echo "make image   [SCENE=] [HARDWARE=scene]    what makes an engine that can be reloaded run the scene"
@@ -69,6 +72,9 @@ vhdl verilog: $(READY)
 
 train: $(READY)
 	@$(RUN) -m golden.training "$$SCENE" $(if $(CLUSTER),--cluster="$$CLUSTER")
+
+recalibrate: $(READY)
+	@$(RUN) -m golden.recalibration "$$SCENE" "$$CSV" "$$TO"
 
 network: $(READY)
 	@$(RUN) -m golden.network_files.convert "$$SCENE" "$$TO" $(if $(OUTPUT),--output="$$OUTPUT")

@@ -35,13 +35,17 @@ NASTY = [
 ]
 # The variables that are arguments of a command, an option or a word of it, and of which commands.
 ARGUMENTS = {
-    "SCENE": ("", "demo sim vhdl verilog train network image bench listing lean synth report"),
+    "SCENE": (
+        "",
+        "demo sim vhdl verilog train recalibrate network image bench listing lean synth report",
+    ),
     "BLOCK": ("--block=", "sim"),
     "SIM": ("--sim=", "sim"),
     "SEED": ("--seed=", "sim figures"),
     "FRAMES": ("--frames=", "sim bench"),
     "CLUSTER": ("--cluster=", "train"),
-    "TO": ("", "network"),
+    "CSV": ("", "recalibrate"),
+    "TO": ("", "recalibrate network"),
     "OUTPUT": ("--output=", "network"),
     "HARDWARE": ("--hardware=", "image"),
     "TABLE": ("", "figures"),
