@@ -9,8 +9,8 @@ SITE ?= build/site
 # What a user may give. Recipes read it from the environment, as "$$SCENE", and never as text that
 # make puts in: so no character of it is special, neither to make, which would expand a $ on the
 # way, nor to the shell. Only whether it is given may be asked of make: $(if $(BLOCK),...).
-GIVEN := ALL BESIDE BLOCK CLUSTER FRAMES HARDWARE LINKS MACHINE ONLY OUTPUT PYTHON RECORD SCENE SEED SIM \
-	SITE TABLE TESTS TO VENV WAVES WHOLE
+GIVEN := ALL BESIDE BLOCK CLUSTER CSV FRAMES FULL HARDWARE LINKS MACHINE ONLY OUTPUT OUTPUTS PYTHON RECORD SCENE \
+	SEED SIM SITE TABLE TESTS TO VENV WAVES WHOLE
 literal = $(if $(value $(1)),$(eval override $(1) := $$(value $(1)))$(eval export $(1)))
 $(foreach name,$(GIVEN),$(call literal,$(name)))
 
@@ -18,10 +18,10 @@ RUN := "$$VENV/bin/python"
 # A target by a name of its own: the path of the environment may hold what is special in one of make's.
 READY := ready
 
-.PHONY: help demo test machines sim vhdl verilog train network image bench listing activations figures lean synth report docs pages lint clean tools browser ready
+.PHONY: help demo test machines sim vhdl verilog scene check train predict network image bench listing activations figures lean synth report docs pages lint clean tools browser ready
 
 help:
-	@echo "make demo    [SCENE=]                     a scene end to end: simulate, export, table of errors"
+	@echo "make demo    [SCENE=] [FULL=1]            a scene end to end: simulate, export, table of errors"
 	@echo "make test    [TESTS=tests/test_x.py] [ALL=1] [MACHINE=name]"
 	@echo "                                          the tests, or some; ALL=1 every constant; MACHINE= as elsewhere"
 	@echo "make machines [ONLY=name] [TESTS=] [WHOLE=1] [ALL=1]"
@@ -30,7 +30,12 @@ help:
 	@echo "                                          one bench, or every bench of the scene"
 	@echo "make vhdl    [SCENE=]                     export to build/<scene>/vhdl"
 	@echo "make verilog [SCENE=]                     export to build/<scene>/verilog"
+	@echo "make scene   CSV=readings.csv OUTPUTS=a,b [TO=my-rig.toml]"
+	@echo "                                          a scene for your own readings, and what they show"
+	@echo "make check   [SCENE=]                     what can be wrong with a scene, in seconds"
 	@echo "make train   [SCENE=] [CLUSTER=]          train the scene's networks, write them beside it"
+	@echo "make predict CSV=new.csv TO=out.csv [SCENE=]"
+	@echo "                                          the hardware's outputs for new readings, and which are unlike any"
 	@echo "make network TO=file.onnx [SCENE=] [OUTPUT=]"
 	@echo "                                          write a network of the scene as .npz, .mat or .onnx"
 	@echo "make image   [SCENE=] [HARDWARE=scene]    what makes an engine that can be reloaded run the scene"
@@ -40,7 +45,8 @@ help:
 	@echo "make figures [TABLE=] [SEED=]             measured figures beside the thesis', in build/figures"
 	@echo "make lean    [SCENE=] [BESIDE=other]      what a scene leaves out, and what that saves"
 	@echo "make synth   [SCENE=] [RECORD=1]          cells of every block, clock, both beside the thesis; budget"
-	@echo "make report  [SCENE=]                     errors against cost, stability, resources, pictures: one HTML file"
+	@echo "make report  [SCENE=] [FULL=1]            errors, what noise does, what was verified, pictures: one HTML file"
+	@echo "                                          FULL=1: the errors and costs of every approximation too"
 	@echo "make docs    [LINKS=1]                    the documentation as a site; LINKS=1 follows links to others"
 	@echo "make pages                                what is generated in the documentation"
 	@echo "make lint                                 ruff and mypy"
@@ -50,7 +56,7 @@ help:
 	@printf 'or a path to a .toml file; now %s\n' "$$SCENE"
 
 demo: $(READY) tools
-	@$(RUN) -m tb.demo "$$SCENE"
+	@$(RUN) -m tb.demo "$$SCENE" $(if $(filter-out 0,$(FULL)),--full)
 
 test: $(READY) tools browser
 	@$(RUN) $(if $(MACHINE),tests/machines.py "$$MACHINE" --show --whole,tests/chosen.py) \
@@ -66,8 +72,17 @@ sim: $(READY)
 vhdl verilog: $(READY)
 	@$(RUN) -m hdl.export "$$SCENE" $@
 
+scene: $(READY)
+	@$(RUN) -m golden.rig.write_scene "$$CSV" "$$OUTPUTS" $(if $(TO),--to="$$TO")
+
+check: $(READY)
+	@$(RUN) -m tb.check "$$SCENE"
+
 train: $(READY)
 	@$(RUN) -m golden.training "$$SCENE" $(if $(CLUSTER),--cluster="$$CLUSTER")
+
+predict: $(READY)
+	@$(RUN) -m golden.rig.predict "$$SCENE" "$$CSV" "$$TO"
 
 network: $(READY)
 	@$(RUN) -m golden.network_files.convert "$$SCENE" "$$TO" $(if $(OUTPUT),--output="$$OUTPUT")
@@ -94,7 +109,7 @@ synth: $(READY)
 	@$(RUN) -m hdl.synth "$$SCENE" $(if $(filter-out 0,$(RECORD)),--record)
 
 report: $(READY) tools
-	@$(RUN) -m tb.report "$$SCENE"
+	@$(RUN) -m tb.report "$$SCENE" $(if $(filter-out 0,$(FULL)),--full)
 
 # Built anew, so that no page is left that is gone from the source, and renamed when it is whole.
 SPHINX = $(RUN) -m sphinx -q -W --keep-going -d "$$SITE.doctrees" docs

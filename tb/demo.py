@@ -15,7 +15,15 @@ from typing import Any
 import numpy as np
 
 from golden.cli import run
-from golden.errors import scene_errors, unit_errors
+from golden.disturbance import Disturbance
+from golden.errors import (
+    UNKNOWN,
+    disturbed_errors,
+    held_out_rows,
+    noise_of,
+    scene_errors,
+    unit_errors,
+)
 from golden.machine import closing
 from golden.metrics import millimetres
 from golden.scene import Scene, thesis_figures
@@ -37,23 +45,37 @@ def twin_speed(scene: Scene) -> float:
 
 
 def error_table(scene: Scene) -> list[str]:
-    """Per output and kind: mean, largest mean over positions, and worst frame."""
+    """Per output and kind: mean, largest mean over positions, worst frame; the mean with noise."""
     found = scene_errors(scene)
+    noise = noise_of(scene)
+    noisy = disturbed_errors(scene, Disturbance(noise))
     thesis = None
     if scene.reference:
         thesis = thesis_figures(scene.reference, len(scene.outputs), scene.path)
     group = f"{'mean':>6} {'largest':>8} {'worst':>6}"
     lines = [
-        f"{'':9} " + "  ".join(f"{name:^22}" for name in found) + ("   thesis" if thesis else ""),
-        f"{'output':9} " + "  ".join([group] * len(found)) + ("  largest" if thesis else ""),
+        f"{'':9} "
+        + "  ".join([*(f"{name:^22}" for name in found), "noise"])
+        + "   thesis" * bool(thesis),
+        f"{'output':9} "
+        + "  ".join([*[group] * len(found), f"{noise:>5g}"])
+        + "  largest" * bool(thesis),
     ]
     for c, name in enumerate(scene.outputs):
         cells = [
             f"{e[c].mean:6.2f} {e[c].largest_mean:8.2f} {e[c].worst:6.2f}" for e in found.values()
         ]
         last = f"  {thesis[c]:7.2f}" if thesis else ""
-        lines.append(f"{name:9} " + "  ".join(cells) + last)
+        lines.append(f"{name:9} " + "  ".join([*cells, f"{noisy[c]:5.2f}"]) + last)
     return [line.rstrip() for line in lines]
+
+
+def held_out_line(scene: Scene) -> str:
+    """What held-out frames are, or that nobody knows which these were."""
+    rows = held_out_rows(scene)
+    if rows is None:
+        return f"held-out frames are {UNKNOWN}"
+    return f"'held out' are the {len(rows)} frames that neither trained nor chose the network"
 
 
 def length_lines(scene: Scene) -> list[str]:
@@ -88,7 +110,9 @@ def report(scene: Scene, results: dict[str, Any]) -> str:
         f"{scene.precision.name} precision",
         f"errors in % on {len(vectors.codes)} recorded frames; 'largest' is the largest mean over "
         "the positions;",
-        "'held out' are the frames that neither trained nor chose the network",
+        held_out_line(scene),
+        f"'noise {noise_of(scene):g}' is the mean with that noise on every reading; codes reach "
+        "from -1 to 1",
         "",
         *error_table(scene),
         "",
@@ -129,8 +153,10 @@ def bench_table(results: dict[str, Any]) -> str:
 def main() -> int:
     parser = argparse.ArgumentParser(prog="make demo", description=__doc__)
     parser.add_argument("scene")
+    parser.add_argument("--full", action="store_true", help="the project's own tables too")
+    arguments = parser.parse_args()
     started = time.perf_counter()
-    scene = ready_scene(parser.parse_args().scene)
+    scene = ready_scene(arguments.scene)
     warn_outside(scene)
     results = simulate(scene)
     print(bench_table(results))
@@ -139,7 +165,7 @@ def main() -> int:
     print(report(scene, results))
     for simulator in SIMULATORS:
         print(f"{language(simulator):8} in build/{scene.name}/{language(simulator)}")
-    build_report(scene)
+    build_report(scene, arguments.full)
     print("\n".join(["", *closing(time.perf_counter() - started, **simulator_versions())]))
     return 0
 

@@ -87,6 +87,7 @@ COMPUTED = Rest(
     (
         "test_activation_reference.py",
         "test_beam.py",
+        "test_bound.py",
         "test_conditioning.py",
         "test_fixed.py",
         "test_functions.py",

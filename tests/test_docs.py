@@ -15,7 +15,8 @@ from pages import ROUNDING, cells, shows
 from shared import Shared
 
 from golden.block import Block, walk
-from golden.errors import scene_errors
+from golden.disturbance import Disturbance
+from golden.errors import disturbed_errors, scene_errors
 from golden.scene import load_scene, thesis_figures
 from tb.demo import error_table
 from tb.report.page.blocks import pages as published
@@ -96,10 +97,11 @@ def test_the_readme_shows_what_the_demo_prints() -> None:
     for line in printed[:2]:
         assert f"    {line}\n" in readme
     errors = scene_errors(scene).values()
+    noisy = disturbed_errors(scene, Disturbance(noise=0.002))
     thesis = thesis_figures(scene.reference, len(scene.outputs), scene.path)
     for n, name in enumerate(scene.outputs):
         known = [(e[n].mean, e[n].largest_mean, e[n].worst) for e in errors]
-        figures = [*(figure for kind in known for figure in kind), thesis[n]]
+        figures = [*(figure for kind in known for figure in kind), noisy[n], thesis[n]]
         for page in (readme, "\n".join(printed)):
             for text, figure in zip(cells(page, name), figures, strict=True):
                 assert shows(text, figure, ROUNDING), name

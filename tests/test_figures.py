@@ -380,3 +380,27 @@ def test_a_table_as_text() -> None:
 def test_a_table_refuses_what_is_no_figure(row, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         Table("t", ["name", "value"], [row], "")
+
+
+def test_the_limits_of_the_page_are_those_measured(tables) -> None:
+    page = section("limits", "The digit at 2 mV")
+    for noise, output, said, *figures in tables["bounds"].rows:
+        if noise == "2 mV":
+            for text, figure in zip(cells(page, output, said), figures, strict=True):
+                assert (text == "none") if figure is None else shows(text, figure, ROUNDING)
+
+
+def test_who_knows_more_is_off_by_less(tables) -> None:
+    """The scene has learnt which loads there are: it is not better than who knows them, and where
+    the width is in no reading better than who does not."""
+    names = ("noise", "output", "in the readings", "bound %", "digit %", "any load %")
+    rows = columns(tables, "bounds", *names, "known loads %")
+    assert len(rows) == 4 * 5
+    for noise, output, said, bound, reached, any_load, known_loads in rows:
+        assert (bound is None) == (said == "no")
+        assert said == "yes" or output not in ("load", "position")
+        assert known_loads <= any_load
+        if noise != "as recorded":
+            assert known_loads < reached
+        if (output, said) == ("width", "no"):
+            assert reached < any_load

@@ -14,7 +14,10 @@ import pytest
 from shared import Shared
 
 from golden.activation.schemes import forms
+from golden.errors import UNKNOWN
+from golden.fingerprint import ROOT
 from golden.scene import load_scene
+from golden.scene.reading import scene_path
 from tb.common.runner import BUILD
 from tb.report.draw import findings, looks
 from tb.report.draw.plots import Plot
@@ -29,6 +32,7 @@ from tb.report.page.content import content
 from tb.report.page.page import Page, Picture, Section
 
 SCENE = "digit-load"
+DATA = ROOT / "golden" / "data" / "appendix2.csv"
 WIDTHS = {"phone": 390, "desktop": 1280}
 
 
@@ -36,13 +40,93 @@ WIDTHS = {"phone": 390, "desktop": 1280}
 def report(shared: Shared) -> Path:
     """The report of the smallest scene, with the tables that the run has measured."""
     shared.tables()
-    shared.once("report", lambda: build.build_report(load_scene(SCENE)))
+    shared.once("report", lambda: build.build_report(load_scene(SCENE), full=True))
     return BUILD / SCENE / "report.html"
 
 
 @pytest.fixture(scope="module")
 def data(report: Path) -> dict:
     return json.loads((report.with_suffix("") / "report.json").read_text())
+
+
+@pytest.fixture(scope="module")
+def own(shared: Shared) -> Path:
+    """The report of a user's scene: no reference, and a network from elsewhere."""
+    folder = shared.folder / "mine"
+
+    def make() -> None:
+        folder.mkdir()
+        shutil.copy(scene_path("digit-single").with_suffix(".npz"), folder / "mine.npz")
+        shutil.copy(DATA, folder)
+        text = scene_path("digit-single").read_text().replace("digit-single", "mine")
+        text = re.sub(r"reference = .*\n", "", text).replace("../../data/", "")
+        (folder / "mine.toml").write_text(text)
+        build.build_report(load_scene(str(folder / "mine.toml")))
+
+    shared.once("own report", make)
+    return BUILD / "mine" / "report.html"
+
+
+@pytest.fixture(scope="module")
+def own_data(own: Path) -> dict:
+    return json.loads((own.with_suffix("") / "report.json").read_text())
+
+
+def test_a_users_report_is_about_the_users_scene(own: Path, own_data: dict) -> None:
+    wanted = {"errors", "costs", "worst_rows", "confidence", "along", "noise_and_drift", "sensors"}
+    assert set(own_data["tables"]) == wanted
+    predicted = {f"predicted_{c}" for c in range(4)}
+    disturbed = {f"disturbed_{kind}" for kind in ("noise", "gain", "offset")}
+    drawn = {"network", "datapath", "waveforms", "load_profile", "load_moves"}
+    assert set(own_data["pictures"]) == {"along", *predicted, *disturbed, *drawn}
+    assert "thesis" not in own.read_text().lower()
+
+
+def test_what_was_verified_stands_before_what_is_left_out(own_data: dict) -> None:
+    names = list(own_data["sections"])
+    assert names[:4] == ["outputs", "sensors", "verified", "left-out"]
+    left_out = own_data["sections"]["left-out"]
+    assert "the load profile: the scene has no visualisation" in left_out
+
+
+def test_held_out_is_not_claimed_for_a_network_from_elsewhere(own: Path, own_data: dict) -> None:
+    table = own_data["tables"]["errors"]
+    at = table["columns"].index("held out %")
+    assert {row[at] for row in table["rows"]} == {UNKNOWN}
+    assert not any("held out" in row[1] for row in own_data["tables"]["confidence"]["rows"])
+    assert UNKNOWN in own_data["pictures"]["predicted_0"]["says"]
+
+
+def test_the_worst_rows_are_those_of_the_file(own_data: dict) -> None:
+    table = own_data["tables"]["worst_rows"]
+    with DATA.open(newline="") as handle:
+        file = list(csv.DictReader(handle))
+    worst = {row[0]: row[3] for row in own_data["tables"]["errors"]["rows"]}
+    for name, number, *values in table["rows"]:
+        cells = dict(zip(table["columns"][2:], values, strict=True))
+        recorded = file[number - 1]
+        assert [cells[f"sensor{k}"] for k in range(1, 5)] == [
+            float(recorded[f"sensor{k}"]) for k in range(1, 5)
+        ]
+        assert cells["recorded"] == float(recorded[name])
+        scale = 0.9 if name in ("position", "width") else cells["recorded"]
+        error = 100 * abs(cells["computed"] - cells["recorded"]) / scale
+        assert cells["error %"] == pytest.approx(error)
+        assert cells["error %"] <= worst[name]
+    for name in worst:
+        assert max(row[-1] for row in table["rows"] if row[0] == name) == worst[name]
+
+
+def test_full_is_asked_for_at_the_front_door() -> None:
+    for command, asked in (("report", "1"), ("demo", "1"), ("report", "0"), ("demo", "")):
+        said = subprocess.run(
+            ["make", "-n", command, f"FULL={asked}"],
+            cwd=ROOT,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        assert ("--full" in said.stdout) == (asked == "1"), command
 
 
 class Links(HTMLParser):
@@ -104,7 +188,6 @@ def test_the_first_screen_is_the_scene(report: Path, data: dict) -> None:
     costs = dict(row[:2] for row in data["tables"]["costs"]["rows"])
     assert costs["clocks from first sample to last output"] == clocks_per_frame(design)
     assert [row[0] for row in data["tables"]["errors"]["rows"]] == list(scene.outputs)
-    assert "the load profile: the scene has no visualisation" in data["left_out"]
 
 
 def test_every_engine_ran_the_same_frames(data: dict) -> None:
@@ -133,7 +216,7 @@ def test_an_engine_that_differs_fails_the_report(monkeypatch: pytest.MonkeyPatch
 
 def test_a_second_report_measures_nothing(report: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     told: list[tuple[str, bool]] = []
-    content(load_scene(SCENE), lambda name, _, kept: told.append((name, kept)))
+    content(load_scene(SCENE), lambda name, _, kept: told.append((name, kept)), full=True)
     assert {name for name, kept in told if kept} >= set(TABLES)
     assert [name for name, kept in told if not kept] == []
 
@@ -207,7 +290,7 @@ def test_a_sentence_follows_its_figures() -> None:
 
 def test_text_of_a_table_cannot_become_markup() -> None:
     table = Table("errors", ["<b>", "n"], [["<script>x</script>", 1]], "a & b")
-    page = Page("t", [], table, table, [], [Section("s", "S", ["<i>"], [])])
+    page = Page("t", [], table, table, [Section("s", "S", ["<i>"], ["<b>"])])
     text = page.render()
     assert "<script" not in text
     assert "&lt;script&gt;" in text
@@ -220,6 +303,7 @@ LOOK = """<!DOCTYPE html><title>look</title><body style="margin:0">
 <pre id="said"></pre><script>
 document.getElementById("page").onload = function () {{
   const inside = this.contentDocument, seen = [];
+  const names = test => [...inside.querySelectorAll("figure")].filter(test).map(f => f.id);
   const beyond = element => !element.closest(".scroll") && !element.closest("nav");
   for (const element of inside.querySelectorAll("body *")) {{
     const box = element.getBoundingClientRect();
@@ -237,6 +321,9 @@ document.getElementById("page").onload = function () {{
   document.getElementById("said").textContent = JSON.stringify({{
     width: inside.documentElement.scrollWidth, beyond: seen, smallest: smallest,
     height: inside.documentElement.scrollHeight, figures: inside.querySelectorAll("figure").length,
+    scrolled: names(figure => figure.querySelector("div.scroll")?.scrollWidth
+      > figure.querySelector("div.scroll")?.clientWidth),
+    hinted: names(figure => figure.querySelector(".hint")?.getClientRects().length),
   }});
 }};
 </script></body>"""
@@ -272,12 +359,19 @@ def test_the_page_fits_and_reads_well(report: Path, width: int, tmp_path: Path) 
     assert seen["smallest"] >= 7.5, "letters too small to read"
 
 
+@pytest.mark.parametrize("width", [*WIDTHS.values(), 1000, 2000])
+def test_pictures_that_scroll_have_a_hint(own: Path, width: int, tmp_path: Path) -> None:
+    seen = look(own, width, tmp_path)
+    assert seen["hinted"] == seen["scrolled"]
+    assert ("picture-datapath" in seen["hinted"]) == (width < 1000)
+
+
 def test_a_page_that_is_too_wide_is_seen(tmp_path: Path) -> None:
     table = Table("errors", ["a"], [["x" * 400]], "a note")
     # Not an SVG, which the page would shrink.
     wide = Picture("p", "P", '<div style="width:800px">wide</div>', "s.")
     page = tmp_path / "wide.html"
-    page.write_text(Page("t", [], table, table, [], [Section("s", "S", [], [wide])]).render())
+    page.write_text(Page("t", [], table, table, [Section("s", "S", pictures=[wide])]).render())
     seen = look(page, WIDTHS["phone"], tmp_path)
     assert seen["beyond"] == ["DIV wide"]
     assert seen["width"] > WIDTHS["phone"]

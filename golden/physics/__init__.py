@@ -1,6 +1,7 @@
 """Physics of the two rigs in floating point: what the sensors should read, and data made from it.
 
-``beam`` and ``strain_sensor`` are the flexible digit (thesis chapter 3), ``plate``, ``swing``,
+``beam`` and ``strain_sensor`` are the flexible digit (thesis chapter 3), ``bound`` and
+``known_loads`` what its sensors let anybody know, ``plate``, ``swing``,
 ``wobble`` and ``conditioning`` the swing on its plate (chapter 6 and Appendix 7). Lengths in m,
 masses in kg, forces in N, angles in rad, times in s, signals in V.
 """

@@ -126,12 +126,42 @@ def mean_arm(distance: ArrayLike, half_width: ArrayLike, triangular: ArrayLike) 
     ValueError
         For an argument outside its range, NaN included.
     """
-    d, h = checked(distance=(distance, -1e6, 1e6), half_width=(half_width, 0, 1e3))
-    # The part of the load's width that lies beyond the sensor.
-    spread = np.abs(d) < h
-    r = (np.divide(d, h, out=np.zeros(np.broadcast_shapes(d.shape, h.shape)), where=spread) + 1) / 2
+    d, h, r = _covered(distance, half_width)
     even = h * r**2
     pointed = np.where(r <= 0.5, h * 4 * r**3 / 3, h * (2 * r - 1 + 4 * (1 - r) ** 3 / 3))
     inside = np.where(np.asarray(triangular, dtype=bool), pointed, even)
-    result: Real = np.where(spread, inside, np.maximum(d, 0))
+    result: Real = np.where(np.abs(d) < h, inside, np.maximum(d, 0))
     return result
+
+
+def arm_slopes(
+    distance: ArrayLike, half_width: ArrayLike, triangular: ArrayLike
+) -> tuple[Real, Real]:
+    """Derivatives of ``mean_arm`` by distance and by half-width.
+
+    The first is the part of the load beyond the sensor. The second is 0 wherever the sensor does
+    not lie under the load: there no reading of a moment holds anything of the width.
+
+    Parameters
+    ----------
+    distance, half_width, triangular
+        See ``mean_arm``, whose errors these are.
+    """
+    d, h, r = _covered(distance, half_width)
+    pointed = np.asarray(triangular, dtype=bool)
+    nearer = np.minimum(r, 1 - r)
+    by_distance = np.where(r <= 0.5, 2 * r**2, 1 - 2 * (1 - r) ** 2)
+    by_half_width = 2 * nearer**2 - 8 * nearer**3 / 3
+    spread = np.abs(d) < h
+    return (
+        np.where(spread, np.where(pointed, by_distance, r), (d > 0).astype(np.float64)),
+        np.where(spread, np.where(pointed, by_half_width, r * (1 - r)), 0.0),
+    )
+
+
+def _covered(distance: ArrayLike, half_width: ArrayLike) -> tuple[Real, Real, Real]:
+    """Distance and half-width, checked, and the part of the load's width beyond the sensor."""
+    d, h = checked(distance=(distance, -1e6, 1e6), half_width=(half_width, 0, 1e3))
+    spread = np.abs(d) < h
+    r = (np.divide(d, h, out=np.zeros(np.broadcast_shapes(d.shape, h.shape)), where=spread) + 1) / 2
+    return d, h, r

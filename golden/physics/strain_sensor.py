@@ -12,7 +12,7 @@ from scipy.optimize import least_squares
 from golden.domain import checked
 from golden.networks.mlp import Real
 from golden.physics import GRAVITY
-from golden.physics.beam import MOST_MASS, Beam, mean_arm
+from golden.physics.beam import MOST_MASS, Beam, arm_slopes, mean_arm
 from golden.units import FULL_SCALE, LOAD_G, POSITION_MM, WIDTH_MM
 
 # Loads and their columns as golden/data/appendix2.csv has them.
@@ -127,13 +127,33 @@ class StrainSensor:
         ValueError
             For a mass outside 0 to 1e6 kg or a load beyond the root, NaN included.
         """
-        mass, place = checked(
-            mass=(loads.mass, 0, MOST_MASS), position=(loads.position, 0, self.beam.length)
-        )
-        arm = mean_arm(place - self.position, loads.half_width, loads.triangular)
+        mass, arm = self._mass_and_arm(loads)
         strain = -mass * GRAVITY * arm * self.beam.thickness / (2 * self.beam.stiffness)
         result: Real = self.gain * strain + self.offset
         return result
+
+    def slopes(self, loads: Loads) -> Real:
+        """Derivatives of ``read`` by mass, position and half-width, shape (..., 3); V/kg and V/m.
+
+        Raises
+        ------
+        ValueError
+            See ``read``.
+        """
+        mass, arm = self._mass_and_arm(loads)
+        by_position, by_half_width = arm_slopes(
+            loads.position - self.position, loads.half_width, loads.triangular
+        )
+        moments = np.broadcast_arrays(arm, mass * by_position, mass * by_half_width)
+        per_moment = -self.gain * GRAVITY * self.beam.thickness / (2 * self.beam.stiffness)
+        result: Real = per_moment * np.stack(moments, axis=-1)
+        return result
+
+    def _mass_and_arm(self, loads: Loads) -> tuple[Real, Real]:
+        mass, place = checked(
+            mass=(loads.mass, 0, MOST_MASS), position=(loads.position, 0, self.beam.length)
+        )
+        return mass, mean_arm(place - self.position, loads.half_width, loads.triangular)
 
 
 def fit_sensor(readings: ArrayLike, loads: Loads, beam: Beam, spread: bool = True) -> StrainSensor:

@@ -20,6 +20,8 @@ from golden.cli import run
 from golden.fingerprint import fingerprint, sources
 from golden.network_files.network_file import check_targets, provenance_path, save_networks
 from golden.networks.mlp import Mlp
+from golden.rig.check import before_training
+from golden.rig.finding import refuse
 from golden.scene import Scene, load_scene
 from golden.scene.trained_scale import story
 from golden.scene.vectors import warn_outside
@@ -30,6 +32,7 @@ from golden.training.search import (
     search,
     signed_errors,
 )
+from golden.training.split import split_story
 from golden.training.stages import Stages
 from golden.training.task import Task
 
@@ -78,6 +81,7 @@ def main() -> None:
             for member in scene.members
         )
         scene = replace(scene, members=tuple(members))
+    refuse(before_training(scene, arguments.build))
     with computed_on(arguments.cluster):
         train_scene(scene, arguments.build, arguments.workers)
 
@@ -126,7 +130,7 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
         stories.append(
             {
                 "scene": scene.name,
-                "data": scene.data_path.name,
+                **split_story(scene),
                 "arrangement": scene.arrangement,
                 "outputs": ", ".join(member.outputs),
                 "precision": scene.precision.name,
@@ -135,7 +139,6 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
                 "network": ":".join(str(n) for n in stages.written[number].shape),
                 "optimiser": settings.optimiser,
                 "earlier_outputs": settings.earlier_outputs if number else "none",
-                "seed": settings.seed,
                 "candidates": total,
                 "candidates_refused": refused,
                 "hidden": f"{candidates(task)[0][0]} to {candidates(task)[-1][0]}",
@@ -144,9 +147,6 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
                 "weight_decay": settings.weight_decay,
                 "steps": settings.steps,
                 "patience": settings.patience,
-                "split": settings.split,
-                "split_by": ", ".join(settings.split_by),
-                "block_rows": settings.block_rows if settings.split == "blocks" else 0,
                 "refit": settings.refit,
                 "noise": settings.disturbance.noise,
                 "drift_gain": settings.disturbance.gain,

@@ -47,6 +47,19 @@ def split_of(scene: Scene) -> Split:
     return split_rows(len(values), settings.seed, place)
 
 
+def split_story(scene: Scene) -> dict[str, str | int]:
+    """What the provenance of a network says of the rows: whoever reads the same has this split."""
+    settings = scene.training
+    return {
+        "data": scene.data_path.name,
+        "rows": len(scene.vectors().codes),
+        "seed": settings.seed,
+        "split": settings.split,
+        "split_by": ", ".join(settings.split_by),
+        "block_rows": settings.block_rows if settings.split == "blocks" else 0,
+    }
+
+
 def _columns(scene: Scene) -> Real:
     """The columns of ``training.split_by``, in the rows that the scene uses."""
     kept = rows_where(scene.data_path, scene.where)

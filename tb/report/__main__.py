@@ -18,7 +18,9 @@ from tb.report.page.build import build_report
 def main() -> None:
     parser = argparse.ArgumentParser(prog="make report", description=__doc__)
     parser.add_argument("scene")
-    build_report(ready_scene(parser.parse_args().scene))
+    parser.add_argument("--full", action="store_true", help="the project's own tables too")
+    arguments = parser.parse_args()
+    build_report(ready_scene(arguments.scene), arguments.full)
 
 
 if __name__ == "__main__":

@@ -273,6 +273,67 @@ def damping_plot(tables: Mapping[str, Table]) -> Plot:
     )
 
 
+def bound_plots(tables: Mapping[str, Table]) -> list[Plot]:
+    """Load, position and width along the beam: what can be known, and what the scene reaches."""
+    table = tables["bound_along"]
+    *_, bound, reached, any_load, _ = table.columns
+    scene = reached.removesuffix(" %")
+    plots = []
+    for output in dict.fromkeys(str(row["output"]) for row in rows_of(table)):
+        rows = rows_of(table, output=output)
+        within = [row for row in rows if row["in the readings"] == "yes"]
+        if not within:
+            continue
+        without = [row for row in rows if row["in the readings"] == "no"]
+        points = {"bound": _along(within, bound)}
+        points |= {scene: _along(within, reached)}
+        if without:
+            points = {
+                **points,
+                f"{scene}, not in the readings": _along(without, reached),
+                "best guess there": _along(without, any_load),
+            }
+            of = sum(number(row, "placements") for row in rows)
+            says = (
+                f"At {sum(number(row, 'placements') for row in without):g} of {of:g} placements no "
+                f"reading holds the {output}: no sensor lies under the load. There {scene} is off "
+                f"by {_mean(without, reached):.2g} %, where the best estimator for any load can "
+                f"only guess, {_mean(without, any_load):.2g} %: it has learnt which loads exist, "
+                f"and a load that is not one of them gets a {output} that means nothing."
+            )
+        else:
+            ratio = _mean(within, reached) / _mean(within, bound)
+            says = (
+                f"{scene} is off by {_mean(within, reached):.2g} %, {ratio:.1f} times what the "
+                f"sensors allow, {_mean(within, bound):.2g} %."
+            )
+        plots.append(
+            Plot(
+                f"bound_{output}",
+                f"What can be known: {output} along the beam, noise of 2 mV",
+                "position from the tip, mm",
+                "mean error %",
+                points,
+                says,
+                [table.name, "bounds"],
+                joined=False,
+                linear="x",
+            )
+        )
+    return plots
+
+
+def _along(rows: list[Row], error: str) -> list[tuple[float, float]]:
+    return groups(rows, lambda _: error, "position mm", error)[error]
+
+
+def _mean(rows: list[Row], error: str) -> float:
+    """Over placements."""
+    counts = [number(row, "placements") for row in rows]
+    errors = [number(row, error) for row in rows]
+    return sum(c * e for c, e in zip(counts, errors, strict=True)) / sum(counts)
+
+
 def plate_plot(tables: Mapping[str, Table]) -> Plot:
     """The plate's deflection: series and grid."""
     rows = rows_of(tables["plate"])

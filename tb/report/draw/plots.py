@@ -15,6 +15,8 @@ from tb.report.draw.svg import PLOT_INCHES, style, svg
 Points = Sequence[tuple[float, float]]
 # A ratio of the ends of an axis below which powers of ten alone are too few numbers.
 FEW = 300
+# On a linear axis across: more numbers such as 0.0025 would run into each other.
+TICKS = 5
 _LINES = ("-", "--", ":", "-.")
 
 
@@ -96,7 +98,9 @@ class Plot:
                     ha="right",
                     fontsize=8,
                 )
-            if "x" not in self.linear:
+            if "x" in self.linear:
+                axes.locator_params(axis="x", nbins=TICKS)
+            else:
                 axes.set_xscale("log")
                 _label(axes.xaxis)
             if "y" in self.linear:

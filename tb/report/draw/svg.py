@@ -37,6 +37,12 @@ def style() -> Iterator[None]:
         yield
 
 
+def plain(name: str) -> str:
+    """A name from outside as a label: no part of it is mathematics, and no legend leaves it out."""
+    text = name.replace("$", r"\$")
+    return f" {text}" if text.startswith("_") else text
+
+
 def svg(figure: Figure, name: str) -> str:
     """A matplotlib figure as an ``<svg>`` element.
 

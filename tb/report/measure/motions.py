@@ -7,13 +7,19 @@ import tomllib
 from golden.fingerprint import ROOT
 from golden.metrics import displacement_errors
 from golden.precision import SIGNAL
-from golden.scene import load_scene, thesis_table
+from golden.scene import Scene, load_scene, thesis_table
+from golden.scene.reading import scene_path
 from golden.table import read_table
 from tb.report.measure.table import Cell, Table
 
 DATA = ROOT / "golden" / "data"
 FORMS = ("single", "multiple", "cascade")
 RUNS = ("swing-test-1", "swing-test-2")
+
+
+def shipped(scene: Scene) -> bool:
+    """Whether the scene is one of those that the table is about."""
+    return scene.path in [scene_path(f"swing-{form}") for form in FORMS]
 
 
 def motions(seed: int) -> Table:

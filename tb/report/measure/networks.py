@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from golden.errors import scene_errors
+from golden.errors import HELD_OUT, scene_errors
 from golden.metrics import millimetres
 from golden.scene import Scene, comparison_names, load_scene, scene_names, thesis_figures
 from tb.report.measure.table import Cell, Table
@@ -22,7 +22,8 @@ def networks(seed: int) -> Table:
         if scene.reference:
             figures = thesis_figures(scene.reference, len(scene.outputs), scene.path)
         for c, output in enumerate(scene.outputs):
-            real, exact, held = (found[kind][c] for kind in found)
+            real, exact = found["float"][c], found["bit-true"][c]
+            held = found[HELD_OUT][c] if HELD_OUT in found else None
             length = scene.length_mm.get(output)
             rows.append(
                 [
@@ -33,8 +34,8 @@ def networks(seed: int) -> Table:
                     exact.largest_mean,
                     exact.mean,
                     exact.worst,
-                    held.mean,
-                    held.largest_mean,
+                    None if held is None else held.mean,
+                    None if held is None else held.largest_mean,
                     None if length is None else millimetres(exact, length).largest_mean,
                     figures[c],
                 ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from golden.errors import scene_errors
+from golden.errors import HELD_OUT, scene_errors
 from golden.scene import thesis_figures
 from tb.report.measure.networks import scenes
 from tb.report.measure.table import Cell, Table
@@ -20,7 +20,8 @@ def parallel(_: int) -> Table:
         printed = thesis_figures(scene.reference, len(scene.outputs), scene.path)
         found = scene_errors(scene)
         for c, output in enumerate(scene.outputs):
-            real, exact, held = (found[kind][c] for kind in found)
+            real, exact = found["float"][c], found["bit-true"][c]
+            held = found[HELD_OUT][c] if HELD_OUT in found else None
             rows.append(
                 [
                     scene.activation_text,
@@ -30,7 +31,7 @@ def parallel(_: int) -> Table:
                     printed[c],
                     exact.mean,
                     exact.worst,
-                    held.mean,
+                    None if held is None else held.mean,
                 ]
             )
     return Table(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Collection
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -24,10 +25,10 @@ def measuring(*rooms: str) -> list[Path]:
     return [path for path in sources(*rooms) if path.parent.name not in ("draw", "page")]
 
 
-def measured(tell: Progress) -> dict[str, Table]:
-    """Every table, those without run times side by side."""
+def measured(tell: Progress, names: Collection[str] = tuple(TABLES)) -> dict[str, Table]:
+    """Every table, or those of these names; those without run times side by side."""
     state = fingerprint([*measuring("golden", "tb/report"), ROOT / "golden" / "data"], str(SEED))
-    together = [n for n in TABLES if n not in TIMED and kept(n, state) is None]
+    together = [n for n in names if n not in TIMED and kept(n, state) is None]
     answers: dict[str, Any] = {}
     if together:
         pool = Parallel(n_jobs=-1, return_as="generator_unordered")
@@ -35,10 +36,10 @@ def measured(tell: Progress) -> dict[str, Table]:
             keep(name, state, answer)
             tell(name, seconds, False)
             answers[name] = answer
-    for name in TABLES:
+    for name in names:
         if name not in answers:
             answers[name] = once(name, state, tell, partial(_measure, name))
-    return {name: unpacked(answers[name]) for name in TABLES}
+    return {name: unpacked(answers[name]) for name in names}
 
 
 def _measure(name: str) -> dict[str, Any]:

@@ -33,7 +33,7 @@ def write(scene: Scene, page: Page) -> None:
     data = {
         "title": page.title,
         "built": list(page.built),
-        "left_out": list(page.left_out),
+        "sections": {part.name: [*part.text, *part.points] for part in page.sections},
         "made": list(page.made),
         "pictures": {name: {"title": p.title, "says": p.sentence} for name, p in pictures.items()},
         "tables": {name: table.as_data() for name, table in tables.items()},
@@ -63,9 +63,9 @@ def made(seconds: float) -> list[str]:
     ]
 
 
-def build_report(scene: Scene) -> None:
-    """Build the report of a scene."""
+def build_report(scene: Scene, full: bool = False) -> None:
+    """Build the report of a scene; ``full`` has the project's own tables too."""
     started = time.perf_counter()
-    page = content(scene, tell)
+    page = content(scene, tell, full)
     write(scene, dataclasses.replace(page, made=made(time.perf_counter() - started)))
     print(f"wrote {BUILD / scene.name / 'report.html'}")

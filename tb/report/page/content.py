@@ -2,99 +2,114 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Protocol
+
 from golden.fingerprint import fingerprint, sources
+from golden.network_files.network_file import provenance_path
 from golden.networks.network import Network
 from golden.scene import Scene
 from tb.common.results import stored_results
 from tb.common.tools import SIMULATORS, version
-from tb.report.draw import area, findings, tanh_words
+from tb.report.draw.outcome import along_plot, disturbance_plots, predicted_plots
 from tb.report.draw.pictures import draw
-from tb.report.draw.plots import Plot
-from tb.report.measure.activation_errors import thesis_figure
-from tb.report.measure.costs import (
-    Costs,
-    blocks,
-    costs,
-    with_activation_cells,
-    with_network_cells,
-)
-from tb.report.measure.engines import engines
-from tb.report.measure.steps import measured, measuring
+from tb.report.measure import motions
+from tb.report.measure.costs import Costs, blocks, costs
+from tb.report.measure.disturbance import noise_and_drift
+from tb.report.measure.outcome import Outcome, along, confidence, outcome, sensors, worst_rows
+from tb.report.measure.steps import SEED, measured, measuring
 from tb.report.measure.store import Progress, once, packed, unpacked
 from tb.report.measure.table import Cell, Table
-from tb.report.page import summary
+from tb.report.page import project, summary
 from tb.report.page.page import Page, Picture, Section
 
 
-def content(scene: Scene, tell: Progress) -> Page:
-    """The report of a scene; ``tell`` hears of each part that is ready."""
+class Drawable(Protocol):
+    """A plot with the sentence under it."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def title(self) -> str: ...
+    @property
+    def sentence(self) -> str: ...
+    def draw(self) -> str: ...
+
+
+def content(scene: Scene, tell: Progress, full: bool = False) -> Page:
+    """The report of a scene; ``tell`` hears of each part that is ready.
+
+    What the project's own approximations err and cost stands in it where ``full`` asks for it, and
+    where the scene is compared with the reference.
+    """
     design = scene.twin()
     tools = [version(s) for s in SIMULATORS]
-    state = fingerprint([*measuring("golden", "hdl", "tb"), *scene.files], *tools)
-    drawing = fingerprint([*sources("golden", "hdl", "tb"), *scene.files], *tools)
-    found = costs(scene, design)
-    tables = measured(tell)
-    speed = unpacked(once(f"engines-{scene.name}", state, tell, lambda: packed(engines(scene))))
-    activations = with_activation_cells(tables["activations"])
-    networks = with_network_cells(tables["clocks"])
-    tables |= {activations.name: activations, networks.name: networks}
-    plots = [
-        *findings.activation_plots(activations),
-        findings.iterations_plot(tables, thesis_figure("pade")),
-        *findings.network_plots(networks),
-        *findings.training_plots(tables),
-        *findings.swing_plots(tables),
-        findings.damping_plot(tables),
-        findings.plate_plot(tables),
-        findings.series_plot(tables),
-        findings.engines_plot(speed),
-    ]
-    *costly, fast = _drawn(scene, plots, drawing, tell)
-    costly += [
-        Picture(
-            "networks_area",
-            "Networks: area, clocks and error",
-            area.area(networks),
-            area.sentence(networks),
-        ),
-        Picture(
-            "tanh_words",
-            "Engine: error of tanh against words",
-            tanh_words.tanh_words(tables["tanh_words"]),
-            tanh_words.sentence(tables["tanh_words"]),
-        ),
-    ]
-    shown = {"stability"}
+    files = [*scene.files, *(p for p in map(provenance_path, scene.weights_paths) if p.is_file())]
+    state = fingerprint([*measuring("golden", "hdl", "tb"), *files], *tools)
+    drawing = fingerprint([*sources("golden", "hdl", "tb"), *files], *tools)
+
+    def drawn(name: str, plots: Sequence[Drawable]) -> list[Picture]:
+        """Drawn again when their figures or what draws them have changed."""
+        figures = fingerprint([], drawing, repr(plots))
+        svgs = once(f"{name}-{scene.name}", figures, tell, lambda: [plot.draw() for plot in plots])
+        return [
+            Picture(plot.name, plot.title, svg, plot.sentence)
+            for plot, svg in zip(plots, svgs, strict=True)
+        ]
+
+    cost = costs(scene, design)
+    found = outcome(scene)
+    disturbed = unpacked(
+        once(
+            f"disturbed-{scene.name}",
+            state,
+            tell,
+            lambda: packed(noise_and_drift(scene, SEED)),
+        )
+    )
+    places = along(found) if scene.group_by else None
+    plots: list[Drawable] = [*predicted_plots(found)]
+    if places:
+        plots.append(along_plot(found, places))
+    moved = measured(tell, ["motions"])["motions"] if motions.shipped(scene) else None
+    errors = drawn("errors", plots)
+    noise = drawn("noise", list(disturbance_plots(disturbed)))
     sections = [
+        _errors(found, errors, places),
+        Section(
+            "sensors",
+            "What the sensors do to it",
+            pictures=noise,
+            tables=[disturbed, sensors(found)],
+        ),
         _verified(scene),
+        Section(
+            "left-out",
+            "Left out",
+            text=["What the project has and this scene does not need is not built:"],
+            points=summary.left_out(scene, design),
+        ),
         _pictures(scene, drawing, tell),
-        Section(
-            "error-against-cost",
-            "Error against cost",
-            pictures=costly,
-        ),
-        _stability(tables["stability"]),
-        Section(
-            "engines",
-            "Simulation speed",
-            pictures=[fast],
-            tables=[speed],
-        ),
-        _resources(scene, design, found),
-        Section(
-            "figures",
-            "Every table",
-            text=["The same tables as make figures prints; docs/figures.md tells of each."],
-            folded=[table for name, table in tables.items() if name not in shown],
-        ),
+        _resources(scene, design, cost),
     ]
+    if full or scene.reference:
+        sections += project.sections(scene, state, drawn, tell)
     return Page(
         f"tactus: {scene.name}",
         summary.built(scene, design),
-        summary.errors(scene, tables["motions"]),
-        summary.cost_table(scene, design, found),
-        summary.left_out(scene, design),
+        summary.errors(found, moved),
+        summary.cost_table(scene, design, cost, compared=bool(scene.reference or moved)),
         [section for section in sections if section is not None],
+    )
+
+
+def _errors(found: Outcome, pictures: list[Picture], places: Table | None) -> Section:
+    return Section(
+        "outputs",
+        "Errors row by row",
+        pictures=pictures,
+        tables=[worst_rows(found), confidence(found)],
+        folded=[places] if places else [],
     )
 
 
@@ -107,16 +122,6 @@ def _pictures(scene: Scene, state: str, tell: Progress) -> Section:
         text=[f"Not drawn for this scene. {skipped}."] if skipped else [],
         pictures=[Picture(**part) for part in found["drawn"]],
     )
-
-
-def _drawn(scene: Scene, plots: list[Plot], state: str, tell: Progress) -> list[Picture]:
-    """The plots as pictures, drawn again when their figures or what draws them have changed."""
-    figures = fingerprint([], state, repr(plots))
-    drawn = once(f"plots-{scene.name}", figures, tell, lambda: [plot.draw() for plot in plots])
-    return [
-        Picture(plot.name, plot.title, svg, plot.sentence)
-        for plot, svg in zip(plots, drawn, strict=True)
-    ]
 
 
 def _verified(scene: Scene) -> Section:
@@ -147,12 +152,6 @@ def _verified(scene: Scene) -> Section:
         "compared bit for bit."
     )
     return Section("verified", "Verified", text=[text], folded=[table])
-
-
-def _stability(table: Table) -> Section:
-    held = sum(row[-1] == "yes" for row in table.rows)
-    text = f"{held} of {len(table.rows)} stiff and extreme cases hold; each was run for this table."
-    return Section("stability", "Stability", text=[text], tables=[table])
 
 
 def _resources(scene: Scene, design: Network, found: Costs | None) -> Section | None:

@@ -13,7 +13,9 @@ from pathlib import Path
 
 from golden.activation.segments import GRADIENT, INTERCEPT, UPPER
 from golden.cli import run
+from golden.disturbance import Disturbance
 from golden.engine.pipeline import Pipeline
+from golden.errors import disturbed_errors
 from golden.fingerprint import ROOT
 from golden.scene import load_scene, scene_names
 from hdl.synth.budget import budget_path, read_budget
@@ -29,6 +31,7 @@ from tb.report.page.markers import put, write
 
 COMMAND = "python -m tb.report.page.lists"
 DEMO = "digit"
+DISTURBED = ("digit", "digit-single", "digit-thesis", "swing-multiple")
 
 
 def scenes() -> str:
@@ -96,12 +99,35 @@ def cost() -> str:
     return "\n".join(lines)
 
 
+def disturbed() -> str:
+    """What noise and drift do to the errors of some scenes."""
+    disturbances = {
+        "as recorded": Disturbance(),
+        "noise 1 mV": Disturbance(noise=0.001),
+        "noise 2 mV": Disturbance(noise=0.002),
+        "noise 8 mV": Disturbance(noise=0.008),
+        "gain drift 1 %": Disturbance(gain=0.01),
+        "offset drift 10 mV": Disturbance(offset=0.01),
+    }
+    lines = [
+        f"| scene | output | {' | '.join(disturbances)} |",
+        f"|{'---|' * (2 + len(disturbances))}",
+    ]
+    for name in DISTURBED:
+        scene = load_scene(name)
+        errors = [disturbed_errors(scene, disturbance) for disturbance in disturbances.values()]
+        for output, found in zip(scene.outputs, zip(*errors, strict=True), strict=True):
+            lines.append(f"| {name} | {output} | {' | '.join(f'{e:.2f}' for e in found)} |")
+    return "\n".join(lines)
+
+
 def pages() -> dict[Path, str]:
     """Every file that this command writes, as it must be."""
     docs = ROOT / "docs"
     sections = [
         (ROOT / "README.md", "cost", cost),
         (docs / "README.md", "commands", commands),
+        (docs / "figures.md", "disturbance", disturbed),
         (docs / "scenes.md", "scenes", scenes),
         (docs / "blocks" / "gradient.md", "segments", segments),
         (docs / "blocks" / "engine.md", "pipeline", pipeline),

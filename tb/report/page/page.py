@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
 from tb.report.measure.table import Cell, Table, shown
+
+# What the page leaves free at the left and at the right of a picture, in CSS pixels.
+MARGINS = 32
+# The page is no wider than 72 rem, however wide the window is.
+WIDEST, ANY = 72 * 16, 1e5
 
 
 @dataclass(frozen=True)
@@ -33,6 +39,15 @@ class Picture:
     sentence: str
     wide: bool = False
 
+    @property
+    def scrolls_below(self) -> float:
+        """Width of a window, in CSS pixels, below which the picture has to be scrolled; 0: none."""
+        found = re.search(r"min-width:([\d.]+)px", self.svg) if self.wide else None
+        if found is None:
+            return 0.0
+        least = float(found[1]) + MARGINS
+        return least if least <= WIDEST else ANY
+
 
 @dataclass(frozen=True)
 class Section:
@@ -43,8 +58,8 @@ class Section:
     name : str
         The anchor.
     title : str
-    text : sequence of str
-        Paragraphs.
+    text, points : sequence of str
+        Paragraphs, and below them a list.
     pictures : sequence of Picture
     tables : sequence of Table
         Shown in full.
@@ -55,6 +70,7 @@ class Section:
     name: str
     title: str
     text: Sequence[str] = ()
+    points: Sequence[str] = ()
     pictures: Sequence[Picture] = ()
     tables: Sequence[Table] = ()
     folded: Sequence[Table] = ()
@@ -71,7 +87,6 @@ class Page:
         What was built, a line each.
     errors, costs : Table
         The first screen's tables.
-    left_out : sequence of str
     sections : sequence of Section
     made : sequence of str
         With what it was made, a line each.
@@ -81,7 +96,6 @@ class Page:
     built: Sequence[str]
     errors: Table
     costs: Table
-    left_out: Sequence[str]
     sections: Sequence[Section]
     made: Sequence[str] = ()
 

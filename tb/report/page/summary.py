@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from golden.block import walk
-from golden.errors import scene_errors
+from golden.errors import HELD_OUT, UNKNOWN, noise_of, scene_errors
 from golden.networks.network import Network
 from golden.scene import Scene, thesis_figures
 from hdl.synth.timing import DEVICE_NAME
@@ -13,6 +14,7 @@ from tb.common.runner import ROOT
 from tb.report.draw.findings import number, rows_of
 from tb.report.measure.clocks import clocks_per_frame
 from tb.report.measure.costs import Costs
+from tb.report.measure.outcome import Outcome
 from tb.report.measure.table import Cell, Table
 
 
@@ -31,32 +33,38 @@ def built(scene: Scene, design: Network) -> list[str]:
     ]
 
 
-def errors(scene: Scene, motions: Table) -> Table:
-    """Errors of every output beside those of the thesis."""
-    if any(row[0] == scene.name for row in motions.rows):
-        return _motion_errors(scene, motions)
-    found = scene_errors(scene)
-    printed: list[float] | list[None] = [None] * len(scene.outputs)
+def errors(found: Outcome, moved: Table | None) -> Table:
+    """Errors of every output, as recorded and with noise, and those of the reference."""
+    scene = found.scene
+    if moved is not None:
+        return _motion_errors(scene, moved)
+    known = scene_errors(scene)
+    noise = noise_of(scene)
+    noisy = found.noisy.mean(axis=0)
+    columns = ["output", "mean %", "largest %", "worst %", "held out %", f"noise {noise:g} %"]
+    rows: list[list[Cell]] = []
+    for c, name in enumerate(scene.outputs):
+        error = known["bit-true"][c]
+        held: Cell = known[HELD_OUT][c].mean if HELD_OUT in known else UNKNOWN
+        rows.append([name, error.mean, error.largest_mean, error.worst, held, float(noisy[c])])
+    note = (
+        "Bit-true, which is what the hardware computes, on the recorded rows"
+        + (f"; largest: the largest mean at one {scene.group_by}. " if scene.group_by else ". ")
+        + "Held out: the mean of rows that neither trained nor chose the network. Noise: the mean "
+        "with so much on every reading, as a signal from -1 to 1."
+    )
+    if not scene.group_by:
+        columns, rows = _without(2, columns), [_without(2, row) for row in rows]
     if scene.reference:
         printed = thesis_figures(scene.reference, len(scene.outputs), scene.path)
-    rows: list[list[Cell]] = [
-        [
-            name,
-            found["float"][c].largest_mean,
-            found["bit-true"][c].largest_mean,
-            found["bit-true, held out"][c].mean,
-            printed[c],
-        ]
-        for c, name in enumerate(scene.outputs)
-    ]
-    return Table(
-        "errors",
-        ["output", "float %", "bit-true %", "held out %", "thesis %"],
-        rows,
-        "Largest mean over the positions (equations 3.15, 3.16); bit-true is what the hardware "
-        "computes. Held out: mean of the frames that neither trained nor chose the network. "
-        "Thesis: bit-true simulation of the design that this one reproduces.",
-    )
+        columns += ["thesis largest %"]
+        rows = [[*row, figure] for row, figure in zip(rows, printed, strict=True)]
+        note += " Thesis: bit-true simulation of the design that this one reproduces."
+    return Table("errors", columns, rows, note)
+
+
+def _without(place: int, cells: list[Any]) -> list[Any]:
+    return [*cells[:place], *cells[place + 1 :]]
 
 
 def _motion_errors(scene: Scene, motions: Table) -> Table:
@@ -74,8 +82,11 @@ def _motion_errors(scene: Scene, motions: Table) -> Table:
     )
 
 
-def cost_table(scene: Scene, design: Network, found: Costs | None) -> Table:
-    """Clocks and, where ``make synth`` recorded them, clock and cells."""
+def cost_table(scene: Scene, design: Network, found: Costs | None, compared: bool) -> Table:
+    """Clocks and, where ``make synth`` recorded them, clock and cells.
+
+    ``compared`` has the reference's beside them, and shares of its device.
+    """
     clocks = clocks_per_frame(design)
     rows: list[list[Cell]] = [
         ["clocks from first sample to last output", clocks, None],
@@ -84,32 +95,32 @@ def cost_table(scene: Scene, design: Network, found: Costs | None) -> Table:
     ]
     note = "No costs are recorded: make synth RECORD=1."
     if found is not None:
-        thesis = found.share.get("thesis", {})
         top = {family: cells[design.entity] for family, cells in found.cells.items()}
         rows += [
             ["clock reached on ECP5 MHz", found.timing.clock_mhz, 64.0],
             ["frames a second at that clock", round(found.frames_per_second), None],
             ["Virtex-II LUTs", top["xc2v"]["LUT"], None],
-            [
-                "Virtex-II LUTs, % of XC2V3000",
-                found.share["luts_percent"],
-                thesis.get("luts_percent"),
-            ],
+            *(_share(found, "LUTs", "luts_percent") if compared else []),
             ["Virtex-II multipliers", top["xc2v"]["multiplier"], None],
-            [
-                "Virtex-II multipliers, % of XC2V3000",
-                found.share["mult18x18_percent"],
-                thesis.get("mult18x18_percent"),
-            ],
+            *(_share(found, "multipliers", "mult18x18_percent") if compared else []),
             ["Virtex-II flip-flops", top["xc2v"]["flip-flop"], None],
             ["Series 7 LUTs", top["xc7"]["LUT"], None],
         ]
         note = (
             f"Recorded by make synth for {'this' if found.current else 'ANOTHER, OLDER'} Verilog; "
-            f"clock: {DEVICE_NAME}, placed and routed. Thesis: its Tables 5.1, 5.3 and 6.1, and "
-            "the clock of its board."
+            f"clock: {DEVICE_NAME}, placed and routed."
         )
+        if compared:
+            note += " Thesis: its Tables 5.1, 5.3 and 6.1, and the clock of its board."
+    if not compared:
+        return Table("costs", ["what", "tactus"], [row[:2] for row in rows], note)
     return Table("costs", ["what", "tactus", "thesis"], rows, note)
+
+
+def _share(found: Costs, what: str, key: str) -> list[list[Cell]]:
+    """A share of the reference's device."""
+    figure = found.share.get("thesis", {}).get(key)
+    return [[f"Virtex-II {what}, % of XC2V3000", found.share[key], figure]]
 
 
 def left_out(scene: Scene, design: Network) -> list[str]:

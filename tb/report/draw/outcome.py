@@ -1,0 +1,164 @@
+"""Pictures of a scene's errors: predicted against true, along the positions, under disturbances."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from golden.errors import UNKNOWN
+from tb.report.draw.looks import nth
+from tb.report.draw.plots import Plot
+from tb.report.draw.svg import PLOT_INCHES, plain, style, svg
+from tb.report.measure.disturbance import KINDS, NONE
+from tb.report.measure.outcome import Outcome
+from tb.report.measure.table import Table
+
+# More points make a page heavy and show nothing more.
+POINTS = 600
+HEIGHT = 5.4
+
+Points = tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True)
+class Predicted:
+    """One output: computed against recorded, and below it the difference.
+
+    Parameters
+    ----------
+    name, title, sentence
+        See ``Plot``.
+    output : str
+        Of the axes.
+    groups : tuple of (label, points)
+        Recorded and computed value of each row.
+    """
+
+    name: str
+    title: str
+    output: str
+    groups: tuple[tuple[str, Points], ...]
+    sentence: str
+
+    def draw(self) -> str:
+        """The picture as an ``<svg>`` element."""
+        with style():
+            figure = Figure(figsize=(PLOT_INCHES[0], HEIGHT), layout="constrained")
+            above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
+            for i, (label, points) in enumerate(self.groups):
+                look = nth(i)
+                x, y = np.array(points).T
+                for axes, values in ((above, y), (below, y - x)):
+                    axes.plot(
+                        x,
+                        values,
+                        marker=look.marker,
+                        color=look.colour,
+                        linestyle="none",
+                        markersize=3,
+                        label=label,
+                    )
+            above.axline((float(x[0]), float(x[0])), slope=1, color="black", linewidth=0.6)
+            below.axhline(0, color="black", linewidth=0.6)
+            above.set_ylabel(f"{self.output}, computed")
+            below.set_ylabel("computed - recorded")
+            below.set_xlabel(f"{self.output}, recorded")
+            if len(self.groups) > 1:
+                handles, labels = above.get_legend_handles_labels()
+                figure.legend(handles, labels, loc="outside lower center", ncols=2)
+            return svg(figure, self.name)
+
+
+def predicted_plots(found: Outcome) -> Iterator[Predicted]:
+    """A picture for every output."""
+    count = len(found.errors)
+    for c, output in enumerate(found.scene.outputs):
+        every = -(-count // POINTS)
+        drawn = np.arange(count) % every == 0
+        worst = int(np.argmax(found.errors[:, c]))
+        drawn[worst] = True
+        groups = {"rows": drawn}
+        if found.held_out is not None:
+            held = np.zeros(count, bool)
+            held[found.held_out] = True
+            groups = {"trained or chose": drawn & ~held, "held out": drawn & held}
+        miss = found.results[:, c] - found.targets[:, c]
+        text = f"Every {every}th row and the worst. " if every > 1 else ""
+        if found.held_out is None:
+            text += f"Which rows are held out is {UNKNOWN}. "
+        yield Predicted(
+            f"predicted_{c}",
+            f"{output}: computed against recorded",
+            plain(output),
+            tuple(
+                (
+                    label,
+                    tuple(
+                        zip(
+                            found.targets[rows, c].tolist(),
+                            found.results[rows, c].tolist(),
+                            strict=True,
+                        )
+                    ),
+                )
+                for label, rows in groups.items()
+                if rows.any()
+            ),
+            f"{text}Differences are {miss.mean():+.2g} in the mean, with a standard deviation of "
+            f"{miss.std():.2g}; the largest error is {found.errors[worst, c]:.2f} %, in row "
+            f"{found.numbers[worst]}.",
+        )
+
+
+def along_plot(found: Outcome, table: Table) -> Plot:
+    """Mean errors against the position."""
+    places = [float(str(row[0])) for row in table.rows]
+    groups = {
+        plain(name): [
+            (place, float(str(row[2 + c]))) for place, row in zip(places, table.rows, strict=True)
+        ]
+        for c, name in enumerate(found.scene.outputs)
+    }
+    error, place, name = max(
+        (float(str(row[2 + c])), place, name)
+        for place, row in zip(places, table.rows, strict=True)
+        for c, name in enumerate(found.scene.outputs)
+    )
+    return Plot(
+        "along",
+        f"Mean error along {found.scene.group_by}",
+        plain(found.scene.group_by),
+        "mean error %",
+        groups,
+        f"The largest is that of {name} at {place:g}, {error:.2f} %.",
+        [table.name],
+        linear="xy",
+    )
+
+
+def disturbance_plots(table: Table) -> Iterator[Plot]:
+    """Mean errors against noise, gain drift and offset drift."""
+    outputs = [column.removesuffix(" %") for column in table.columns[2:]]
+    for key, (kind, sizes) in KINDS.items():
+        rows = [
+            [float(str(cell)) for cell in row[1:]] for row in table.rows if row[0] in (NONE, kind)
+        ]
+        groups = {
+            plain(name): [(row[0], row[1 + c]) for row in rows] for c, name in enumerate(outputs)
+        }
+        largest = max(range(len(outputs)), key=lambda c: rows[-1][1 + c])
+        unit = "part of the signal" if key == "gain" else "signals from -1 to 1"
+        yield Plot(
+            f"disturbed_{key}",
+            f"Mean error against {kind}",
+            f"{kind}, {unit}",
+            "mean error %",
+            groups,
+            f"{outputs[largest]} is the worst at {sizes[-1]:g}: {rows[-1][1 + largest]:.2g} %, "
+            f"{rows[0][1 + largest]:.2g} % as recorded.",
+            [table.name],
+            linear="xy",
+        )

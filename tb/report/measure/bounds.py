@@ -1,0 +1,135 @@
+"""What the sensors of the digit let anybody know, beside what its networks reach."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from golden.disturbance import Disturbance
+from golden.errors import disturbed_rows
+from golden.metrics import error_scale
+from golden.networks.mlp import Real
+from golden.physics.beam import Beam
+from golden.physics.bound import UNKNOWN, least_mean_errors
+from golden.physics.digit_data import RECORDED, SENSORS
+from golden.physics.known_loads import least_errors
+from golden.physics.strain_sensor import COLUMNS, fit_sensors, loads_from_codes, read_sensors
+from golden.scene import load_scene
+from golden.table import read_table
+from golden.units import FULL_SCALE, POSITION_MM
+from tb.report.measure.table import Cell, Table
+
+SCENE = "digit"
+NOISES = (0.001, 0.002, 0.008)  # V
+ALONG_NOISE = 0.002  # V, for the errors along the beam
+DRAWS = 20
+AS_RECORDED = "as recorded"
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Errors in percent at each recorded placement, one column an output.
+
+    Attributes
+    ----------
+    bound : float array
+        Infinite where the output is not in the readings.
+    reached : float array
+        Of the scene, bit-true.
+    any_load, known_loads : float array
+        Of the best estimator that knows the widths and shapes there are; the loads there are.
+    """
+
+    bound: Real
+    reached: Real
+    any_load: Real
+    known_loads: Real
+
+    def rows(self, output: int, where: NDArray[np.bool_]) -> list[Cell]:
+        """Number of placements and the mean of each error over them."""
+        limits = (self.bound, self.reached, self.any_load, self.known_loads)
+        means = [float(errors[where, output].mean()) for errors in limits]
+        return [int(where.sum()), *(m if np.isfinite(m) else None for m in means)]
+
+
+@cache
+def limits(noise: float | None, seed: int) -> Limits:
+    """At one noise of every sensor, V; None: what the fit leaves of each, nothing added."""
+    scene = load_scene(SCENE)
+    table = read_table(RECORDED, [*SENSORS, *COLUMNS])
+    readings, targets = table[:, : len(SENSORS)], table[:, len(SENSORS) :]
+    scale = error_scale(targets, COLUMNS, scene.full_scale)
+    rng = np.random.default_rng(seed)
+    beam = Beam()
+    sensors = fit_sensors(table, beam)
+    if noise is None:
+        left = read_sensors(sensors, loads_from_codes(targets, beam)) - readings
+        sigma = np.sqrt((left**2).mean(axis=0))
+    else:
+        sigma = np.full(len(SENSORS), noise)
+    reached = disturbed_rows(scene, Disturbance(noise or 0.0), seed)
+    bound = np.full(targets.shape, np.inf)
+    unknown = slice(len(UNKNOWN))
+    bound[:, unknown] = least_mean_errors(sensors, targets, sigma, scale[:, unknown])
+    any_load, known_loads = (
+        least_errors(sensors, targets, sigma, scale, known, DRAWS, rng) for known in (False, True)
+    )
+    return Limits(bound, reached, any_load, known_loads)
+
+
+def bounds(seed: int) -> Table:
+    """The bound of every output against noise, and the error that the scene reaches."""
+    rows: list[list[Cell]] = []
+    for noise in (None, *NOISES):
+        found = limits(noise, seed)
+        for c, output in enumerate(COLUMNS):
+            within = np.isfinite(found.bound[:, c])
+            for said, where in (("yes", within), ("no", ~within)):
+                if where.any():
+                    name = AS_RECORDED if noise is None else f"{1e3 * noise:g} mV"
+                    rows.append([name, output, said, *found.rows(c, where)])
+    return Table(
+        "bounds",
+        ["noise", "output", "in the readings", "placements", *_ERRORS],
+        rows,
+        f"Mean errors in % (equation 3.16) over the recorded placements. 'Bound' is that of "
+        "Cramer and Rao for the sensors of table beam, shape known, as the mean error of an "
+        "estimator that reaches it: sqrt(2 / pi) of its deviation. 'In the readings: no' are "
+        "placements where no sensor changes with that output alone; width shows in sensor 3 "
+        "where it lies under the load, and in sensor 2 at the nearest. A shape never does while "
+        "the width is unknown; seven of the eight loads are rectangles, so that a guess is wrong "
+        f"for one. '{SCENE}' is the scene, bit-true, on the recorded readings with "
+        "that noise. 'Any load' and 'known loads' are the least mean errors, on "
+        "readings of the model, of estimators that know which widths and shapes there are, and "
+        "which eight loads. 'As recorded' takes what the fit leaves of each sensor for noise and "
+        "adds none: most of it is not noise but how this beam differs from theory, the same each "
+        "time, which a network learns.",
+    )
+
+
+_ERRORS = ("bound %", f"{SCENE} %", "any load %", "known loads %")
+
+
+def bound_along(seed: int) -> Table:
+    """The same at one noise against the position of the load."""
+    found = limits(ALONG_NOISE, seed)
+    targets = read_table(RECORDED, list(COLUMNS))
+    rows: list[list[Cell]] = []
+    for c, output in enumerate(COLUMNS):
+        within = np.isfinite(found.bound[:, c])
+        for place in np.unique(targets[:, 1]):
+            for said, where in (("yes", within), ("no", ~within)):
+                here = where & (targets[:, 1] == place)
+                if here.any():
+                    mm = float(place / FULL_SCALE * POSITION_MM)
+                    rows.append([output, mm, said, *found.rows(c, here)])
+    return Table(
+        "bound_along",
+        ["output", "position mm", "in the readings", "placements", *_ERRORS],
+        rows,
+        f"Table bounds at {1e3 * ALONG_NOISE:g} mV along the beam; position is from its tip to the "
+        "middle of the load.",
+    )

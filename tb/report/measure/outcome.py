@@ -1,0 +1,214 @@
+"""What a scene's networks make of its recorded rows: row by row, along the positions, how sure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from golden.disturbance import Disturbance
+from golden.errors import disturbed_rows, held_out_rows, noise_of
+from golden.networks.mlp import Real
+from golden.precision import SIGNAL
+from golden.scene import Scene
+from golden.scene.scale import signals
+from golden.scene.vectors import read_recorded
+from tb.report.measure.table import Cell, Table
+
+Rows = NDArray[np.int64]
+
+WORST = 5  # rows shown of every output
+RESAMPLES, SEED = 2000, 1
+SURE = 95  # per cent of the resamples that an interval holds
+RANGE = SIGNAL.to_real([SIGNAL.low, SIGNAL.high])
+# Neighbours in the file are alike when they differ by less than this part of what rows in random
+# order do (squared); then stretches of them are drawn, so many at most.
+ALIKE, STRETCHES = 0.5, 20
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The recorded rows of a scene and what became of them.
+
+    Attributes
+    ----------
+    scene : Scene
+    numbers : int array, shape (rows,)
+        Rows of the CSV, from 1 for the first below the header.
+    readings : float array, shape (rows, sensors)
+        In the units of the sensors' columns.
+    targets, results : float arrays, shape (rows, outputs)
+        What was recorded and what the hardware computes, in the units of the columns.
+    errors, real, noisy : float arrays, shape (rows, outputs)
+        Errors in percent: of the hardware, of the networks in floating point, and of the hardware
+        with the scene's noise, the mean of many draws.
+    groups : float array, shape (rows,)
+        The positions; zeros where the scene names none.
+    held_out : int array or None
+        Which of the rows neither trained nor chose a network; None where that is unknown.
+    """
+
+    scene: Scene
+    numbers: Rows
+    readings: Real
+    targets: Real
+    results: Real
+    errors: Real
+    real: Real
+    noisy: Real
+    groups: Real
+    held_out: Rows | None
+
+    @property
+    def alike(self) -> bool:
+        """Whether neighbours in the file read more alike than rows in random order."""
+        moving = self.readings[:, np.ptp(self.readings, axis=0) > 0]
+        if not moving.size:
+            return False
+        steps = (np.diff(moving, axis=0) ** 2).mean(axis=0)
+        return bool((steps / (2 * moving.var(axis=0))).mean() < ALIKE)
+
+    @property
+    def stretches(self) -> Rows:
+        """For each row the number of what is drawn with it: of itself, or of its stretch."""
+        rows = np.arange(len(self.errors))
+        return rows * min(STRETCHES, len(rows)) // len(rows) if self.alike else rows
+
+    def interval(self, errors: Real, drawn: Rows) -> tuple[float, float]:
+        """Between what the mean error lies in ``SURE`` per cent of the resamples.
+
+        Parameters
+        ----------
+        errors : float array, shape (n,)
+        drawn : int array, shape (n,)
+            Errors with one number are drawn together.
+        """
+        _, member = np.unique(drawn, return_inverse=True)
+        counts = np.bincount(member)
+        sums = np.bincount(member, errors)
+        chosen = np.random.default_rng(SEED).integers(0, len(counts), (RESAMPLES, len(counts)))
+        means = sums[chosen].sum(axis=1) / counts[chosen].sum(axis=1)
+        low, high = np.percentile(means, [(100 - SURE) / 2, (100 + SURE) / 2])
+        return float(low), float(high)
+
+
+def outcome(scene: Scene) -> Outcome:
+    """The networks' hardware on the recorded rows."""
+    recorded, vectors = read_recorded(scene), scene.vectors()
+    codes = scene.twin().process(vectors.codes)
+    return Outcome(
+        scene,
+        recorded.numbers + 1,
+        recorded.inputs,
+        recorded.targets,
+        scene.outputs_in_units(codes),
+        vectors.percent_errors(SIGNAL.to_real(codes)),
+        vectors.percent_errors(scene.process_real(vectors.inputs)),
+        disturbed_rows(scene, Disturbance(noise_of(scene))),
+        recorded.groups,
+        held_out_rows(scene),
+    )
+
+
+def worst_rows(found: Outcome) -> Table:
+    """The rows with the largest errors of each output, and what they hold."""
+    scene = found.scene
+    beside = [scene.group_by] if scene.group_by not in ("", *scene.outputs) else []
+    rows: list[list[Cell]] = []
+    for c, output in enumerate(scene.outputs):
+        # Where errors are equal, the row that comes first.
+        for row in np.argsort(-found.errors[:, c], kind="stable")[:WORST]:
+            values = [*found.readings[row], *[found.groups[row]] * len(beside)]
+            pair = (found.targets[row, c], found.results[row, c], found.errors[row, c])
+            rows.append([output, int(found.numbers[row]), *map(float, (*values, *pair))])
+    return Table(
+        "worst_rows",
+        ["output", "row", *scene.sensors, *beside, "recorded", "computed", "error %"],
+        rows,
+        f"The {WORST} rows with the largest bit-true errors of each output, and their readings. "
+        f"Row 1 of {scene.data_path.name} is the first below its header.",
+    )
+
+
+def along(found: Outcome) -> Table:
+    """Mean errors at each position."""
+    scene = found.scene
+    rows: list[list[Cell]] = []
+    for place in np.unique(found.groups):
+        here = found.errors[found.groups == place]
+        rows.append([float(place), len(here), *map(float, here.mean(axis=0))])
+    return Table(
+        "along",
+        [scene.group_by, "rows", *(f"{name} %" for name in scene.outputs)],
+        rows,
+        f"Bit-true mean error of the rows at each {scene.group_by}.",
+    )
+
+
+def confidence(found: Outcome) -> Table:
+    """Figures of each output with what a bootstrap says of them."""
+    scene, stretches = found.scene, found.stretches
+    rows: list[list[Cell]] = []
+
+    def add(output: str, figure: str, errors: Real, drawn: Rows) -> None:
+        interval = found.interval(errors, drawn)
+        rows.append([output, figure, len(errors), float(errors.mean()), *interval])
+
+    for c, output in enumerate(scene.outputs):
+        errors = found.errors[:, c]
+        add(output, "mean", errors, stretches)
+        add(output, f"mean, noise {noise_of(scene):g}", found.noisy[:, c], stretches)
+        add(output, "mean, floating point", found.real[:, c], stretches)
+        if found.held_out is not None:
+            held = found.held_out
+            add(output, "mean, held out", errors[held], stretches[held])
+        if scene.group_by:
+            places = np.unique(found.groups)
+            means = [errors[found.groups == place].mean() for place in places]
+            place = places[int(np.argmax(means))]
+            there = np.flatnonzero(found.groups == place)
+            add(output, f"largest mean, {scene.group_by} {place:g}", errors[there], there)
+    unit = (
+        f"stretches of rows, {stretches.max() + 1} in all, as neighbours in the file are alike"
+        if found.alike
+        else "rows"
+    )
+    return Table(
+        "confidence",
+        ["output", "figure", "rows", "%", "from", "to"],
+        rows,
+        "Errors in percent, bit-true but where it says so, and between what they lie in "
+        f"{SURE} % of {RESAMPLES} resamples (bootstrap, seed {SEED}). Drawn are {unit}; at one "
+        "position single rows. It tells what chance in these rows does, not what other loads or "
+        "other sensors would do. Of a worst row it tells nothing: no draw goes beyond it.",
+    )
+
+
+def sensors(found: Outcome) -> Table:
+    """The range of every sensor's readings, and how many lie outside that of the codes."""
+    rows: list[list[Cell]] = []
+    scales = found.scene.scales(found.scene.sensors)
+    for name, scale, column in zip(found.scene.sensors, scales, found.readings.T, strict=True):
+        low, high = float(column.min()), float(column.max())
+        _, outside = SIGNAL.quantise(signals(column[:, np.newaxis], [scale]))
+        first, last = (float(scale.offset + scale.factor * end) for end in RANGE)
+        ends = int(((column == low) | (column == high)).sum())
+        rows.append([name, low, high, first, last, outside, 100 * outside / len(column), ends])
+    return Table(
+        "sensors",
+        [
+            "sensor",
+            "least",
+            "largest",
+            "first code",
+            "last code",
+            "readings outside",
+            "% outside",
+            "at either end",
+        ],
+        rows,
+        "Readings beyond what the first and the last code stand for are replaced by the nearest "
+        "code. Many that are the least or the largest one tell of a sensor that was saturated "
+        "before it was recorded.",
+    )

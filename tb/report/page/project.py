@@ -1,0 +1,83 @@
+"""What the project's own approximations err and cost: the sections that FULL=1 adds to a report."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from golden.scene import Scene
+from tb.report.draw import area, findings, tanh_words
+from tb.report.draw.plots import Plot
+from tb.report.measure.activation_errors import thesis_figure
+from tb.report.measure.costs import with_activation_cells, with_network_cells
+from tb.report.measure.engines import engines
+from tb.report.measure.steps import measured
+from tb.report.measure.store import Progress, once, packed, unpacked
+from tb.report.measure.table import Table
+from tb.report.page.page import Picture, Section
+
+Draw = Callable[[str, Sequence[Plot]], list[Picture]]
+
+
+def sections(scene: Scene, state: str, draw: Draw, tell: Progress) -> list[Section]:
+    """The sections.
+
+    Parameters
+    ----------
+    scene : Scene
+        Whose frames every engine computes.
+    state : str
+        A digest of all that its measurement depends on.
+    draw : callable
+        Pictures of plots, by a name to keep them under.
+    tell : callable
+        See ``tb.report.measure.store``.
+    """
+    tables = measured(tell)
+    speed = unpacked(once(f"engines-{scene.name}", state, tell, lambda: packed(engines(scene))))
+    activations = with_activation_cells(tables["activations"])
+    networks = with_network_cells(tables["clocks"])
+    tables |= {activations.name: activations, networks.name: networks}
+    plots = [
+        *findings.activation_plots(activations),
+        findings.iterations_plot(tables, thesis_figure("pade")),
+        *findings.network_plots(networks),
+        *findings.training_plots(tables),
+        *findings.swing_plots(tables),
+        findings.damping_plot(tables),
+        *findings.bound_plots(tables),
+        findings.plate_plot(tables),
+        findings.series_plot(tables),
+        findings.engines_plot(speed),
+    ]
+    *costly, fast = draw("plots", plots)
+    costly += [
+        Picture(
+            "networks_area",
+            "Networks: area, clocks and error",
+            area.area(networks),
+            area.sentence(networks),
+        ),
+        Picture(
+            "tanh_words",
+            "Engine: error of tanh against words",
+            tanh_words.tanh_words(tables["tanh_words"]),
+            tanh_words.sentence(tables["tanh_words"]),
+        ),
+    ]
+    return [
+        Section("error-against-cost", "Error against cost", pictures=costly),
+        _stability(tables["stability"]),
+        Section("engines", "Simulation speed", pictures=[fast], tables=[speed]),
+        Section(
+            "figures",
+            "Every table",
+            text=["The same tables as make figures prints; docs/figures.md tells of each."],
+            folded=[table for name, table in tables.items() if name != "stability"],
+        ),
+    ]
+
+
+def _stability(table: Table) -> Section:
+    held = sum(row[-1] == "yes" for row in table.rows)
+    text = f"{held} of {len(table.rows)} stiff and extreme cases hold; each was run for this table."
+    return Section("stability", "Stability", text=[text], tables=[table])

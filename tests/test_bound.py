@@ -1,0 +1,145 @@
+"""What can be known of a load: the bound of Cramer and Rao, and what prior knowledge adds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+
+from golden.metrics import error_scale
+from golden.physics.beam import Beam, arm_slopes, mean_arm
+from golden.physics.bound import (
+    MEAN_PER_DEVIATION,
+    least_deviations,
+    least_mean_errors,
+    slopes_by_codes,
+)
+from golden.physics.digit_data import RECORDED, SENSORS
+from golden.physics.known_loads import least_errors
+from golden.physics.strain_sensor import COLUMNS, fit_sensors, loads_from_codes, read_sensors
+from golden.table import read_table
+from golden.units import FULL_SCALE
+
+TABLE = read_table(RECORDED, [*SENSORS, *COLUMNS])
+TARGETS = TABLE[:, len(SENSORS) :]
+BEAM = Beam()
+SENSORS_FITTED = fit_sensors(TABLE, BEAM)
+SCALE = error_scale(TARGETS, COLUMNS, {"position": FULL_SCALE, "width": FULL_SCALE})
+NOISE = np.full(len(SENSORS), 0.002)
+# Under load A here lies sensor 3, a quarter of the width off its middle.
+WITHIN = np.array([0.9, 0.63, 0.9, 0.45])
+
+
+def readings(codes: np.ndarray) -> np.ndarray:
+    return read_sensors(SENSORS_FITTED, loads_from_codes(codes, BEAM))
+
+
+@pytest.mark.parametrize("triangular", [False, True])
+def test_slopes_of_the_arm_are_its_finite_differences(triangular: bool) -> None:
+    # Neither at the middle of the load nor at its ends, where the second derivative jumps.
+    d, h, e = np.linspace(-0.0301, 0.0303, 61), 0.02, 1e-7
+    by_distance, by_half_width = arm_slopes(d, h, triangular)
+    moved = (mean_arm(d + e, h, triangular) - mean_arm(d - e, h, triangular)) / (2 * e)
+    wider = (mean_arm(d, h + e, triangular) - mean_arm(d, h - e, triangular)) / (2 * e)
+    assert by_distance == pytest.approx(moved, abs=1e-4)
+    assert by_half_width == pytest.approx(wider, abs=1e-4)
+    assert (by_half_width[np.abs(d) > h] == 0).all()
+    assert by_half_width.max() == pytest.approx(1 / 6 if triangular else 1 / 4, abs=1e-3)
+
+
+def test_slopes_of_the_readings_are_their_finite_differences() -> None:
+    slopes, e = slopes_by_codes(SENSORS_FITTED, TARGETS), 1e-6
+    assert slopes.shape == (143, 4, 3)
+    for k in range(3):
+        step = e * np.eye(4)[k]
+        expected = (readings(TARGETS + step) - readings(TARGETS - step)) / (2 * e)
+        assert slopes[:, :, k] == pytest.approx(expected, abs=1e-8)
+
+
+def test_the_bound_is_the_inverse_of_the_information() -> None:
+    rng = np.random.default_rng(1)
+    slopes, noise = rng.normal(size=(20, 5, 3)), rng.uniform(0.5, 2, 5)
+    whitened = slopes / noise[:, np.newaxis]
+    information = whitened.swapaxes(-1, -2) @ whitened
+    expected = np.sqrt(np.diagonal(np.linalg.inv(information), axis1=-2, axis2=-1))
+    assert least_deviations(slopes, noise) == pytest.approx(expected, rel=1e-9)
+    assert least_deviations(slopes, 2.0) == pytest.approx(2 * least_deviations(slopes, 1.0))
+
+
+def test_what_no_reading_holds_has_no_bound_and_leaves_the_others_theirs() -> None:
+    absent = np.array([[1.0, 0, 0], [0, 1, 0], [0, 1, 0]])
+    assert least_deviations(absent, 1.0) == pytest.approx([1, 1 / np.sqrt(2), np.inf])
+    # Two that change the readings alike, in other units, cannot be told apart.
+    alike = np.outer([0.1, 0.7, 0.3, 0.2], [0, 1, 3e-6]) + np.outer([0.9, -0.1, 0, -0.1], [1, 0, 0])
+    assert least_deviations(alike, 1.0) == pytest.approx([1, np.inf, np.inf])
+
+
+@pytest.mark.parametrize("noise", [0, -1, np.nan, [1.0, 2.0]])
+def test_noise_that_cannot_be_is_refused(noise: object) -> None:
+    with pytest.raises(ValueError, match="noise: got"):
+        least_deviations(np.ones((4, 3)), noise)
+
+
+def test_width_is_in_the_readings_where_a_sensor_lies_under_the_load() -> None:
+    """By places alone: the fewest of the placements."""
+    loads = loads_from_codes(TARGETS, BEAM)
+    places = np.array([sensor.position for sensor in SENSORS_FITTED])
+    off = np.abs(loads.position[:, np.newaxis] - places)
+    under = (off < loads.half_width[:, np.newaxis]).any(axis=1)
+    bound = least_mean_errors(SENSORS_FITTED, TARGETS, NOISE, SCALE[:, :3])
+    assert (np.isfinite(bound[:, 2]) == under).all()
+    assert np.isfinite(bound[:, :2]).all()
+    assert 0 < under.sum() < len(under) / 3
+
+
+def test_least_squares_reach_the_bound() -> None:
+    """As efficient an estimator as there is: of many draws the deviation is that of the bound, and
+    the mean error sqrt(2 / pi) of it. With 600 draws the deviation is known to 3 %."""
+    noise, rng = 2e-4, np.random.default_rng(1)
+    exact = readings(WITHIN[np.newaxis])[0]
+
+    def miss(codes: np.ndarray, seen: np.ndarray) -> np.ndarray:
+        return readings(np.append(codes, WITHIN[3])[np.newaxis])[0] - seen
+
+    found = np.array(
+        [
+            least_squares(miss, WITHIN[:3], args=(exact + noise * rng.standard_normal(4),)).x
+            for _ in range(600)
+        ]
+    )
+    bound = least_deviations(slopes_by_codes(SENSORS_FITTED, WITHIN[np.newaxis]), noise)[0]
+    assert found.std(axis=0) == pytest.approx(bound, rel=0.1)
+    assert np.abs(found - WITHIN[:3]).mean(axis=0) == pytest.approx(
+        MEAN_PER_DEVIATION * bound, rel=0.1
+    )
+
+
+@pytest.fixture(scope="module")
+def known() -> dict[bool, np.ndarray]:
+    rng = np.random.default_rng(1)
+    return {
+        which: least_errors(SENSORS_FITTED, TARGETS, NOISE, SCALE, which, 10, rng)
+        for which in (False, True)
+    }
+
+
+def test_who_knows_the_loads_needs_no_reading_of_their_width(known: dict) -> None:
+    """At 2 mV every load is recognised; only its position is left to be found."""
+    assert (known[True][:, [0, 2, 3]] < 1e-9).all()
+    bound = least_mean_errors(SENSORS_FITTED, TARGETS, NOISE, SCALE[:, :3])
+    assert 0.3 < known[True][:, 1].mean() / bound[:, 1].mean() < 1
+
+
+def test_who_knows_the_widths_alone_guesses_where_no_reading_holds_one(known: dict) -> None:
+    """Half-way between the four, and a rectangle, which is the less for an error of the target."""
+    bound = least_mean_errors(SENSORS_FITTED, TARGETS, NOISE, SCALE[:, :3])
+    absent = np.isinf(bound[:, 2])
+    guess = 100 * np.abs(TARGETS[absent, 2] - (0.45 + 0.675) / 2) / FULL_SCALE
+    assert np.median(np.abs(known[False][absent, 2] - guess)) < 1e-9
+    assert known[False][absent, 2].mean() == pytest.approx(guess.mean(), rel=0.1)
+    triangles = TARGETS[:, 3] > 0.5
+    assert known[False][absent & triangles, 3] == pytest.approx(50)
+    assert np.median(known[False][absent & ~triangles, 3]) == 0
+    # Load and position are as well known as by the bound: nothing is known of them beforehand.
+    errors = known[False][absent, :2].mean(axis=0)
+    assert errors == pytest.approx(bound[absent, :2].mean(axis=0), rel=0.1)

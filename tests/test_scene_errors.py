@@ -1,0 +1,162 @@
+"""Errors of a scene: which rows are held out, and what noise and drift of the sensors do."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from golden.disturbance import Disturbance
+from golden.errors import (
+    HELD_OUT,
+    NOISE,
+    UNKNOWN,
+    disturbed_errors,
+    held_out_rows,
+    noise_of,
+    scene_errors,
+)
+from golden.network_files.network_file import provenance_path, save_network
+from golden.precision import SIGNAL
+from golden.scene import Scene, load_scene, scene_path
+from golden.training.split import split_of, split_story
+from tb.common.cases import random_mlp
+from tb.demo import error_table, held_out_line
+from tb.report.measure.disturbance import KINDS, NONE, noise_and_drift
+from tb.report.measure.networks import scenes
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    """A copy of digit-single whose network was trained here."""
+    folder = scene_path("digit-single").parent
+    for path in folder.glob("digit-single*"):
+        shutil.copy(path, tmp_path)
+    data = folder / "../../data/appendix2.csv"
+    shutil.copy(data, tmp_path)
+    text = (tmp_path / "digit-single.toml").read_text().replace("../../data/", "")
+    (tmp_path / "digit-single.toml").write_text(text)
+    return tmp_path / "digit-single.toml"
+
+
+def provenance(scene: Path) -> Path:
+    return provenance_path(load_scene(str(scene)).members[0].weights_path)
+
+
+@pytest.mark.parametrize("scene", scenes(), ids=lambda s: s.name)
+def test_the_held_out_rows_of_every_shipped_scene_are_known(scene: Scene) -> None:
+    rows = held_out_rows(scene)
+    assert rows is not None
+    assert rows.tolist() == split_of(scene).test.tolist()
+
+
+def elsewhere(scene: Path) -> None:
+    provenance(scene).unlink()
+
+
+def other_data(scene: Path) -> None:
+    (scene.parent / "appendix2.csv").rename(scene.parent / "mine.csv")
+    scene.write_text(scene.read_text().replace("appendix2.csv", "mine.csv"))
+
+
+def other_seed(scene: Path) -> None:
+    scene.write_text(scene.read_text().replace("seed = 1", "seed = 2"))
+
+
+def other_split(scene: Path) -> None:
+    scene.write_text(scene.read_text() + 'split = "blocks"\n')
+
+
+def other_rows(scene: Path) -> None:
+    """A row more in the file, and provenance that tells how many there were."""
+    story = split_story(load_scene(str(scene)))
+    with provenance(scene).open("a") as handle:
+        handle.write(f"rows = {story['rows']}\n")
+    data = scene.parent / "appendix2.csv"
+    data.write_text(data.read_text() + data.read_text().splitlines()[-1] + "\n")
+
+
+def other_network(scene: Path) -> None:
+    """Put where a trained one was, whose provenance stays."""
+    member = load_scene(str(scene)).members[0]
+    story = provenance(scene).read_text()
+    save_network(member.weights_path, random_mlp((4, 5, 4), 0.1, 1), {})
+    provenance(scene).write_text(story)
+    scene.write_text(scene.read_text().replace("hidden = 16", "hidden = 5"))
+
+
+@pytest.mark.parametrize(
+    "change", [elsewhere, other_data, other_seed, other_split, other_rows, other_network]
+)
+def test_what_was_not_trained_here_holds_nothing_out(scene: Path, change) -> None:
+    assert held_out_rows(load_scene(str(scene))) is not None
+    change(scene)
+    changed = load_scene(str(scene))
+    assert held_out_rows(changed) is None
+    assert HELD_OUT not in scene_errors(changed)
+    assert "held out" not in "\n".join(error_table(changed))
+    assert UNKNOWN in held_out_line(changed)
+
+
+def test_provenance_that_is_not_toml_is_refused(scene: Path) -> None:
+    provenance(scene).write_text("data = ")
+    with pytest.raises(ValueError, match=r"digit-single\.provenance\.toml: not TOML"):
+        held_out_rows(load_scene(str(scene)))
+
+
+def test_without_a_disturbance_the_errors_are_those_recorded() -> None:
+    scene = load_scene("digit")
+    recorded = [error.mean for error in scene_errors(scene)["bit-true"]]
+    np.testing.assert_allclose(disturbed_errors(scene, Disturbance()), recorded, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "disturbance",
+    [Disturbance(noise=0.008), Disturbance(gain=0.01), Disturbance(offset=0.01)],
+    ids=["noise", "gain", "offset"],
+)
+def test_the_errors_are_the_mean_of_whole_recordings(disturbance: Disturbance) -> None:
+    """Within five standard deviations of the mean of as many recordings as tell them apart."""
+    scene = load_scene("digit")
+    vectors, rng = scene.vectors(), np.random.default_rng(5)
+    means = []
+    for _ in range(200):
+        codes, _ = SIGNAL.quantise(disturbance.of(vectors.inputs, rng))
+        results = SIGNAL.to_real(scene.twin().process(codes))
+        means.append(vectors.percent_errors(results).mean(axis=0))
+    deviation = np.std(means, axis=0) / np.sqrt(len(means))
+    miss = np.abs(np.mean(means, axis=0) - disturbed_errors(scene, disturbance))
+    assert (miss < 5 * deviation).all()
+    assert (deviation < 0.1 * np.mean(means, axis=0)).all()
+
+
+def test_another_seed_moves_the_errors_as_little_as_the_page_says() -> None:
+    scene = load_scene("digit-thesis")
+    for disturbance in (Disturbance(noise=0.008), Disturbance(offset=0.02)):
+        first, *others = (disturbed_errors(scene, disturbance, seed) for seed in range(1, 6))
+        for other in others:
+            assert other != first
+            np.testing.assert_allclose(other, first, rtol=0.03)
+
+
+def test_a_scene_may_state_its_noise(scene: Path) -> None:
+    assert noise_of(load_scene(str(scene))) == NOISE
+    scene.write_text(scene.read_text() + "noise = 0.004\n")
+    stated = load_scene(str(scene))
+    assert noise_of(stated) == 0.004
+    (line,) = (line for line in error_table(stated) if line.startswith("load"))
+    assert line.split()[-2] == f"{disturbed_errors(stated, Disturbance(0.004))[0]:.2f}"
+
+
+def test_a_table_of_disturbances_has_every_kind_and_size() -> None:
+    scene = replace(load_scene("digit-parallel"), name="mine")
+    table = noise_and_drift(scene, 1)
+    wanted = [(kind, size) for kind, sizes in KINDS.values() for size in sizes]
+    assert [tuple(row[:2]) for row in table.rows] == [(NONE, 0.0), *wanted]
+    found = {(row[0], row[1]): row[2:] for row in table.rows}
+    assert found["noise", 0.002] == disturbed_errors(scene, Disturbance(noise=0.002))
+    assert found["gain drift", 0.01] == disturbed_errors(scene, Disturbance(gain=0.01))
+    assert found["offset drift", 0.01] == disturbed_errors(scene, Disturbance(offset=0.01))
