@@ -419,23 +419,21 @@ def noisy_digit(**settings) -> Scene:
     return replace(scene, members=members, training=training)
 
 
-def test_what_is_tested_has_seen_nothing_of_the_test_rows(tmp_path: Path) -> None:
+def test_what_is_tested_has_seen_nothing_of_the_test_rows(tmp_path: Path, monkeypatch) -> None:
     """Their targets are replaced: only the network that is written may change."""
     scene = noisy_digit(refit=True)
     stages = Stages(scene)
     stages.add(5, 0)
     lines = [line.split(",") for line in scene.data_path.read_text().splitlines()]
-    for row in stages.task([], 0).split.test:
+    split = stages.task([], 0).split
+    for row in split.test:
         lines[1 + row][4] = "0.1"
-    split = replace(scene.training, split_by=("width", "shape"))
-    moved = replace(scene, data_path=tmp_path / "moved.csv", training=split)
-    moved.data_path.write_text("\n".join(",".join(line) for line in lines))
-    again = Stages(moved)
-    rows = stages.task([], 0).split
-    with_rows = pytest.MonkeyPatch()
-    with_rows.setattr("golden.training.task.split_of", lambda _: rows)
+    moved = tmp_path / "moved.csv"
+    moved.write_text("\n".join(",".join(line) for line in lines))
+    again = Stages(replace(scene, data_path=moved))
+    # The blocks end where the load changes, which it now does elsewhere.
+    monkeypatch.setattr("golden.training.task.split_of", lambda _: split)
     again.add(5, 0)
-    with_rows.undo()
     same = {
         name: np.array_equal(pack(getattr(stages, name)[0]), pack(getattr(again, name)[0]))
         for name in ("chosen", "tested", "written")
@@ -454,11 +452,8 @@ def test_refitting_lowers_the_error_on_all_rows() -> None:
     stages = Stages(noisy_digit(refit=True))
     stages.add(5, 0)
     task = stages.task([], 0)
-    chosen, written = (
-        bit_true_error(task, network, task.every)
-        for network in (stages.chosen[0], stages.written[0])
-    )
-    assert written < chosen
+    written = bit_true_error(task, stages.written[0], task.every)
+    assert written < bit_true_error(task, stages.chosen[0], task.every)
 
 
 @pytest.mark.parametrize("refit", [False, True])
