@@ -37,8 +37,8 @@ NASTY = [
 ARGUMENTS = {
     "SCENE": (
         "",
-        "demo sim vhdl verilog check train predict recalibrate network image bench listing lean synth "
-        "report",
+        "demo sim vhdl verilog check train predict recalibrate network image bench listing lean "
+        "synth report",
     ),
     "BLOCK": ("--block=", "sim"),
     "SIM": ("--sim=", "sim"),

@@ -15,7 +15,9 @@ from golden.errors import (
     NOISE,
     UNKNOWN,
     disturbed_errors,
+    held_out_means,
     held_out_rows,
+    held_out_text,
     noise_of,
     scene_errors,
 )
@@ -25,7 +27,7 @@ from golden.scene import Scene, load_scene, scene_path
 from golden.scene.scale import Scale, on_readings
 from golden.training.split import split_of, split_story
 from tb.common.cases import random_mlp
-from tb.demo import error_table, held_out_line
+from tb.demo import error_table
 from tb.report.measure.disturbance import KINDS, NONE, noise_and_drift
 from tb.report.measure.networks import scenes
 
@@ -49,9 +51,24 @@ def provenance(scene: Path) -> Path:
 
 @pytest.mark.parametrize("scene", scenes(), ids=lambda s: s.name)
 def test_the_held_out_rows_of_every_shipped_scene_are_known(scene: Scene) -> None:
-    rows = held_out_rows(scene)
-    assert rows is not None
-    assert rows.tolist() == split_of(scene).test.tolist()
+    rows, means = held_out_rows(scene), held_out_means(scene)
+    assert means is not None
+    assert (rows is None) == scene.training.refit
+    if rows is not None:
+        assert rows.tolist() == split_of(scene).test.tolist()
+        assert means == [error.mean for error in scene_errors(scene)[HELD_OUT]]
+
+
+def test_what_was_trained_on_with_all_rows_tells_the_error_from_before(scene: Path) -> None:
+    means = {"load": 0.5, "position": 1.5, "width": 2.5, "shape": 3.5}
+    told = ", ".join(f"{name} = {mean}" for name, mean in means.items())
+    with provenance(scene).open("a") as handle:
+        handle.write(f"refit = true\ntest_mean_percent = {{ {told} }}\n")
+    refitted = load_scene(str(scene))
+    assert held_out_rows(refitted) is None
+    assert HELD_OUT not in scene_errors(refitted)
+    assert held_out_means(refitted) == list(means.values())
+    assert "load 0.50, position 1.50, width 2.50, shape 3.50" in held_out_text(refitted)
 
 
 def elsewhere(scene: Path) -> None:
@@ -99,7 +116,7 @@ def test_what_was_not_trained_here_holds_nothing_out(scene: Path, change) -> Non
     assert held_out_rows(changed) is None
     assert HELD_OUT not in scene_errors(changed)
     assert "held out" not in "\n".join(error_table(changed))
-    assert UNKNOWN in held_out_line(changed)
+    assert UNKNOWN in held_out_text(changed)
 
 
 def test_provenance_that_is_not_toml_is_refused(scene: Path) -> None:
