@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import tomllib
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from golden.disturbance import Disturbance
-from golden.errors import disturbed_errors, scene_errors, unit_errors
+from golden.errors import scene_errors, unit_errors
 from golden.network_files.network_file import load_network, provenance_path, save_network
 from golden.precision import SIGNAL
 from golden.scene import Scene, comparison_names, load_scene, scene_names
@@ -199,22 +197,6 @@ def test_training_works_with_what_the_readings_cover(tmp_path, monkeypatch, colu
     # The output biases were shifted afterwards.
     moved = mlp.process(inputs, scene.scheme.real) - start.process(covered, scene.scheme.real)
     assert np.ptp(moved, axis=0) == pytest.approx([0, 0], abs=1e-12)
-
-
-def test_noise_and_drift_are_in_parts_of_the_range(tmp_path: Path) -> None:
-    """So that sensors of several units have one noise."""
-    disturbance = Disturbance(noise=0.1, gain=0.05, offset=0.2)
-    raw, plain = in_units(tmp_path), signal_scene(tmp_path)
-    expected = disturbed_errors(plain, disturbance)
-    assert disturbed_errors(raw, disturbance) == pytest.approx(expected, rel=1e-3)
-    one, other = (
-        task_for(scene, scene.vectors(), []).training.inputs
-        for scene in (
-            replace(s, training=replace(s.training, disturbance=disturbance)) for s in (raw, plain)
-        )
-    )
-    # The CSV of either has its own last digit.
-    assert np.abs(one - other).max() < 2 * 2.0**-SIGNAL.frac
 
 
 def test_auto_without_its_provenance_says_what_to_do(tmp_path: Path) -> None:
