@@ -319,6 +319,24 @@ def test_a_sensor_far_outside_the_codes_is_refused(small_scene: Scene) -> None:
     )
 
 
+def test_scales_that_no_float_holds_are_told_of_the_file(small_scene: Scene, recwarn) -> None:
+    text = small_scene.path.read_text()
+    for scale, message in (
+        ("x0 = { factor = 1e308 }", r"small.npz, with data.scale of .*small.toml: w1: got NaN or"),
+        ("y0 = { factor = 1e-309 }", r"small.npz, with data.scale of .*small.toml: w2: got NaN or"),
+    ):
+        small_scene.path.write_text(text.replace("[network]", f"scale = {{ {scale} }}\n[network]"))
+        save_network(small_scene.weights_paths[0], random_mlp((3, 5, 2), 40.0, 1), {})
+        with pytest.raises(ValueError, match=message):
+            load_scene(str(small_scene.path)).twin()
+    scale = "scale = { x0 = { factor = 1e-308 } }"
+    small_scene.path.write_text(text.replace("[network]", f"{scale}\n[network]"))
+    scene = with_readings(load_scene(str(small_scene.path)), 0, ["9"])
+    with pytest.raises(ValueError, match=r"small.csv: column 'x0': got 12 of 12 readings outside"):
+        scene.vectors()
+    assert not recwarn.list
+
+
 def test_a_target_outside_the_codes_names_its_unit(tmp_path: Path) -> None:
     scene = with_readings(in_units(tmp_path), 4, ["129", "-11"])
     message = r"'y1': got a target of -11 in row 2, expected -10 to 130, .* give y1 a data.scale"
