@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from golden.rig import readings
+from golden.rig.csv_file import read_csv_file
 from golden.rig.draft import weights
 from golden.rig.finding import FAULT
-from golden.rig.recording import read_recording
 from golden.rig.survey import Survey, survey
 from golden.rig.write_scene import names_of, write_scene
 from golden.scene import FOLDER, Scene, load_scene
@@ -51,7 +51,7 @@ def look(folder: Path, outputs: str = "force,place", **changed: object) -> Surve
     """The survey of the readings with some columns changed or added."""
     path = folder / "rig.csv"
     path.write_text(text_of(TABLE | changed), encoding="utf-8")
-    return survey(read_recording(path), names_of(outputs))
+    return survey(read_csv_file(path), names_of(outputs))
 
 
 def texts(found: Survey) -> str:
@@ -192,7 +192,7 @@ def test_what_is_no_csv_is_refused(tmp_path: Path, change: Callable, message: st
     made = change(text_of(TABLE))
     path.write_bytes(made if isinstance(made, bytes) else made.encode())
     with pytest.raises(ValueError, match=r"rig\.csv") as refused:
-        read_recording(path)
+        read_csv_file(path)
     assert message in str(refused.value)
 
 
@@ -200,7 +200,7 @@ def test_what_is_no_csv_is_refused(tmp_path: Path, change: Callable, message: st
 def test_the_command_that_it_names_mends_the_file(tmp_path: Path, sign: str, point: str) -> None:
     (tmp_path / "my rig.csv").write_text(text_of(TABLE, sign, point))
     with pytest.raises(ValueError, match="makes it so") as refused:
-        read_recording(tmp_path / "my rig.csv")
+        read_csv_file(tmp_path / "my rig.csv")
     command = str(refused.value).rpartition("; ")[2].removesuffix(" makes it so")
     subprocess.run(command, shell=True, cwd=tmp_path, check=True)
     assert (tmp_path / "comma.csv").read_text() == text_of(TABLE)
@@ -209,7 +209,7 @@ def test_the_command_that_it_names_mends_the_file(tmp_path: Path, sign: str, poi
 @pytest.mark.parametrize("mark", ["\ufeff", "\n\n"])
 def test_a_mark_and_empty_lines_do_no_harm(tmp_path: Path, mark: str) -> None:
     (tmp_path / "rig.csv").write_text(mark + text_of(TABLE) + "\n,,,,\n", encoding="utf-8")
-    recording = read_recording(tmp_path / "rig.csv")
+    recording = read_csv_file(tmp_path / "rig.csv")
     assert recording.names == tuple(TABLE)
     assert len(recording.rows) == 60
 
