@@ -340,7 +340,7 @@ def held_out_errors(name: str) -> dict[str, float]:
     ("cascade", "multiple"), [("digit", "digit-multiple"), ("swing-cascade", "swing-multiple")]
 )
 def test_a_cascade_is_not_worse_in_the_shipped_scenes(cascade: str, multiple: str) -> None:
-    """What the scene says of its arrangement; a tenth is what starts and splits make of a network."""
+    """What a scene says of its arrangement; starts and splits alone make a tenth."""
     errors, others = held_out_errors(cascade), held_out_errors(multiple)
     assert errors.keys() == others.keys()
     for output, error in errors.items():
