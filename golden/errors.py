@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import tomllib
-
 import numpy as np
 from numpy.typing import NDArray
 
 from golden.disturbance import Disturbance
 from golden.metrics import OutputError, summarise
-from golden.network_files.network_file import provenance_path
+from golden.network_files.network_file import read_provenance
 from golden.networks.mlp import Real
 from golden.precision import SIGNAL
 from golden.scene import Scene
@@ -40,18 +38,15 @@ def held_out_rows(scene: Scene) -> NDArray[np.int64] | None:
 
     Raises
     ------
-    ValueError
-        For provenance that is not TOML.
+    CommandError, ValueError
+        See ``read_provenance``.
     """
     expected = split_story(scene)
     for member, mlp in zip(scene.members, scene.mlps(), strict=True):
-        path = provenance_path(member.weights_path)
-        if not path.is_file():
+        read = read_provenance(member.weights_path)
+        if read is None:
             return None
-        try:
-            told = UNTOLD | tomllib.loads(path.read_text(encoding="utf-8"))
-        except tomllib.TOMLDecodeError as error:
-            raise ValueError(f"{path}: not TOML: {error}") from None
+        told = UNTOLD | read
         shape = ":".join(str(n) for n in mlp.shape)
         told.setdefault("rows", expected["rows"])
         if any(told.get(key) != value for key, value in (expected | {"network": shape}).items()):
