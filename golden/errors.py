@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,7 @@ from numpy.typing import NDArray
 
 from golden.disturbance import Disturbance
 from golden.metrics import OutputError, summarise
-from golden.network_files.network_file import provenance_path
+from golden.network_files.network_file import read_provenance
 from golden.networks.mlp import Real
 from golden.precision import SIGNAL
 from golden.scene import Scene
@@ -40,19 +39,16 @@ def told(scene: Scene) -> list[dict[str, Any]] | None:
 
     Raises
     ------
-    ValueError
-        For provenance that is not TOML.
+    CommandError, ValueError
+        See ``read_provenance``.
     """
     expected = split_story(scene)
     stories = []
     for member, mlp in zip(scene.members, scene.mlps(), strict=True):
-        path = provenance_path(member.weights_path)
-        if not path.is_file():
+        read = read_provenance(member.weights_path)
+        if read is None:
             return None
-        try:
-            story = UNTOLD | tomllib.loads(path.read_text(encoding="utf-8"))
-        except tomllib.TOMLDecodeError as error:
-            raise ValueError(f"{path}: not TOML: {error}") from None
+        story = UNTOLD | read
         shape = ":".join(str(n) for n in mlp.shape)
         story.setdefault("rows", expected["rows"])
         if any(story.get(key) != value for key, value in (expected | {"network": shape}).items()):
