@@ -9,8 +9,8 @@ SITE ?= build/site
 # What a user may give. Recipes read it from the environment, as "$$SCENE", and never as text that
 # make puts in: so no character of it is special, neither to make, which would expand a $ on the
 # way, nor to the shell. Only whether it is given may be asked of make: $(if $(BLOCK),...).
-GIVEN := ALL BESIDE BLOCK CLUSTER CSV FRAMES FULL HARDWARE LINKS MACHINE ONLY OUTPUT PYTHON RECORD SCENE SEED SIM \
-	SITE TABLE TESTS TO VENV WAVES WHOLE
+GIVEN := ALL BESIDE BLOCK CLUSTER CSV FRAMES FULL HARDWARE LINKS MACHINE ONLY OUTPUT OUTPUTS PYTHON RECORD SCENE \
+	SEED SIM SITE TABLE TESTS TO VENV WAVES WHOLE
 literal = $(if $(value $(1)),$(eval override $(1) := $$(value $(1)))$(eval export $(1)))
 $(foreach name,$(GIVEN),$(call literal,$(name)))
 
@@ -18,7 +18,7 @@ RUN := "$$VENV/bin/python"
 # A target by a name of its own: the path of the environment may hold what is special in one of make's.
 READY := ready
 
-.PHONY: help demo test machines sim vhdl verilog train recalibrate network image bench listing activations figures lean synth report docs pages lint clean tools browser ready
+.PHONY: help demo test machines sim vhdl verilog scene check train recalibrate predict network image bench listing activations figures lean synth report docs pages lint clean tools browser ready
 
 help:
 	@echo "make demo    [SCENE=] [FULL=1]            a scene end to end: simulate, export, table of errors"
@@ -30,10 +30,15 @@ help:
 	@echo "                                          one bench, or every bench of the scene"
 	@echo "make vhdl    [SCENE=]                     export to build/<scene>/vhdl"
 	@echo "make verilog [SCENE=]                     export to build/<scene>/verilog"
+	@echo "make scene   CSV=readings.csv OUTPUTS=a,b [TO=my-rig.toml]"
+	@echo "                                          a scene for your own readings, and what they show"
+	@echo "make check   [SCENE=]                     what can be wrong with a scene, in seconds"
 	@echo "make train   [SCENE=] [CLUSTER=]          train the scene's networks, write them beside it"
 	@echo "make recalibrate [SCENE=] [CSV=placements.csv] [TO=folder]"
 	@echo "                                          gain and offset of each sensor from known placements; without any,"
 	@echo "                                          those that tell most"
+	@echo "make predict CSV=new.csv TO=out.csv [SCENE=]"
+	@echo "                                          the hardware's outputs for new readings, and which are unlike any"
 	@echo "make network TO=file.onnx [SCENE=] [OUTPUT=]"
 	@echo "                                          write a network of the scene as .npz, .mat or .onnx"
 	@echo "make image   [SCENE=] [HARDWARE=scene]    what makes an engine that can be reloaded run the scene"
@@ -70,11 +75,20 @@ sim: $(READY)
 vhdl verilog: $(READY)
 	@$(RUN) -m hdl.export "$$SCENE" $@
 
+scene: $(READY)
+	@$(RUN) -m golden.rig.write_scene "$$CSV" "$$OUTPUTS" $(if $(TO),--to="$$TO")
+
+check: $(READY)
+	@$(RUN) -m tb.check "$$SCENE"
+
 train: $(READY)
 	@$(RUN) -m golden.training "$$SCENE" $(if $(CLUSTER),--cluster="$$CLUSTER")
 
 recalibrate: $(READY)
 	@$(RUN) -m golden.recalibration "$$SCENE" "$$CSV" "$$TO"
+
+predict: $(READY)
+	@$(RUN) -m golden.rig.predict "$$SCENE" "$$CSV" "$$TO"
 
 network: $(READY)
 	@$(RUN) -m golden.network_files.convert "$$SCENE" "$$TO" $(if $(OUTPUT),--output="$$OUTPUT")

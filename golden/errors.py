@@ -13,6 +13,7 @@ from golden.network_files.network_file import provenance_path
 from golden.networks.mlp import Real
 from golden.precision import SIGNAL
 from golden.scene import Scene
+from golden.scene.scale import readings
 from golden.training.split import split_of, split_story
 
 HELD_OUT = "bit-true, held out"
@@ -105,9 +106,10 @@ def disturbed_rows(scene: Scene, disturbance: Disturbance, seed: int = SEED) -> 
     """
     vectors = scene.vectors()
     draws = 1 if disturbance.none else -(-FRAMES // len(vectors.inputs))
-    many = np.tile(vectors.inputs, (draws, 1))
-    readings = disturbance.of(many.reshape(1, -1), np.random.default_rng(seed)).reshape(many.shape)
-    codes, _ = SIGNAL.quantise(readings)
+    # Noise and drift are what happens to readings, in their unit, before they are codes.
+    many = np.tile(readings(vectors.inputs, scene.scales(scene.sensors)), (draws, 1))
+    given = disturbance.of(many.reshape(1, -1), np.random.default_rng(seed)).reshape(many.shape)
+    codes = scene.codes_of(given)
     results = SIGNAL.to_real(scene.twin().core.process(codes)).reshape(
         draws, *vectors.targets.shape
     )

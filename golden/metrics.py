@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.signal import find_peaks
 
 
 @dataclass(frozen=True)
@@ -166,6 +165,9 @@ def displacement_errors(results: ArrayLike, actual: ArrayLike) -> list[Displacem
 
 def _way(motion: NDArray[np.float64], number: int) -> float:
     """Mean of the peaks less mean of the troughs."""
+    # Imported where it is used: it takes half a second, and whoever reads a scene needs errors.
+    from scipy.signal import find_peaks
+
     peaks, troughs = (find_peaks(sign * motion)[0] for sign in (1, -1))
     if not len(peaks) or not len(troughs):
         raise ValueError(

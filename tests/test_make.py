@@ -37,15 +37,17 @@ NASTY = [
 ARGUMENTS = {
     "SCENE": (
         "",
-        "demo sim vhdl verilog train recalibrate network image bench listing lean synth report",
+        "demo sim vhdl verilog check train recalibrate predict network image bench listing lean "
+        "synth report",
     ),
     "BLOCK": ("--block=", "sim"),
     "SIM": ("--sim=", "sim"),
     "SEED": ("--seed=", "sim figures"),
     "FRAMES": ("--frames=", "sim bench"),
     "CLUSTER": ("--cluster=", "train"),
-    "CSV": ("", "recalibrate"),
-    "TO": ("", "recalibrate network"),
+    "CSV": ("", "scene recalibrate predict"),
+    "OUTPUTS": ("", "scene"),
+    "TO": ("", "recalibrate predict network"),
     "OUTPUT": ("--output=", "network"),
     "HARDWARE": ("--hardware=", "image"),
     "TABLE": ("", "figures"),
@@ -55,7 +57,7 @@ ARGUMENTS = {
     "ONLY": ("", "machines"),
 }
 # What make or the shell ask about, and paths of what is made.
-OTHERS = {"ALL", "LINKS", "RECORD", "WAVES", "WHOLE", "PYTHON", "SITE", "VENV"}
+OTHERS = {"ALL", "FULL", "LINKS", "RECORD", "WAVES", "WHOLE", "PYTHON", "SITE", "VENV"}
 
 
 def environment(folder: Path, venv: str = "venv") -> Path:

@@ -14,8 +14,9 @@ from scipy.io import savemat
 from golden.network_files.convert import main as convert
 from golden.network_files.network_file import load_network, write_network
 from golden.networks.mlp import Mlp
+from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene
-from tb.common.cases import random_mlp
+from tb.common.cases import random_mlp, write_scene
 
 SHAPE = (3, 5, 2)
 DATA = Path(__file__).parent / "data"
@@ -52,6 +53,45 @@ def test_a_network_from_scikit_learn(outputs: int) -> None:
     with np.load(DATA / f"{name}.npz") as recorded:
         expected = recorded["y"].reshape(-1, outputs)
         assert np.allclose(mlp.process(recorded["x"]), expected, atol=1e-6)
+
+
+SCALED_FILES = ["sklearn-scaled-3-5-2", "sklearn-scaled-double-3-5-2", "sklearn-target-3-5-1"]
+
+
+@pytest.mark.parametrize("name", SCALED_FILES)
+def test_a_pipeline_with_a_scaler_from_scikit_learn(name: str) -> None:
+    """StandardScaler as Scaler or as Sub and Div, and a scaled target; make_scaled.py."""
+    outputs = int(name[-1])
+    mlp = load_network(DATA / f"{name}.onnx", (3, 5, outputs))
+    with np.load(DATA / f"{name}.npz") as recorded:
+        expected = recorded["y"].reshape(-1, outputs)
+        # scikit-learn predicts in double precision; float32 has 24 bits.
+        assert np.abs(mlp.process(recorded["x"]) / expected - 1).max() < 1e-6
+
+
+@pytest.mark.parametrize("name", SCALED_FILES)
+def test_such_a_pipeline_in_raw_units_becomes_hardware(tmp_path: Path, name: str) -> None:
+    outputs = int(name[-1])
+    path = write_scene(tmp_path, "raw", "exact", [random_mlp((3, 5, outputs), 1.0, 1)])
+    with np.load(DATA / f"{name}.npz") as recorded:
+        x, expected = recorded["x"], recorded["y"].reshape(-1, outputs)
+    rows = ["x0,x1,x2,y0,y1"[: 8 + 3 * outputs]]
+    rows += [",".join(map(repr, row.tolist())) for row in np.hstack([x, expected])]
+    path.with_suffix(".csv").write_text("\n".join(rows))
+    scale = "scale = { x0 = { offset = 2.5, factor = 2.5 }, x1 = { offset = -300, factor = 128 }, "
+    scale += f"x2 = {{ factor = 0.05 }}, y0 = {{ factor = {20 if 'target' in name else 1} }} }}"
+    text = path.read_text().replace('"raw.npz"', f'"{DATA / name}.onnx"')
+    path.write_text(text.replace('group_by = "y0"', scale).replace('"gradient"', '"precise"'))
+    scene = load_scene(str(path))
+    results = scene.outputs_in_units(scene.twin().process(scene.codes_of(x)))
+    # Half an LSB of a sample moves a hidden sum by that of its weights; tanh makes nothing larger.
+    # Twice that leaves room for the roundings of weights, of tanh and of the output.
+    (mlp,) = scene.mlps()
+    lsb = 2.0**-SIGNAL.frac
+    bound = lsb * (np.abs(mlp.w2) @ (np.abs(mlp.w1).sum(axis=1) + 1) + 1)
+    factors = [s.factor for s in scene.scales(scene.outputs)]
+    assert (np.abs(results - expected) < bound * factors).all()
+    assert (bound < 0.02).all()
 
 
 @pytest.mark.parametrize("name", ["torch", "torch-legacy", "keras"])
@@ -93,6 +133,10 @@ def node(kind: str, inputs: str, output: str, **attributes):
     return helper.make_node(kind, inputs.split(), [output], name=f"my_{kind}", **attributes)
 
 
+def scaler(inputs: str, output: str, **attributes):
+    return node("Scaler", inputs, output, domain="ai.onnx.ml", **attributes)
+
+
 KERAS = [
     node("MatMul", "x w1", "a"),
     node("Add", "a b1", "b"),
@@ -127,6 +171,47 @@ def test_gemm_scales_as_it_says(tmp_path: Path) -> None:
     assert np.allclose(found.b1, mlp.b1 * 2)
 
 
+SCALED = {
+    "factor": np.array([0.5, 2.0, 3.0]),
+    "mean": np.array([[1.0, -2.0, 4.0]]),
+    "half": 0.5,
+    "wide": np.arange(1.0, 6.0),
+    "ends": np.array([10.0, -0.1]),
+}
+BEFORE = [
+    [node("Sub", "x mean", "s"), node("Div", "s factor", "t")],
+    [scaler("x", "s", offset=[1.0, -2.0, 4.0], scale=[2.0, 0.5, 0.1]), node("Sub", "half s", "t")],
+    [node("Mul", "factor x", "s"), node("Add", "s half", "r"), node("Sub", "r mean", "t")],
+    [scaler("x", "t", offset=[0.25], scale=[4.0])],
+]
+
+
+@pytest.mark.parametrize("before", BEFORE)
+def test_what_scales_value_by_value_is_folded(tmp_path: Path, before: list) -> None:
+    """Before the first layer, behind it, behind tanh, and behind the last."""
+    mlp = random_mlp(SHAPE, 1.0, 1)
+    nodes = [
+        *before,
+        node("MatMul", "t w1", "a"),
+        node("Add", "a b1", "a1"),
+        node("Mul", "a1 half", "b"),
+        node("Tanh", "b", "c"),
+        node("Div", "c wide", "c1"),
+        node("Add", "c1 wide", "c2"),
+        node("MatMul", "c2 w2", "d"),
+        node("Add", "d b2", "d1"),
+        node("Mul", "d1 ends", "d2"),
+        node("Sub", "ends d2", "y"),
+    ]
+    path = graph(tmp_path, nodes, constants(mlp) | SCALED)
+    model = onnx.load(str(path))
+    model.opset_import.append(helper.make_opsetid("ai.onnx.ml", 3))
+    onnx.save(model, str(path))
+    x = np.random.default_rng(1).uniform(-5, 5, (20, 3))
+    (expected,) = ReferenceEvaluator(str(path)).run(None, {"x": x})
+    assert np.allclose(load_network(path, SHAPE).process(x), expected, atol=1e-5)
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -139,7 +224,14 @@ def test_gemm_scales_as_it_says(tmp_path: Path) -> None:
         ({1: node("Add", "a a", "b")}, "operator Add .* expected constants beside 'a'"),
         ({2: node("Tanh", "a", "c")}, "operator Tanh .* expected a chain without branches"),
         ({1: node("Tanh", "a", "b")}, r"Tanh after layers \[1, 1\]"),
-        ({3: node("Add", "c b1", "d")}, "operator Add .* expected right after a MatMul"),
+        ({3: node("Add", "c b1", "d")}, "operator Add .* got 2 values, expected 1 or 5"),
+        ({1: node("Add", "a column", "b")}, r"operator Add .* shape \(5, 1\), expected one row"),
+        ({1: node("Mul", "a b2", "b")}, "operator Mul .* got 2 values, expected 1 or 5"),
+        ({1: node("Div", "b1 a", "b")}, "operator Div .* expected the data first"),
+        ({1: node("Div", "a zero", "b")}, "operator Div .* by numbers other than 0"),
+        ({1: node("Sub", "a", "b")}, "operator Sub .* got 1 inputs .* expected 2 and 1"),
+        ({1: node("Scaler", "a", "b")}, "operator Scaler .* not supported"),
+        ({1: scaler("a", "b")}, "operator Scaler .* attributes offset and scale"),
         ({0: node("MatMul", "w1 x", "a")}, "operator MatMul .* expected the data first"),
         ({0: node("Gemm", "x w1", "a", transA=1)}, "operator Gemm .* transA=1, expected 0"),
         ({4: node("Reshape", "d b2", "y")}, r"operator Reshape .* expected one of \[\[-1, 2\]"),
@@ -148,7 +240,8 @@ def test_gemm_scales_as_it_says(tmp_path: Path) -> None:
 )
 def test_other_graphs_are_refused_with_the_operators_name(tmp_path, change, message) -> None:
     nodes = [change.get(i, kept) for i, kept in enumerate(KERAS)]
-    path = graph(tmp_path, nodes, constants(random_mlp(SHAPE, 1.0, 1)))
+    known = constants(random_mlp(SHAPE, 1.0, 1)) | {"zero": 0.0, "column": np.ones((5, 1))}
+    path = graph(tmp_path, nodes, known)
     with pytest.raises(ValueError, match=message) as caught:
         load_network(path, SHAPE)
     assert "net.onnx" in str(caught.value)

@@ -144,6 +144,84 @@ def test_a_register_that_something_else_reads_stays_too() -> None:
     assert set(cells) == {"multiplier", "b"}
 
 
+def memory() -> dict[str, dict]:
+    """Two words at port A, 10 and 11, with their registers; nothing reads port B."""
+    wires = {f"DO{side}{i}": [100 + 50 * (side == "B") + i] for side in "AB" for i in range(18)}
+    wires |= {"DOA0": [10], "DOA1": [11]}
+    taken = {f"{name}{side}": value for side in "AB" for name, value in WIRED.items()}
+    modes = {f"CLK{side}MUX": f"CLK{side}" for side in "AB"} | {
+        f"REGMODE_{side}": "NOREG" for side in "AB"
+    }
+    return {
+        "memory": {
+            "type": "DP16KD",
+            "parameters": modes,
+            "port_directions": dict.fromkeys(wires, "output") | dict.fromkeys(taken, "input"),
+            "connections": wires | taken,
+        },
+        "low": register(10, 20),
+        "high": register(11, 21),
+    }
+
+
+WIRED = {"CLK": [1], "OCE": ["1"], "RST": ["0"]}
+
+
+def test_a_word_s_registers_move_into_its_memory() -> None:
+    cells = memory()
+    assert absorb(cells, {20, 21}) == 1
+    assert set(cells) == {"memory"}
+    found = cells["memory"]
+    assert [found["connections"][port] for port in ("DOA0", "DOA1", "DOA2")] == [[20], [21], [102]]
+    assert found["parameters"]["REGMODE_A"] == "OUTREG"
+    assert found["parameters"]["REGMODE_B"] == "NOREG"
+
+
+@pytest.mark.parametrize(
+    ("name", "other", "outputs"),
+    [
+        ("low", register(10, 20, reset=5), set()),
+        ("low", register(10, 20, clock=2), set()),
+        ("low", cell("LUT1", [10], 20), set()),
+        ("more", register(10, 22), set()),  # a second reader
+        ("more", cell("LUT1", [11], 22), set()),
+        ("low", register(10, 20), {11}),  # a port of the design shows the word
+        ("low", register(10, 20) | {"parameters": {"CLKMUX": "INV"}}, set()),
+    ],
+)
+def test_what_a_memory_cannot_hold_stays_outside(name: str, other: dict, outputs: set) -> None:
+    cells = memory() | {name: other}
+    assert absorb(cells, {20, 21, 22} | outputs) == 0
+    assert cells["memory"]["parameters"]["REGMODE_A"] == "NOREG"
+    assert {"low", "high"} <= set(cells)
+
+
+@pytest.mark.parametrize(
+    ("wires", "parameters"),
+    [
+        ({"OCEA": [7]}, {}),
+        ({"RSTA": [7]}, {}),
+        ({"CLKA": [2]}, {}),
+        ({}, {"CLKAMUX": "INV"}),
+        ({}, {"REGMODE_A": "OUTREG"}),
+    ],
+)
+def test_a_memory_whose_register_is_used_otherwise_keeps_none(
+    wires: dict, parameters: dict
+) -> None:
+    cells = memory()
+    cells["memory"]["connections"] |= wires
+    cells["memory"]["parameters"] |= parameters
+    assert absorb(cells, {20, 21}) == 0
+    assert {"low", "high"} <= set(cells)
+
+
+def test_a_product_that_a_port_shows_keeps_its_register_outside() -> None:
+    cells = product()
+    assert absorb(cells, {30, 31}) == 1
+    assert "p" in cells
+
+
 def test_a_latch_is_an_error(tmp_path: Path) -> None:
     (tmp_path / "keeps.v").write_text(
         "module keeps(input e, input d, output reg q); always @* if (e) q = d; endmodule\n"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import re
 import shutil
 import subprocess
@@ -11,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pages import TRAINED, cells, shows
+from pages import ROUNDING, TRAINED, cells, shows
 from shared import Shared
 
 from golden.errors import scene_errors
@@ -28,32 +29,95 @@ def run(*words: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
 
 
+def shown(command: str) -> list[str]:
+    """What the page shows below a command."""
+    found = re.search(rf"^\$ {command}.*\n((?:.*\n)*?)```", PAGE, re.M)
+    assert found, command
+    return found[1].splitlines()
+
+
 @pytest.fixture(scope="module")
 def scene(shared: Shared) -> Path:
-    """The trained scene."""
+    """The trained scene; what the commands before training said stands beside it."""
     folder = shared.folder / "own" / "rig"
+    path = folder / "rig.toml"
 
-    def train() -> None:
-        shutil.copytree(FILES, folder)
-        trained = run("golden.training", str(folder / "rig.toml"))
-        assert trained.returncode == 0, trained.stderr
+    def follow() -> None:
+        folder.mkdir(parents=True)
+        for name in ("readings.csv", "new.csv"):
+            shutil.copy(FILES / name, folder)
+        readings = str(folder / "readings.csv")
+        for name, words in {
+            "scene": ("golden.rig.write_scene", readings, "force,place", "--to", str(path)),
+            "check": ("tb.check", str(path), "--build", str(folder / "build")),
+            "train": ("golden.training", str(path), "--build", str(folder / "build")),
+        }.items():
+            done = run(*words)
+            assert done.returncode == 0, done.stderr
+            said = done.stdout.replace(str(folder / "build"), "build")
+            (folder / f"{name}.txt").write_text(said.replace(str(folder), "path/to"))
 
-    shared.once("rig", train)
-    return folder / "rig.toml"
+    shared.once("rig", follow)
+    return path
 
 
 def test_the_page_shows_the_files() -> None:
     assert f"```toml\n{(FILES / 'rig.toml').read_text()}```" in PAGE
+    assert f"```\n{(FILES / 'new.csv').read_text()}```" in PAGE
     assert "".join((FILES / "readings.csv").read_text().splitlines(True)[:3]) in PAGE
+
+
+def test_make_scene_writes_that_scene_and_says_what_is_shown(scene: Path) -> None:
+    assert scene.read_text() == (FILES / "rig.toml").read_text()
+    assert scene.with_name("scene.txt").read_text().splitlines() == shown("make scene")
+
+
+def test_make_check_says_what_is_shown(scene: Path) -> None:
+    """All lines in their order but for versions, which are this machine's."""
+    said = iter(scene.with_name("check.txt").read_text().splitlines())
+    for line in shown("make check"):
+        if line != "..." and "ghdl" not in line:
+            assert line in said, line
+
+
+def test_make_train_says_what_is_shown(scene: Path) -> None:
+    """But for figures, which hang on last bits, and lines between first and last candidate."""
+
+    def plain(line: str) -> str:
+        return re.sub(r"\d+(\.\d+)? (%|s$|hidden)", r"\2", line)
+
+    said = {plain(line) for line in scene.with_name("train.txt").read_text().splitlines()}
+    for line in shown("make train"):
+        assert plain(line) in said, line
+
+
+def test_new_readings_get_what_is_shown(scene: Path) -> None:
+    out = scene.with_name("out.csv")
+    done = run("golden.rig.predict", str(scene), str(scene.with_name("new.csv")), str(out))
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[2] == shown("make predict")[2]
+    with out.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    for row in rows:
+        _, _, distance, outside, reason = cells(PAGE, row["time"])
+        assert (row["outside"], row["reason"]) == (outside, reason)
+        assert shows(distance, float(row["distance"]), ROUNDING)
+    touches = [(0.4, 0.42), (0.7, 0.63), (0.95, 0.5), (0.5, 0.3)]
+    missed = [
+        max(abs(float(row["force_predicted"]) - force), abs(float(row["place_predicted"]) - place))
+        for row, (force, place) in zip(rows, touches, strict=True)
+    ]
+    assert max(missed[:2]) < 0.05
+    assert missed[3] > 0.1
 
 
 def test_the_errors_are_about_those_shown(scene: Path) -> None:
     """A last bit turns a training to another minimum: within a factor of two of one machine's."""
     rig = load_scene(str(scene))
     for name, error in zip(rig.outputs, scene_errors(rig)["bit-true"], strict=True):
-        shown = re.search(rf"^{name} +(?:[\d.]+ +){{3}}([\d.]+) ", PAGE, re.M)
-        assert shown
-        assert 0.5 * float(shown[1]) < error.mean < 2 * float(shown[1])
+        found = re.search(rf"^{name} +(?:[\d.]+ +){{3}}([\d.]+) ", PAGE, re.M)
+        assert found
+        assert 0.5 * float(found[1]) < error.mean < 2 * float(found[1])
 
 
 def test_the_networks_are_as_good_as_on_other_machines(scene: Path) -> None:
@@ -74,9 +138,9 @@ def test_a_misspelt_key_is_refused_as_shown(scene: Path) -> None:
     odd.write_text(scene.read_text().replace("precision =", "precison ="))
     refused = run("tb.sim", str(odd))
     assert refused.returncode == 2
-    shown = re.search(r"^error: rig.toml: (.*)$", PAGE, re.M)
-    assert shown
-    assert refused.stderr.strip() == f"error: {odd}: {shown[1]}"
+    found = re.search(r"^error: rig.toml: (.*)$", PAGE, re.M)
+    assert found
+    assert refused.stderr.strip() == f"error: {odd}: {found[1]}"
 
 
 def test_it_simulates(scene: Path) -> None:

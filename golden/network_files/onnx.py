@@ -1,4 +1,8 @@
-"""Networks as ONNX graphs: a chain of two linear layers with tanh between them."""
+"""Networks as ONNX graphs: a chain of two linear layers with tanh between them.
+
+What scales values one by one - samples, hidden nodes or outputs - is folded into the layer that
+follows, or into the one before.
+"""
 
 from __future__ import annotations
 
@@ -11,15 +15,21 @@ from onnx import AttributeProto, TensorProto, helper, numpy_helper
 
 from golden.files import reading
 from golden.network_files.numbers import real_numbers
-from golden.networks.mlp import Mlp, Real
+from golden.networks.mlp import Mlp, Real, shifted
 
 # Whichever way they stand in the file, weights are told as of nodes in rows.
 TRANSPOSED = ()
+LINEAR = ("Gemm", "MatMul")
+ELEMENTWISE = ("Add", "Sub", "Mul", "Div", "Scaler")
 # Each with the numbers of inputs that it may have.
 OPERATORS = {
     "Gemm": (2, 3),
     "MatMul": (2,),
     "Add": (2,),
+    "Sub": (2,),
+    "Mul": (2,),
+    "Div": (2,),
+    "Scaler": (1,),
     "Tanh": (1,),
     "Cast": (1,),
     "Identity": (1,),
@@ -37,28 +47,45 @@ class _Chain:
         self.output = output
         self.layers: list[dict[str, Real]] = []
         self.tanh_after: list[int] = []
+        # What stands before a layer: value by value, factor * x + shift.
+        self.factor, self.shift = np.ones(1), np.zeros(1)
 
     def refuse(self, node: Any, reason: str) -> ValueError:
         return ValueError(f"{self.path}: operator {node.op_type} ({node.name!r}): {reason}")
 
-    def linear(self, weights: Real, bias: Real | None) -> None:
-        layer = {"w": weights}
-        if bias is not None:
-            layer["b"] = bias.ravel()
-        self.layers.append(layer)
+    def linear(self, node: Any, weights: Real, bias: Real) -> None:
+        """A layer on what stands before it."""
+        width = weights.shape[1]
+        factor, shift = (self.wide(node, v, width) for v in (self.factor, self.shift))
+        self.factor, self.shift = np.ones(1), np.zeros(1)
+        self.layers.append({"w": weights * factor, "b": shifted(bias, weights, shift)})
 
-    def add(self, node: Any, bias: Real) -> None:
-        fresh = self.layers and "b" not in self.layers[-1]
-        if not fresh or len(self.layers) in self.tanh_after:
-            raise self.refuse(node, "expected right after a MatMul, as its bias")
-        self.layers[-1]["b"] = bias.ravel()
+    def elementwise(self, node: Any, factor: Real, shift: Real) -> None:
+        """Each value times its factor, plus its shift."""
+        if self.layers and len(self.layers) not in self.tanh_after:
+            layer = self.layers[-1]
+            factor, shift = (self.wide(node, v, len(layer["b"])) for v in (factor, shift))
+            layer["w"] = layer["w"] * factor[:, np.newaxis]
+            layer["b"] = layer["b"] * factor + shift
+        else:
+            width = max(len(v) for v in (self.factor, self.shift, factor, shift))
+            old, before = (self.wide(node, v, width) for v in (self.factor, self.shift))
+            factor, shift = (self.wide(node, v, width) for v in (factor, shift))
+            self.factor, self.shift = old * factor, before * factor + shift
+
+    def wide(self, node: Any, values: Real, width: int) -> Real:
+        """One value for each of ``width``."""
+        if len(values) not in (1, width):
+            raise self.refuse(node, f"got {len(values)} values, expected 1 or {width}")
+        return np.broadcast_to(values, width)
 
 
 def read(path: Path) -> dict[str, Real]:
     """The arrays of a network that PyTorch, Keras or scikit-learn exported.
 
-    Understood are Gemm, or MatMul with Add, then Tanh, then Gemm or MatMul with Add; Cast,
-    Identity, and a Reshape that changes nothing may stand between them.
+    Understood are Gemm or MatMul, then Tanh, then Gemm or MatMul. Before and after each of them
+    may stand Add, Sub, Mul, Div and Scaler with constants, Cast, Identity, and a Reshape that
+    changes nothing.
 
     Raises
     ------
@@ -95,12 +122,7 @@ def read(path: Path) -> dict[str, Real]:
             f"{chain.tanh_after}, expected 2 with Tanh after the first"
         )
     first, second = chain.layers
-    return {
-        "w1": first["w"],
-        "b1": first.get("b", np.zeros(len(first["w"]))),
-        "w2": second["w"],
-        "b2": second.get("b", np.zeros(len(second["w"]))),
-    }
+    return {"w1": first["w"], "b1": first["b"], "w2": second["w"], "b2": second["b"]}
 
 
 def _array(path: Path, tensor: Any) -> Any:
@@ -113,7 +135,8 @@ def _array(path: Path, tensor: Any) -> Any:
 
 def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> None:
     """Take one operator into the chain."""
-    if node.op_type not in OPERATORS or node.domain not in ("", "ai.onnx"):
+    domains = ("ai.onnx.ml",) if node.op_type == "Scaler" else ("", "ai.onnx")
+    if node.op_type not in OPERATORS or node.domain not in domains:
         raise chain.refuse(node, f"not supported, expected one of {', '.join(OPERATORS)}")
     given = [name for name in node.input if name]
     if len(given) not in OPERATORS[node.op_type] or len(node.output) != 1:
@@ -132,25 +155,24 @@ def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> 
         )
     values = [real_numbers(chain.path, name, constants[name]) for name in others]
     kinds = {AttributeProto.INT: "i", AttributeProto.FLOAT: "f"}
-    attributes = {a.name: getattr(a, kinds[a.type]) for a in node.attribute if a.type in kinds}
-    if node.op_type in ("Gemm", "MatMul"):
+    if node.op_type == "Scaler":
+        kinds = {AttributeProto.FLOATS: "floats"}
+    attributes = {a.name: getattr(a, kinds.get(a.type, "name")) for a in node.attribute}
+    for name in ("alpha", "beta", "transA", "transB", "offset", "scale"):
+        if isinstance(attributes.get(name), str):
+            raise chain.refuse(node, f"got another {name}, expected a number")
+    if node.op_type in LINEAR:
         if node.input[0] != current or values[0].ndim != 2:
             raise chain.refuse(node, "expected the data first and a matrix of weights second")
         if attributes.get("transA", 0):
             raise chain.refuse(node, "transA=1, expected 0")
         weights = values[0] * attributes.get("alpha", 1.0)
         weights = weights if attributes.get("transB", 0) else weights.T
-        bias = None
-        if len(values) > 1:
-            bias = values[1] * attributes.get("beta", 1.0)
-            if bias.size not in (1, len(weights)):
-                raise chain.refuse(
-                    node, f"got a bias of shape {bias.shape}, expected {len(weights)} numbers"
-                )
-            bias = np.broadcast_to(bias.ravel(), len(weights))
-        chain.linear(weights, bias)
-    elif node.op_type == "Add":
-        chain.add(node, values[0])
+        bias = _row(chain, node, values[1]) if len(values) > 1 else np.zeros(1)
+        bias = chain.wide(node, bias * attributes.get("beta", 1.0), len(weights))
+        chain.linear(node, weights, bias)
+    elif node.op_type in ELEMENTWISE:
+        chain.elementwise(node, *_factor_and_shift(chain, node, current, values, attributes))
     elif node.op_type == "Tanh":
         chain.tanh_after.append(len(chain.layers))
     elif node.op_type == "Reshape":
@@ -161,6 +183,36 @@ def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> 
         shape = np.asarray(constants[others[0]]).tolist()
         if shape not in shapes:
             raise chain.refuse(node, f"to {shape}, expected one of {shapes}")
+
+
+def _factor_and_shift(
+    chain: _Chain, node: Any, current: str, values: list[Real], attributes: dict[str, Any]
+) -> tuple[Real, Real]:
+    """What an operator that takes value by value multiplies with, and then adds."""
+    if node.op_type == "Scaler":
+        offset, scale = (np.array(attributes.get(key, [])) for key in ("offset", "scale"))
+        if not offset.size or not scale.size:
+            raise chain.refuse(node, "expected the attributes offset and scale")
+        return scale, -offset * scale
+    value = _row(chain, node, values[0])
+    first = node.input[0] == current
+    if node.op_type == "Add":
+        return np.ones(1), value
+    if node.op_type == "Sub":
+        return np.array([1.0 if first else -1.0]), -value if first else value
+    if node.op_type == "Mul":
+        return value, np.zeros(1)
+    if not first or not value.all():
+        raise chain.refuse(node, "expected the data first, divided by numbers other than 0")
+    return 1 / value, np.zeros(1)
+
+
+def _row(chain: _Chain, node: Any, values: Real) -> Real:
+    """A constant that holds one number for each value of a frame, or one for all."""
+    if values.size != 1 and values.shape[-1] != values.size:
+        raise chain.refuse(node, f"got a constant of shape {values.shape}, expected one row")
+    row: Real = values.ravel()
+    return row
 
 
 def write(path: Path, mlp: Mlp) -> None:

@@ -52,9 +52,15 @@ def quantised(weights: Real, biases: Real, precision: Precision, name: str) -> L
         if precision.normalise
         else np.ones(len(biases), dtype=np.int64)
     )
-    codes, bias_codes, fmt = precision.coefficients(
-        weights / factors[:, np.newaxis], biases / factors, name
-    )
+    try:
+        codes, bias_codes, fmt = precision.coefficients(
+            weights / factors[:, np.newaxis], biases / factors, name
+        )
+    except ValueError as error:
+        raise ValueError(
+            f"{error}; more training.weight_decay keeps them small, and so does a data.scale "
+            "nearer to the readings"
+        ) from None
     return Layer(tuple(map(_plain, codes)), _plain(bias_codes), fmt, _plain(factors))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from fractions import Fraction
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +19,24 @@ def tanh(q: Real) -> tuple[Real, Real]:
     """The hyperbolic tangent and its slope."""
     value = np.tanh(q)
     return value, 1 - value * value
+
+
+def shifted(biases: Real, weights: Real, shift: Real) -> Real:
+    """``biases + weights @ shift``, each sum rounded once: in what order it is added decides no
+    bit of what becomes hardware.
+
+    Parameters
+    ----------
+    biases : float array, shape (neurons,)
+    weights : float array, shape (neurons, inputs)
+    shift : float array, shape (inputs,)
+        What is added to each input.
+    """
+    terms = np.concatenate([biases[:, np.newaxis], weights * shift], axis=1)
+    sums: Real = terms.sum(axis=1)
+    if np.isfinite(terms).all():
+        sums = np.array([float(sum(map(Fraction, row))) for row in terms.tolist()])
+    return sums
 
 
 @dataclass(frozen=True)

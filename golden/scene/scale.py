@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from golden.networks.mlp import Mlp, Real
+from golden.networks.mlp import Mlp, Real, shifted
 from golden.table import suggest
 
 AUTO = "auto"
@@ -70,7 +70,7 @@ def on_signals(mlp: Mlp, inputs: Sequence[Scale], outputs: Sequence[Scale]) -> M
     into, out = _arrays(inputs), _arrays(outputs)
     return Mlp(
         mlp.w1 * into[1],
-        _plus(mlp.b1, mlp.w1 * into[0]),
+        shifted(mlp.b1, mlp.w1, into[0]),
         mlp.w2 / out[1][:, np.newaxis],
         (mlp.b2 - out[0]) / out[1],
     )
@@ -81,14 +81,8 @@ def on_readings(mlp: Mlp, inputs: Sequence[Scale], outputs: Sequence[Scale]) -> 
     into, out = _arrays(inputs), _arrays(outputs)
     w1 = mlp.w1 / into[1]
     return Mlp(
-        w1, _plus(mlp.b1, -w1 * into[0]), mlp.w2 * out[1][:, np.newaxis], mlp.b2 * out[1] + out[0]
+        w1, shifted(mlp.b1, w1, -into[0]), mlp.w2 * out[1][:, np.newaxis], mlp.b2 * out[1] + out[0]
     )
-
-
-def _plus(biases: Real, products: Real) -> Real:
-    """Each bias with its row of products, rounded once: the order of a sum decides no bit."""
-    rows = zip(biases.tolist(), products.tolist(), strict=True)
-    return np.array([math.fsum([bias, *row]) for bias, row in rows])
 
 
 def range_scale(column: Real) -> Scale:

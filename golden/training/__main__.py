@@ -16,10 +16,12 @@ import numpy as np
 import scipy
 from joblib import parallel_config
 
-from golden.cli import run
+from golden.cli import CommandError, run
 from golden.fingerprint import fingerprint, sources
 from golden.network_files.network_file import check_targets, provenance_path, save_networks
 from golden.networks.mlp import Mlp
+from golden.rig.check import before_training
+from golden.rig.finding import refuse
 from golden.scene import Scene, load_scene
 from golden.scene.scale import on_readings, on_signals
 from golden.scene.trained_scale import story
@@ -81,6 +83,7 @@ def main() -> None:
             for member in scene.members
         )
         scene = replace(scene, members=tuple(members))
+    refuse(before_training(scene, arguments.build))
     with computed_on(arguments.cluster):
         train_scene(scene, arguments.build, arguments.workers)
 
@@ -96,8 +99,8 @@ def computed_on(cluster: str | None) -> Iterator[None]:
 
     try:
         client = Client(cluster, timeout="10s")
-    except (OSError, ValueError) as error:
-        raise ValueError(f"CLUSTER={cluster}: no scheduler answers: {error}") from None
+    except Exception as error:  # whatever it says is about the address
+        raise CommandError(f"CLUSTER={cluster}: no scheduler answers: {error}") from None
     with client, parallel_config("dask"):
         yield
 

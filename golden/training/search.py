@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +24,7 @@ from joblib import Parallel, delayed
 
 from golden.files import reading, writing
 from golden.networks.mlp import Mlp, tanh
+from golden.scene.scale import Scale, on_readings, signals
 from golden.training import levenberg_marquardt, scg
 from golden.training.objective import Objective, pack, unpack
 from golden.training.task import Frames, Task
@@ -98,17 +99,22 @@ def train(
         When the hardware's formats cannot hold its weights.
     """
     settings = task.scene.training
-    frames = task.training
-    shape = (frames.inputs.shape[1], hidden, frames.targets.shape[1])
+    normal = task.normal
+    training, validation = (
+        replace(frames, inputs=signals(frames.inputs, normal))
+        for frames in (task.training, task.validation)
+    )
+    shape = (len(normal), hidden, training.targets.shape[1])
     rng = np.random.default_rng([settings.seed, task.number, hidden, restart])
     point = pack(starting_weights(shape, rng))
     descend = OPTIMISERS[settings.optimiser]
     for activation in dict.fromkeys((tanh, task.scene.scheme.real)):
         aim = objective(
-            shape, activation, frames, task.validation, settings.weight_decay, settings.patience
+            shape, activation, training, validation, settings.weight_decay, settings.patience
         )
         point = aim.search(descend, point, settings.steps)
-    return shift_biases(task, unpack(point, shape))
+    mlp = on_readings(unpack(point, shape), normal, [Scale()] * shape[2])
+    return shift_biases(task, mlp)
 
 
 def measure(task: Task, hidden: int, restart: int) -> Result:
@@ -164,13 +170,11 @@ def search(task: Task, record: Path, workers: int = -1) -> Iterator[Result]:
     jobs = (delayed(measure)(task, hidden, restart) for hidden, restart in missing)
     with writing(record):
         record.parent.mkdir(parents=True, exist_ok=True)
-        handle = record.open("a", encoding="utf-8")
-    with handle:
-        for result in Parallel(n_jobs=workers, return_as="generator")(jobs):
-            with writing(record):
-                handle.write(json.dumps(asdict(result)) + "\n")
-                handle.flush()
-            yield result
+        record.touch()
+    for result in Parallel(n_jobs=workers, return_as="generator")(jobs):
+        with writing(record), record.open("a", encoding="utf-8") as handle:
+            handle.write(json.dumps(asdict(result)) + "\n")
+        yield result
 
 
 def _read(record: Path) -> Iterator[Result]:

@@ -14,7 +14,7 @@ from golden.networks.arrangement import seen
 from golden.networks.mlp import Mlp, Real
 from golden.precision import SIGNAL
 from golden.scene import Scene, Vectors
-from golden.scene.scale import readings
+from golden.scene.scale import Scale, range_scale, readings, signals
 from golden.training.objective import Rows
 from golden.training.split import Split, split_of
 
@@ -72,6 +72,20 @@ class Task:
     validation: Frames
     test: Frames
 
+    @property
+    def normal(self) -> list[Scale]:
+        """The scale of each input that training works with.
+
+        Where ``data.scale`` names the column that is what the training rows cover, whatever the
+        converter's range is: weights start, and are kept small, in proportion to it. It is folded
+        into the weights. Other columns are taken as they are.
+        """
+        columns = self.scene.columns_of(self.number)
+        return [
+            range_scale(inputs) if name in self.scene.scale and np.ptp(inputs) else Scale()
+            for name, inputs in zip(columns, self.training.inputs.T, strict=False)
+        ]
+
     def bit_true(self, mlp: Mlp, frames: Frames) -> Real:
         """Outputs of ``mlp`` in the scene's hardware.
 
@@ -112,8 +126,11 @@ def task_for(scene: Scene, vectors: Vectors, earlier: Sequence[Mlp]) -> Task:
         rows = np.tile(rows, -(-least // len(rows)))
         rng = np.random.default_rng([scene.training.seed, PARTS.index(part)])
         # Each row has a drift of its own: few drifts, each of many rows, would be a chance sample.
-        inputs = [disturbance.of(vectors.inputs[[row]], rng) for row in rows]
-        return frames(np.concatenate(inputs), rows)
+        given = [disturbance.of(recorded_in_units[[row]], rng) for row in rows]
+        return frames(signals(np.concatenate(given), scales), rows)
+
+    scales = scene.scales(scene.sensors)
+    recorded_in_units = readings(vectors.inputs, scales)
 
     recorded = frames(vectors.inputs, np.arange(len(targets)))
     return Task(scene, number, split, recorded, *(disturbed(part) for part in PARTS))

@@ -1,0 +1,200 @@
+"""What can be wrong with a scene, found in seconds: before a search that takes minutes.
+
+Each function looks at one part and gives a finding for everything in it, what is right included.
+``make train`` stops at the faults among ``before_training``.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from golden.files import check_writable
+from golden.network_files.network_file import check_targets, write_network
+from golden.networks.mlp import Mlp
+from golden.precision import SIGNAL
+from golden.rig import readings
+from golden.rig.finding import FAULT, NOTE, OK, WARNING, Finding, fault, faults, told
+from golden.rig.recording import read_recording
+from golden.scene import Scene, scene_names
+from golden.scene.scale import on_readings
+from golden.scene.vectors import Recorded, read_recorded
+from golden.training.scaling import scaled
+from golden.training.split import split_of
+
+
+def before_training(scene: Scene, build: Path) -> list[Finding]:
+    """Everything that a search needs."""
+    return [
+        *data(scene),
+        *networks_writable(scene),
+        *build_writable(scene, build),
+        *design(scene, trained=False),
+    ]
+
+
+def everything(scene: Scene, build: Path) -> list[Finding]:
+    """Everything about a scene but the tools."""
+    networks = networks_there(scene)
+    missing = any(finding.verdict != OK for finding in networks)
+    return [
+        Finding(OK, str(scene.path), _summary(scene)),
+        *data(scene),
+        *networks_writable(scene),
+        *networks,
+        *build_writable(scene, build),
+        *design(scene, trained=not missing),
+    ]
+
+
+def _summary(scene: Scene) -> str:
+    count = len(scene.members)
+    networks = "one network" if count == 1 else f"{count} networks, {scene.arrangement}"
+    return (
+        f"{len(scene.sensors)} sensors, {len(scene.outputs)} outputs, {networks}; design "
+        f"{scene.design}, {scene.activation_text}, {scene.precision.name} precision"
+    )
+
+
+def data(scene: Scene) -> list[Finding]:
+    """The recordings: whether they can be read, and what they show."""
+    path = str(scene.data_path)
+    findings: list[Finding] = []
+    with told(findings):
+        read_recording(scene.data_path)
+        rows = read_recorded(scene)
+        findings.append(Finding(OK, path, f"{len(rows.inputs)} rows"))
+        findings += readings.few_rows(path, len(rows.inputs))
+        findings += _constant(scene, rows)
+        if not faults(findings):
+            split_of(scene)
+            findings += _columns(scaled(scene), rows)
+    return findings
+
+
+def _columns(scene: Scene, rows: Recorded) -> list[Finding]:
+    """What each column shows, as recorded and as a signal."""
+    path, vectors = str(scene.data_path), scene.vectors()
+    findings = []
+    signals = np.concatenate([vectors.inputs, vectors.targets], axis=1)
+    own = np.concatenate([rows.inputs, rows.targets], axis=1)
+    for c, name in enumerate([*scene.sensors, *scene.outputs]):
+        ends = SIGNAL.quantise([signals[:, c].min(), signals[:, c].max()], name)[0]
+        text = f"{own[:, c].min():g} to {own[:, c].max():g}, codes {ends[0]} to {ends[1]}"
+        findings.append(Finding(OK, name, text))
+    findings += [fault(text, WARNING) for text in vectors.outside]
+    for c, name in enumerate(scene.sensors):
+        findings += readings.few_codes(name, vectors.inputs[:, c])
+        findings += readings.at_an_end(name, rows.inputs[:, c])
+    if scene.training.split == "random":
+        findings += readings.interpolated(path, rows.inputs)
+    findings += readings.twins(path, [*scene.sensors, *scene.outputs], own)
+    return findings
+
+
+def _constant(scene: Scene, rows: Recorded) -> list[Finding]:
+    findings = []
+    for key, names, values in (
+        ("sensors", scene.sensors, rows.inputs),
+        ("outputs", scene.outputs, rows.targets),
+    ):
+        for name, column in zip(names, values.T, strict=True):
+            if readings.constant(column):
+                text = (
+                    f"column {name!r}: got {column[0]:g} in every row, expected values that "
+                    f"differ; take it out of data.{key} in {scene.path}"
+                )
+                findings.append(Finding(FAULT, str(scene.data_path), text))
+    return findings
+
+
+def networks_writable(scene: Scene) -> list[Finding]:
+    """The files that training writes: their endings, and whether each can be written."""
+    findings: list[Finding] = []
+    for path in scene.weights_paths:
+        with told(findings):
+            check_targets([path])
+    if not findings:
+        folders = ", ".join(sorted({str(path.parent) for path in scene.weights_paths}))
+        findings.append(Finding(OK, folders, "networks can be written"))
+    return findings
+
+
+def networks_there(scene: Scene) -> list[Finding]:
+    """The network files that are there: whether they fit the scene."""
+    findings: list[Finding] = []
+    for member in scene.members:
+        path = member.weights_path
+        with told(findings):
+            try:
+                shape = member.load().shape
+                findings.append(Finding(OK, str(path), "a {}:{}:{} network".format(*shape)))
+            except FileNotFoundError:
+                findings.append(Finding(NOTE, str(path), "not there yet; make train writes it"))
+    return findings
+
+
+def build_writable(scene: Scene, build: Path) -> list[Finding]:
+    """The folder that exports, benches and searches write into."""
+    folder = build / scene.name
+    findings: list[Finding] = []
+    with told(findings):
+        check_writable([folder / "training" / "0.jsonl"])
+        findings.append(Finding(OK, str(folder), "can be written"))
+    if scene.name in scene_names() and scene.path.parent.name != scene.name:
+        text = f"is the folder of the shipped scene {scene.name} too; give the file another name"
+        findings.append(Finding(WARNING, str(folder), text))
+    return findings
+
+
+def design(scene: Scene, trained: bool) -> list[Finding]:
+    """The hardware: of the networks where they are there, else of the least and the largest."""
+    if trained:
+        return _built(scene, "")
+    unknown: list[Finding] = []
+    with told(unknown):
+        scene = scaled(scene)
+    if unknown:
+        return []  # A fault of the data, which is told there.
+    low, high = scene.training.hidden
+    findings: list[Finding] = []
+    for hidden, verdict in ((low, FAULT), (high, WARNING)):
+        with _stand_in(scene, hidden) as other:
+            sizes = ", ".join(str(mlp.shape[1]) for mlp in other.mlps())
+            findings = _built(other, f"with {sizes} hidden nodes: ")
+        if faults(findings):
+            return [replace(finding, verdict=verdict) for finding in findings]
+    return findings
+
+
+def _built(scene: Scene, before: str) -> list[Finding]:
+    findings: list[Finding] = []
+    # What is warned of weights is told again of those that training finds.
+    with told(findings), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        core = scene.twin().core
+        facts = "; ".join(core.facts()) or f"clocks from frame to frame: {core.interval}"
+        findings.append(Finding(OK, f"hardware.design {scene.design}", f"{before}{facts}"))
+    return findings
+
+
+@contextmanager
+def _stand_in(scene: Scene, hidden: int) -> Iterator[Scene]:
+    """The scene with small random networks in the place of those that are to be trained."""
+    rng = np.random.default_rng(0)
+    with TemporaryDirectory() as folder:
+        members = []
+        for number, member in enumerate(scene.members):
+            nodes, outputs = member.hidden or hidden, len(member.outputs)
+            shapes = ((nodes, member.inputs), nodes, (outputs, nodes), outputs)
+            mlp = Mlp(*(rng.uniform(-0.5, 0.5, shape) for shape in shapes))
+            path = Path(folder) / f"{number}.npz"
+            write_network(path, on_readings(mlp, *scene.scales_of(number)))
+            members.append(replace(member, weights_path=path))
+        yield replace(scene, members=tuple(members))

@@ -1,0 +1,145 @@
+"""The text of a scene for a recording, with the reasons for what it chooses."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from pathlib import Path
+
+import numpy as np
+
+from golden.networks.mlp import Real
+from golden.rig.survey import Survey
+
+TEMPLATE = """\
+# Written by make scene from {file}: {rows} rows. Change what you like; every key is explained in
+# docs/scenes.md of tactus.
+
+[data]
+file = {quoted_file}
+{left_out}sensors = {sensors}
+outputs = {outputs}
+{group_by}{full_scale}{scale}{units}
+[network]
+{arrangement}
+# As many hidden nodes as training finds best.
+hidden = 0
+weights = {weights}
+
+[hardware]
+# One multiplier and a program for all networks, the smallest hardware there is.
+design = "engine"
+# Exact sums, one rounding a layer.
+precision = "exact"
+
+[training]
+# Every number of hidden nodes from 4 to 12 from 4 random starts: about a minute for some hundred
+# rows on two cores. More of either err a little less and take longer.
+hidden = [4, 12]
+restarts = 4
+# Little, since readings have little noise; 1e-4 where they have much.
+weight_decay = 1e-6
+# With the standard deviation of the noise that is to be expected on every reading, in its unit,
+# networks are trained and chosen for it, which takes longer:
+# noise = 0.002
+{split}"""
+
+SINGLE = """\
+# One output, one network.
+arrangement = "single"\
+"""
+CASCADE = """\
+# A network for each output, in the order of outputs; each sees the sensors and the outputs before
+# its own. In the scenes that ship this errs no more than independent networks ("multiple"), and
+# much less where one output decides what a reading says of the next. Put first what can be told
+# from the sensors alone.
+arrangement = "cascade"\
+"""
+GROUP_BY = """\
+# Rows with equal values of it are one position: errors are shown as means over positions too.
+group_by = {name}
+"""
+FULL_SCALE = """\
+# Errors are in percent of this, from the least to the largest target. Take an output out, and its
+# errors are in percent of each target: only where no target is 0 or nearly.
+full_scale = {{ {pairs} }}
+"""
+SCALE = """\
+# Readings or targets leave -1 to 1, which the hardware's numbers hold: factor and offset of each
+# column follow from the rows that train.
+scale = "auto"
+"""
+UNITS = """\
+# As the names of the columns tell; only for what is printed.
+units = {{ {pairs} }}
+"""
+# A name with its unit behind it: load [g], load (g).
+UNIT = re.compile(r".*\S\s*(?:\[([^\[\]]+)\]|\(([^()]+)\))")
+BLOCKS = """\
+# Many rows are means of the rows beside them: one that is held out at random has been seen. So
+# stretches of neighbouring rows are held out.
+split = "blocks"
+"""
+
+
+def draft(found: Survey, path: Path) -> str:
+    """The scene that is to stand at ``path``."""
+    file = os.path.relpath(found.recording.path, path.parent)
+    outputs = list(found.outputs)
+    pairs = ", ".join(f"{_key(n)} = {_span(v)}" for n, v in found.outputs.items())
+    group = _positions(found)
+    told = {name: UNIT.fullmatch(name) for name in [*found.sensors, *outputs]}
+    units = ", ".join(f"{_key(n)} = {_quoted(u[1] or u[2])}" for n, u in told.items() if u)
+    return TEMPLATE.format(
+        file=_quoted(Path(file).name)[1:-1],
+        rows=len(found.recording.rows),
+        quoted_file=_quoted(file),
+        left_out="".join(
+            f"# Left out: {_quoted(n)[1:-1]}, {_quoted(why)[1:-1]}.\n"
+            for n, why in found.left_out.items()
+        ),
+        sensors=_list(list(found.sensors)),
+        outputs=_list(outputs),
+        group_by=GROUP_BY.format(name=_quoted(group)) if group else "",
+        full_scale=FULL_SCALE.format(pairs=pairs),
+        scale=SCALE if found.beyond else "",
+        units=UNITS.format(pairs=units) if units else "",
+        arrangement=CASCADE if len(outputs) > 1 else SINGLE,
+        weights=_list(weights(outputs, path)),
+        split=BLOCKS if found.interpolated else "",
+    )
+
+
+def weights(outputs: list[str], path: Path) -> list[str]:
+    """Names of the network files, which hold the scene's: two scenes in a folder keep theirs."""
+    if len(outputs) == 1:
+        return [f"{path.stem}.npz"]
+    plain = [re.sub(r"[^A-Za-z0-9]+", "-", name).strip("-").lower() for name in outputs]
+    if "" in plain or len(set(plain)) < len(plain):
+        plain = [str(number) for number in range(1, len(outputs) + 1)]
+    return [f"{path.stem}-{name}.npz" for name in plain]
+
+
+def _positions(found: Survey) -> str:
+    """The output of the most values that come again and again; none may do."""
+    counts = {name: len(np.unique(values)) for name, values in found.outputs.items()}
+    often = {name: n for name, n in counts.items() if 1 < n <= len(found.recording.rows) / 2}
+    return max(often, key=lambda name: often[name]) if often else ""
+
+
+def _span(values: Real) -> str:
+    return f"{np.ptp(values):.6g}"
+
+
+def _list(names: list[str]) -> str:
+    return "[" + ", ".join(map(_quoted, names)) + "]"
+
+
+def _quoted(text: str) -> str:
+    """A TOML string; JSON escapes as TOML does, but for one sign."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _key(name: str) -> str:
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _quoted(name)

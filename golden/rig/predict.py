@@ -1,0 +1,142 @@
+"""``python -m golden.rig.predict``: what a scene's hardware makes of new readings."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import math
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from golden.cli import run
+from golden.files import check_writable, replace_file, same_file
+from golden.networks.mlp import Real
+from golden.precision import SIGNAL
+from golden.rig.finding import fault, refuse
+from golden.rig.recording import Recording, read_recording
+from golden.rig.trained_on import TrainedOn, trained_on
+from golden.scene import Scene, load_scene
+from golden.table import suggest
+
+DISTANCE, OUTSIDE, REASON = "distance", "outside", "reason"
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """Outputs for new readings.
+
+    Attributes
+    ----------
+    outputs : float array, shape (rows, outputs)
+        Bit by bit those of the hardware, in the units of the outputs.
+    distances : float array, shape (rows,)
+    reasons : list of str
+        See ``TrainedOn``.
+    """
+
+    outputs: Real
+    distances: Real
+    reasons: list[str]
+
+
+def readings_of(scene: Scene, recording: Recording) -> Real:
+    """The sensors' columns of a recording, shape (rows, sensors).
+
+    Raises
+    ------
+    ValueError
+        For columns that are missing or hold anything but numbers; all of them are told.
+    """
+    found = []
+    columns = []
+    for name in scene.sensors:
+        if name not in recording.names:
+            hint = suggest(name, recording.names)
+            found.append(f"{recording.path}: no column {name!r}, which is a sensor{hint}")
+            continue
+        column = recording.column(name)
+        columns.append(column.values)
+        found.append(column.fault(recording.path))
+    refuse([fault(text) for text in found if text])
+    return np.column_stack(columns)
+
+
+def predict(scene: Scene, readings: Real, known: TrainedOn) -> Prediction:
+    """What the hardware of a scene gives for readings in the units of the sensors."""
+    results = scene.twin().process(scene.codes_of(readings))
+    distances = known.distances(readings)
+    reasons = known.reasons(readings, distances)
+    return Prediction(scene.outputs_in_units(results), distances, reasons)
+
+
+def write_prediction(scene: Scene, recording: Recording, found: Prediction, path: Path) -> None:
+    """Write every column of the recording as it stands, and behind them what was found.
+
+    Raises
+    ------
+    ValueError
+        When the recording has a column of such a name.
+    """
+    added = [*(f"{name}_predicted" for name in scene.outputs), DISTANCE, OUTSIDE, REASON]
+    for name in added:
+        if name in recording.names:
+            raise ValueError(f"{recording.path}: column {name!r} is there already; rename it")
+    decimals = [_decimals(scale.factor) for scale in scene.scales(scene.outputs)]
+    with replace_file(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow([*recording.names, *added])
+        for row, outputs, distance, reason in zip(
+            recording.rows, found.outputs, found.distances, found.reasons, strict=True
+        ):
+            # Adding 0 turns -0 into 0.
+            texts = [f"{v.round(d) + 0:.{d}f}" for v, d in zip(outputs, decimals, strict=True)]
+            writer.writerow([*row, *texts, f"{distance:.3f}", int(bool(reason)), reason])
+
+
+def _decimals(factor: float) -> int:
+    """Decimals that tell two codes of an output apart."""
+    return max(0, -math.floor(math.log10(math.ldexp(factor, -SIGNAL.frac))))
+
+
+def check_place(scene: Scene, source: Path, path: Path) -> None:
+    """Refuse to write over what is read.
+
+    Raises
+    ------
+    CommandError, ValueError
+    """
+    if any(same_file(path, file) for file in [source, *scene.files]):
+        raise ValueError(f"TO={path}: is read, expected another file")
+    check_writable([path])
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="make predict", description=__doc__)
+    parser.add_argument("scene")
+    parser.add_argument("csv")
+    parser.add_argument("to")
+    arguments = parser.parse_args()
+    for key, given in (("CSV", arguments.csv), ("TO", arguments.to)):
+        if not given:
+            raise ValueError(f"{key}=: missing, expected a .csv file")
+    scene = load_scene(arguments.scene)
+    source, path = Path(arguments.csv), Path(arguments.to)
+    check_place(scene, source, path)
+    recording = read_recording(source)
+    readings = readings_of(scene, recording)
+    known, which = trained_on(scene)
+    found = predict(scene, readings, known)
+    write_prediction(scene, recording, found, path)
+    for name, values in zip(scene.outputs, found.outputs.T, strict=True):
+        unit = f" {scene.units[name]}" if name in scene.units else ""
+        print(f"{name}: {values.min():g} to {values.max():g}{unit}")
+    outside = sum(map(bool, found.reasons))
+    print(f"{outside} of {len(readings)} rows are outside {which}")
+    print(f"wrote {path}")
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

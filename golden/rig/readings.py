@@ -1,0 +1,151 @@
+"""What recorded readings show before anything is trained on them.
+
+Each function looks at one thing and returns what it found, often nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from golden.networks.mlp import Real
+from golden.precision import SIGNAL
+from golden.rig.finding import FAULT, NOTE, WARNING, Finding, several
+
+# A network has some dozens of weights, and half of the rows train.
+LEAST_ROWS, FEW_ROWS = 8, 50
+# A sensor that uses less than this part of the codes is measured in steps of over one per cent.
+FEW_CODES = 100
+# As many equal readings at an end, and so much more often than any reading within, are no chance.
+AT_AN_END, TIMES_WITHIN = 3, 3
+# Columns that differ by more than this part of their span tell different things.
+ALIKE = 1e-3
+# More of a recording than this on straight lines was not recorded, or far too densely.
+LINES = 0.05
+
+
+def few_rows(subject: str, rows: int) -> list[Finding]:
+    """Too few rows to split, or to be sure of anything."""
+    if rows < LEAST_ROWS:
+        text = f"got {rows} rows, expected at least {LEAST_ROWS} to split in 50, 25, 25 %"
+        return [Finding(FAULT, subject, text)]
+    if rows < FEW_ROWS:
+        text = (
+            f"{rows} rows: {rows // 2} train, {rows // 4} choose; what comes out depends on which"
+        )
+        return [Finding(WARNING, subject, text)]
+    return []
+
+
+def constant(values: Real) -> bool:
+    """Whether a column is the same in every row."""
+    return bool((values == values[0]).all())
+
+
+def counts_rows(values: Real) -> bool:
+    """Whether a column rises by one step from row to row: a number of the row, or its time."""
+    steps = np.diff(values)
+    return len(steps) > 1 and steps[0] != 0 and bool((np.abs(steps - steps[0]) < 1e-9).all())
+
+
+def repeats(values: Real, other: Real) -> bool:
+    """Whether a column is another one, perhaps in another unit: factor and offset between them."""
+    if constant(values) or constant(other):
+        return False
+    a, b = (np.asarray(v - v.mean()) / np.ptp(v) for v in (values, other))
+    sign = 1 if (a * b).sum() > 0 else -1
+    # Each is rounded to its decimals, and so are its ends and its mean.
+    rounded = sum(1.5 * 10.0 ** -_decimals(v) / np.ptp(v) for v in (values, other))
+    return bool(np.abs(a - sign * b).max() <= min(rounded, ALIKE) + 1e-9)
+
+
+def at_an_end(name: str, values: Real) -> list[Finding]:
+    """Many equal readings at an end of what was read: there the converter or amplifier ends."""
+    found, counts = np.unique(values, return_counts=True)
+    if len(found) < 2 * TIMES_WITHIN:
+        return []
+    within = counts[1:-1].max()
+    return [
+        Finding(
+            WARNING,
+            name,
+            f"{count} readings are exactly {end:g}, its {which}: does its range end there?",
+        )
+        for end, count, which in (
+            (found[0], counts[0], "least"),
+            (found[-1], counts[-1], "largest"),
+        )
+        if count >= AT_AN_END and count > TIMES_WITHIN * within
+    ]
+
+
+def beyond(name: str, values: Real) -> int:
+    """How many readings the hardware's codes do not reach."""
+    return SIGNAL.quantise(values, name)[1]
+
+
+def few_codes(name: str, values: Real) -> list[Finding]:
+    """A sensor that moves over few of the hardware's codes."""
+    codes = np.ptp(values) * 2**SIGNAL.frac
+    if codes >= FEW_CODES:
+        return []
+    text = (
+        f"moves over {codes:.0f} of the {2**SIGNAL.width} codes from -1 to 1; amplify it, or give "
+        "it a scale"
+    )
+    return [Finding(WARNING, name, text)]
+
+
+def on_lines(readings: Real) -> NDArray[np.intp]:
+    """Rows in which most sensors are, to their last decimal, the means of the rows beside.
+
+    A sensor that stays as it was in the row before does not count for it.
+    """
+    if len(readings) < 3:
+        return np.zeros(0, dtype=np.intp)
+    before, here, after = readings[:-2], readings[1:-1], readings[2:]
+    # The mean is written with one decimal less than it has.
+    slack = 0.5 * 10.0 ** -np.array([_decimals(column) for column in readings.T])
+    slack = slack * (1 + 1e-6) + 1e-12 * np.abs(readings).max(axis=0)
+    straight = (np.abs(here - (before + after) / 2) <= slack) & (here != before)
+    return np.flatnonzero(2 * straight.sum(axis=1) > readings.shape[1]) + 1
+
+
+def interpolated(subject: str, readings: Real) -> list[Finding]:
+    """Rows that lie between others say nothing new, and what is held out among them was seen."""
+    lines = len(on_lines(readings))
+    if lines <= LINES * len(readings):
+        return []
+    text = (
+        f"{lines} of {len(readings)} rows are exact means of the rows beside them, in most "
+        "sensors: interpolated, or read very densely; a random row that is held out has been seen"
+    )
+    return [Finding(WARNING, subject, text)]
+
+
+def twins(subject: str, names: Sequence[str], readings: Real) -> list[Finding]:
+    """Pairs of sensors that tell the same."""
+    found = []
+    for c, name in enumerate(names):
+        for other in range(c):
+            if repeats(readings[:, c], readings[:, other]):
+                text = f"{name!r} repeats {names[other]!r}, perhaps in another unit"
+                found.append(Finding(WARNING, subject, text))
+                break
+    return found
+
+
+def odd_names(subject: str, names: Sequence[str]) -> list[Finding]:
+    """Names that a shell would take apart."""
+    odd = [name for name in names if not (name.isascii() and name.replace("-", "_").isidentifier())]
+    if not odd:
+        return []
+    text = f"{several(odd)}: names with other signs than letters and digits work, in quotes"
+    return [Finding(NOTE, subject, text)]
+
+
+def _decimals(column: Real) -> int:
+    """Decimals that hold every value of a column."""
+    return next((d for d in range(13) if np.array_equal(column.round(d), column)), 13)

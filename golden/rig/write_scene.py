@@ -1,0 +1,76 @@
+"""``python -m golden.rig.write_scene``: a scene for recorded readings, and what they show."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import shlex
+import sys
+from pathlib import Path
+
+from golden.cli import run
+from golden.files import check_writable, replace_file
+from golden.network_files.network_file import provenance_path
+from golden.rig.draft import draft
+from golden.rig.finding import refuse
+from golden.rig.recording import read_recording
+from golden.rig.survey import Survey, survey
+from golden.scene import Scene, load_scene
+from golden.training.scaling import scaled
+
+
+def names_of(text: str) -> list[str]:
+    """Column names between commas; one that holds a comma stands in double quotes."""
+    return [name.strip() for name in next(csv.reader([text], skipinitialspace=True), [])]
+
+
+def write_scene(found: Survey, path: Path) -> Scene:
+    """Write the scene, once it is clear that it can be read.
+
+    Raises
+    ------
+    ValueError
+        When the file, or a network that it would name, is there already.
+    """
+    with replace_file(path) as temporary:
+        temporary.write_text(draft(found, path), encoding="utf-8")
+        scene = load_scene(str(temporary))
+        scaled(scene).vectors()
+        files = [path, *scene.weights_paths, *map(provenance_path, scene.weights_paths)]
+        for file in files:
+            if file.exists() or file.is_symlink():
+                raise ValueError(f"{file}: is there already; choose another name with TO=")
+    return load_scene(str(path))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="make scene", description=__doc__)
+    parser.add_argument("csv")
+    parser.add_argument("outputs", help="columns to be told from the others, between commas")
+    parser.add_argument("--to", type=Path, help="the scene; beside the CSV and named as it")
+    arguments = parser.parse_args()
+    if not arguments.csv:
+        raise ValueError("CSV=: missing, expected a file of readings")
+    path: Path = arguments.to or Path(arguments.csv).with_suffix(".toml")
+    if path.suffix != ".toml":
+        raise ValueError(f"TO={path}: got the ending {path.suffix!r}, expected .toml")
+    check_writable([path])
+    if path.exists():
+        raise ValueError(f"{path}: is there already; choose another name with TO=")
+    recording = read_recording(Path(arguments.csv))
+    found = survey(recording, names_of(arguments.outputs))
+    print(f"{recording.path}: {len(recording.rows)} rows, {len(recording.names)} columns")
+    print("\n".join(found.lines()))
+    for finding in found.findings:
+        if finding.verdict != "fault":
+            print(finding)
+    refuse(found.findings)
+    scene = write_scene(found, path)
+    count = len(scene.members)
+    networks = "one network" if count == 1 else f"{count} networks in {scene.arrangement}"
+    print(f"wrote {path}: {networks}, {len(scene.sensors)} sensors")
+    print(f"next: make check SCENE={shlex.quote(str(path))}, then make train, make vhdl")
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

@@ -1,0 +1,55 @@
+"""``make check``: what can be wrong with a scene, a line for each thing that was looked at."""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import sys
+from pathlib import Path
+
+from golden.cli import CommandError, run
+from golden.machine import versions
+from golden.rig.check import everything
+from golden.rig.finding import OK, WARNING, Finding, faults, told
+from golden.scene import load_scene
+from tb.common.tools import SIMULATORS, version
+
+
+def tools() -> list[Finding]:
+    """The simulators; training and export do without."""
+    found = versions("python", "numpy", "scipy", "myhdl", "cocotb")
+    text = ", ".join(f"{name} {number}" for name, number in found.items())
+    findings = [Finding(OK, "versions", text)]
+    for name, (program, package, _) in SIMULATORS.items():
+        if shutil.which(program):
+            findings.append(Finding(OK, program, version(name)))
+        else:
+            text = f"not installed, make sim and make demo need it; apt-get install {package}"
+            findings.append(Finding(WARNING, program, text))
+    return findings
+
+
+def check(name: str, build: Path) -> list[Finding]:
+    """Everything about a scene and this machine."""
+    findings: list[Finding] = []
+    with told(findings):
+        findings += everything(load_scene(name), build)
+    return findings + tools()
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="make check", description=__doc__)
+    parser.add_argument("scene")
+    parser.add_argument("--build", type=Path, default=Path("build"))
+    arguments = parser.parse_args()
+    findings = check(arguments.scene, arguments.build)
+    print("\n".join(map(str, findings)))
+    wrong = len(faults(findings))
+    if wrong:
+        raise CommandError(
+            f"{arguments.scene}: {wrong} {'fault' if wrong == 1 else 'faults'}, told above"
+        )
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

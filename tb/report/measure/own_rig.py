@@ -1,0 +1,75 @@
+"""``python -m tb.report.measure.own_rig CSV OUTPUTS``: from a CSV to VHDL with a passed bench.
+
+Each step is the command of a target of the Makefile, in an empty folder; printed is how long it
+took.
+
+    python -m tb.report.measure.own_rig docs/tutorial/readings.csv force,place
+"""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from golden.cli import CommandError, run
+from golden.fingerprint import ROOT
+from golden.machine import closing
+from golden.scene import load_scene
+from tb.common.runner import BUILD
+
+
+def steps(readings: Path, outputs: str, scene: Path) -> dict[str, list[str]]:
+    """Target to module and words; the bench is that of the design as a whole."""
+    return {
+        "scene": ["golden.rig.write_scene", str(readings), outputs, "--to", str(scene)],
+        "check": ["tb.check", str(scene)],
+        "train": ["golden.training", str(scene)],
+        "vhdl": ["hdl.export", str(scene), "vhdl"],
+        "sim": ["tb.sim", str(scene), "--block", "engine", "--sim", "ghdl"],
+    }
+
+
+def timed(readings: Path, outputs: str, scene: Path) -> dict[str, float]:
+    """Seconds of each step, wall clock.
+
+    Raises
+    ------
+    CommandError
+        When a step fails, with what it said.
+    """
+    seconds = {}
+    for name, (module, *words) in steps(readings, outputs, scene).items():
+        started = time.perf_counter()
+        command = [sys.executable, "-m", module, *words]
+        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+        if done.returncode:
+            raise CommandError(f"make {name}: {done.stdout}{done.stderr}")
+        seconds[name] = time.perf_counter() - started
+        print(f"make {name:6} {seconds[name]:6.1f} s   {done.stdout.splitlines()[-1]}", flush=True)
+    return seconds
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m tb.report.measure.own_rig")
+    parser.add_argument("csv", type=Path)
+    parser.add_argument("outputs")
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory(prefix="own-rig-") as folder:
+        readings = Path(shutil.copy(arguments.csv, folder))
+        # Builds have the name of the scene: nothing of an earlier one is there.
+        scene = Path(folder) / f"{Path(folder).name}.toml"
+        try:
+            seconds = timed(readings, arguments.outputs, scene)
+            print(f"{load_scene(str(scene)).describe()} networks")
+        finally:
+            shutil.rmtree(BUILD / scene.stem, ignore_errors=True)
+    print("\n".join(closing(sum(seconds.values()))))
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

@@ -1,0 +1,265 @@
+"""make check: each fault is seen, all of them at once, and a search does not begin with one."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from golden.rig.check import before_training, everything
+from golden.rig.finding import FAULT, NOTE, OK, WARNING, Finding, faults
+from golden.scene import load_scene, scene_names
+from golden.table import read_table, write_table
+from tb.check import check, tools
+from tb.common.cases import random_mlp, write_scene
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    """A cascade of two networks on the engine, trained, nothing wrong with it."""
+    mlps = [random_mlp((3 + i, 4, 1), 0.5, i) for i in range(2)]
+    return write_scene(
+        tmp_path, "rig", "exact", mlps, "cascade", "precise", "{}", rows=60, design="engine"
+    )
+
+
+def told(path: Path) -> list[Finding]:
+    return check(str(path), path.parent / "build")
+
+
+def change(path: Path, old: str, new: str) -> None:
+    text = path.read_text()
+    assert re.search(old, text)
+    path.write_text(re.sub(old, new, text, count=1))
+
+
+def test_nothing_is_wrong(path: Path) -> None:
+    before = sorted(path.parent.iterdir())
+    assert {finding.verdict for finding in told(path)} == {OK}
+    assert sorted(path.parent.iterdir()) == before
+    lines = "\n".join(map(str, told(path)))
+    assert "3 sensors, 2 outputs, 2 networks, cascade; design engine" in lines
+    assert "rig-1.npz: a 4:4:1 network" in lines
+    clocks = load_scene(str(path)).twin().core.facts()[1]
+    assert f"hardware.design engine: one multiplier; {clocks}" in lines
+
+
+@pytest.mark.parametrize("name", [n for n in scene_names() if not n.startswith("swing")])
+def test_the_shipped_scenes_have_no_faults(name: str, tmp_path: Path) -> None:
+    assert not faults(everything(load_scene(name), tmp_path))
+
+
+def column(path: Path, name: str, values: Callable) -> None:
+    """Change a column of the readings."""
+    file = path.with_suffix(".csv")
+    names = file.read_text().partition("\n")[0].split(",")
+    table = read_table(file, names)
+    table[:, names.index(name)] = values(table[:, names.index(name)])
+    write_table(file, names, table, 6)
+
+
+def semicolons(path: Path) -> None:
+    file = path.with_suffix(".csv")
+    file.write_text(file.read_text().replace(",", ";"))
+
+
+def keep(rows: int) -> Callable[[Path], None]:
+    def cut(path: Path) -> None:
+        file = path.with_suffix(".csv")
+        file.write_text("".join(file.read_text().splitlines(True)[: rows + 1]))
+
+    return cut
+
+
+def folder_for_a_file(path: Path) -> None:
+    path.with_name("rig-1.npz").unlink()
+    path.with_name("rig-1.npz").mkdir()
+
+
+def file_for_a_folder(path: Path) -> None:
+    (path.parent / "build").write_text("mine")
+
+
+def other_shape(path: Path) -> None:
+    change(path, r"hidden = \[4, 4\]", "hidden = [4, 5]")
+
+
+def no_network(path: Path) -> None:
+    path.with_name("rig.npz").write_text("mine")
+
+
+def larger(path: Path) -> None:
+    """A fifth of the readings are beyond the codes."""
+    column(path, "x1", lambda x: np.where(np.arange(len(x)) % 5 == 0, 2.0, x))
+
+
+FAULTS = {
+    "csv gone": (lambda p: p.with_suffix(".csv").unlink(), r"rig\.csv: no such file"),
+    "separator": (semicolons, "got a semicolon between the cells"),
+    "column": (lambda p: change(p, "'x1'|\"x1\"", '"x9"'), "no column 'x9'"),
+    "rows": (keep(7), "got 7 rows, expected at least 8"),
+    "blocks": (
+        lambda p: change(p, r"\[training\]", '[training]\nsplit = "blocks"\nblock_rows = 50'),
+        "got 1 blocks of about 50 rows, expected at least 4",
+    ),
+    "sensor": (lambda p: column(p, "x1", lambda x: 0 * x), "column 'x1': got 0 in every row"),
+    "output": (lambda p: column(p, "y1", lambda y: 0 * y + 0.5), "take it out of data.outputs"),
+    "codes": (larger, "got 12 of 60 readings outside -1 to 1"),
+    "target": (lambda p: column(p, "y1", lambda y: 3 * y), "got a target of"),
+    "zero": (lambda p: column(p, "y1", lambda y: y - y[0]), "holds a target of 0"),
+    "ending": (lambda p: change(p, r"rig-1\.npz", "rig-1.txt"), "got the ending '.txt'"),
+    "folder": (folder_for_a_file, r"rig-1\.npz: cannot be written: got a folder, expected a file"),
+    "long": (lambda p: change(p, "rig-1", "n" * 250), "cannot be written: File name too long"),
+    "nul": (lambda p: change(p, "rig-1", r"rig\\u0000"), "expected the name of a file"),
+    "no folder": (lambda p: change(p, "rig-1", "rig.csv/rig"), r"rig\.npz: cannot be written"),
+    "build": (file_for_a_folder, r"build/rig/.*: cannot be written: .*Not a dir|File exists"),
+    "shape": (other_shape, r"rig-1\.npz: w1: got shape \(4, 4\), expected \(5, 4\)"),
+    "no network": (no_network, r"rig\.npz: not an NPZ of numbers"),
+    "scene": (lambda p: change(p, "hidden =", "hiden ="), "key 'hiden' is not known"),
+    "clocks": (
+        lambda p: change(p, "interface", "clocks = 3\ninterface"),
+        "clocks: got 3, expected",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_a_fault_is_seen(path: Path, name: str) -> None:
+    spoil, message = FAULTS[name]
+    spoil(path)
+    found = faults(told(path))
+    assert any(re.search(message, text) for text in found), found
+
+
+def test_all_faults_are_told_at_once(path: Path) -> None:
+    for name in ("sensor", "ending", "build", "no network"):
+        FAULTS[name][0](path)
+    found = faults(told(path))
+    assert len(found) >= 4
+    for name in ("sensor", "ending", "build", "no network"):
+        assert any(re.search(FAULTS[name][1], text) for text in found)
+
+
+WARNINGS = {
+    "few rows": (keep(30), "30 rows: 15 train"),
+    "few codes": (lambda p: column(p, "x1", lambda x: x / 1000), "x1: moves over"),
+    "end": (lambda p: column(p, "x1", lambda x: np.clip(x, -1, 0.4)), "x1: .* exactly 0.4"),
+    "outside": (lambda p: column(p, "x1", lambda x: x * 1.02), "readings outside -1 to 1"),
+    "same": (
+        lambda p: column(p, "x1", lambda _: read_table(p.with_suffix(".csv"), ["x0"])[:, 0]),
+        "'x1' repeats 'x0'",
+    ),
+    "told": (
+        lambda p: column(p, "x2", lambda _: read_table(p.with_suffix(".csv"), ["y1"])[:, 0]),
+        "'y1' repeats 'x2'",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WARNINGS)
+def test_what_makes_a_result_worse_is_warned_of(path: Path, name: str) -> None:
+    spoil, message = WARNINGS[name]
+    spoil(path)
+    assert not faults(told(path))
+    lines = [str(finding) for finding in told(path) if finding.verdict == WARNING]
+    assert any(re.search(message, line) for line in lines), lines
+
+
+def untrained(path: Path) -> None:
+    for network in path.parent.glob("*.npz"):
+        network.unlink()
+
+
+def test_networks_that_are_not_there_yet_are_no_fault(path: Path) -> None:
+    untrained(path)
+    found = told(path)
+    assert not faults(found)
+    assert [f.text for f in found if f.verdict == NOTE] == [
+        "not there yet; make train writes it"
+    ] * 2
+    assert any("with 4, 4 hidden nodes: one multiplier" in f.text for f in found)
+
+
+def test_the_design_is_tried_with_the_least_and_the_largest_networks(path: Path) -> None:
+    """An engine that is reloaded has memories of one size, whatever training finds."""
+    untrained(path)
+    change(path, r"hidden = \[4, 4\]", "hidden = 0")
+    change(path, "interface", "reload = true\noperand_words = 32\ninterface")
+    sizes = {"[2, 3]": OK, "[2, 25]": WARNING, "[24, 25]": FAULT}
+    change(path, r"\[training\]", "[training]\nhidden = [4, 25]")
+    for span, verdict in sizes.items():
+        change(path, r"hidden = \[\d+, \d+\]", f"hidden = {span}")
+        found = [f for f in told(path) if "hidden nodes" in f.text or "operand" in f.text]
+        assert [f.verdict for f in found] == [verdict], (span, found)
+
+
+def test_raw_units_are_looked_at_with_their_scale(path: Path) -> None:
+    untrained(path)
+    column(path, "x1", lambda x: 4000 * x)
+    column(path, "y1", lambda y: 200 * y)
+    change(path, "outputs =", 'scale = "auto"\noutputs =')
+    found = told(path)
+    assert not faults(found)
+    line = next(f for f in found if f.subject == "x1")
+    codes = [int(word) for word in re.findall(r"codes (-?\d+) to (-?\d+)", line.text)[0]]
+    assert -8192 <= codes[0] < -4000 < 4000 < codes[1] <= 8191
+
+
+def test_the_name_of_a_shipped_scene_shares_its_folder(path: Path) -> None:
+    other = path.with_name("digit.toml")
+    shutil.copy(path, other)
+    assert any("shipped scene digit" in f.text for f in told(other) if f.verdict == WARNING)
+    own = everything(load_scene("digit"), path.parent / "build")
+    assert not any("shipped scene" in f.text for f in own)
+
+
+def test_missing_tools_are_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    assert {finding.verdict for finding in tools()} == {OK}
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert [f.subject for f in tools() if f.verdict == WARNING] == ["ghdl", "iverilog"]
+
+
+# --- the commands
+
+
+def run(*words: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", *words], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+
+
+def test_the_command_ends_with_2_where_there_is_a_fault(path: Path) -> None:
+    done = run("tb.check", str(path), "--build", str(path.parent / "build"))
+    assert (done.returncode, done.stderr) == (0, "")
+    no_network(path)
+    folder_for_a_file(path)
+    done = run("tb.check", str(path), "--build", str(path.parent / "build"))
+    assert done.returncode == 2
+    assert done.stderr == f"error: {path}: {done.stdout.count('fault  ')} faults, told above\n"
+
+
+def test_no_search_begins_with_a_fault(path: Path) -> None:
+    """Both are told, and neither of the networks is touched."""
+    folder_for_a_file(path)
+    column(path, "x1", lambda x: 0 * x)
+    network = path.with_name("rig.npz").read_bytes()
+    done = run("golden.training", str(path), "--build", str(path.parent / "build"))
+    assert done.returncode == 2
+    assert [line.partition(":")[0] for line in done.stderr.splitlines()] == ["error", "error"]
+    assert "in every row" in done.stderr
+    assert "rig-1.npz: cannot be written: got a folder" in done.stderr
+    assert not (path.parent / "build").exists()
+    assert path.with_name("rig.npz").read_bytes() == network
+
+
+def test_training_does_not_ask_for_the_networks_that_it_writes(path: Path) -> None:
+    no_network(path)
+    assert not faults(before_training(load_scene(str(path)), path.parent / "build"))

@@ -1,0 +1,391 @@
+"""make scene: what it says of readings, and the scene that it writes."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from golden.rig import readings
+from golden.rig.draft import weights
+from golden.rig.finding import FAULT
+from golden.rig.recording import read_recording
+from golden.rig.survey import Survey, survey
+from golden.rig.write_scene import names_of, write_scene
+from golden.scene import FOLDER, Scene, load_scene
+from golden.table import read_table
+from golden.training.scaling import scaled
+
+ROOT = Path(__file__).parents[1]
+RNG = np.random.default_rng(3)
+PLACE = RNG.uniform(0.1, 0.9, 60)
+FORCE = RNG.choice([0.2, 0.4, 0.6], 60)
+# Three sensors, force and place; nothing is wrong with them.
+TABLE = {
+    **{
+        f"s{k}": FORCE * np.exp(-(((PLACE - at) / 0.3) ** 2)) + RNG.normal(0, 0.002, 60)
+        for k, at in enumerate((0.1, 0.5, 0.9), start=1)
+    },
+    "force": FORCE,
+    "place": PLACE,
+}
+
+
+def text_of(table: dict[str, object], sign: str = ",", point: str = ".") -> str:
+    """The text of a CSV."""
+    names = [f'"{name}"' if "," in name else name for name in table]
+    lines = [sign.join(names)]
+    for row in zip(*table.values(), strict=True):
+        cells = (cell if isinstance(cell, str) else f"{cell:.4f}" for cell in row)
+        lines.append(sign.join(cell.replace(".", point) for cell in cells))
+    return "\n".join(lines) + "\n"
+
+
+def look(folder: Path, outputs: str = "force,place", **changed: object) -> Survey:
+    """The survey of the readings with some columns changed or added."""
+    path = folder / "rig.csv"
+    path.write_text(text_of(TABLE | changed), encoding="utf-8")
+    return survey(read_recording(path), names_of(outputs))
+
+
+def texts(found: Survey) -> str:
+    return "\n".join(map(str, found.findings))
+
+
+def test_nothing_is_said_of_good_readings(tmp_path: Path) -> None:
+    found = look(tmp_path)
+    assert not found.findings
+    assert not found.left_out
+    assert list(found.sensors) == ["s1", "s2", "s3"]
+    assert np.array_equal(found.outputs["place"], PLACE.round(4))
+    assert found.lines()[0] == (
+        f"  s1     sensor    {found.sensors['s1'].min():g} to {found.sensors['s1'].max():g}, "
+        f"{len(set(found.sensors['s1']))} different values"
+    )
+
+
+def clipped() -> np.ndarray:
+    return np.minimum(TABLE["s1"], np.sort(TABLE["s1"])[-8])
+
+
+def halves() -> dict[str, object]:
+    """Every second row the mean of its neighbours."""
+    changed = {}
+    for name in ("s1", "s2", "s3"):
+        values = TABLE[name].round(3)
+        values[1:-1:2] = (values[:-2:2] + values[2::2]) / 2
+        changed[name] = values
+    return changed
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"s1": clipped()}, r"warning  s1: 8 readings are exactly [\d.]+, its largest"),
+        ({"s2": -clipped()}, r"warning  s2: 8 readings are exactly -[\d.]+, its least"),
+        ({"s3": TABLE["s3"] / 100}, r"warning  s3: moves over \d+ of the 16384 codes"),
+        (halves(), r"29 of 60 rows are exact means of the rows beside them"),
+        ({"s1": TABLE["s1"] * 3}, r"note     .*'s1' reaches 1\.\d+, .*scales every column"),
+        ({"Kraft [N]": TABLE["s1"] ** 2}, r"note     .*'Kraft \[N\]': names with other signs"),
+    ],
+)
+def test_what_is_seen_is_said(tmp_path: Path, changed: dict[str, object], said: str) -> None:
+    found = look(tmp_path, **changed)
+    assert len(found.findings) == 1
+    assert not any(finding.verdict == FAULT for finding in found.findings)
+    assert re.search(said, texts(found)), texts(found)
+
+
+@pytest.mark.parametrize(
+    ("column", "why"),
+    [
+        (["x"] * 60, "no numbers, line 2 holds 'x'"),
+        ([""] * 60, "no numbers, line 2 holds ''"),
+        (np.full(60, 0.5), "0.5 in every row"),
+        (np.arange(60.0), "counts the rows"),
+        (np.arange(60) / 100 + 7, "counts the rows"),
+        (0.25 - 0.5 * TABLE["s2"].round(4), "repeats the sensor 's2', perhaps in another unit"),
+        (PLACE.round(4) * 0.5, "repeats the output 'place', perhaps in another unit"),
+    ],
+)
+def test_columns_that_are_no_sensors_are_left_out(tmp_path: Path, column, why: str) -> None:
+    found = look(tmp_path, more=column)
+    assert found.left_out == {"more": why}
+    assert "more" not in found.sensors
+
+
+def with_cell(text: str) -> list[str]:
+    cells = [f"{value:.4f}" for value in TABLE["s1"]]
+    cells[4] = text
+    return cells
+
+
+@pytest.mark.parametrize(
+    ("outputs", "changed", "fault"),
+    [
+        ("force,plac", {}, "no column 'plac'; did you mean 'place'?"),
+        ("", {}, "OUTPUTS=: got none, expected each once some of the columns s1, s2, s3, force"),
+        ("force,force", {}, "OUTPUTS=: got force,force, expected each once"),
+        ("force,place", {"force": np.ones(60)}, "output 'force': got 1 in every row"),
+        ("force,place", {"s1": with_cell("")}, "rig.csv:6: column 's1': got an empty cell"),
+        ("force,place", {"s1": with_cell("nan")}, "rig.csv:6: column 's1': got 'nan'"),
+        ("force,place", {"s1": with_cell("1e999")}, "rig.csv:6: column 's1': got '1e999'"),
+        ("force,place", {"s1": with_cell('"0,5"')}, "got '0,5', expected '0.5' with a decimal"),
+        ("force,place", {"place": with_cell("far")}, "rig.csv:6: column 'place': got 'far'"),
+        ("force,place", {f"s{k}": ["x"] * 60 for k in (1, 2, 3)}, "no column is a sensor"),
+    ],
+)
+def test_faults(tmp_path: Path, outputs: str, changed: dict[str, object], fault: str) -> None:
+    found = look(tmp_path, outputs, **changed)
+    assert fault in "\n".join(str(f) for f in found.findings if f.verdict == FAULT), texts(found)
+
+
+def test_several_bad_cells_are_counted(tmp_path: Path) -> None:
+    cells = with_cell("")
+    cells[10] = "-"
+    assert "; 2 cells of the column are none" in texts(look(tmp_path, s1=cells))
+
+
+def test_too_few_rows(tmp_path: Path) -> None:
+    few = {name: values[:7] for name, values in TABLE.items()}
+    assert "fault    " in texts(look(tmp_path, **few))
+    assert "got 7 rows, expected at least 8" in texts(look(tmp_path, **few))
+    some = {name: values[:30] for name, values in TABLE.items()}
+    assert "warning  " in texts(look(tmp_path, **some))
+    assert "30 rows: 15 train, 7 choose" in texts(look(tmp_path, **some))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            lambda t: text_of(TABLE, ";"),
+            "a semicolon between the cells, expected a comma; tr ';' ','",
+        ),
+        (
+            lambda t: text_of(TABLE, ";", ","),
+            "a semicolon between the cells and decimal commas, expected a comma and decimal "
+            "points; tr ';,' ',.'",
+        ),
+        (lambda t: text_of(TABLE, "\t"), "a tab between the cells, expected a comma; tr '\\t' ','"),
+        (lambda t: text_of(TABLE, "|"), "a bar between the cells"),
+        (lambda t: text_of(TABLE, "  "), "blanks between the cells"),
+        (lambda t: "sep=;\n" + text_of(TABLE, ";"), "a semicolon between the cells"),
+        (lambda t: text_of(TABLE, ",", ","), "rig.csv:2: got 10 cells, expected 5; is that a"),
+        (lambda t: t.replace("place", "force", 1), "column 'force' stands twice in the header"),
+        (lambda t: t.partition("\n")[2], "the first line holds numbers, expected the names"),
+        (lambda t: t.splitlines()[0], "got 1 lines, expected a header and at least one row"),
+        (lambda t: "", "got 0 lines"),
+        (lambda t: t + "1,2\n", "rig.csv:62: got 2 cells, expected 5"),
+        (lambda t: t.encode("utf-16"), "got UTF-16, expected UTF-8"),
+        (lambda t: t.replace("s1", "Höhe").encode("latin-1"), "rig.csv:1: got byte 0xf6"),
+    ],
+)
+def test_what_is_no_csv_is_refused(tmp_path: Path, change: Callable, message: str) -> None:
+    path = tmp_path / "rig.csv"
+    made = change(text_of(TABLE))
+    path.write_bytes(made if isinstance(made, bytes) else made.encode())
+    with pytest.raises(ValueError, match=r"rig\.csv") as refused:
+        read_recording(path)
+    assert message in str(refused.value)
+
+
+@pytest.mark.parametrize(("sign", "point"), [(";", "."), (";", ","), ("\t", "."), ("\t", ",")])
+def test_the_command_that_it_names_mends_the_file(tmp_path: Path, sign: str, point: str) -> None:
+    (tmp_path / "my rig.csv").write_text(text_of(TABLE, sign, point))
+    with pytest.raises(ValueError, match="makes it so") as refused:
+        read_recording(tmp_path / "my rig.csv")
+    command = str(refused.value).rpartition("; ")[2].removesuffix(" makes it so")
+    subprocess.run(command, shell=True, cwd=tmp_path, check=True)
+    assert (tmp_path / "comma.csv").read_text() == text_of(TABLE)
+
+
+@pytest.mark.parametrize("mark", ["\ufeff", "\n\n"])
+def test_a_mark_and_empty_lines_do_no_harm(tmp_path: Path, mark: str) -> None:
+    (tmp_path / "rig.csv").write_text(mark + text_of(TABLE) + "\n,,,,\n", encoding="utf-8")
+    recording = read_recording(tmp_path / "rig.csv")
+    assert recording.names == tuple(TABLE)
+    assert len(recording.rows) == 60
+
+
+def test_the_interpolated_rows_of_the_digit_are_seen() -> None:
+    """Every second row of sensors 1 to 3 was interpolated; sensor 4 was read in each."""
+    scene = load_scene("digit")
+    assert len(readings.on_lines(scene.vectors().inputs)) > 50
+    noisy = scene.vectors().inputs + np.random.default_rng(1).normal(0, 0.01, (143, 4)).round(4)
+    assert len(readings.on_lines(noisy)) < 5
+
+
+def test_readings_that_stay_are_no_lines() -> None:
+    steps = np.repeat(np.random.default_rng(2).uniform(-1, 1, (6, 3)).round(4), 10, axis=0)
+    assert not len(readings.on_lines(steps))
+    assert len(readings.on_lines(np.linspace([0, 0, 0], [1, 2, -3], 11))) == 9
+
+
+# --- the scene
+
+
+def scene_of(folder: Path, outputs: str = "force,place", **changed: object) -> Scene:
+    return write_scene(look(folder, outputs, **changed), folder / "my-rig.toml")
+
+
+def test_the_scene_is_what_the_readings_ask_for(tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, number=np.arange(60))
+    assert scene.sensors == ("s1", "s2", "s3")
+    assert scene.outputs == ("force", "place")
+    assert scene.arrangement == "cascade"
+    assert scene.group_by == "force"
+    assert scene.full_scale == {"force": 0.4, "place": pytest.approx(np.ptp(PLACE), abs=1e-4)}
+    assert [path.name for path in scene.weights_paths] == ["my-rig-force.npz", "my-rig-place.npz"]
+    assert scene.data_path == tmp_path / "rig.csv"
+    text = scene.path.read_text()
+    assert "# Left out: number, counts the rows.\n" in text
+    assert "no target is 0" in text
+
+
+def test_one_output_is_one_network(tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, "place")
+    assert scene.arrangement == "single"
+    assert scene.group_by == ""
+    assert scene.sensors == ("s1", "s2", "s3", "force")
+    assert [path.name for path in scene.weights_paths] == ["my-rig.npz"]
+
+
+def test_targets_of_zero_have_a_full_scale(tmp_path: Path) -> None:
+    assert scene_of(tmp_path, place=PLACE - PLACE[0]).vectors().targets.shape == (60, 2)
+
+
+def test_interpolated_rows_are_held_out_in_blocks(tmp_path: Path) -> None:
+    assert scene_of(tmp_path).training.split == "random"
+    (tmp_path / "own").mkdir()
+    assert scene_of(tmp_path / "own", **halves()).training.split == "blocks"
+
+
+def test_raw_units_are_scaled(tmp_path: Path) -> None:
+    """Any column beyond the codes: of a sensor, or of an output."""
+    assert not scene_of(tmp_path).scale
+    for folder, changed in (("a", {"s2": TABLE["s2"] * 4095}), ("b", {"place": PLACE * 300})):
+        (tmp_path / folder).mkdir()
+        scene = scene_of(tmp_path / folder, **changed)
+        assert set(scene.scale.values()) == {"auto"}
+        assert scaled(scene).vectors().codes.shape == (60, 3)
+
+
+def test_units_are_taken_from_the_names(tmp_path: Path) -> None:
+    named = {"load [g]": FORCE, "x (mm)": PLACE, "s4 [m V]": TABLE["s1"] ** 2, "[g]": PLACE**2}
+    scene = scene_of(tmp_path, "load [g],x (mm)", **named)
+    assert scene.units == {"load [g]": "g", "x (mm)": "mm", "s4 [m V]": "m V"}
+    (tmp_path / "plain").mkdir()
+    assert "units" not in scene_of(tmp_path / "plain").path.read_text()
+
+
+AWKWARD = ["Kraft, N", "a'b", "läge (mm)", "a\\b", "# no comment", "]", "a = 1", "日本"]
+
+
+def test_awkward_names_stay_what_they_are(tmp_path: Path) -> None:
+    outputs = {name: RNG.uniform(0.1, 0.9, 60) for name in AWKWARD}
+    sensors = {f"s {name}": RNG.uniform(-0.9, 0.9, 60) for name in AWKWARD}
+    words = ",".join(f'"{name}"' if "," in name else name for name in AWKWARD)
+    scene = scene_of(tmp_path, words, **outputs, **sensors)
+    assert scene.outputs == tuple(AWKWARD)
+    assert set(sensors) < set(scene.sensors)
+    assert set(scene.full_scale) == set(AWKWARD)
+    assert len(set(scene.weights_paths)) == len(AWKWARD)
+    assert all(path.name.isascii() for path in scene.weights_paths)
+
+
+def test_names_of_networks_do_not_collide() -> None:
+    path = Path("rig.toml")
+    assert weights(["a b", "c"], path) == ["rig-a-b.npz", "rig-c.npz"]
+    assert weights(["a b", "a-b"], path) == ["rig-1.npz", "rig-2.npz"]
+    assert weights(["ä", "ö"], path) == ["rig-1.npz", "rig-2.npz"]
+
+
+@pytest.mark.parametrize(
+    "there", ["my-rig.toml", "my-rig-force.npz", "my-rig-place.provenance.toml"]
+)
+def test_nothing_is_overwritten(tmp_path: Path, there: str) -> None:
+    (tmp_path / there).write_text("mine")
+    with pytest.raises(ValueError, match=f"{there}: is there already"):
+        scene_of(tmp_path)
+    assert (tmp_path / there).read_text() == "mine"
+    assert {path.name for path in tmp_path.iterdir()} == {"rig.csv", there}
+
+
+def test_the_csv_may_stand_elsewhere(tmp_path: Path) -> None:
+    (tmp_path / "data").mkdir()
+    (tmp_path / "scenes").mkdir()
+    scene = write_scene(look(tmp_path / "data"), tmp_path / "scenes" / "my.toml")
+    assert tomllib.loads(scene.path.read_text())["data"]["file"] == "../data/rig.csv"
+    assert len(scene.vectors().codes) == 60
+
+
+def test_a_cascade_is_not_worse_in_the_shipped_scenes() -> None:
+    """What the comment in the scene says of the arrangement."""
+    for rig in ("digit", "swing"):
+        errors = {}
+        for folder in {"digit": ("digit", "digit-multiple")}.get(
+            rig, (f"{rig}-cascade", f"{rig}-multiple")
+        ):
+            stories = (FOLDER / folder).glob("*.provenance.toml")
+            told = [tomllib.loads(path.read_text()) for path in stories]
+            errors[folder] = {s["outputs"]: s["test_rms_percent"] for s in told}
+        cascade, multiple = errors.values()
+        assert cascade.keys() == multiple.keys()
+        for output, error in cascade.items():
+            assert error <= multiple[output]
+
+
+# --- the command
+
+
+def run(*words: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "golden.rig.write_scene", *words]
+    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+
+
+def test_the_command_says_what_it_saw_and_writes(tmp_path: Path) -> None:
+    path = tmp_path / "rig.csv"
+    path.write_text(text_of(TABLE | {"who": ["me"] * 60}))
+    done = run(str(path), "force, place")
+    assert done.returncode == 0, done.stderr
+    assert f"{path}: 60 rows, 6 columns" in done.stdout
+    assert "  who    left out  no numbers, line 2 holds 'me'" in done.stdout
+    assert f"wrote {tmp_path / 'rig.toml'}: 2 networks in cascade, 3 sensors" in done.stdout
+    assert read_table(path, ["s1"]).shape == (60, 1)
+    again = run(str(path), "force,place")
+    assert again.returncode == 2
+    assert (
+        again.stderr == f"error: {tmp_path / 'rig.toml'}: is there already; choose another "
+        "name with TO=\n"
+    )
+
+
+def test_all_faults_are_told_at_once(tmp_path: Path) -> None:
+    path = tmp_path / "rig.csv"
+    path.write_text(text_of(TABLE | {"s1": with_cell(""), "s2": with_cell("x")}))
+    done = run(str(path), "force,place,width")
+    assert done.returncode == 2
+    assert [line.partition(": ")[0] for line in done.stderr.splitlines()] == ["error"] * 3
+    assert not path.with_suffix(".toml").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["", "force"], "CSV=: missing"),
+        (["nowhere.csv", "force"], "nowhere.csv: no such file"),
+        (["docs/tutorial/readings.csv", "force", "--to", "rig.txt"], "got the ending '.txt'"),
+    ],
+)
+def test_words_that_cannot_be(words: list[str], message: str) -> None:
+    done = run(*words)
+    assert done.returncode == 2
+    assert message in done.stderr
+    assert "Traceback" not in done.stderr
