@@ -18,7 +18,7 @@ RUN := "$$VENV/bin/python"
 # A target by a name of its own: the path of the environment may hold what is special in one of make's.
 READY := ready
 
-.PHONY: help demo test machines sim vhdl verilog scene check train predict network image bench listing activations figures lean synth report docs pages lint clean tools browser ready
+.PHONY: help demo test machines sim vhdl verilog scene check train predict recalibrate network image bench listing activations figures lean synth report docs pages lint clean tools browser ready
 
 help:
 	@echo "make demo    [SCENE=] [FULL=1]            a scene end to end: simulate, export, table of errors"
@@ -36,6 +36,9 @@ help:
 	@echo "make train   [SCENE=] [CLUSTER=]          train the scene's networks, write them beside it"
 	@echo "make predict CSV=new.csv TO=out.csv [SCENE=]"
 	@echo "                                          the hardware's outputs for new readings, and which are unlike any"
+	@echo "make recalibrate [SCENE=] [CSV=placements.csv] [TO=folder]"
+	@echo "                                          gain and offset of each sensor from known placements; without any,"
+	@echo "                                          those that tell most"
 	@echo "make network TO=file.onnx [SCENE=] [OUTPUT=]"
 	@echo "                                          write a network of the scene as .npz, .mat or .onnx"
 	@echo "make image   [SCENE=] [HARDWARE=scene]    what makes an engine that can be reloaded run the scene"
@@ -83,6 +86,9 @@ train: $(READY)
 
 predict: $(READY)
 	@$(RUN) -m golden.rig.predict "$$SCENE" "$$CSV" "$$TO"
+
+recalibrate: $(READY)
+	@$(RUN) -m golden.recalibration "$$SCENE" "$$CSV" "$$TO"
 
 network: $(READY)
 	@$(RUN) -m golden.network_files.convert "$$SCENE" "$$TO" $(if $(OUTPUT),--output="$$OUTPUT")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dis
+import errno
 import os
 import shlex
 import sys
@@ -11,9 +12,11 @@ import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
+# What a full or broken disk says, of a write to a file that the error may not name.
+DISK = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS}
 # Of random numbers, for every generator there is.
 MOST_SEED = (1 << 32) - 1
-ROOMS = ("golden", "hdl", "tb", "tests", "__main__")
+ROOMS = ("golden", "hdl", "tb", "__main__")
 REPORT = (
     "This is a fault in tactus and not in what it was given. Please report the lines above, with "
     "the command and the files that it read, to those from whom you have tactus."
@@ -67,20 +70,29 @@ def run(main: Callable[[], int | None]) -> int:
         sys.stdout.flush()
         return code
     except BrokenPipeError:
-        # Who read the output has read enough, such as head. Nothing more is written, not even at
-        # the interpreter's end.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        # Who read the output has read enough, such as head.
+        _print_no_more()
         return 141
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return 130
     except Exception as error:
+        if isinstance(error, OSError) and error.errno in DISK:
+            place = error.filename or "what is printed, or a file"
+            print(f"error: {place}: cannot be written: {error.strerror}", file=sys.stderr)
+            _print_no_more()
+            return 2
         if not is_complaint(error):
             traceback.print_exc()
             print(f"\n{REPORT}", file=sys.stderr)
             return 1
         print(f"error: {error}", file=sys.stderr)
         return 2
+
+
+def _print_no_more() -> None:
+    """Not even at the interpreter's end, which would complain once more."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 @contextmanager

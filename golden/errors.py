@@ -28,7 +28,7 @@ UNTOLD = {"split": "random", "split_by": "", "block_rows": 0}
 FRAMES = 50_000
 SEED = 1
 
-# Errors are given with this noise too, on signals from -1 to 1: 2 mV where that is a volt.
+# Errors are given with this noise too, as a part of what the last code stands for: 2 mV of a volt.
 NOISE = 0.002
 
 
@@ -130,9 +130,16 @@ def unit_errors(scene: Scene) -> dict[str, OutputError]:
     return {name: error for name, error in zip(scene.outputs, found, strict=True) if name in named}
 
 
+def full_scale_of(scene: Scene) -> float:
+    """What the last code adds to a reading, in its unit: of several sensors the median, in two
+    digits; 1 where they have no ``data.scale``."""
+    return float(f"{np.median([scale.factor for scale in scene.scales(scene.sensors)]):.1e}")
+
+
 def noise_of(scene: Scene) -> float:
-    """The noise that a scene's errors are given with: the one that it states, or ``NOISE``."""
-    return scene.training.disturbance.noise or NOISE
+    """The noise that a scene's errors are given with, in the unit of the readings: the one that the
+    scene states, or ``NOISE``."""
+    return scene.training.disturbance.noise or float(f"{NOISE * full_scale_of(scene):.6g}")
 
 
 def disturbed_errors(scene: Scene, disturbance: Disturbance, seed: int = SEED) -> list[float]:

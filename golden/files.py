@@ -16,10 +16,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from golden.cli import CommandError
-
-# What a full or broken disk says, of a write to a file that the error does not name.
-DISK = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS}
+from golden.cli import DISK, CommandError
 
 
 def check_file(path: Path, missing: str = "no such file") -> None:
@@ -213,9 +210,10 @@ def replace_files(paths: Sequence[Path]) -> Iterator[list[Path]]:
             for path in paths:
                 _refuse_folder(path)
                 with writing(path):
-                    temporaries.append(_beside(path))
-                    temporaries[-1].touch(exist_ok=False)
-                stack.enter_context(writing(path, through=temporaries[-1]))
+                    temporary = _beside(path)
+                    temporary.touch(exist_ok=False)
+                temporaries.append(temporary)
+                stack.enter_context(writing(path, through=temporary))
             yield temporaries
         _rename_all(temporaries, paths)
     finally:

@@ -105,7 +105,8 @@ def write_table(path: Path, columns: Sequence[str], values: ArrayLike, decimals:
 
 def _number(text: str, place: str) -> float:
     try:
-        value = float(text)
+        # What Python takes besides, 1_0 or digits of other scripts, is rather a slip here.
+        value = float(text if text.isascii() and "_" not in text else "")
     except ValueError:
         raise ValueError(f"{place}: got {text!r}, expected a number") from None
     if not math.isfinite(value):

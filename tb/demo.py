@@ -2,7 +2,8 @@
 
 Every block of the scene is simulated under GHDL and Icarus against its twin on the exported files;
 then the errors on the recorded vectors are printed beside the clocks and the simulators' speed.
-Benches whose inputs have not changed since they passed are not run again.
+Benches whose inputs have not changed since they passed are not run again, also where an earlier
+demo was interrupted.
 """
 
 from __future__ import annotations
@@ -103,8 +104,7 @@ def report(scene: Scene, results: dict[str, Any]) -> str:
         f"errors in % on {len(vectors.codes)} recorded frames; 'largest' is the largest mean over "
         "the positions;",
         *textwrap.wrap(held_out_text(scene), 100),
-        f"'noise {noise_of(scene):g}' is the mean with that noise on every reading; codes reach "
-        "from -1 to 1",
+        f"'noise {noise_of(scene):g}' is the mean with that noise on every reading, in its unit",
         "",
         *error_table(scene),
         "",
@@ -134,9 +134,9 @@ def bench_table(results: dict[str, Any]) -> str:
     for block, cells in results["blocks"].items():
         columns = [f"{cells[s][0]:18} {cells[s][1]:9}" for s in SIMULATORS]
         lines.append(f"{block:20} " + "  ".join(columns))
-    when = "just run" if results["fresh"] else "unchanged since they passed, not run again"
+    kept = f"{results['kept']} unchanged since they passed and not run again"
     lines.append(
-        f"{results['benches']} benches ({when}), {results['failed']} failed, "
+        f"{results['benches']} benches ({kept}), {results['failed']} failed, "
         f"{results['compared']} values compared bit for bit"
     )
     return "\n".join(lines)

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
+from refused import Desk
 from shared import Shared
 
 from golden.machine import closing
@@ -64,6 +65,13 @@ def shared(tmp_path_factory: pytest.TempPathFactory) -> Shared:
     """One folder for all workers of a run: each has its own below the run's."""
     folder = tmp_path_factory.getbasetemp()
     return Shared(folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder)
+
+
+@pytest.fixture
+def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture) -> Desk:
+    """A 3:5:2 scene ``mine.toml`` in exact precision, and what commands say of it."""
+    write_scene(tmp_path, "mine", "exact", [random_mlp((3, 5, 2), 1.0, 1)])
+    return Desk(tmp_path, monkeypatch, capfd)
 
 
 @pytest.fixture

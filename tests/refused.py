@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import re
 import sys
 import warnings
 from collections.abc import Callable
@@ -12,7 +13,6 @@ import pytest
 
 from golden.cli import run
 from golden.fingerprint import fingerprint
-from tb.common import results, runner
 
 # The module behind each target of make, and what stands before and after the scene.
 COMMANDS = {
@@ -41,8 +41,6 @@ class Desk:
         monkeypatch.chdir(folder)
         monkeypatch.setattr(warnings, "formatwarning", warnings.formatwarning)
         monkeypatch.setenv("PYTHONHASHSEED", "0")
-        for module in (runner, results):
-            monkeypatch.setattr(module, "BUILD", folder / "build")
 
     def edit(self, old: str, new: str, file: str = "mine.toml") -> None:
         """Put ``new`` in the place of ``old``, which the file must have."""
@@ -53,7 +51,8 @@ class Desk:
     def call(self, command: str, *words: str) -> tuple[int, str]:
         """Exit code and what was said on stderr, but for warnings."""
         main: Callable[[], int | None] = importlib.import_module(COMMANDS[command]).main
-        self._monkeypatch.setattr(sys, "argv", [command, *words])
+        others = ["vhdl"] * (command == "vhdl")
+        self._monkeypatch.setattr(sys, "argv", [command, *words, *others])
         self._capfd.readouterr()
         try:
             code = run(main)
@@ -64,13 +63,16 @@ class Desk:
             line for line in said.splitlines(keepends=True) if not line.startswith("warning: ")
         )
 
-    def refuses(self, command: str, *words: str) -> str:
-        """The one line in which a command refuses, with the folder left as it was."""
+    def refuses(self, command: str, *words: str, says: str = "") -> None:
+        """A command refuses in one line, in which ``says`` stands, and leaves the folder as it was.
+
+        Of ``says``, ``.*`` is any text.
+        """
         before = fingerprint([self.folder])
         code, said = self.call(command, *words)
         assert "Traceback" not in said, said
         assert code == 2, said
         lines = [line for line in said.splitlines() if not line.startswith("usage: ")]
         assert len(lines) == 1, said
+        assert re.search(re.escape(says).replace(r"\.\*", ".*"), lines[0]), lines[0]
         assert fingerprint([self.folder]) == before
-        return lines[0]

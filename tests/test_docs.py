@@ -17,7 +17,10 @@ from shared import Shared
 from golden.block import Block, walk
 from golden.disturbance import Disturbance
 from golden.errors import disturbed_errors, scene_errors
+from golden.networks.designs import DESIGNS
 from golden.scene import load_scene, thesis_figures
+from hdl.synth.budget import budget_path, read_budget
+from hdl.synth.netlist import KINDS
 from tb.demo import error_table
 from tb.report.page.blocks import pages as published
 
@@ -178,3 +181,29 @@ def test_the_parameter_table_is_the_twin(shared: Shared, sheet: Path) -> None:
         for name in re.findall(r"`(\w+)`", row)
     }
     assert named == {field.name for field in fields(twin_of(shared, sheet.stem))}
+
+
+def test_the_scenes_page_names_the_designs_that_go_with_a_section() -> None:
+    """Of [front_end] and [visualisation], which take and give a stream; and of AXI4-Stream."""
+    page = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
+    streams = [f"`{name}`" for name, design in DESIGNS.items() if design.stream == "serial"]
+    for name in ("front_end", "visualisation"):
+        section = page.partition(f"### [{name}]\n")[2].partition("\n#")[0]
+        assert f"The design must be {' or '.join(streams)}, which" in section
+    assert f"for {' and '.join(streams)} without front end" in page
+
+
+def test_the_scenes_page_shows_what_a_scene_leaves_out() -> None:
+    """The texts of the twin, and the recorded cells."""
+    page = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
+    first, *others = re.search(r"make lean SCENE=(\S+) BESIDE=(\S+)`", page).groups()
+    shown = page.partition(f"\nscene {first} leaves out:\n")[2].partition("\n```")[0]
+    texts, _, table = shown.partition("\n\n")
+    assert [line.strip() for line in texts.splitlines()] == load_scene(first).twin().left_out()
+    for name in (first, *others):
+        scene = load_scene(name)
+        recorded = read_budget(budget_path(scene.path))["xc2v"][scene.twin().entity]
+        assert cells(table, name) == [str(recorded[kind]) for kind in KINDS]
+    whole, found = (cells(table, *start) for start in ((f"{first},", "whole"), (first,)))
+    saved = [str(int(a) - int(b)) for a, b in zip(whole, found, strict=True)]
+    assert cells(table, "saved") == saved

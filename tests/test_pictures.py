@@ -16,11 +16,12 @@ from golden.block import Block, walk
 from golden.flow import Carried
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_names
+from golden.scene.scale import Scale
 from tb.report.draw.animation import animation
 from tb.report.draw.area import area, designs
 from tb.report.draw.axes import Axes
 from tb.report.draw.datapath import datapath
-from tb.report.draw.load import beam
+from tb.report.draw.load import beam, has_load
 from tb.report.draw.network import network
 from tb.report.draw.profile import profile
 from tb.report.draw.swing import swing
@@ -278,6 +279,18 @@ def test_the_load_is_drawn_where_there_is_one(name: str) -> None:
                 draw(scene)
 
 
+@pytest.mark.parametrize(
+    "change", [{"length_mm": {"position": 127.0}}, {"scale": {"load": Scale(100.0, 100.0)}}]
+)
+def test_outputs_of_those_names_alone_are_no_load(change: dict) -> None:
+    """A user's load in grams, or a width of unknown length."""
+    scene = replace(load_scene("digit"), **change)
+    assert has_load(load_scene("digit"))
+    assert not has_load(scene)
+    with pytest.raises(ValueError, match="with length_mm and without scale"):
+        beam(scene)
+
+
 def test_the_load_is_that_of_the_twins_and_of_the_recorded_vectors() -> None:
     scene = load_scene("digit-instrument")
     known = beam(scene)
@@ -324,6 +337,13 @@ def test_the_swing_is_drawn_for_each_arrangement(name: str) -> None:
 def test_the_swing_is_refused_for_other_outputs() -> None:
     with pytest.raises(ValueError, match=r"digit.toml: swing: got outputs load, position"):
         swing(load_scene("digit"))
+
+
+def test_an_engine_is_recorded_with_its_image_loaded(build: Path) -> None:
+    scene = load_scene("digit-reload")
+    ports = record(scene, FRAME, build)
+    expected = scene.twin().process(scene.vectors().codes[FRAME])
+    assert counting(ports, "engine, frame out", "out_data") == expected.tolist()
 
 
 AREA = (

@@ -106,6 +106,10 @@ FAULTS = {
     "separator": (semicolons, "got a semicolon between the cells"),
     "column": (lambda p: change(p, "'x1'|\"x1\"", '"x9"'), "no column 'x9'"),
     "rows": (keep(7), "got 7 rows, expected at least 8"),
+    "blocks": (
+        lambda p: change(p, r"\[training\]", '[training]\nsplit = "blocks"\nblock_rows = 50'),
+        "got 1 blocks of about 50 rows, expected at least 4",
+    ),
     "sensor": (lambda p: column(p, "x1", lambda x: 0 * x), "column 'x1': got 0 in every row"),
     "output": (lambda p: column(p, "y1", lambda y: 0 * y + 0.5), "take it out of data.outputs"),
     "codes": (larger, "got 12 of 60 readings outside -1 to 1"),

@@ -198,9 +198,9 @@ def test_what_is_no_csv_is_refused(tmp_path: Path, change: Callable, message: st
 
 @pytest.mark.parametrize(("sign", "point"), [(";", "."), (";", ","), ("\t", "."), ("\t", ",")])
 def test_the_command_that_it_names_mends_the_file(tmp_path: Path, sign: str, point: str) -> None:
-    (tmp_path / "rig.csv").write_text(text_of(TABLE, sign, point))
+    (tmp_path / "my rig.csv").write_text(text_of(TABLE, sign, point))
     with pytest.raises(ValueError, match="makes it so") as refused:
-        read_recording(tmp_path / "rig.csv")
+        read_recording(tmp_path / "my rig.csv")
     command = str(refused.value).rpartition("; ")[2].removesuffix(" makes it so")
     subprocess.run(command, shell=True, cwd=tmp_path, check=True)
     assert (tmp_path / "comma.csv").read_text() == text_of(TABLE)
@@ -220,6 +220,12 @@ def test_the_interpolated_rows_of_the_digit_are_seen() -> None:
     assert len(readings.on_lines(scene.vectors().inputs)) > 50
     noisy = scene.vectors().inputs + np.random.default_rng(1).normal(0, 0.01, (143, 4)).round(4)
     assert len(readings.on_lines(noisy)) < 5
+
+
+def test_readings_that_stay_are_no_lines() -> None:
+    steps = np.repeat(np.random.default_rng(2).uniform(-1, 1, (6, 3)).round(4), 10, axis=0)
+    assert not len(readings.on_lines(steps))
+    assert len(readings.on_lines(np.linspace([0, 0, 0], [1, 2, -3], 11))) == 9
 
 
 # --- the scene
@@ -269,6 +275,14 @@ def test_raw_units_are_scaled(tmp_path: Path) -> None:
         scene = scene_of(tmp_path / folder, **changed)
         assert set(scene.scale.values()) == {"auto"}
         assert scaled(scene).vectors().codes.shape == (60, 3)
+
+
+def test_units_are_taken_from_the_names(tmp_path: Path) -> None:
+    named = {"load [g]": FORCE, "x (mm)": PLACE, "s4 [m V]": TABLE["s1"] ** 2, "[g]": PLACE**2}
+    scene = scene_of(tmp_path, "load [g],x (mm)", **named)
+    assert scene.units == {"load [g]": "g", "x (mm)": "mm", "s4 [m V]": "m V"}
+    (tmp_path / "plain").mkdir()
+    assert "units" not in scene_of(tmp_path / "plain").path.read_text()
 
 
 AWKWARD = ["Kraft, N", "a'b", "läge (mm)", "a\\b", "# no comment", "]", "a = 1", "日本"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,13 +11,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from golden.errors import scene_errors, unit_errors
+from golden.disturbance import Disturbance
+from golden.errors import disturbed_errors, scene_errors, unit_errors
 from golden.network_files.network_file import load_network, provenance_path, save_network
 from golden.precision import SIGNAL
 from golden.scene import Scene, comparison_names, load_scene, scene_names
 from golden.scene.scale import Scale, on_readings, on_signals, range_scale, readings, signals
 from golden.scene.vectors import warn_outside
 from golden.training import __main__ as command
+from golden.training import search
 from golden.training.scaling import scaled
 from golden.training.split import split_rows
 from golden.training.task import task_for
@@ -144,6 +147,8 @@ def test_auto_is_that_of_the_training_rows_and_stands_in_the_provenance(tmp_path
     again = trained(scene, tmp_path / "build")
     told = tomllib.loads(provenance_path(again.weights_paths[0]).read_text())["scale"]
     assert list(told) == ["x0", "x1", "x2", "y0", "y1"]
+    # What an export depends on.
+    assert provenance_path(again.weights_paths[0]) in again.files
     assert {n: Scale(**s) for n, s in told.items()} == again.known_scales
     x2, y0 = again.scales(["x2", "y0"])
     assert x2.offset + x2.factor < -220
@@ -169,6 +174,47 @@ def test_what_is_trained_in_units_errs_as_its_provenance_says(tmp_path: Path) ->
         file.process(raw),
         again.in_units(again.mlps()[0].process(signals(raw, again.scales(again.sensors)))),
     )
+
+
+@pytest.mark.parametrize("column", ["x0", "x2"])
+def test_training_works_with_what_the_readings_cover(tmp_path, monkeypatch, column: str) -> None:
+    """Of a converter whose range is a hundred times theirs; a column without a scale stays."""
+    adc = f"scale = {{ {column} = {{ factor = 400 }}, y0 = 'auto', y1 = 'auto' }}\n"
+    scene = in_units(tmp_path, rows=40, keys=adc + "full_scale = { y0 = 25, y1 = 70 }\n")
+    lines = [line.split(",") for line in scene.data_path.read_text().splitlines()]
+    for line in lines[1:]:
+        line[0] = line[2] = repr(-(float(line[1]) ** 2))
+        line[["x0", "x1", "x2"].index(column)] = repr(3 * float(line[1]))
+    scene.data_path.write_text("\n".join(",".join(line) for line in lines))
+    scene = scaled(load_scene(str(scene.path)))
+    task = task_for(scene, scene.vectors(), [])
+    monkeypatch.setitem(search.OPTIMISERS, "levenberg-marquardt", lambda *_: None)
+    mlp = search.train(task, 5, 0)
+    start = search.starting_weights((3, 5, 2), np.random.default_rng([1, 0, 5, 0]))
+    inputs = task.training.inputs
+    covered = inputs.copy()
+    c = ["x0", "x1", "x2"].index(column)
+    covered[:, c] = signals(inputs[:, [c]], [range_scale(inputs[:, c])]).ravel()
+    assert np.ptp(inputs[:, c]) < 0.02 < 1 < np.ptp(covered[:, c])
+    # The output biases were shifted afterwards.
+    moved = mlp.process(inputs, scene.scheme.real) - start.process(covered, scene.scheme.real)
+    assert np.ptp(moved, axis=0) == pytest.approx([0, 0], abs=1e-12)
+
+
+def test_noise_and_drift_are_in_parts_of_the_range(tmp_path: Path) -> None:
+    """So that sensors of several units have one noise."""
+    disturbance = Disturbance(noise=0.1, gain=0.05, offset=0.2)
+    raw, plain = in_units(tmp_path), signal_scene(tmp_path)
+    expected = disturbed_errors(plain, disturbance)
+    assert disturbed_errors(raw, disturbance) == pytest.approx(expected, rel=1e-3)
+    one, other = (
+        task_for(scene, scene.vectors(), []).training.inputs
+        for scene in (
+            replace(s, training=replace(s.training, disturbance=disturbance)) for s in (raw, plain)
+        )
+    )
+    # The CSV of either has its own last digit.
+    assert np.abs(one - other).max() < 2 * 2.0**-SIGNAL.frac
 
 
 def test_auto_without_its_provenance_says_what_to_do(tmp_path: Path) -> None:

@@ -21,9 +21,10 @@ from golden.errors import (
     noise_of,
     scene_errors,
 )
-from golden.network_files.network_file import provenance_path, save_network
+from golden.network_files.network_file import provenance_path, save_network, write_network
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_path
+from golden.scene.scale import Scale, on_readings
 from golden.training.split import split_of, split_story
 from tb.common.cases import random_mlp
 from tb.demo import error_table
@@ -166,6 +167,35 @@ def test_a_scene_may_state_its_noise(scene: Path) -> None:
     assert noise_of(stated) == 0.004
     (line,) = (line for line in error_table(stated) if line.startswith("load"))
     assert line.split()[-2] == f"{disturbed_errors(stated, Disturbance(0.004))[0]:.2f}"
+
+
+def test_noise_and_drift_are_in_the_unit_of_the_readings(tmp_path: Path) -> None:
+    """Of a converter of -1024 to 1024: sizes are a thousand times as large, to two digits."""
+    scene = load_scene("digit-load")
+    header, *lines = scene.data_path.read_text().splitlines()
+    cells = [line.split(",") for line in lines]
+    raw = [[*(f"{1024 * float(cell)!r}" for cell in row[:4]), *row[4:]] for row in cells]
+    path = tmp_path / "raw.csv"
+    path.write_text("\n".join([header, *map(",".join, raw)]) + "\n")
+    (member,) = scene.members
+    weights = tmp_path / "raw.npz"
+    write_network(weights, on_readings(member.load(), [Scale(0.0, 1024.0)] * 4, [Scale()]))
+    scaled = replace(
+        scene,
+        data_path=path,
+        members=(replace(member, weights_path=weights),),
+        scale=dict.fromkeys(scene.sensors, Scale(0.0, 1024.0)),
+    )
+    assert noise_of(scaled) == 2.0
+    for found, plain in zip(
+        noise_and_drift(scaled, 1).rows, noise_and_drift(scene, 1).rows, strict=True
+    ):
+        (kind, size, error), (kind_there, size_there, error_there) = found[:3], plain[:3]
+        assert kind == kind_there
+        same = kind in (NONE, "gain drift")
+        assert size == (size_there if same else pytest.approx(1000 * size_there))
+        # 1000 of 1024 is 2.3 % less.
+        assert error == pytest.approx(error_there, rel=1e-9 if same else 0.03)
 
 
 def test_a_table_of_disturbances_has_every_kind_and_size() -> None:

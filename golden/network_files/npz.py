@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +23,8 @@ def read(path: Path) -> dict[str, Real]:
     ValueError
         When the file is no NPZ or holds no numbers.
     """
+    if not zipfile.is_zipfile(path):
+        raise ValueError(f"{path}: not an NPZ of numbers: no zip archive")
     with reading(path, "an NPZ of numbers"), np.load(path, allow_pickle=False) as archive:
         arrays = {name: archive[name] for name in archive.files}
     return {name: real_numbers(path, name, array) for name, array in arrays.items()}

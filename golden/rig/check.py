@@ -71,7 +71,8 @@ def data(scene: Scene) -> list[Finding]:
         rows = read_recorded(scene)
         findings.append(Finding(OK, path, f"{len(rows.inputs)} rows"))
         findings += readings.few_rows(path, len(rows.inputs))
-        findings += _constant(scene, rows)
+        # Of a row or two anything is constant.
+        findings += [] if faults(findings) else _constant(scene, rows)
         if not faults(findings):
             split_of(scene)
             findings += _columns(scaled(scene), rows)
@@ -145,7 +146,7 @@ def build_writable(scene: Scene, build: Path) -> list[Finding]:
     folder = build / scene.name
     findings: list[Finding] = []
     with told(findings):
-        check_writable([folder / "training" / "0.jsonl"])
+        check_writable([folder / "training" / "search" / "0.jsonl"])
         findings.append(Finding(OK, str(folder), "can be written"))
     if scene.name in scene_names() and scene.path.parent.name != scene.name:
         text = f"is the folder of the shipped scene {scene.name} too; give the file another name"

@@ -20,7 +20,7 @@ TEMPLATE = """\
 file = {quoted_file}
 {left_out}sensors = {sensors}
 outputs = {outputs}
-{group_by}{full_scale}{scale}
+{group_by}{full_scale}{scale}{units}
 [network]
 {arrangement}
 # As many hidden nodes as training finds best.
@@ -40,6 +40,9 @@ hidden = [4, 12]
 restarts = 4
 # Little, since readings have little noise; 1e-4 where they have much.
 weight_decay = 1e-6
+# With the standard deviation of the noise that is to be expected on every reading, in its unit,
+# networks are trained and chosen for it, which takes longer:
+# noise = 0.002
 {split}"""
 
 SINGLE = """\
@@ -67,6 +70,12 @@ SCALE = """\
 # column follow from the rows that train.
 scale = "auto"
 """
+UNITS = """\
+# As the names of the columns tell; only for what is printed.
+units = {{ {pairs} }}
+"""
+# A name with its unit behind it: load [g], load (g).
+UNIT = re.compile(r".*\S\s*(?:\[([^\[\]]+)\]|\(([^()]+)\))")
 BLOCKS = """\
 # Many rows are means of the rows beside them: one that is held out at random has been seen. So
 # stretches of neighbouring rows are held out.
@@ -80,6 +89,8 @@ def draft(found: Survey, path: Path) -> str:
     outputs = list(found.outputs)
     pairs = ", ".join(f"{_key(n)} = {_span(v)}" for n, v in found.outputs.items())
     group = _positions(found)
+    told = {name: UNIT.fullmatch(name) for name in [*found.sensors, *outputs]}
+    units = ", ".join(f"{_key(n)} = {_quoted(u[1] or u[2])}" for n, u in told.items() if u)
     return TEMPLATE.format(
         file=_quoted(Path(file).name)[1:-1],
         rows=len(found.recording.rows),
@@ -93,6 +104,7 @@ def draft(found: Survey, path: Path) -> str:
         group_by=GROUP_BY.format(name=_quoted(group)) if group else "",
         full_scale=FULL_SCALE.format(pairs=pairs),
         scale=SCALE if found.beyond else "",
+        units=UNITS.format(pairs=units) if units else "",
         arrangement=CASCADE if len(outputs) > 1 else SINGLE,
         weights=_list(weights(outputs, path)),
         split=BLOCKS if found.interpolated else "",

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import csv
+import io
 import re
+import shlex
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -96,7 +98,7 @@ def read_recording(path: Path) -> Recording:
     check_file(path)
     text = _text(path)
     _refuse_separator(path, text)
-    reader = csv.reader(text.splitlines(keepends=True))
+    reader = csv.reader(io.StringIO(text, newline=""))
     with reading(path, "CSV"):
         rows = [(reader.line_num, tuple(row)) for row in reader if any(map(str.strip, row))]
     if len(rows) < 2:
@@ -147,7 +149,7 @@ def _refuse_separator(path: Path, text: str) -> None:
             shown = change.replace("\t", "\\t")
             raise ValueError(
                 f"{path}: got {got}, expected a comma{' and decimal points' if decimal else ''}; "
-                f"tr '{shown}' '{into}' < {path.name} > comma.csv makes it so"
+                f"tr '{shown}' '{into}' < {shlex.quote(str(path))} > comma.csv makes it so"
             )
     words = header.split()
     if len(words) > 1 and any(len(line.split()) == len(words) for line in text.splitlines()[1:2]):

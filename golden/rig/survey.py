@@ -11,7 +11,7 @@ from golden.networks.mlp import Real
 from golden.precision import SIGNAL
 from golden.rig import readings
 from golden.rig.finding import FAULT, NOTE, Finding, fault
-from golden.rig.recording import Recording
+from golden.rig.recording import Column, Recording
 from golden.table import suggest
 
 
@@ -63,61 +63,74 @@ class Survey:
 
 def survey(recording: Recording, outputs: Sequence[str]) -> Survey:
     """Look at a recording whose outputs are named; its other columns of numbers are sensors."""
+    found = Survey(recording, {}, {}, {}, _wrong_outputs(recording, outputs))
+    for name in dict.fromkeys(name for name in outputs if name in recording.names):
+        _take_output(found, recording.column(name))
+    for number, name in enumerate(recording.names, start=1):
+        if not name:
+            found.left_out[f"column {number}"] = "has no name"
+        elif name not in outputs:
+            _take_other(found, recording.column(name))
     path = str(recording.path)
+    if not found.sensors and not found.findings:
+        found.findings.append(Finding(FAULT, path, "no column is a sensor, expected at least one"))
+    found.findings.extend(readings.few_rows(path, len(recording.rows)))
+    if found.sensors:
+        found.findings.extend(_shown(path, found))
+    return found
+
+
+def _wrong_outputs(recording: Recording, outputs: Sequence[str]) -> list[Finding]:
+    """Outputs that are no columns, or not named once."""
+    path, names = str(recording.path), recording.names
     findings = [
-        Finding(FAULT, path, f"no column {name!r}{suggest(name, recording.names)}")
+        Finding(FAULT, path, f"no column {name!r}{suggest(name, names)}")
         for name in outputs
-        if name not in recording.names
+        if name not in names
     ]
     if not outputs or len(set(outputs)) < len(outputs):
         got = ",".join(outputs) or "none"
-        known = ", ".join(name for name in recording.names if name)
+        known = ", ".join(name for name in names if name)
         text = f"got {got}, expected each once some of the columns {known}"
         findings.append(Finding(FAULT, "OUTPUTS=", text))
-    sensors: dict[str, Real] = {}
-    targets: dict[str, Real] = {}
-    left_out: dict[str, str] = {}
-    for name in dict.fromkeys(n for n in outputs if n in recording.names):
-        column = recording.column(name)
-        wrong = column.fault(recording.path)
-        if not wrong and readings.constant(column.values):
-            wrong = f"{path}: output {name!r}: got {column.values[0]:g} in every row"
-            wrong += ", expected values that differ"
-        if wrong:
-            findings.append(fault(wrong))
+    return findings
+
+
+def _take_output(found: Survey, column: Column) -> None:
+    path = found.recording.path
+    wrong = column.fault(path)
+    if not wrong and readings.constant(column.values):
+        got = f"{column.values[0]:g} in every row"
+        wrong = f"{path}: output {column.name!r}: got {got}, expected values that differ"
+    if wrong:
+        found.findings.append(fault(wrong))
+    else:
+        found.outputs[column.name] = column.values
+
+
+def _take_other(found: Survey, column: Column) -> None:
+    """A column that is no output: a sensor, left out, or wrong."""
+    if not column.numeric:
+        line, text = column.odd[0]
+        found.left_out[column.name] = f"no numbers, line {line} holds {text!r}"
+    elif column.odd:
+        found.findings.append(fault(column.fault(found.recording.path)))
+    else:
+        why = _no_sensor(column.values, found.sensors, found.outputs)
+        if why:
+            found.left_out[column.name] = why
         else:
-            targets[name] = column.values
-    for number, name in enumerate(recording.names, start=1):
-        if name in outputs:
-            continue
-        if not name:
-            left_out[f"column {number}"] = "has no name"
-            continue
-        column = recording.column(name)
-        if not column.numeric:
-            left_out[name] = f"no numbers, line {column.odd[0][0]} holds {column.odd[0][1]!r}"
-        elif column.odd:
-            findings.append(fault(column.fault(recording.path)))
-        else:
-            why = _no_sensor(column.values, sensors, targets)
-            if why:
-                left_out[name] = why
-            else:
-                sensors[name] = column.values
-    if not sensors and not findings:
-        findings.append(Finding(FAULT, path, "no column is a sensor, expected at least one"))
-    findings += readings.few_rows(path, len(recording.rows))
-    if sensors:
-        findings += readings.interpolated(path, np.column_stack(list(sensors.values())))
-    found = Survey(recording, sensors, targets, left_out, findings)
-    scaled = found.beyond
-    for name, values in sensors.items():
+            found.sensors[column.name] = column.values
+
+
+def _shown(path: str, found: Survey) -> list[Finding]:
+    """What the readings show, sensor by sensor and together."""
+    findings = readings.interpolated(path, np.column_stack(list(found.sensors.values())))
+    for name, values in found.sensors.items():
         findings += readings.at_an_end(name, values)
-        findings += [] if scaled else readings.few_codes(name, values)
-    if scaled:
-        findings.append(_beyond(path, found))
-    findings += readings.odd_names(path, [*sensors, *targets])
-    return found
+        findings += [] if found.beyond else readings.few_codes(name, values)
+    findings += [_beyond(path, found)] if found.beyond else []
+    return findings + readings.odd_names(path, [*found.sensors, *found.outputs])
 
 
 def _no_sensor(values: Real, sensors: dict[str, Real], outputs: dict[str, Real]) -> str:

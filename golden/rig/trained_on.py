@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import KDTree
 
-from golden.network_files.network_file import provenance_path
+from golden.errors import held_out_rows
 from golden.networks.mlp import Real
 from golden.scene import Scene
 from golden.scene.vectors import read_recorded
@@ -72,11 +72,11 @@ class TrainedOn:
 def trained_on(scene: Scene) -> tuple[TrainedOn, str]:
     """The rows that trained the networks of a scene, and which these are, in words.
 
-    Of networks that come from elsewhere nothing is known: then they are all recorded rows.
+    Where that is unknown, as of networks from elsewhere, they are all recorded rows.
     """
     recorded = read_recorded(scene).inputs
-    if all(provenance_path(path).is_file() for path in scene.weights_paths):
-        rows = split_of(scene).training
-        return TrainedOn(scene.sensors, recorded[rows]), f"the {len(rows)} rows that trained"
-    everything = f"all {len(recorded)} recorded rows, as the networks were not trained here"
-    return TrainedOn(scene.sensors, recorded), everything
+    if held_out_rows(scene) is None:
+        which = f"all {len(recorded)} recorded rows; which of them trained is unknown"
+        return TrainedOn(scene.sensors, recorded), which
+    rows = split_of(scene).training
+    return TrainedOn(scene.sensors, recorded[rows]), f"the {len(rows)} rows that trained"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import shlex
 import sys
 from pathlib import Path
 
@@ -68,7 +69,7 @@ def main() -> None:
     count = len(scene.members)
     networks = "one network" if count == 1 else f"{count} networks in {scene.arrangement}"
     print(f"wrote {path}: {networks}, {len(scene.sensors)} sensors")
-    print(f"next: make check SCENE={path}, then make train, make vhdl")
+    print(f"next: make check SCENE={shlex.quote(str(path))}, then make train, make vhdl")
 
 
 if __name__ == "__main__":

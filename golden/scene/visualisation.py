@@ -7,7 +7,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from golden.scene.scale import read_scale
+from golden.scene.scale import AUTO
 from golden.table import suggest
 from golden.visualisation.load_profile import SHAPE_THRESHOLD, LoadProfile, load_profile, width_gain
 
@@ -57,7 +57,8 @@ def visualisation(values: dict[str, Any], data: dict[str, Any], path: Path) -> V
         whose length in millimetres is not known, a ramp or a threshold outside the format, or a C
         too large.
     """
-    outputs, scaled = data["outputs"], read_scale(data, path)
+    outputs = data["outputs"]
+    scaled = outputs if data["scale"] == AUTO else data["scale"]
     names = [values[key] for key in RESULTS]
     for key, name in zip(RESULTS, names, strict=True):
         if name not in outputs:

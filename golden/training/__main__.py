@@ -16,7 +16,7 @@ import numpy as np
 import scipy
 from joblib import parallel_config
 
-from golden.cli import run
+from golden.cli import CommandError, run
 from golden.fingerprint import fingerprint, sources
 from golden.network_files.network_file import check_targets, provenance_path, save_networks
 from golden.networks.mlp import Mlp
@@ -97,8 +97,8 @@ def computed_on(cluster: str | None) -> Iterator[None]:
 
     try:
         client = Client(cluster, timeout="10s")
-    except (OSError, ValueError) as error:
-        raise ValueError(f"CLUSTER={cluster}: no scheduler answers: {error}") from None
+    except Exception as error:  # whatever it says is about the address
+        raise CommandError(f"CLUSTER={cluster}: no scheduler answers: {error}") from None
     with client, parallel_config("dask"):
         yield
 

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +28,7 @@ from joblib import Parallel, delayed
 
 from golden.files import reading, writing
 from golden.networks.mlp import Mlp, Real, tanh
+from golden.scene.scale import Scale, on_readings, on_signals, signals
 from golden.training import levenberg_marquardt, scg
 from golden.training.objective import Objective, pack, unpack
 from golden.training.task import Frames, Task
@@ -102,7 +103,7 @@ def train(
     """
     shape = (task.training.inputs.shape[1], hidden, task.training.targets.shape[1])
     rng = np.random.default_rng([task.scene.training.seed, task.number, hidden, restart])
-    start = starting_weights(shape, rng)
+    start = on_readings(starting_weights(shape, rng), task.normal, [Scale()] * shape[2])
     return descended(task, start, task.training, task.validation, objective)
 
 
@@ -132,14 +133,15 @@ def descended(
         When the hardware's formats cannot hold its weights.
     """
     settings = task.scene.training
-    shape, point = start.shape, pack(start)
+    normal, plain = task.normal, [Scale()] * len(start.b2)
+    normalised = [replace(f, inputs=signals(f.inputs, normal)) for f in (training, validation)]
+    shape, point = start.shape, pack(on_signals(start, normal, plain))
     descend = OPTIMISERS[settings.optimiser]
     for activation in dict.fromkeys((tanh, task.scene.scheme.real)):
-        aim = objective(
-            shape, activation, training, validation, settings.weight_decay, settings.patience
-        )
+        aim = objective(shape, activation, *normalised, settings.weight_decay, settings.patience)
         point = aim.search(descend, point, settings.steps)
-    return shift_biases(task, unpack(point, shape), training)
+    mlp = on_readings(unpack(point, shape), normal, plain)
+    return shift_biases(task, mlp, training)
 
 
 def measure(task: Task, hidden: int, restart: int) -> Result:
@@ -199,13 +201,11 @@ def search(task: Task, record: Path, workers: int = -1) -> Iterator[Result]:
     jobs = (delayed(measure)(task, hidden, restart) for hidden, restart in missing)
     with writing(record):
         record.parent.mkdir(parents=True, exist_ok=True)
-        handle = record.open("a", encoding="utf-8")
-    with handle:
-        for result in Parallel(n_jobs=workers, return_as="generator")(jobs):
-            with writing(record):
-                handle.write(json.dumps(asdict(result)) + "\n")
-                handle.flush()
-            yield result
+        record.touch()
+    for result in Parallel(n_jobs=workers, return_as="generator")(jobs):
+        with writing(record), record.open("a", encoding="utf-8") as handle:
+            handle.write(json.dumps(asdict(result)) + "\n")
+        yield result
 
 
 def _read(record: Path) -> Iterator[Result]:

@@ -14,7 +14,7 @@ from golden.networks.arrangement import seen
 from golden.networks.mlp import Mlp, Real
 from golden.precision import SIGNAL
 from golden.scene import Scene, Vectors
-from golden.scene.scale import readings, signals
+from golden.scene.scale import Scale, range_scale, readings, signals
 from golden.training.objective import Rows
 from golden.training.split import Split, split_of
 
@@ -78,6 +78,20 @@ class Task:
     test: Frames
     known: Frames
     every: Frames
+
+    @property
+    def normal(self) -> list[Scale]:
+        """The scale of each input that training works with.
+
+        Where ``data.scale`` names the column that is what the training rows cover, whatever the
+        converter's range is: weights start, and are kept small, in proportion to it. It is folded
+        into the weights. Other columns are taken as they are.
+        """
+        columns = self.scene.columns_of(self.number)
+        return [
+            range_scale(inputs) if name in self.scene.scale and np.ptp(inputs) else Scale()
+            for name, inputs in zip(columns, self.training.inputs.T, strict=False)
+        ]
 
     def bit_true(self, mlp: Mlp, frames: Frames) -> Real:
         """Outputs of ``mlp`` in the scene's hardware.

@@ -21,10 +21,13 @@ AIM_MHZ = 125
 # Multipliers stand in few rows of the device; nextpnr's other placer leaves some far from their
 # logic.
 PLACER = "static"
-# An engine does not use a word that is read in the clock in which it is written
-# (tests/test_collisions.py). Without this promise Yosys builds logic around a memory that cannot
-# give the word before.
-UNREAD = "setattr -set no_rw_check 1 operand_memory*/m:*"
+# Of an engine alone. It does not use a word that is read in the clock in which it is written
+# (tests/test_ecp5.py); without this promise Yosys builds logic around a memory that cannot give the
+# word before. And of its saturation Yosys makes chains of wide multiplexers, which are slow and
+# large; a folded network is slightly faster with them.
+OPERANDS = "operand_memory*"
+UNREAD = f"setattr -set no_rw_check 1 {OPERANDS}/m:*"
+NARROW = "-nowidelut"
 
 
 @dataclass(frozen=True)
@@ -103,10 +106,11 @@ def mapped(folder: Path, top: str) -> dict[str, Any]:
     # Flattened last: merged before, equal registers of many nodes become one, far from all of them.
     # Yosys makes a synchronous reset of a multiplexer with a constant; such a register cannot go
     # into a multiplier, so what is not reset by rst becomes a multiplexer again.
-    # Wide multiplexers are chains of cells that must stand side by side.
-    synthesise = f"synth_ecp5 -noflatten -nowidelut -top {top} -run"
+    engine = any(folder.glob(f"{OPERANDS}.v"))
+    promise, narrow = (f"{UNREAD}; ", f"{NARROW} ") if engine else ("", "")
+    synthesise = f"synth_ecp5 -noflatten {narrow}-top {top} -run"
     script = (
-        f"read_verilog *.v; {UNREAD}; {synthesise} begin:map_ffs; "
+        f"read_verilog *.v; {promise}{synthesise} begin:map_ffs; "
         "dffunmap -srst-only t:$_SDFF* w:rst %co1:+[R] %d; opt_clean; "
         f"{synthesise} map_ffs:; flatten; opt_clean; write_json netlist.json"
     )

@@ -1,4 +1,7 @@
-"""What the benches of a scene found, kept until anything that they depend on changes."""
+"""What the benches of a scene found, each kept until anything that it depends on changes.
+
+A bench's result is kept when it ends, so that what was interrupted goes on where it stopped.
+"""
 
 from __future__ import annotations
 
@@ -6,19 +9,17 @@ import json
 import sys
 from collections import defaultdict
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from golden.files import replace_file
+from golden.files import read_kept, replace_file
 from golden.fingerprint import fingerprint, sources
 from golden.scene import Scene
-from tb.common.runner import BUILD, Outcome, plan, run_jobs
+from hdl.export.exporter import MANIFEST
+from tb.common.runner import BUILD, Job, Outcome, jobs, plan, run_job, run_jobs
 from tb.common.tools import SIMULATORS, language, version
 from tb.sim import tell
-
-
-def _store(scene: Scene) -> Path:
-    return BUILD / scene.name / "sim" / "results.json"
 
 
 def state(scene: Scene) -> str:
@@ -29,38 +30,67 @@ def state(scene: Scene) -> str:
 
 
 def stored_results(scene: Scene) -> dict[str, Any] | None:
-    """What the benches found, if nothing has changed since; None otherwise."""
-    if not _store(scene).is_file():
+    """What the benches found, if all have passed and nothing has changed since; None otherwise."""
+    if not all((BUILD / scene.name / language(s) / MANIFEST).is_file() for s in SIMULATORS):
         return None
-    results = json.loads(_store(scene).read_text(encoding="utf-8"))
-    return results if results["state"] == state(scene) else None
+    now = state(scene)
+    outcomes = [_kept(job, now) for s in SIMULATORS for job in jobs(scene, s)]
+    found = [outcome for outcome in outcomes if outcome]
+    return _results(scene, found, len(found)) if len(found) == len(outcomes) else None
 
 
 def simulate(scene: Scene) -> dict[str, Any]:
-    """Run all benches of the scene, or take over the results of unchanged ones."""
-    jobs = plan(scene, SIMULATORS)
-    results = stored_results(scene)
-    if results is not None:
-        return results | {"fresh": False}
+    """Run the benches of the scene, but for those that have passed and are unchanged since."""
+    planned = plan(scene, SIMULATORS)
+    now = state(scene)
+    kept = {job.folder: outcome for job in planned if (outcome := _kept(job, now))}
+    missing = [job for job in planned if job.folder not in kept]
+    ran = run_jobs(missing, _progress(scene, len(kept)), work=partial(_run_and_keep, now))
+    found = kept | {outcome.job.folder: outcome for outcome in ran}
+    return _results(scene, [found[job.folder] for job in planned], len(kept))
+
+
+def _results(scene: Scene, outcomes: list[Outcome], kept: int) -> dict[str, Any]:
     top = scene.twin().entity
-    outcomes = run_jobs(jobs, _progress(scene))
-    results = {
-        "state": state(scene),
+    return {
         "benches": len(outcomes),
+        "kept": kept,
         "failed": sum(not o.passed for o in outcomes),
         "compared": sum(o.compared for o in outcomes),
         "blocks": _by_block(outcomes),
         "facts": {o.job.simulator: o.facts for o in outcomes if o.job.entity == top},
     }
-    if not results["failed"]:
-        with replace_file(_store(scene)) as temporary:
-            temporary.write_text(json.dumps(results, indent=1), encoding="utf-8")
-    return results | {"fresh": True}
 
 
-def _progress(scene: Scene) -> Callable[[Outcome], None]:
-    """Counts benches as they end; only failures get a line of their own."""
-    done = 0
+def _record(job: Job) -> Path:
+    """In the bench's folder, so that another run of the bench takes it away."""
+    return job.folder / "outcome.json"
+
+
+def _run_and_keep(now: str, job: Job) -> Outcome:
+    outcome = run_job(job)
+    if outcome.passed:
+        found = {
+            "state": now,
+            "compared": outcome.compared,
+            "seconds": outcome.seconds,
+            "facts": outcome.facts,
+        }
+        with replace_file(_record(job)) as temporary:
+            temporary.write_text(json.dumps(found), encoding="utf-8")
+    return outcome
+
+
+def _kept(job: Job, now: str) -> Outcome | None:
+    """What the bench found, if it passed in this state."""
+    found = read_kept(_record(job))
+    if not isinstance(found, dict) or found.get("state") != now:
+        return None
+    return Outcome(job, True, found["compared"], found["seconds"], found["facts"])
+
+
+def _progress(scene: Scene, done: int) -> Callable[[Outcome], None]:
+    """Counts benches on from ``done`` as they end; only failures get a line of their own."""
 
     def listen(outcome: Outcome) -> None:
         nonlocal done

@@ -107,7 +107,8 @@ def export(scene: Scene, tongue: str, build: Path = BUILD) -> None:
     CommandError
         With the exporter's message, when the scene cannot be exported.
     """
-    command = [sys.executable, "-m", "hdl.export", str(scene.path), tongue, "--build", str(build)]
+    command = [sys.executable, "-m", "hdl.export", str(scene.path.resolve()), tongue]
+    command += ["--build", str(build)]
     result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     if result.returncode == 2:
         raise CommandError(result.stderr.strip().removeprefix("error: "))
@@ -265,12 +266,15 @@ def _scene_argument(scene: Scene) -> str:
 
 
 def run_jobs(
-    jobs: list[Job], tell: Callable[[Outcome], None], at_once: int | None = None
+    jobs: list[Job],
+    tell: Callable[[Outcome], None],
+    at_once: int | None = None,
+    work: Callable[[Job], Outcome] = run_job,
 ) -> list[Outcome]:
     """Run all jobs, as many at a time as there are cores; ``tell`` hears of each as it ends."""
     outcomes = []
     with ThreadPoolExecutor(at_once or os.cpu_count() or 1) as pool:
-        for outcome in pool.map(run_job, jobs):
+        for outcome in pool.map(work, jobs):
             tell(outcome)
             outcomes.append(outcome)
     return outcomes

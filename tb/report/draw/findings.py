@@ -342,6 +342,36 @@ def bound_plots(tables: Mapping[str, Table]) -> list[Plot]:
     return plots
 
 
+def recalibration_plot(table: Table) -> Plot:
+    """What is left of a drift against the number of known placements."""
+    before, drifted, *rows = rows_of(table)
+    points = groups(
+        rows,
+        lambda row: f"{row['chosen']}, noise {number(row, 'noise mV'):g} mV",
+        "placements",
+        "mean %",
+    )
+    least = {
+        label: next((x for x, y in group if y <= 2 * number(before, "mean %")), None)
+        for label, group in points.items()
+    }
+    told = "; ".join(f"{label}: {count:g}" for label, count in least.items() if count is not None)
+    return Plot(
+        "recalibration",
+        "Recalibration: error left against known placements",
+        "known placements",
+        "mean error of the outputs %",
+        points,
+        f"Twice the error of sensors that have not drifted is reached with so many placements: "
+        f"{told}.",
+        [table.name],
+        levels={
+            "drifted": number(drifted, "mean %"),
+            "not drifted": number(before, "mean %"),
+        },
+    )
+
+
 def _along(rows: list[Row], error: str) -> list[tuple[float, float]]:
     return groups(rows, lambda _: error, "position mm", error)[error]
 

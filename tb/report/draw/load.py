@@ -85,8 +85,12 @@ class Beam:
 
 
 def has_load(scene: Scene) -> bool:
-    """Whether a scene tells enough to draw the load along the beam."""
-    return scene.visualisation is not None or set(RESULTS) <= set(scene.outputs)
+    """Whether a scene tells enough to draw the load along the beam, and tells it in signals."""
+    return scene.visualisation is not None or (
+        set(RESULTS) <= set(scene.outputs)
+        and {"position", "width"} <= scene.length_mm.keys()
+        and not scene.scale.keys() & set(RESULTS)
+    )
 
 
 def beam(scene: Scene) -> Beam:
@@ -95,7 +99,7 @@ def beam(scene: Scene) -> Beam:
     Parameters
     ----------
     scene : Scene
-        One that has load, position, width and shape among its outputs.
+        One that ``has_load``.
 
     Raises
     ------
@@ -106,12 +110,15 @@ def beam(scene: Scene) -> Beam:
     if not has_load(scene):
         raise ValueError(
             f"{scene.path}: data.outputs: got {', '.join(scene.outputs)}, expected "
-            f"{', '.join(RESULTS)} among them, or a section [visualisation], to draw the load"
+            f"{', '.join(RESULTS)} among them, with length_mm and without scale, or a section "
+            "[visualisation], to draw the load"
         )
     shown = scene.visualisation
     if shown is None:
         data = {
+            "sensors": list(scene.sensors),
             "outputs": list(scene.outputs),
+            "scale": {},
             "length_mm": scene.length_mm,
             "full_scale": scene.full_scale,
         }

@@ -79,7 +79,7 @@ def pictures(scene: Scene) -> Iterator[Picture | Skipped]:
             "Each step is a recorded frame: what the sensors read, and the bit-true profile.",
         )
     else:
-        yield Skipped("Load profile", f"it needs the outputs {', '.join(RESULTS)}")
+        yield Skipped("Load profile", f"it needs outputs {', '.join(RESULTS)} with lengths")
     if moves(scene):
         yield Picture(
             "motion",

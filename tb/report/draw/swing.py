@@ -22,8 +22,8 @@ SECONDS = 10.0
 
 
 def moves(scene: Scene) -> bool:
-    """Whether a scene's outputs are the motion that ``swing`` draws."""
-    return set(scene.outputs) == set(scene.length_mm) == set(COORDINATES)
+    """Whether a scene's outputs are the motion that ``swing`` draws, from signals."""
+    return set(scene.outputs) == set(scene.length_mm) == set(COORDINATES) and not scene.scale
 
 
 def swing(scene: Scene, run: Path = RUN) -> str:

@@ -6,7 +6,7 @@ import dataclasses
 import json
 import time
 
-from golden.files import replace_file, replace_folder
+from golden.files import check_writable, replace_file, replace_folder
 from golden.machine import facts, versions
 from golden.scene import Scene
 from tb.common.runner import BUILD
@@ -66,6 +66,7 @@ def made(seconds: float) -> list[str]:
 def build_report(scene: Scene, full: bool = False) -> None:
     """Build the report of a scene; ``full`` has the project's own tables too."""
     started = time.perf_counter()
+    check_writable([BUILD / scene.name / "report.html"])
     page = content(scene, tell, full)
     write(scene, dataclasses.replace(page, made=made(time.perf_counter() - started)))
     print(f"wrote {BUILD / scene.name / 'report.html'}")

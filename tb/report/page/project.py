@@ -46,6 +46,7 @@ def sections(scene: Scene, state: str, draw: Draw, tell: Progress) -> list[Secti
         *findings.swing_plots(tables),
         findings.damping_plot(tables),
         *findings.bound_plots(tables),
+        findings.recalibration_plot(tables["recalibration"]),
         findings.plate_plot(tables),
         findings.series_plot(tables),
         findings.engines_plot(speed),

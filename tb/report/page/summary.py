@@ -52,8 +52,8 @@ def errors(found: Outcome, moved: Table | None) -> Table:
         "Bit-true, which is what the hardware computes, on the recorded rows"
         + (f"; largest: the largest mean at one {scene.group_by}. " if scene.group_by else ". ")
         + "Held out: the mean of rows that neither trained nor chose the network, before it was "
-        "trained on with all rows, if it was. Noise: the mean with so much on every reading, as a "
-        "signal from -1 to 1."
+        "trained on with all rows, if it was. Noise: the mean with so much on every reading, in "
+        "its unit."
     )
     if not scene.group_by:
         columns, rows = _without(2, columns), [_without(2, row) for row in rows]

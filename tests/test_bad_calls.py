@@ -1,0 +1,202 @@
+"""Commands that are called wrongly, or that cannot write: one line, and nothing left behind."""
+
+from __future__ import annotations
+
+import secrets
+import shlex
+from pathlib import Path
+
+import pytest
+from refused import COMMANDS, Desk
+
+from tb.common.cases import random_mlp, write_scene
+from tb.common.runner import BUILD
+
+SCENES = [name for name in COMMANDS if name not in ("network", "figures")]
+# Scenes that no command can read, and what is said of them.
+NAMES = {
+    "finger": "scene 'finger': no such scene, expected a path to a .toml file or one of digit",
+    "digit-singel": "scene 'digit-singel': no such scene, .* did you mean 'digit-single'?",
+    "": "scene '': no such scene, expected a path",
+    ".": "scene '.': no such scene, expected a path",
+    "..": "scene '..': no such scene, expected a path",
+    "/": "scene '/': no such scene, expected a path",
+    "comparison": "scene 'comparison': no such scene, expected a path",
+    "digit/digit": "scene 'digit/digit': no such scene, expected a path",
+    "mine": "scene 'mine': no such scene, expected a path",
+    "mine.csv": "scene 'mine.csv': no such scene, expected a path",
+    "*.toml": "scene '*.toml': no such scene, expected a path",
+    "`touch ran`": "scene '`touch ran`': no such scene, expected a path",
+    "a\nb": r"scene 'a\nb': no such scene, expected a path",
+    "no.toml": "scene 'no.toml': no such scene, expected a path",
+    "~nobody-of-this-name/a.toml": "scene '~nobody-of-this-name/a.toml': no such scene",
+    "mine.toml/a.toml": "mine.toml/a.toml: cannot be read: Not a directory",
+    f"{'a' * 5000}.toml": "a.toml: cannot be read: File name too long",
+    "a\0.toml": "cannot be read: embedded null byte",
+    "folder.toml": "folder.toml: got a folder, expected a file",
+    "loop.toml": "loop.toml: cannot be read: Too many levels of symbolic links",
+    "device.toml": "device.toml: got no regular file, expected a file",
+    "latin.toml": "latin.toml: got the byte 0xe9 at 2, expected UTF-8 text",
+    "empty.toml": "empty.toml: data.file: missing, expected text",
+    "binary.toml": "binary.toml: not TOML: ",
+    "-x": "the following arguments are required: scene",
+}
+WORDS = {
+    "sim --block engin": "BLOCK=engin: scene mine has no such block, expected one of",
+    "sim --block=": "BLOCK=: scene mine has no such block, expected one of",
+    "sim --block engine": "BLOCK=engine: scene mine has no such block, .*; scene digit",
+    "sim --sim modelsim": "SIM=modelsim: no such simulator, expected one of ghdl, icarus",
+    "sim --sim icaru": "SIM=icaru: no such simulator, .* did you mean 'icarus'?",
+    "sim --seed one": "SEED=one: expected a whole number, 0 to 4294967295",
+    "sim --seed=-1": "SEED=-1: expected a whole number, 0 to 4294967295",
+    "sim --seed 4294967296": "SEED=4294967296: expected a whole number, 0 to 4294967295",
+    "sim --frames 0": "FRAMES=0: expected a whole number, 1 to 1000000",
+    "sim --frames=-5": "FRAMES=-5: expected a whole number, 1 to 1000000",
+    "sim --frames 1e3": "FRAMES=1e3: expected a whole number, 1 to 1000000",
+    "sim --frames 999999999999999": "FRAMES=999999999999999: expected a whole number, 1 to",
+    "bench --frames 0": "FRAMES=0: expected a whole number, 1 to 10000000",
+    "bench --frames x": "FRAMES=x: expected a whole number, 1 to 10000000",
+    "bench --frames 999999999999999": "FRAMES=999999999999999: expected a whole number, 1 to",
+    "bench --frame-rate 5": "unrecognized arguments: --frame-rate 5",
+    "image": "mine.toml: hardware.reload: got false, expected true, or HARDWARE=",
+    "image --hardware finger": "scene 'finger': no such scene, expected a path",
+    "image --hardware digit": "hardware.reload: got false, expected true, or HARDWARE=",
+    "listing": "mine.toml: hardware.design: got hybrid, which has no program, expected engine",
+    "lean --beside finger": "scene 'finger': no such scene, expected a path",
+    'lean --beside "digit \'x"': "BESIDE=digit 'x: No closing quotation",
+    "lean --beside no.toml": "scene 'no.toml': no such scene, expected a path",
+    "train --cluster nowhere": "CLUSTER=nowhere: no scheduler answers: ",
+    "train --cluster ftp://a:1": "CLUSTER=ftp://a:1: no scheduler answers: ",
+}
+# Files that a network is to be written to.
+TARGETS = {
+    "": ".: got the ending '', expected one of .npz, .mat, .onnx",
+    "net": "net: got the ending '', expected one of .npz, .mat, .onnx",
+    "net.onx": "net.onx: got the ending '.onx', .* did you mean '.onnx'?",
+    ".npz": ".npz: got the ending '', expected one of .npz, .mat, .onnx",
+    "folder.npz": "folder.npz: cannot be written: got a folder, expected a file",
+    "mine.toml/a.npz": "mine.toml/a.npz: cannot be written: mine.toml: File exists",
+    "/dev/full/a.mat": "/dev/full/a.mat: cannot be written: /dev/full: File exists",
+    "/proc/a.onnx": "/proc/a.onnx: cannot be written: ",
+    f"{'a' * 5000}.npz": "a.npz: cannot be written: ",
+    "a\0.npz": "cannot be written: embedded null byte",
+    "loop.toml/a.npz": "loop.toml/a.npz: cannot be written: ",
+}
+# What stands where a command writes: in which command, as a file or a folder, and what is said.
+IN_THE_WAY = [
+    ("train", "build", "build/mine/training/.*0.jsonl: cannot be written: build"),
+    ("train", "build/mine", "build/mine/training/.*0.jsonl: cannot be written: build/mine"),
+    ("train", "build/mine/training", "0.jsonl: cannot be written: build/mine/training"),
+    ("train", "mine.npz/", "mine.npz: cannot be written: got a folder, expected a file"),
+    ("train", "mine.provenance.toml/", "mine.provenance.toml: cannot be written: got a folder"),
+    ("vhdl", "build", "build/mine/vhdl: cannot be written: build"),
+    ("vhdl", "build/mine", "build/mine/vhdl: cannot be written: build/mine"),
+    ("vhdl", "build/mine/vhdl", "build/mine/vhdl: cannot be written: got a file, expected a fold"),
+    ("synth", "build", "build/mine/synth: cannot be written: build"),
+    ("synth", "build/mine/synth", "build/mine/synth: cannot be written: got a file, expected"),
+    ("image", "build", "build/loaded/image: cannot be written: build"),
+    ("image", "build/loaded/image", "build/loaded/image: cannot be written: got a file, expect"),
+    ("figures", "build", "build/figures: cannot be written: build"),
+    ("figures", "build/figures", "build/figures: cannot be written: got a file, expected a fold"),
+]
+
+
+@pytest.fixture
+def crowded(desk: Desk) -> Desk:
+    """Beside the scene, much that is none."""
+    (desk.folder / "folder.toml").mkdir()
+    (desk.folder / "folder.npz").mkdir()
+    (desk.folder / "loop.toml").symlink_to("loop.toml")
+    (desk.folder / "device.toml").symlink_to("/dev/full")
+    (desk.folder / "latin.toml").write_bytes(b"# \xe9\n")
+    (desk.folder / "empty.toml").touch()
+    (desk.folder / "binary.toml").write_bytes(bytes(99))
+    return desk
+
+
+@pytest.mark.parametrize(("name", "message"), NAMES.items(), ids=lambda text: ascii(text)[:30])
+def test_a_name_is_refused(crowded: Desk, name: str, message: str) -> None:
+    crowded.refuses("listing", name, says=message)
+
+
+@pytest.mark.parametrize("command", SCENES)
+def test_every_command_refuses_a_scene(desk: Desk, command: str) -> None:
+    """That is not there, is broken, and has no network or, for training, no data."""
+    desk.refuses(command, "digit-singel", says="scene 'digit-singel': no such scene")
+    desk.edit('file = "mine.csv"', 'file = "no.csv"')
+    if command == "train":
+        desk.refuses(command, "mine.toml", says="no.csv: no such file")
+    else:
+        desk.edit('file = "no.csv"', 'file = "mine.csv"')
+        (desk.folder / "mine.npz").write_bytes(b"")
+        if command == "image":
+            desk.edit(
+                'design = "hybrid"\nactivation = "gradient"', 'design = "engine"\nreload = true'
+            )
+        desk.refuses(command, "mine.toml", says="mine.npz: not an NPZ of numbers")
+        if command == "image":
+            desk.edit('"engine"', '"hybrid"')
+    desk.edit('"hybrid"', '"hybird"')
+    desk.refuses(command, "mine.toml", says="mine.toml: hardware.design: got 'hybird', expected")
+
+
+@pytest.mark.parametrize(("words", "message"), WORDS.items(), ids=lambda text: text[:40])
+def test_an_argument_is_refused(desk: Desk, words: str, message: str) -> None:
+    command, *others = shlex.split(words)
+    desk.refuses(command, "mine.toml", *others, says=message)
+
+
+def test_a_table_is_refused(desk: Desk) -> None:
+    desk.refuses("figures", "netwroks", says="TABLE=netwroks: no such table, .* did you mean")
+    desk.refuses("figures", "--seed=-1", says="SEED=-1: expected a whole number")
+    desk.refuses("figures", "", says="TABLE=: no such table, expected one of")
+
+
+@pytest.mark.parametrize(("name", "message"), TARGETS.items(), ids=lambda text: ascii(text)[:30])
+def test_a_target_is_refused(crowded: Desk, name: str, message: str) -> None:
+    crowded.refuses("network", "mine.toml", name, says=message)
+
+
+@pytest.mark.parametrize("output", ["y9", "", "x0"])
+def test_an_output_is_refused(desk: Desk, output: str) -> None:
+    mlps = [random_mlp((3 + i, 4, 1), 1.0, i) for i in range(2)]
+    write_scene(desk.folder, "chain", "exact", mlps, "cascade")
+    message = f"OUTPUT={output}: scene chain has 2 networks, expected one of y0, y1"
+    desk.refuses("network", "chain.toml", "a.npz", "--output", output, says=message)
+    desk.refuses("network", "chain.toml", "a.npz", says="OUTPUT=: scene chain has 2 networks")
+
+
+@pytest.mark.parametrize(("command", "name", "message"), IN_THE_WAY, ids=str)
+def test_what_stands_in_the_way_is_named(desk: Desk, command: str, name: str, message: str) -> None:
+    write_scene(
+        desk.folder,
+        "loaded",
+        "exact",
+        [random_mlp((3, 5, 2), 1.0, 1)],
+        design="engine",
+        activation="precise",
+        hardware="reload = true",
+    )
+    path = desk.folder / name
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if name.endswith("/"):
+        path.unlink(missing_ok=True)
+        path.mkdir()
+    else:
+        path.touch()
+    words = {"image": ["loaded.toml"], "figures": ["operations"]}.get(command, ["mine.toml"])
+    desk.refuses(command, *words, says=message)
+    assert Path(name).exists()
+
+
+@pytest.mark.parametrize("command", ["sim", "demo", "report"])
+def test_what_stands_in_the_way_of_benches_is_named(desk: Desk, command: str) -> None:
+    """They write into the checkout, wherever the command is called."""
+    name = f"refused-{secrets.token_hex(8)}"
+    write_scene(desk.folder, name, "exact", [random_mlp((3, 5, 2), 1.0, 1)])
+    (BUILD / name).parent.mkdir(exist_ok=True)
+    (BUILD / name).touch()
+    try:
+        desk.refuses(command, f"{name}.toml", says=f"{name}/.*: cannot be written: .*{name}: ")
+    finally:
+        (BUILD / name).unlink()

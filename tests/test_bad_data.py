@@ -1,0 +1,112 @@
+"""Recorded vectors that cannot be: one line with file, line and column."""
+
+from __future__ import annotations
+
+import pytest
+from refused import Desk
+
+HEADER = b"x0,x1,x2,y0,y1\n"
+LINES = b"0.1,0.2,0.3,0.4,0.5\n" * 3
+
+# Content of mine.csv, and what is said of it.
+TABLE = {
+    "empty": (b"", "mine.csv: got 0 lines, expected a header and at least one row"),
+    "blank lines": (b"\n\n\n", "mine.csv: got 0 lines, expected a header"),
+    "a header alone": (HEADER, "mine.csv: got 1 lines, expected a header and at least one row"),
+    "no header": (LINES, "mine.csv: no column 'x0', got 0.1, 0.2, 0.3, 0.4, 0.5"),
+    "latin": (HEADER + b"1,2,3,4,\xe9\n", "mine.csv: got the byte 0xe9 at 23, expected UTF-8"),
+    "utf-16": (
+        HEADER.decode().encode("utf-16"),
+        "mine.csv: got the byte 0xff at 0, expected",
+    ),
+    "an image": (b"\x89PNG\r\n\x1a\n" + bytes(99), "mine.csv: got the byte 0x89 at 0, expected"),
+    "compressed": (
+        b"\x1f\x8b\x08" + bytes(range(99)),
+        "mine.csv: got the byte 0x8b at 1",
+    ),
+    "zeros": (bytes(1000), "mine.csv: got 1 lines, expected a header and at least one row"),
+    "a zero": (HEADER + b"0.1,0.2,0.3,0.4,\x000.5\n", r"mine.csv:2: column 'y1': got '\x000.5'"),
+    "semicolons": ((HEADER + LINES).replace(b",", b";"), "mine.csv: no column 'x0', got x0;x1;x2"),
+    "tabulators": ((HEADER + LINES).replace(b",", b"\t"), "mine.csv: no column 'x0', got x0"),
+    "decimal commas": (HEADER + LINES.replace(b".", b","), "mine.csv:2: got 10 cells, expected 5"),
+    "a cell too long": (HEADER + b"1" * 200_000 + b",1,1,1,1\n", "mine.csv: not CSV: field larger"),
+    "a quote that never ends": (HEADER + b'"' + b"a\n" * 99_999, "mine.csv: not CSV: field larger"),
+    "a quote over a line": (
+        HEADER + b'"0.1,0.2\n0.3",0.5\n',
+        "mine.csv:3: got 2 cells, expected 5",
+    ),
+    "a column twice": (
+        b"x0,x0,x2,y0,y1\n" + LINES,
+        "mine.csv: column 'x0' stands twice in",
+    ),
+    "another column": (b"x0,x1,x3,y0,y1\n" + LINES, "mine.csv: no column 'x2', got x0, x1, x3, y0"),
+    "capitals": (HEADER.upper() + LINES, "mine.csv: no column 'x0', got X0, X1, X2, Y0, Y1"),
+    "a row too short": (HEADER + LINES + b"0.1,0.2\n", "mine.csv:5: got 2 cells, expected 5"),
+    "a row too long": (HEADER + b"1,1,1,1,1,1\n", "mine.csv:2: got 6 cells, expected 5"),
+    "a word": (HEADER + b"0.1,b,0.3,0.4,0.5\n", "mine.csv:2: column 'x1': got 'b', expected a num"),
+    "a blank": (HEADER + b"0.1,,0.3,0.4,0.5\n", "mine.csv:2: column 'x1': got '', expected a numb"),
+    "NaN": (HEADER + b"0.1,nan,0.3,0.4,0.5\n", "mine.csv:2: column 'x1': got nan, expected a fin"),
+    "infinity": (HEADER + b"0.1,0.2,1e999,0.4,0.5\n", "mine.csv:2: column 'x2': got 1e999, expec"),
+    "hexadecimal": (HEADER + b"0x1,0.2,0.3,0.4,0.5\n", "mine.csv:2: column 'x0': got '0x1', expe"),
+    "an underscore": (HEADER + b"0.1,0.2,0.3,0.4,0_5\n", "mine.csv:2: column 'y1': got '0_5', exp"),
+    "other digits": (HEADER + "0.1,0.2,0.3,0.4,\u0665\n".encode(), "mine.csv:2: column 'y1': got"),
+    "in percent": (HEADER + b"0.1,0.2,0.3,0.4,50%\n", "mine.csv:2: column 'y1': got '50%', expec"),
+    "a target too large": (HEADER + b"1,1,1,1,1.5\n", "mine.csv: column 'y1': got a target of 1.5"),
+    "a target of 0": (HEADER + b"1,1,1,0,1\n", "mine.csv: column 'y0' holds a target of 0, whose"),
+}
+# What stands in the scene, what instead, and what is said of the file that it then names.
+FILES = {
+    "another group": ('group_by = "y0"', 'group_by = "q"', "mine.csv: no column 'q', got x0, x1"),
+    "no such row": ('group_by = "y0"', "where = { x0 = 9 }", "mine.csv: no row has x0 = 9, expect"),
+    "another key": ('group_by = "y0"', "where = { q = 1 }", "mine.csv: no column 'q', got x0, x1"),
+    "another sensor": ('["x0"', '["x9"', "mine.csv: no column 'x9', got x0, x1, x2, y0, y1"),
+    "missing": ("mine.csv", "no.csv", "no.csv: no such file"),
+    "a folder": ('"mine.csv"', '"."', ".: got a folder, expected a file"),
+    "below a file": (
+        "mine.csv",
+        "mine.toml/a.csv",
+        "mine.toml/a.csv: cannot be read: Not",
+    ),
+    "a device": ("mine.csv", "/dev/zero", "/dev/zero: got no regular file, expected a file"),
+    "a name too long": ("mine.csv", "a" * 5000, "aaa: cannot be read: File name too long"),
+    "a loop of links": ("mine.csv", "loop", "loop: cannot be read: Too many levels of symbolic"),
+    "not readable": ("mine.csv", "/proc/self/mem", "/proc/self/mem: cannot be read: Input/output"),
+    "the scene": ("mine.csv", "mine.toml", "mine.toml:4: got 3 cells, expected 1"),
+    "the network": ("mine.csv", "mine.npz", "mine.npz: got the byte 0x.* at .*, expected UTF-8"),
+}
+# Columns that nothing can be learnt from, by the place of the column.
+SAME = {0: "column 'x0': got 0.5 in every row", 4: "column 'y1': got 0.5 in every row"}
+
+
+@pytest.mark.parametrize(
+    ("content", "message"), TABLE.values(), ids=[name.replace(" ", "_") for name in TABLE]
+)
+def test_vectors_are_refused(desk: Desk, content: bytes, message: str) -> None:
+    (desk.folder / "mine.csv").write_bytes(content)
+    desk.refuses("bench", "mine.toml", says=message)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"), FILES.values(), ids=[name.replace(" ", "_") for name in FILES]
+)
+def test_a_file_is_refused(desk: Desk, old: str, new: str, message: str) -> None:
+    (desk.folder / "loop").symlink_to("loop")
+    desk.edit(old, new)
+    desk.refuses("bench", "mine.toml", says=message)
+
+
+@pytest.mark.parametrize(("place", "message"), SAME.items())
+def test_a_column_of_one_value_is_refused(desk: Desk, place: int, message: str) -> None:
+    lines = (desk.folder / "mine.csv").read_text(encoding="utf-8").splitlines()
+    rows = [line.split(",") for line in lines]
+    for row in rows[1:]:
+        row[place] = "0.5"
+    text = "\n".join(",".join(row) for row in rows)
+    (desk.folder / "mine.csv").write_text(text, encoding="utf-8")
+    desk.refuses("train", "mine.toml", says=f"mine.csv: {message}, expected values that differ")
+
+
+def test_too_few_rows_are_refused(desk: Desk) -> None:
+    lines = (desk.folder / "mine.csv").read_text(encoding="utf-8").splitlines(keepends=True)
+    (desk.folder / "mine.csv").write_text("".join(lines[:4]), encoding="utf-8")
+    desk.refuses("train", "mine.toml", says="mine.csv: got 3 rows, expected at least 8 to split")

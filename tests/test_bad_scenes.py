@@ -1,0 +1,212 @@
+"""A scene that cannot be: one line with file, key, what was got and what was expected."""
+
+from __future__ import annotations
+
+import pytest
+from refused import Desk
+
+LONG = "1" * 400
+TEXT = "expected text"
+COLUMNS = "expected column names, each once"
+NUMBER = "expected a number"
+HIDDEN = "expected the least and the largest number of hidden nodes"
+OPTIONS = "activation_options = {}"
+
+# What stands in the scene; what stands there instead, and what is said of that.
+TABLE: dict[str, dict[str, str]] = {
+    'file = "mine.csv"': {
+        "file = 5": f"data.file: got 5, {TEXT}",
+        "file = []": f"data.file: got [], {TEXT}",
+        "file = 1979-05-27": "data.file: got datetime.date(1979, 5, 27), expected",
+        "": f"data.file: missing, {TEXT}",
+        'file = ""': "data.file: got '', expected the name of a file",
+        r'file = "a\u0000b"': r"data.file: got 'a\x00b', expected the name",
+        r'file = "a\nb.csv"': r"data.file: got 'a\nb.csv', expected the name",
+        'file = "a': "not TOML: Illegal character",
+        'file = "mine.csv"\nfile = "a"': "not TOML: Cannot overwrite a value",
+        'fiel = "mine.csv"': "data: key 'fiel' is not known, .* did you mean 'file'?",
+    },
+    'sensors = ["x0", "x1", "x2"]': {
+        'sensors = "x0"': "data.sensors: got 'x0', expected a list",
+        "sensors = {}": "data.sensors: got {}, expected a list",
+        "sensors = []": f"data.sensors: got [], {COLUMNS}",
+        "sensors = [1]": f"data.sensors: got [1], {COLUMNS}",
+        'sensors = [["x0"]]': f"data.sensors: got [['x0']], {COLUMNS}",
+        'sensors = [""]': f"data.sensors: got [''], {COLUMNS}",
+        'sensors = ["x0", "x0", "x2"]': f"data.sensors: got ['x0', 'x0', 'x2'], {COLUMNS}",
+        'sensors = ["x0"]': "mine.npz: w1: got shape (5, 3), expected (5, 1)",
+        'sensors = ["y0", "x1", "x2"]': "data.outputs: got 'y0', a sensor, expected columns",
+        f"sensors = {'[' * 2000}{']' * 2000}": "not TOML: nested too deep",
+    },
+    'outputs = ["y0", "y1"]': {
+        "outputs = []": f"data.outputs: got [], {COLUMNS}",
+        'outputs = ["y0", "y0"]': f"data.outputs: got ['y0', 'y0'], {COLUMNS}",
+        'outputs = ["x0", "y1"]': "data.outputs: got 'x0', a sensor, expected columns",
+        'outputs = ["y0"]': "mine.npz: w2: got shape (2, 5), expected (1, 5)",
+    },
+    'group_by = "y0"': {
+        "group_by = 5": f"data.group_by: got 5, {TEXT}",
+        'group_by = ["y0"]': f"data.group_by: got ['y0'], {TEXT}",
+        "where = 5": "data.where: got 5, expected a table",
+        'where = { x0 = "a" }': f"data.where.x0: got 'a', {NUMBER}",
+        "where = { x0 = true }": f"data.where.x0: got True, {NUMBER}",
+        "where = { x0 = 1e999 }": f"data.where.x0: got inf, {NUMBER}",
+        f"where = {{ x0 = {LONG} }}": "data.where.x0: got a number of 1326 bits, expected 64",
+        "full_scale = { y9 = 1 }": "data.full_scale: 'y9' is no output, expected one of y0, y1",
+        "full_scale = { y0 = 0 }": f"data.full_scale.y0: got 0, {NUMBER} above 0",
+        "full_scale = { y0 = nan }": f"data.full_scale.y0: got nan, {NUMBER} above 0",
+        "full_scale = { y0 = true }": f"data.full_scale.y0: got True, {NUMBER} above 0",
+        "full_scale = { y0 = {} }": f"data.full_scale.y0: got {{}}, {NUMBER} above 0",
+        f"full_scale = {{ y0 = -{LONG} }}": "data.full_scale.y0: got a number of 1326 bits",
+        "length_mm = { y0 = 1 }": "data.length_mm: 'y0' is no output with a full_scale",
+        "full_scale = { y0 = 1 }\nlength_mm = { y0 = inf }": f"length_mm.y0: got inf, {NUMBER}",
+        'reference = "digit"': "data.reference: got 'digit', expected a table of thesis_numbers",
+        'reference = "digit.hybrid"': "with 2 simulation figures",
+        'reference = "..."': "data.reference: got '...', expected a table",
+        f"x = {'1' * 5000}": "not TOML: Exceeds the limit",
+    },
+    'arrangement = "single"': {
+        'arrangement = "cascad"': "network.arrangement: got 'cascad', .* did you mean 'cascade'?",
+        "arrangement = 5": f"network.arrangement: got 5, {TEXT}",
+        "": f"network.arrangement: missing, {TEXT}",
+        'arrangement = "cascade"': "network.weights: got 'mine.npz', expected 2: cascade has one",
+        'arrangement = "multiple"': "network.weights: got 'mine.npz', expected 2: multiple has",
+    },
+    "hidden = 5": {
+        "hidden = -1": "network.hidden: got -1, expected 0 to 1024",
+        "hidden = 1000000000000": "network.hidden: got 1000000000000, expected 0 to 1024",
+        f"hidden = {LONG}": "network.hidden: got a number of 1326 bits, expected 64 at most",
+        "hidden = true": "network.hidden: got True, expected a whole number",
+        "hidden = 5.0": "network.hidden: got 5.0, expected a whole number",
+        'hidden = "5"': "network.hidden: got '5', expected a whole number",
+        "hidden = []": "network.hidden: got [], expected 1: single has one for all outputs",
+        "hidden = [5, 5]": "network.hidden: got [5, 5], expected 1: single has one for all",
+        "hidden = [[5]]": "network.hidden: got [[5]], expected a whole number",
+        "hidden = 4": "mine.npz: w1: got shape (5, 3), expected (4, 3) of a 3:4:2 network",
+    },
+    'weights = "mine.npz"': {
+        "weights = 5": f"network.weights: got 5, {TEXT}",
+        "weights = []": "network.weights: got [], expected 1: single has one",
+        'weights = ""': "network.weights: got '', expected the name of a file",
+        r'weights = "a\u0000.npz"': r"network.weights: got 'a\x00.npz', expected the name",
+        'weights = ["mine.npz", "mine.npz"]': "expected 1: single has one for all outputs",
+        'weights = "mine.csv"': "mine.csv: got the ending '.csv', expected one of .npz, .mat",
+        'weights = "mine"': "mine: got the ending '', expected one of .npz, .mat, .onnx",
+        'weights = "no.npz"': "no.npz: no such network; make train SCENE=... writes it",
+    },
+    'design = "hybrid"': {
+        'design = "hybird"': "hardware.design: got 'hybird', .* did you mean 'hybrid'?",
+        'design = ["hybrid"]': f"hardware.design: got ['hybrid'], {TEXT}",
+        'design = "engine"': "hardware.activation: got 'gradient' with design 'engine', expected",
+        'design = "hybrid"\nmultiplier = "dsp"': "hardware.multiplier: got 'dsp' with design",
+        'design = "hybrid"\nmultiplier = "x"': "hardware.multiplier: got 'x', expected one of dsp",
+        'design = "hybrid"\npipeline = "deep"': "hardware.pipeline: got 'deep' with design",
+        'design = "hybrid"\nsegment_width = 7': "hardware.segment_width: got 7 with design",
+        'design = "hybrid"\nclocks = 5': "hardware.clocks: got 5 with design 'hybrid', expected",
+        'design = "hybrid"\nreload = true': "hardware.reload: got True with design 'hybrid'",
+        'design = "hybrid"\nreload = "yes"': "hardware.reload: got 'yes', expected true or false",
+        'design = "hybrid"\nprogram_words = 8': "hardware.program_words: got 8 without reload",
+        'design = "hybrid"\noperand_words = 8': "hardware.operand_words: got 8 without reload",
+        'design = "hybrid"\nspeed = 1': "hardware: key 'speed' is not known, expected design",
+        'design = "hybrid"\nclock_mhz = 0': "hardware.clock_mhz: got 0.0, expected 0.001 to",
+        'design = "hybrid"\nclock_mhz = nan': "hardware.clock_mhz: got nan, expected 0.001 to",
+        'design = "hybrid"\nclock_mhz = 1e308': "hardware.clock_mhz: got 1e+308, expected 0.001",
+        'design = "hybrid"\nclock_mhz = 1e-320': "hardware.clock_mhz: got 1e-320, expected",
+        'design = "hybrid"\nclock_mhz = "64"': f"hardware.clock_mhz: got '64', {NUMBER}",
+        'design = "hybrid"\nclock_mhz = true': f"hardware.clock_mhz: got True, {NUMBER}",
+        f'design = "hybrid"\nclock_mhz = {LONG}': "hardware.clock_mhz: got a number of 1326 bits",
+    },
+    'activation = "gradient"': {
+        'activation = "tanh"': "hardware.activation: got 'tanh', expected one of gradient",
+        "activation = 5": f"hardware.activation: got 5, {TEXT}",
+    },
+    f'activation = "gradient"\n{OPTIONS}': {
+        'activation = "pade"\nactivation_options = { rho = -1 }': "rho: got -1.0, expected",
+        'activation = "pade"\nactivation_options = { rho = nan }': "rho: got nan, expected",
+        'activation = "pade"\nactivation_options = { rho = "1" }': "rho: got '1', expected",
+        'activation = "pade"\nactivation_options = { iterations = 0 }': "iterations: got 0",
+        'activation = "pade"\nactivation_options = { roh = 1 }': "option 'roh' is not known",
+        'activation = "precise"\nactivation_options = { coefficients = "x" }': "coefficients: got",
+        'activation = "precise"\nactivation_options = { coefficients = 1 }': "coefficients: got 1",
+        'activation = "gradient"\nactivation_options = 4': "got 4, expected a table",
+    },
+    'precision = "exact"': {
+        'precision = "exatc"': "hardware.precision: got 'exatc', .* did you mean 'exact'?",
+        "precision = 5": f"hardware.precision: got 5, {TEXT}",
+    },
+    'interface = "stream"': {
+        'interface = "axi"': "hardware.interface: got 'axi', expected one of stream, axi_stream",
+        'interface = "axi_stream"\n[front_end]': "with a section [front_end], expected stream",
+    },
+    "restarts = 2": {
+        "restarts = 0": "training.restarts: got 0, expected above 0 and 100000 at most",
+        "restarts = 1000000000000": "training.restarts: got 1000000000000, expected above 0 and",
+        "restarts = 2.5": "training.restarts: got 2.5, expected a whole number",
+        'optimiser = "sgc"': "training.optimiser: got 'sgc', .* did you mean 'scg'?",
+        "optimiser = 5": f"training.optimiser: got 5, {TEXT}",
+        "hidden = 5": "training.hidden: got 5, expected a list",
+        "hidden = []": f"training.hidden: got [], {HIDDEN}",
+        "hidden = [5, 4]": f"training.hidden: got [5, 4], {HIDDEN}",
+        "hidden = [0, 4]": f"training.hidden: got [0, 4], {HIDDEN}",
+        'hidden = ["a", "b"]': f"training.hidden: got ['a', 'b'], {HIDDEN}",
+        "hidden = [1.0, 2.0]": f"training.hidden: got [1.0, 2.0], {HIDDEN}",
+        "hidden = [1, 1000000000000]": f"training.hidden: got [1, 1000000000000], {HIDDEN}",
+        "seed = -1": "training.seed: got -1, expected 0 or more",
+        "seed = 1.5": "training.seed: got 1.5, expected a whole number",
+        f"seed = {LONG}": "training.seed: got a number of 1326 bits, expected 64 at most",
+        "weight_decay = -1": "training.weight_decay: got -1.0, expected 0 or more",
+        "weight_decay = inf": "training.weight_decay: got inf, expected 0 or more",
+        "patience = 0": "training.patience: got 0, expected above 0",
+        'earlier_outputs = "x"': "training.earlier_outputs: got 'x', expected one of bit-true",
+        "epochs = 5": "training: key 'epochs' is not known, expected",
+    },
+    "steps = 20": {
+        "steps = 0": "training.steps: got 0, expected above 0",
+        "steps = 1000000000": "training.steps: got 1000000000, expected above 0 and 1000000 at",
+        "steps = nan": "training.steps: got nan, expected a whole number",
+    },
+    "[training]": {
+        "[trainig]": "section 'trainig' is not known, .* did you mean 'training'?",
+        "[[training]]": "training: got [{.*}], expected a section",
+        "[front_end]\ncounter_width = 0\n[training]": "front_end.counter_width: got 0, expected",
+        "[front_end]\ncounter_width = 2\n[training]": "front_end: scan_sequencer: got counter_",
+        "[front_end]\ncounter_width = 64\n[training]": "counter_width: got 64, expected 1 to 24",
+        "[front_end]\nsample_at = 0\n[training]": "front_end.sample_at: got 0.0, expected above",
+        "[front_end]\nsample_at = nan\n[training]": "front_end.sample_at: got nan, expected above",
+        "[front_end]\nsample_at = 1e-9\n[training]": "front_end: scan_sequencer: got sample_",
+        "[visualisation]\n[training]": "visualisation.load: got 'load', expected one of the out",
+        "[visualisation]\nload = 5\n[training]": f"visualisation.load: got 5, {TEXT}",
+        "[data]\n[training]": "not TOML: Cannot declare",
+        "x\n[training]": "not TOML: Expected '=' after a key",
+        '"\\q" = 1\n[training]': "not TOML: Unescaped",
+    },
+}
+ENGINE: dict[str, str] = {
+    "program_words = 8": "hardware.program_words: got 8 without reload, expected true",
+    "reload = true\nprogram_words = 5": "hardware.program_words: got 5, expected a power of two",
+    "reload = true\nprogram_words = -8": "hardware.program_words: got -8, expected a power of",
+    "reload = true\nprogram_words = 1099511627776": "hardware.program_words: got 1099511627776",
+    "reload = true\noperand_words = 1099511627776": "hardware.operand_words: got 1099511627776",
+    'reload = true\nmultiplier = "serial"': "hardware.reload: got True with multiplier 'serial'",
+    'reload = true\ninterface = "axi_stream"': "hardware.reload: got true with interface",
+    "segment_width = -1": "segment_width: got -1, expected one of 7, 8, 9",
+    "segment_width = 1000000000000": "segment_width: got 1000000000000, expected one of 7, 8, 9",
+    "clocks = 1": "hardware.clocks: got 1, expected 53 or more, which multiplier 'dsp' takes",
+    "clocks = -1": "hardware.clocks: got -1, expected 53 or more",
+    'pipeline = "deep"\nmultiplier = "serial"': "hardware.pipeline: got 'deep' with multiplier",
+    "[front_end]\ncounter_width = 3": "front_end: instrument: got counter_width=3, a scan of 8",
+}
+ROWS = [(old, new, message) for old, rows in TABLE.items() for new, message in rows.items()]
+
+
+@pytest.mark.parametrize(("old", "new", "message"), ROWS, ids=lambda text: text[:40])
+def test_a_key_is_refused(desk: Desk, old: str, new: str, message: str) -> None:
+    desk.edit(old, new)
+    desk.refuses("bench", "mine.toml", says=message)
+
+
+@pytest.mark.parametrize(("keys", "message"), ENGINE.items(), ids=lambda text: text[:40])
+def test_a_key_of_an_engine_is_refused(desk: Desk, keys: str, message: str) -> None:
+    desk.edit('design = "hybrid"\nactivation = "gradient"', 'design = "engine"')
+    desk.edit('interface = "stream"', keys)
+    desk.refuses("listing", "mine.toml", says=message)

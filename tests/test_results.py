@@ -1,0 +1,103 @@
+"""What benches found is kept for each, so that an interrupted demo goes on where it stopped."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from golden.block import walk
+from golden.scene import Scene, load_scene
+from tb.common import results
+from tb.common.runner import Job, Outcome
+from tb.common.tools import SIMULATORS
+
+
+class Benches:
+    """Benches that are only counted: all pass, but for those named in ``red``."""
+
+    def __init__(self, scene: Scene, folder: Path, monkeypatch: pytest.MonkeyPatch):
+        self.scene = scene
+        self.ran: list[str] = []
+        self.red: set[str] = set()
+        self.stop_before = ""
+        self.planned = [
+            Job(scene, part.entity, part.block, part.area, (), simulator, build=folder)
+            for simulator in SIMULATORS
+            for part in walk(scene.twin())
+        ]
+        for name in ("vhdl", "verilog"):
+            (folder / scene.name / name).mkdir(parents=True)
+            (folder / scene.name / name / results.MANIFEST).touch()
+        fakes: dict[str, Any] = {
+            "BUILD": folder,
+            "plan": lambda *_: self.planned,
+            "jobs": lambda _, simulator: [j for j in self.planned if j.simulator == simulator],
+            "run_job": self.run,
+            "run_jobs": self.one_by_one,
+        }
+        for name, fake in fakes.items():
+            monkeypatch.setattr(results, name, fake)
+
+    def one_by_one(
+        self, jobs: list[Job], tell: Callable[[Outcome], None], work: Callable[[Job], Outcome]
+    ) -> list[Outcome]:
+        return [work(job) for job in jobs]
+
+    def run(self, job: Job) -> Outcome:
+        name = f"{job.simulator} {job.entity}"
+        if name == self.stop_before:
+            raise KeyboardInterrupt
+        self.ran.append(name)
+        return Outcome(job, name not in self.red, 7, 0.5, {"interval": 9})
+
+    def simulate(self) -> dict[str, Any]:
+        self.ran = []
+        return results.simulate(load_scene(str(self.scene.path)))
+
+
+@pytest.fixture
+def benches(small_scene: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Benches:
+    return Benches(small_scene, tmp_path / "build", monkeypatch)
+
+
+def test_an_interrupted_demo_goes_on(benches: Benches) -> None:
+    names = [f"{job.simulator} {job.entity}" for job in benches.planned]
+    benches.stop_before = names[5]
+    with pytest.raises(KeyboardInterrupt):
+        benches.simulate()
+    assert benches.ran == names[:5]
+    assert results.stored_results(benches.scene) is None
+    benches.stop_before = ""
+    found = benches.simulate()
+    assert benches.ran == names[5:]
+    assert (found["kept"], found["benches"], found["failed"]) == (5, len(names), 0)
+    assert found["compared"] == 7 * len(names)
+    assert found["facts"] == {simulator: {"interval": 9} for simulator in SIMULATORS}
+    again = benches.simulate()
+    assert benches.ran == []
+    assert again == found | {"kept": len(names)}
+    assert results.stored_results(benches.scene) == again
+
+
+def test_a_change_runs_all_and_a_damaged_record_its_own(benches: Benches) -> None:
+    benches.simulate()
+    record = benches.planned[3].folder / "outcome.json"
+    record.write_bytes(record.read_bytes()[:20])
+    benches.simulate()
+    assert benches.ran == [f"{benches.planned[3].simulator} {benches.planned[3].entity}"]
+    lines = benches.scene.data_path.read_text().splitlines()
+    benches.scene.data_path.write_text("\n".join([*lines, lines[-1]]))
+    benches.simulate()
+    assert len(benches.ran) == len(benches.planned)
+
+
+def test_what_fails_is_run_again(benches: Benches) -> None:
+    job = benches.planned[0]
+    benches.red = {f"{job.simulator} {job.entity}"}
+    for _ in range(2):
+        assert benches.simulate()["failed"] == 1
+        assert results.stored_results(benches.scene) is None
+    assert benches.ran == list(benches.red)
