@@ -59,6 +59,22 @@ def held_out_rows(scene: Scene) -> NDArray[np.int64] | None:
     return split_of(scene).test
 
 
+def held_out_text(scene: Scene) -> str:
+    """Which rows are held out, in words."""
+    rows = held_out_rows(scene)
+    if rows is None:
+        return UNKNOWN
+    settings = scene.training
+    columns = " and ".join(settings.split_by)
+    how = {
+        "random": "drawn at random",
+        "blocks": f"in stretches of about {settings.block_rows} rows"
+        + (f" with the same {columns}" if columns else ""),
+        "groups": f"all that have the same {columns} together",
+    }[settings.split]
+    return f"{len(rows)} that neither trained nor chose the network, {how}"
+
+
 def scene_errors(scene: Scene) -> dict[str, list[OutputError]]:
     """Errors on the recorded vectors: in real arithmetic, bit-true, and bit-true on rows that
     neither trained nor chose the network, where these are known."""
