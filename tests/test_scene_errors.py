@@ -34,15 +34,15 @@ from tb.report.measure.networks import scenes
 
 @pytest.fixture
 def scene(tmp_path: Path) -> Path:
-    """A copy of digit-single whose network was trained here."""
-    folder = scene_path("digit-single").parent
-    for path in folder.glob("digit-single*"):
+    """A copy of digit-single-thesis whose network was trained here."""
+    folder = scene_path("digit-single-thesis").parent
+    for path in folder.glob("digit-single-thesis*"):
         shutil.copy(path, tmp_path)
     data = folder / "../../data/appendix2.csv"
     shutil.copy(data, tmp_path)
-    text = (tmp_path / "digit-single.toml").read_text().replace("../../data/", "")
-    (tmp_path / "digit-single.toml").write_text(text)
-    return tmp_path / "digit-single.toml"
+    text = (tmp_path / "digit-single-thesis.toml").read_text().replace("../../data/", "")
+    (tmp_path / "digit-single-thesis.toml").write_text(text)
+    return tmp_path / "digit-single-thesis.toml"
 
 
 def provenance(scene: Path) -> Path:
@@ -142,7 +142,7 @@ def test_it_is_said_which_rows_are_held_out(scene: Path, keys: str, words: str) 
 
 def test_provenance_that_is_not_toml_is_refused(scene: Path) -> None:
     provenance(scene).write_text("data = ")
-    with pytest.raises(ValueError, match=r"digit-single\.provenance\.toml: not TOML"):
+    with pytest.raises(ValueError, match=r"digit-single-thesis\.provenance\.toml: not TOML"):
         held_out_rows(load_scene(str(scene)))
 
 
@@ -193,6 +193,7 @@ def test_a_scene_may_state_its_noise(scene: Path) -> None:
 def test_noise_and_drift_are_in_the_unit_of_the_readings(tmp_path: Path) -> None:
     """Of a converter of -1024 to 1024: sizes are a thousand times as large, to two digits."""
     scene = load_scene("digit-load")
+    scene = replace(scene, training=replace(scene.training, disturbance=Disturbance()))
     header, *lines = scene.data_path.read_text().splitlines()
     cells = [line.split(",") for line in lines]
     raw = [[*(f"{1024 * float(cell)!r}" for cell in row[:4]), *row[4:]] for row in cells]
