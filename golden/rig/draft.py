@@ -34,10 +34,10 @@ design = "engine"
 precision = "exact"
 
 [training]
-# Every number of hidden nodes from 4 to 12 from 4 random starts: about a minute for some hundred
+# Every number of hidden nodes from 4 to 12 from 8 random starts: about a minute for some hundred
 # rows on two cores. More of either err a little less and take longer.
 hidden = [4, 12]
-restarts = 4
+restarts = 8
 # Little, since readings have little noise; 1e-4 where they have much.
 weight_decay = 1e-6
 # With the standard deviation of the noise that is to be expected on every reading, in its unit,
