@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from typing import Any
 
 import numpy as np
@@ -10,10 +9,11 @@ from numpy.typing import NDArray
 
 from golden.disturbance import Disturbance
 from golden.metrics import OutputError, summarise
-from golden.network_files.network_file import provenance_path
+from golden.network_files.network_file import read_provenance
 from golden.networks.mlp import Real
 from golden.precision import SIGNAL
 from golden.scene import Scene
+from golden.scene.scale import readings
 from golden.training.split import split_of, split_story
 
 HELD_OUT = "bit-true, held out"
@@ -39,19 +39,16 @@ def told(scene: Scene) -> list[dict[str, Any]] | None:
 
     Raises
     ------
-    ValueError
-        For provenance that is not TOML.
+    CommandError, ValueError
+        See ``read_provenance``.
     """
     expected = split_story(scene)
     stories = []
     for member, mlp in zip(scene.members, scene.mlps(), strict=True):
-        path = provenance_path(member.weights_path)
-        if not path.is_file():
+        read = read_provenance(member.weights_path)
+        if read is None:
             return None
-        try:
-            story = UNTOLD | tomllib.loads(path.read_text(encoding="utf-8"))
-        except tomllib.TOMLDecodeError as error:
-            raise ValueError(f"{path}: not TOML: {error}") from None
+        story = UNTOLD | read
         shape = ":".join(str(n) for n in mlp.shape)
         story.setdefault("rows", expected["rows"])
         if any(story.get(key) != value for key, value in (expected | {"network": shape}).items()):
@@ -90,16 +87,25 @@ def held_out_means(scene: Scene) -> list[float] | None:
 
 
 def held_out_text(scene: Scene) -> str:
-    """Which rows are held out, in a sentence without its stop."""
-    rows, means = held_out_rows(scene), held_out_means(scene)
-    if rows is not None:
-        return f"'held out' are the {len(rows)} frames that neither trained nor chose the network"
+    """Which rows are held out, in words."""
+    means = held_out_means(scene)
     if means is None:
-        return f"held-out frames are {UNKNOWN}"
+        return UNKNOWN
+    settings = scene.training
+    columns = " and ".join(settings.split_by)
+    how = {
+        "random": "drawn at random",
+        "blocks": f"in stretches of about {settings.block_rows} rows"
+        + (f" with the same {columns}" if columns else ""),
+        "groups": f"all that have the same {columns} together",
+    }[settings.split]
+    rows = held_out_rows(scene)
+    if rows is not None:
+        return f"{len(rows)} that neither trained nor chose the network, {how}"
     shown = ", ".join(f"{name} {m:.2f}" for name, m in zip(scene.outputs, means, strict=True))
     return (
-        "no frame is held out, the networks were trained on with all; before, on a quarter that "
-        f"they had not seen, the mean was {shown}"
+        "none any more, the networks were trained on with all; before, the mean on "
+        f"{len(split_of(scene).test)} that they had not seen, {how}, was {shown}"
     )
 
 
@@ -157,9 +163,10 @@ def disturbed_rows(scene: Scene, disturbance: Disturbance, seed: int = SEED) -> 
     """
     vectors = scene.vectors()
     draws = 1 if disturbance.none else -(-FRAMES // len(vectors.inputs))
-    many = np.tile(vectors.inputs, (draws, 1))
-    readings = disturbance.of(many.reshape(1, -1), np.random.default_rng(seed)).reshape(many.shape)
-    codes, _ = SIGNAL.quantise(readings)
+    # Noise and drift are what happens to readings, in their unit, before they are codes.
+    many = np.tile(readings(vectors.inputs, scene.scales(scene.sensors)), (draws, 1))
+    given = disturbance.of(many.reshape(1, -1), np.random.default_rng(seed)).reshape(many.shape)
+    codes = scene.codes_of(given)
     results = SIGNAL.to_real(scene.twin().core.process(codes)).reshape(
         draws, *vectors.targets.shape
     )

@@ -37,7 +37,7 @@ NASTY = [
 ARGUMENTS = {
     "SCENE": (
         "",
-        "demo sim vhdl verilog check train predict recalibrate network image bench listing lean "
+        "demo sim vhdl verilog check train recalibrate predict network image bench listing lean "
         "synth report",
     ),
     "BLOCK": ("--block=", "sim"),
@@ -45,9 +45,9 @@ ARGUMENTS = {
     "SEED": ("--seed=", "sim figures"),
     "FRAMES": ("--frames=", "sim bench"),
     "CLUSTER": ("--cluster=", "train"),
-    "CSV": ("", "scene predict recalibrate"),
+    "CSV": ("", "scene recalibrate predict"),
     "OUTPUTS": ("", "scene"),
-    "TO": ("", "predict recalibrate network"),
+    "TO": ("", "recalibrate predict network"),
     "OUTPUT": ("--output=", "network"),
     "HARDWARE": ("--hardware=", "image"),
     "TABLE": ("", "figures"),
