@@ -116,7 +116,28 @@ def test_what_was_not_trained_here_holds_nothing_out(scene: Path, change) -> Non
     assert held_out_rows(changed) is None
     assert HELD_OUT not in scene_errors(changed)
     assert "held out" not in "\n".join(error_table(changed))
-    assert UNKNOWN in held_out_text(changed)
+    assert held_out_text(changed) == UNKNOWN
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ("", ", drawn at random"),
+        ("split = 'blocks'\nblock_rows = 7\n", ", in stretches of about 7 rows"),
+        (
+            "split = 'blocks'\nsplit_by = ['load', 'shape']\n",
+            ", in stretches of about 5 rows with the same load and shape",
+        ),
+        ("split = 'groups'\nsplit_by = ['load']\n", ", all that have the same load together"),
+    ],
+)
+def test_it_is_said_which_rows_are_held_out(scene: Path, keys: str, words: str) -> None:
+    scene.write_text(scene.read_text() + keys)
+    loaded = load_scene(str(scene))
+    told = "\n".join(f"{key} = {value!r}" for key, value in split_story(loaded).items())
+    provenance(scene).write_text(f"{told}\nnetwork = '4:16:4'\n")
+    count = len(split_of(loaded).test)
+    assert held_out_text(loaded) == (f"{count} that neither trained nor chose the network{words}")
 
 
 def test_provenance_that_is_not_toml_is_refused(scene: Path) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from golden.block import walk
-from golden.errors import UNKNOWN, held_out_means, noise_of, scene_errors
+from golden.errors import UNKNOWN, held_out_means, held_out_text, noise_of, scene_errors
 from golden.networks.network import Network
 from golden.scene import Scene, thesis_figures
 from hdl.synth.timing import DEVICE_NAME
@@ -51,9 +51,8 @@ def errors(found: Outcome, moved: Table | None) -> Table:
     note = (
         "Bit-true, which is what the hardware computes, on the recorded rows"
         + (f"; largest: the largest mean at one {scene.group_by}. " if scene.group_by else ". ")
-        + "Held out: the mean of rows that neither trained nor chose the network, before it was "
-        "trained on with all rows, if it was. Noise: the mean with so much on every reading, in "
-        "its unit."
+        + f"Held out: the mean; rows: {held_out_text(scene)}. Noise: the mean "
+        "with so much on every reading, in its unit."
     )
     if not scene.group_by:
         columns, rows = _without(2, columns), [_without(2, row) for row in rows]
