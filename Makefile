@@ -18,7 +18,7 @@ RUN := "$$VENV/bin/python"
 # A target by a name of its own: the path of the environment may hold what is special in one of make's.
 READY := ready
 
-.PHONY: help demo test machines sim vhdl verilog scene check train predict network image bench listing activations figures lean synth report docs pages lint clean tools browser ready
+.PHONY: help demo test machines sim vhdl verilog scene check train recalibrate predict network image bench listing activations figures lean synth report docs pages lint clean tools browser ready
 
 help:
 	@echo "make demo    [SCENE=] [FULL=1]            a scene end to end: simulate, export, table of errors"
@@ -34,6 +34,9 @@ help:
 	@echo "                                          a scene for your own readings, and what they show"
 	@echo "make check   [SCENE=]                     what can be wrong with a scene, in seconds"
 	@echo "make train   [SCENE=] [CLUSTER=]          train the scene's networks, write them beside it"
+	@echo "make recalibrate [SCENE=] [CSV=placements.csv] [TO=folder]"
+	@echo "                                          gain and offset of each sensor from known placements; without any,"
+	@echo "                                          those that tell most"
 	@echo "make predict CSV=new.csv TO=out.csv [SCENE=]"
 	@echo "                                          the hardware's outputs for new readings, and which are unlike any"
 	@echo "make network TO=file.onnx [SCENE=] [OUTPUT=]"
@@ -80,6 +83,9 @@ check: $(READY)
 
 train: $(READY)
 	@$(RUN) -m golden.training "$$SCENE" $(if $(CLUSTER),--cluster="$$CLUSTER")
+
+recalibrate: $(READY)
+	@$(RUN) -m golden.recalibration "$$SCENE" "$$CSV" "$$TO"
 
 predict: $(READY)
 	@$(RUN) -m golden.rig.predict "$$SCENE" "$$CSV" "$$TO"

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import tomllib
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from golden.disturbance import Disturbance
 from golden.metrics import OutputError, summarise
-from golden.network_files.network_file import provenance_path
+from golden.network_files.network_file import read_provenance
 from golden.networks.mlp import Real
 from golden.precision import SIGNAL
 from golden.scene import Scene
@@ -32,47 +32,87 @@ SEED = 1
 NOISE = 0.002
 
 
-def held_out_rows(scene: Scene) -> NDArray[np.int64] | None:
-    """Rows that neither trained nor chose any network of the scene.
+def told(scene: Scene) -> list[dict[str, Any]] | None:
+    """The provenance of each network of the scene.
 
-    None where that is unknown: a network came from elsewhere, or was trained on other data or with
-    another split.
+    None where a network came from elsewhere, or was trained on other data or with another split.
 
     Raises
     ------
-    ValueError
-        For provenance that is not TOML.
+    CommandError, ValueError
+        See ``read_provenance``.
     """
     expected = split_story(scene)
+    stories = []
     for member, mlp in zip(scene.members, scene.mlps(), strict=True):
-        path = provenance_path(member.weights_path)
-        if not path.is_file():
+        read = read_provenance(member.weights_path)
+        if read is None:
             return None
-        try:
-            told = UNTOLD | tomllib.loads(path.read_text(encoding="utf-8"))
-        except tomllib.TOMLDecodeError as error:
-            raise ValueError(f"{path}: not TOML: {error}") from None
+        story = UNTOLD | read
         shape = ":".join(str(n) for n in mlp.shape)
-        told.setdefault("rows", expected["rows"])
-        if any(told.get(key) != value for key, value in (expected | {"network": shape}).items()):
+        story.setdefault("rows", expected["rows"])
+        if any(story.get(key) != value for key, value in (expected | {"network": shape}).items()):
             return None
+        stories.append(story)
+    return stories
+
+
+def held_out_rows(scene: Scene) -> NDArray[np.int64] | None:
+    """Rows that neither trained nor chose any network of the scene.
+
+    None where that is unknown, see ``told``, and where a network was trained on, on all rows.
+    """
+    stories = told(scene)
+    if stories is None or any(story.get("refit") for story in stories):
+        return None
     return split_of(scene).test
 
 
+def held_out_means(scene: Scene) -> list[float] | None:
+    """Mean error of each output, in percent, on rows that the networks have not seen.
+
+    Of networks that were trained on, on all rows, it is what their provenance tells: the error of
+    what was trained on without these rows. None where it is unknown, see ``told``.
+    """
+    found = scene_errors(scene).get(HELD_OUT)
+    if found is not None:
+        return [error.mean for error in found]
+    stories = told(scene)
+    if stories is None:
+        return None
+    means: dict[str, float] = {}
+    for story in stories:
+        means |= story.get("test_mean_percent", {})
+    return [means[name] for name in scene.outputs] if means.keys() >= set(scene.outputs) else None
+
+
 def held_out_text(scene: Scene) -> str:
-    """Which rows are held out, in words."""
-    rows = held_out_rows(scene)
-    if rows is None:
-        return UNKNOWN
+    """Which rows are held out, in a sentence without its stop."""
+    rows, means = held_out_rows(scene), held_out_means(scene)
+    if rows is not None:
+        return (
+            f"'held out' are the {len(rows)} frames that neither trained nor chose the network, "
+            f"{_chosen(scene)}"
+        )
+    if means is None:
+        return f"held-out frames are {UNKNOWN}"
+    shown = ", ".join(f"{name} {m:.2f}" for name, m in zip(scene.outputs, means, strict=True))
+    return (
+        "no frame is held out, the networks were trained on with all; before, on a quarter that "
+        f"they had not seen, {_chosen(scene)}, the mean was {shown}"
+    )
+
+
+def _chosen(scene: Scene) -> str:
+    """How ``training.split`` chose the rows that are held out."""
     settings = scene.training
     columns = " and ".join(settings.split_by)
-    how = {
+    return {
         "random": "drawn at random",
         "blocks": f"in stretches of about {settings.block_rows} rows"
         + (f" with the same {columns}" if columns else ""),
         "groups": f"all that have the same {columns} together",
     }[settings.split]
-    return f"{len(rows)} that neither trained nor chose the network, {how}"
 
 
 def scene_errors(scene: Scene) -> dict[str, list[OutputError]]:

@@ -65,7 +65,7 @@ def same_file(one: Path, other: Path) -> bool:
 def reading(path: Path, form: str) -> Iterator[None]:
     """Around one call that reads the file at ``path``: what stops it becomes a message.
 
-    Nothing of ours may stand in the block: what a parser raises is about the file, whatever it is.
+    Nothing else may stand in the block: what is raised there is taken to be about the file.
 
     Parameters
     ----------

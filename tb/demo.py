@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+import textwrap
 import time
 from typing import Any
 
@@ -101,8 +102,8 @@ def report(scene: Scene, results: dict[str, Any]) -> str:
         f"scene {scene.name}: {scene.arrangement} {scene.describe()}, {scene.activation_text}, "
         f"{scene.precision.name} precision",
         f"errors in % on {len(vectors.codes)} recorded frames; 'largest' is the largest mean over "
-        "the positions",
-        f"held-out frames: {held_out_text(scene)}",
+        "the positions;",
+        *textwrap.wrap(held_out_text(scene), 100),
         f"'noise {noise_of(scene):g}' is the mean with that noise on every reading, in its unit",
         "",
         *error_table(scene),

@@ -404,3 +404,29 @@ def test_who_knows_more_is_off_by_less(tables) -> None:
             assert known_loads < reached
         if (output, said) == ("width", "no"):
             assert reached < any_load
+
+
+def test_the_recalibrations_of_the_page_are_those_measured(tables) -> None:
+    page = section("recalibration", "How many placements")
+    names = ("placements", "chosen", "noise mV", "load %", "position %", "width %", "shape %")
+    found = {}
+    for placements, chosen, noise, *errors in columns(tables, "recalibration", *names):
+        found[str(placements), chosen, "-" if noise is None else f"{noise:g}"] = errors
+    lines = re.findall(r"^\| (\d+) \| ([a-z ]+) \| (-|\d) \|", page, re.M)
+    assert len(lines) == 10
+    for line in lines:
+        for text, error in zip(cells(page, *line), found[line], strict=True):
+            assert shows(text, error, SEARCHED), line
+
+
+def test_more_placements_leave_less_and_chosen_ones_no_more(tables) -> None:
+    names = ("placements", "chosen", "noise mV", "mean %")
+    rows = {tuple(row[:3]): row[3] for row in columns(tables, "recalibration", *names)}
+    own, drifted = rows[0, "not drifted", None], rows[0, "drifted", None]
+    assert drifted > 20 * own
+    for noise in (0.0, 2.0):
+        for few, many in ((4, 10), (4, 40)):
+            assert rows[many, "telling most", noise] < rows[few, "telling most", noise]
+        for count in (3, 4, 6, 8, 10):
+            assert rows[count, "telling most", noise] < rows[count, "at random", noise]
+    assert rows[20, "at random", 0.0] < 1.5 * own

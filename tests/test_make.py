@@ -37,16 +37,17 @@ NASTY = [
 ARGUMENTS = {
     "SCENE": (
         "",
-        "demo sim vhdl verilog check train predict network image bench listing lean synth report",
+        "demo sim vhdl verilog check train recalibrate predict network image bench listing lean "
+        "synth report",
     ),
     "BLOCK": ("--block=", "sim"),
     "SIM": ("--sim=", "sim"),
     "SEED": ("--seed=", "sim figures"),
     "FRAMES": ("--frames=", "sim bench"),
     "CLUSTER": ("--cluster=", "train"),
-    "CSV": ("", "scene predict"),
+    "CSV": ("", "scene recalibrate predict"),
     "OUTPUTS": ("", "scene"),
-    "TO": ("", "predict network"),
+    "TO": ("", "recalibrate predict network"),
     "OUTPUT": ("--output=", "network"),
     "HARDWARE": ("--hardware=", "image"),
     "TABLE": ("", "figures"),

@@ -11,9 +11,9 @@ from pathlib import Path
 from golden.cli import run
 from golden.files import check_writable, replace_file
 from golden.network_files.network_file import provenance_path
+from golden.rig.csv_file import read_csv_file
 from golden.rig.draft import draft
 from golden.rig.finding import refuse
-from golden.rig.recording import read_recording
 from golden.rig.survey import Survey, survey
 from golden.scene import Scene, load_scene
 from golden.training.scaling import scaled
@@ -57,7 +57,7 @@ def main() -> None:
     check_writable([path])
     if path.exists():
         raise ValueError(f"{path}: is there already; choose another name with TO=")
-    recording = read_recording(Path(arguments.csv))
+    recording = read_csv_file(Path(arguments.csv))
     found = survey(recording, names_of(arguments.outputs))
     print(f"{recording.path}: {len(recording.rows)} rows, {len(recording.names)} columns")
     print("\n".join(found.lines()))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from matplotlib.figure import Figure
 
-from golden.errors import UNKNOWN
+from golden.errors import held_out_text
 from tb.report.draw.looks import nth
 from tb.report.draw.plots import Plot
 from tb.report.draw.svg import PLOT_INCHES, plain, style, svg
@@ -88,7 +88,8 @@ def predicted_plots(found: Outcome) -> Iterator[Predicted]:
         miss = found.results[:, c] - found.targets[:, c]
         text = f"Every {every}th row and the worst. " if every > 1 else ""
         if found.held_out is None:
-            text += f"Which rows are held out is {UNKNOWN}. "
+            said = held_out_text(found.scene)
+            text += f"{said[0].upper()}{said[1:]}. "
         yield Predicted(
             f"predicted_{c}",
             f"{output}: computed against recorded",

@@ -1,0 +1,174 @@
+"""A copy of a scene with corrected sensors: scene file, networks with provenance, recording.
+
+A correction is folded into the weights as a scale of the sensors is: ``w1 (factor x + offset)`` is
+``(w1 factor) x`` with ``w1 offset`` in the biases. Nothing else of a network changes, so its
+hardware is as large as before, and an engine that can be reloaded is the same one.
+
+The recording of the copy is the scene's as the sensors would give it now: each reading that the
+correction turns into the recorded one. So errors of the copy are those that remain if nothing but
+gain and offset has changed.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from golden.files import check_writable, reading, replace_file, same_file
+from golden.network_files.network_file import check_targets, provenance_path, save_networks
+from golden.networks.mlp import Mlp, Real
+from golden.scene import Scene
+from golden.scene.scale import Scale, on_readings, on_signals, readings, signals
+from golden.scene.trained_scale import story
+from golden.table import read_table
+
+# Digits of a reading: of a code of fourteen bits they are two more than can matter.
+DIGITS = 9
+
+
+def corrected(scene: Scene, correction: Sequence[Scale]) -> list[Mlp]:
+    """The networks on signals, with the correction of each sensor in their weights."""
+    found = []
+    for mlp in scene.mlps():
+        inputs, _, outputs = mlp.shape
+        earlier = [Scale()] * (inputs - len(correction))
+        found.append(on_signals(mlp, [*correction, *earlier], [Scale()] * outputs))
+    return found
+
+
+def now_read(scene: Scene, correction: Sequence[Scale], recorded: Real) -> Real:
+    """Readings that the correction turns into recorded ones, in the units of the sensors."""
+    scales = scene.scales(scene.sensors)
+    return readings(signals(signals(recorded, scales), correction), scales)
+
+
+def scene_file(scene: Scene, target: str) -> Path:
+    """Where the copy's scene file stands: a ``.toml`` file, or in a folder under its own name.
+
+    Parameters
+    ----------
+    scene : Scene
+    target : str
+        File or folder; nothing for ``build/<scene>/recalibrated``.
+
+    Raises
+    ------
+    ValueError
+        For the scene itself.
+    """
+    folder = Path(target) if target else Path("build") / scene.name / "recalibrated"
+    path = folder if folder.suffix == ".toml" else folder / f"{scene.name}.toml"
+    if same_file(path, scene.path) or same_file(path.parent, scene.path.parent):
+        raise ValueError(
+            f"TO={path}: got the folder of the scene itself, expected another: its networks would "
+            "be replaced"
+        )
+    return path
+
+
+def write_copy(
+    scene: Scene, correction: Sequence[Scale], told: dict[str, Any], path: Path
+) -> list[Path]:
+    """Write the copy; the files written.
+
+    Parameters
+    ----------
+    scene : Scene
+    correction : sequence of Scale
+        One for each sensor; see ``fit``.
+    told : dict
+        What the provenance says beside what it said before.
+    path : Path
+        See ``scene_file``.
+
+    Raises
+    ------
+    CommandError, ValueError
+        For what cannot be read or written.
+    """
+    weights = [path.parent / f"{p.stem}.npz" for p in scene.weights_paths]
+    data = path.parent / scene.data_path.name
+    text = _scene_text(scene, data.name, [w.name for w in weights])
+    check_targets(weights)
+    check_writable([data, path])
+    networks = []
+    for number, mlp in enumerate(corrected(scene, correction)):
+        held = on_readings(mlp, *scene.scales_of(number))
+        names = scene.columns_of(number)
+        scales = {n: s for n, s in scene.known_scales.items() if n in names}
+        before = _provenance(scene.weights_paths[number])
+        networks.append((weights[number], held, before | told | story(scales, held)))
+    save_networks(networks)
+    _write_recording(scene, correction, data)
+    with replace_file(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    return [path, *weights, data]
+
+
+def _provenance(weights: Path) -> dict[str, Any]:
+    """What was known of a network; nothing of one from elsewhere."""
+    path = provenance_path(weights)
+    if not path.is_file():
+        return {}
+    with reading(path, "TOML"):
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+
+
+def _write_recording(scene: Scene, correction: Sequence[Scale], path: Path) -> None:
+    """The file of the recording with other readings, every other cell as it stands."""
+    now = now_read(scene, correction, read_table(scene.data_path, scene.sensors))
+    with (
+        reading(scene.data_path, "CSV"),
+        scene.data_path.open(newline="", encoding="utf-8-sig") as handle,
+    ):
+        header, *rows = [row for row in csv.reader(handle) if row]
+    at = [[name.strip() for name in header].index(name) for name in scene.sensors]
+    for row, values in zip(rows, now.tolist(), strict=True):
+        for column, value in zip(at, values, strict=True):
+            row[column] = f"{value:.{DIGITS}g}"
+    with replace_file(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as out:
+        csv.writer(out, lineterminator="\n").writerows([header, *rows])
+
+
+def _scene_text(scene: Scene, data: str, weights: list[str]) -> str:
+    """The scene file with other names of its files.
+
+    Raises
+    ------
+    ValueError
+        When they cannot be found in it, written as they are.
+    """
+    text = scene.path.read_text(encoding="utf-8")
+    raw = tomllib.loads(text)
+    wanted = raw | {
+        "data": raw["data"] | {"file": data},
+        "network": raw["network"]
+        | {"weights": weights if isinstance(raw["network"]["weights"], list) else weights[0]},
+    }
+    names = ", ".join(f'"{name}"' for name in weights)
+    listed = f"[{names}]" if isinstance(raw["network"]["weights"], list) else names
+    text = re.sub(r"(?m)^(\s*file\s*=\s*).*?(?=\s*(#.*)?$)", rf'\g<1>"{data}"', text, count=1)
+    text = re.sub(
+        r"(?ms)^(\s*weights\s*=\s*)(\[.*?\]|[^\n]*?)(?=\s*(#[^\n]*)?$)",
+        lambda match: match[1] + listed,
+        text,
+        count=1,
+    )
+    try:
+        same = tomllib.loads(text) == wanted
+    except tomllib.TOMLDecodeError:
+        same = False
+    if not same:
+        raise ValueError(
+            f"{scene.path}: got data.file or network.weights in a form that cannot be replaced, "
+            'expected lines file = "..." and weights = "..." or a list'
+        )
+    title = (
+        f"# {scene.name}, recalibrated: its sensors corrected in the weights. The recording is\n"
+        "# that of the scene as the sensors would give it now.\n"
+    )
+    return title + text
