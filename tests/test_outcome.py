@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from golden.errors import noise_of
+from golden.errors import noises_of
 from golden.scene import Scene, load_scene
 from golden.scene.scale import Scale
 from tb.report.draw.outcome import along_plot, disturbance_plots, predicted_plots
@@ -78,7 +78,7 @@ def test_errors_that_come_in_stretches_are_less_sure(digit: Outcome) -> None:
 
 def test_every_figure_lies_in_its_interval(digit: Outcome) -> None:
     table = confidence(digit)
-    assert len(table.rows) == 5 * 4
+    assert len(table.rows) == (4 + len(noises_of(digit.scene))) * 4
     for _, _, _, figure, low, high in table.rows:
         assert low <= figure <= high
         assert low < high
@@ -86,7 +86,8 @@ def test_every_figure_lies_in_its_interval(digit: Outcome) -> None:
 
 def test_without_positions_and_provenance_only_means_are_left(digit: Outcome) -> None:
     bare = replace(digit, held_out=None, scene=replace(digit.scene, group_by=""))
-    kinds = ["mean", f"mean, noise {noise_of(digit.scene):g}", "mean, floating point"]
+    noises = [f"mean, noise {noise:g}" for noise in noises_of(digit.scene)]
+    kinds = ["mean", *noises, "mean, floating point"]
     assert [row[1] for row in confidence(bare).rows] == kinds * 4
     assert "position" not in worst_rows(bare).columns
 
