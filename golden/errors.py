@@ -87,32 +87,26 @@ def held_out_means(scene: Scene) -> list[float] | None:
 
 
 def held_out_text(scene: Scene) -> str:
-    """Which rows are held out, in a sentence without its stop."""
-    rows, means = held_out_rows(scene), held_out_means(scene)
-    if rows is not None:
-        return (
-            f"'held out' are the {len(rows)} frames that neither trained nor chose the network, "
-            f"{_chosen(scene)}"
-        )
+    """Which rows are held out, in words."""
+    means = held_out_means(scene)
     if means is None:
-        return f"held-out frames are {UNKNOWN}"
-    shown = ", ".join(f"{name} {m:.2f}" for name, m in zip(scene.outputs, means, strict=True))
-    return (
-        "no frame is held out, the networks were trained on with all; before, on a quarter that "
-        f"they had not seen, {_chosen(scene)}, the mean was {shown}"
-    )
-
-
-def _chosen(scene: Scene) -> str:
-    """How ``training.split`` chose the rows that are held out."""
+        return UNKNOWN
     settings = scene.training
     columns = " and ".join(settings.split_by)
-    return {
+    how = {
         "random": "drawn at random",
         "blocks": f"in stretches of about {settings.block_rows} rows"
         + (f" with the same {columns}" if columns else ""),
         "groups": f"all that have the same {columns} together",
     }[settings.split]
+    rows = held_out_rows(scene)
+    if rows is not None:
+        return f"{len(rows)} that neither trained nor chose the network, {how}"
+    shown = ", ".join(f"{name} {m:.2f}" for name, m in zip(scene.outputs, means, strict=True))
+    return (
+        "none any more, the networks were trained on with all; before, the mean on "
+        f"{len(split_of(scene).test)} that they had not seen, {how}, was {shown}"
+    )
 
 
 def scene_errors(scene: Scene) -> dict[str, list[OutputError]]:

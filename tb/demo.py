@@ -118,8 +118,8 @@ def report(scene: Scene, results: dict[str, Any]) -> str:
         f"scene {scene.name}: {scene.arrangement} {scene.describe()}, {scene.activation_text}, "
         f"{scene.precision.name} precision",
         f"errors in % on {len(vectors.codes)} recorded frames; 'largest' is the largest mean over "
-        "the positions;",
-        *textwrap.wrap(held_out_text(scene), 100),
+        "the positions",
+        *textwrap.wrap(f"held-out frames: {held_out_text(scene)}", 100),
         "'noise' is the mean with so much noise on every reading, in its unit",
         "",
         *error_table(scene),

@@ -51,8 +51,8 @@ def errors(found: Outcome, moved: Table | None) -> Table:
     note = (
         "Bit-true, which is what the hardware computes, on the recorded rows"
         + (f"; largest: the largest mean at one {scene.group_by}. " if scene.group_by else ". ")
-        + f"Held out: the mean; {held_out_text(scene)}. Noise: the mean with so much on every "
-        "reading, in its unit."
+        + f"Held out: the mean; rows: {held_out_text(scene)}. Noise: the mean "
+        "with so much on every reading, in its unit."
     )
     if not scene.group_by:
         columns, rows = _without(2, columns), [_without(2, row) for row in rows]
