@@ -430,3 +430,11 @@ def test_more_placements_leave_less_and_chosen_ones_no_more(tables) -> None:
         for count in (3, 4, 6, 8, 10):
             assert rows[count, "telling most", noise] < rows[count, "at random", noise]
     assert rows[20, "at random", 0.0] < 1.5 * own
+
+
+def test_the_gauges_of_the_page_are_those_found(tables) -> None:
+    page = section("limits", "Where gauges should sit")
+    for row in tables["gauge_places"].rows:
+        *start, load, position, width = map(str, row)
+        for text, figure in zip(cells(page, *start), (load, position, width), strict=True):
+            assert shows(text, float(figure), ROUNDING)
