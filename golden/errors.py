@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import tomllib
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from golden.disturbance import Disturbance
 from golden.metrics import OutputError, summarise
-from golden.network_files.network_file import provenance_path
+from golden.network_files.network_file import read_provenance
 from golden.networks.mlp import Real
 from golden.precision import SIGNAL
 from golden.scene import Scene
@@ -28,35 +28,85 @@ UNTOLD = {"split": "random", "split_by": "", "block_rows": 0}
 FRAMES = 50_000
 SEED = 1
 
-# Errors are given with this noise too, on signals from -1 to 1: 2 mV where that is a volt.
+# Errors are given with this noise too, as a part of what the last code stands for: 2 mV of a volt.
 NOISE = 0.002
+
+
+def told(scene: Scene) -> list[dict[str, Any]] | None:
+    """The provenance of each network of the scene.
+
+    None where a network came from elsewhere, or was trained on other data or with another split.
+
+    Raises
+    ------
+    CommandError, ValueError
+        See ``read_provenance``.
+    """
+    expected = split_story(scene)
+    stories = []
+    for member, mlp in zip(scene.members, scene.mlps(), strict=True):
+        read = read_provenance(member.weights_path)
+        if read is None:
+            return None
+        story = UNTOLD | read
+        shape = ":".join(str(n) for n in mlp.shape)
+        story.setdefault("rows", expected["rows"])
+        if any(story.get(key) != value for key, value in (expected | {"network": shape}).items()):
+            return None
+        stories.append(story)
+    return stories
 
 
 def held_out_rows(scene: Scene) -> NDArray[np.int64] | None:
     """Rows that neither trained nor chose any network of the scene.
 
-    None where that is unknown: a network came from elsewhere, or was trained on other data or with
-    another split.
-
-    Raises
-    ------
-    ValueError
-        For provenance that is not TOML.
+    None where that is unknown, see ``told``, and where a network was trained on, on all rows.
     """
-    expected = split_story(scene)
-    for member, mlp in zip(scene.members, scene.mlps(), strict=True):
-        path = provenance_path(member.weights_path)
-        if not path.is_file():
-            return None
-        try:
-            told = UNTOLD | tomllib.loads(path.read_text(encoding="utf-8"))
-        except tomllib.TOMLDecodeError as error:
-            raise ValueError(f"{path}: not TOML: {error}") from None
-        shape = ":".join(str(n) for n in mlp.shape)
-        told.setdefault("rows", expected["rows"])
-        if any(told.get(key) != value for key, value in (expected | {"network": shape}).items()):
-            return None
+    stories = told(scene)
+    if stories is None or any(story.get("refit") for story in stories):
+        return None
     return split_of(scene).test
+
+
+def held_out_means(scene: Scene) -> list[float] | None:
+    """Mean error of each output, in percent, on rows that the networks have not seen.
+
+    Of networks that were trained on, on all rows, it is what their provenance tells: the error of
+    what was trained on without these rows. None where it is unknown, see ``told``.
+    """
+    found = scene_errors(scene).get(HELD_OUT)
+    if found is not None:
+        return [error.mean for error in found]
+    stories = told(scene)
+    if stories is None:
+        return None
+    means: dict[str, float] = {}
+    for story in stories:
+        means |= story.get("test_mean_percent", {})
+    return [means[name] for name in scene.outputs] if means.keys() >= set(scene.outputs) else None
+
+
+def held_out_text(scene: Scene) -> str:
+    """Which rows are held out, in words."""
+    means = held_out_means(scene)
+    if means is None:
+        return UNKNOWN
+    settings = scene.training
+    columns = " and ".join(settings.split_by)
+    how = {
+        "random": "drawn at random",
+        "blocks": f"in stretches of about {settings.block_rows} rows"
+        + (f" with the same {columns}" if columns else ""),
+        "groups": f"all that have the same {columns} together",
+    }[settings.split]
+    rows = held_out_rows(scene)
+    if rows is not None:
+        return f"{len(rows)} that neither trained nor chose the network, {how}"
+    shown = ", ".join(f"{name} {m:.2f}" for name, m in zip(scene.outputs, means, strict=True))
+    return (
+        "none any more, the networks were trained on with all; before, the mean on "
+        f"{len(split_of(scene).test)} that they had not seen, {how}, was {shown}"
+    )
 
 
 def scene_errors(scene: Scene) -> dict[str, list[OutputError]]:
@@ -86,9 +136,16 @@ def unit_errors(scene: Scene) -> dict[str, OutputError]:
     return {name: error for name, error in zip(scene.outputs, found, strict=True) if name in named}
 
 
+def full_scale_of(scene: Scene) -> float:
+    """What the last code adds to a reading, in its unit: of several sensors the median, in two
+    digits; 1 where they have no ``data.scale``."""
+    return float(f"{np.median([scale.factor for scale in scene.scales(scene.sensors)]):.1e}")
+
+
 def noise_of(scene: Scene) -> float:
-    """The noise that a scene's errors are given with: the one that it states, or ``NOISE``."""
-    return scene.training.disturbance.noise or NOISE
+    """The noise that a scene's errors are given with, in the unit of the readings: the one that the
+    scene states, or ``NOISE``."""
+    return scene.training.disturbance.noise or float(f"{NOISE * full_scale_of(scene):.6g}")
 
 
 def disturbed_errors(scene: Scene, disturbance: Disturbance, seed: int = SEED) -> list[float]:

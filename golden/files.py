@@ -46,7 +46,10 @@ def same_file(one: Path, other: Path) -> bool:
     By links, by ``..`` on the way, or by capitals where the file system folds them: that it does is
     seen in a folder on the way that is found by another case of its name, too.
     """
-    one, other = (Path(os.path.realpath(path)) for path in (one, other))
+    try:
+        one, other = (Path(os.path.realpath(path)) for path in (one, other))
+    except ValueError:  # a NUL: no file has such a name
+        return False
     if one == other:
         return True
     with suppress(OSError, ValueError):
@@ -65,7 +68,7 @@ def same_file(one: Path, other: Path) -> bool:
 def reading(path: Path, form: str) -> Iterator[None]:
     """Around one call that reads the file at ``path``: what stops it becomes a message.
 
-    Nothing of ours may stand in the block: what a parser raises is about the file, whatever it is.
+    Nothing else may stand in the block: what is raised there is taken to be about the file.
 
     Parameters
     ----------
@@ -163,7 +166,7 @@ def check_writable(paths: Sequence[Path]) -> None:
     for path in paths:
         missing = [folder for folder in path.parents if not _exists(folder)]
         try:
-            _refuse_folder(path)
+            _refuse_other(path)
             with writing(path):
                 temporary = _beside(path)
                 temporary.touch(exist_ok=False)
@@ -182,10 +185,14 @@ def _exists(path: Path) -> bool:
         return True
 
 
-def _refuse_folder(path: Path) -> None:
-    with writing(path):
-        if path.is_dir():
+def _refuse_other(path: Path) -> None:
+    """Only a file may be replaced: to root, a rename would replace a device, too."""
+    with writing(path), suppress(FileNotFoundError, NotADirectoryError):
+        mode = path.stat().st_mode
+        if stat.S_ISDIR(mode):
             raise IsADirectoryError(errno.EISDIR, "got a folder, expected a file")
+        if not stat.S_ISREG(mode):
+            raise OSError(errno.EINVAL, "got no regular file, expected a file")
 
 
 @contextmanager
@@ -208,7 +215,7 @@ def replace_files(paths: Sequence[Path]) -> Iterator[list[Path]]:
     try:
         with ExitStack() as stack:
             for path in paths:
-                _refuse_folder(path)
+                _refuse_other(path)
                 with writing(path):
                     temporary = _beside(path)
                     temporary.touch(exist_ok=False)

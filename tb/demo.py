@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+import textwrap
 import time
 from typing import Any
 
@@ -18,9 +19,8 @@ import numpy as np
 from golden.cli import run
 from golden.disturbance import Disturbance
 from golden.errors import (
-    UNKNOWN,
     disturbed_errors,
-    held_out_rows,
+    held_out_text,
     noise_of,
     scene_errors,
     unit_errors,
@@ -71,14 +71,6 @@ def error_table(scene: Scene) -> list[str]:
     return [line.rstrip() for line in lines]
 
 
-def held_out_line(scene: Scene) -> str:
-    """What held-out frames are, or that nobody knows which these were."""
-    rows = held_out_rows(scene)
-    if rows is None:
-        return f"held-out frames are {UNKNOWN}"
-    return f"'held out' are the {len(rows)} frames that neither trained nor chose the network"
-
-
 def length_lines(scene: Scene) -> list[str]:
     """The bit-true errors of lengths in millimetres, and of what has a scale in its unit."""
     found = scene_errors(scene)["bit-true"]
@@ -110,10 +102,9 @@ def report(scene: Scene, results: dict[str, Any]) -> str:
         f"scene {scene.name}: {scene.arrangement} {scene.describe()}, {scene.activation_text}, "
         f"{scene.precision.name} precision",
         f"errors in % on {len(vectors.codes)} recorded frames; 'largest' is the largest mean over "
-        "the positions;",
-        held_out_line(scene),
-        f"'noise {noise_of(scene):g}' is the mean with that noise on every reading; codes reach "
-        "from -1 to 1",
+        "the positions",
+        *textwrap.wrap(f"held-out frames: {held_out_text(scene)}", 100),
+        f"'noise {noise_of(scene):g}' is the mean with that noise on every reading, in its unit",
         "",
         *error_table(scene),
         "",

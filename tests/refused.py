@@ -28,6 +28,9 @@ COMMANDS = {
     "synth": "hdl.synth.__main__",
     "report": "tb.report.__main__",
     "demo": "tb.demo",
+    "scene": "golden.rig.write_scene",
+    "check": "tb.check",
+    "predict": "golden.rig.predict",
 }
 
 

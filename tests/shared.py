@@ -11,7 +11,7 @@ from pathlib import Path
 from collected import CASES
 
 from golden.scene import Scene, load_scene
-from tb.common.runner import Job, Outcome, export, jobs, run_jobs
+from tb.common.runner import Job, Outcome, compile_vhdl, export, jobs, run_jobs
 from tb.common.tools import language
 from tb.report.measure import store
 from tb.report.measure.steps import measured
@@ -62,7 +62,10 @@ class Shared:
     def jobs(self, name: str, simulator: str) -> list[Job]:
         """A scene's benches in a simulator, on those exports."""
         self.export(name, language(simulator))
-        return jobs(self.scene(name), simulator, build=self.build)
+        scene = self.scene(name)
+        if simulator == "ghdl":
+            self.once(f"{name} library", lambda: compile_vhdl(scene, self.build))
+        return jobs(scene, simulator, build=self.build)
 
     def tables(self) -> dict[str, Table]:
         """Every table of the report, measured once in the run and in no earlier one."""

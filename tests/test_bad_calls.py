@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import secrets
 import shlex
 from pathlib import Path
@@ -12,7 +13,8 @@ from refused import COMMANDS, Desk
 from tb.common.cases import random_mlp, write_scene
 from tb.common.runner import BUILD
 
-SCENES = [name for name in COMMANDS if name not in ("network", "figures")]
+# Commands whose one argument is a scene.
+SCENES = [n for n in COMMANDS if n not in ("network", "figures", "scene", "check", "predict")]
 # Scenes that no command can read, and what is said of them.
 NAMES = {
     "finger": "scene 'finger': no such scene, expected a path to a .toml file or one of digit",
@@ -36,6 +38,7 @@ NAMES = {
     "folder.toml": "folder.toml: got a folder, expected a file",
     "loop.toml": "loop.toml: cannot be read: Too many levels of symbolic links",
     "device.toml": "device.toml: got no regular file, expected a file",
+    "pipe.toml": "pipe.toml: got no regular file, expected a file",
     "latin.toml": "latin.toml: got the byte 0xe9 at 2, expected UTF-8 text",
     "empty.toml": "empty.toml: data.file: missing, expected text",
     "binary.toml": "binary.toml: not TOML: ",
@@ -74,6 +77,7 @@ TARGETS = {
     "net": "net: got the ending '', expected one of .npz, .mat, .onnx",
     "net.onx": "net.onx: got the ending '.onx', .* did you mean '.onnx'?",
     ".npz": ".npz: got the ending '', expected one of .npz, .mat, .onnx",
+    "pipe.npz": "pipe.npz: cannot be written: got no regular file, expected a file",
     "folder.npz": "folder.npz: cannot be written: got a folder, expected a file",
     "mine.toml/a.npz": "mine.toml/a.npz: cannot be written: mine.toml: File exists",
     "/dev/full/a.mat": "/dev/full/a.mat: cannot be written: /dev/full: File exists",
@@ -82,10 +86,36 @@ TARGETS = {
     "a\0.npz": "cannot be written: embedded null byte",
     "loop.toml/a.npz": "loop.toml/a.npz: cannot be written: ",
 }
+# Arguments of commands about new readings.
+READINGS = {
+    "scene '' y0": "CSV=: missing, expected a file of readings",
+    "scene . y0": ".: got a folder, expected a file",
+    "scene no.csv y0": "no.csv: no such file",
+    "scene mine.toml/a.csv y0": "mine.toml/a.csv: cannot be read: Not a directory",
+    "scene mine.csv y0": "mine.toml: is there already; choose another name with TO=",
+    "scene mine.csv 'a\nb' --to a.toml": r"OUTPUTS='a\nb': got no names between commas",
+    "scene mine.csv y0 --to a.csv": "TO=a.csv: got the ending '.csv', expected .toml",
+    "scene mine.csv y0 --to folder.toml": "folder.toml: cannot be written: got a folder",
+    "scene mine.csv y0 --to mine.csv/a.toml": "mine.csv/a.toml: cannot be written: ",
+    "predict mine.toml '' a.csv": "CSV=: missing, expected a .csv file",
+    "predict mine.toml mine.csv ''": "TO=: missing, expected a .csv file",
+    "predict mine.toml no.csv a.csv": "no.csv: no such file",
+    "predict mine.toml folder.toml a.csv": "folder.toml: got a folder, expected a file",
+    "predict mine.toml 'a\0' a.csv": "cannot be read: embedded null byte",
+    "predict mine.toml mine.csv 'a\0'": "cannot be written: embedded null byte",
+    "predict mine.toml mine.csv ./mine.csv": "TO=mine.csv: is read, expected another file",
+    "predict mine.toml mine.csv folder.toml": "folder.toml: cannot be written: got a folder",
+    "predict mine.toml mine.npz a.csv": "mine.npz:1: got byte 0x",
+    "predict mine.toml mine.csv pipe": "pipe: cannot be written: got no regular file, expected a",
+    "scene mine.csv y0 --to pipe.toml": "pipe.toml: cannot be written: got no regular file",
+    "predict finger mine.csv a.csv": "scene 'finger': no such scene, expected a path",
+    "check finger": "finger: 1 fault, told above",
+    "check loop.toml": "loop.toml: 1 fault, told above",
+}
 # What stands where a command writes: in which command, as a file or a folder, and what is said.
 IN_THE_WAY = [
-    ("train", "build", "build/mine/training/.*/0.jsonl: cannot be written: build"),
-    ("train", "build/mine", "build/mine/training/.*/0.jsonl: cannot be written: build/mine"),
+    ("train", "build", "build/mine/training/.*0.jsonl: cannot be written: build"),
+    ("train", "build/mine", "build/mine/training/.*0.jsonl: cannot be written: build/mine"),
     ("train", "build/mine/training", "0.jsonl: cannot be written: build/mine/training"),
     ("train", "mine.npz/", "mine.npz: cannot be written: got a folder, expected a file"),
     ("train", "mine.provenance.toml/", "mine.provenance.toml: cannot be written: got a folder"),
@@ -108,6 +138,8 @@ def crowded(desk: Desk) -> Desk:
     (desk.folder / "folder.npz").mkdir()
     (desk.folder / "loop.toml").symlink_to("loop.toml")
     (desk.folder / "device.toml").symlink_to("/dev/full")
+    for name in ("pipe", "pipe.npz", "pipe.toml"):
+        os.mkfifo(desk.folder / name)
     (desk.folder / "latin.toml").write_bytes(b"# \xe9\n")
     (desk.folder / "empty.toml").touch()
     (desk.folder / "binary.toml").write_bytes(bytes(99))
@@ -155,6 +187,11 @@ def test_a_table_is_refused(desk: Desk) -> None:
 @pytest.mark.parametrize(("name", "message"), TARGETS.items(), ids=lambda text: ascii(text)[:30])
 def test_a_target_is_refused(crowded: Desk, name: str, message: str) -> None:
     crowded.refuses("network", "mine.toml", name, says=message)
+
+
+@pytest.mark.parametrize(("words", "message"), READINGS.items(), ids=ascii)
+def test_readings_are_refused(crowded: Desk, words: str, message: str) -> None:
+    crowded.refuses(*shlex.split(words), says=message)
 
 
 @pytest.mark.parametrize("output", ["y9", "", "x0"])

@@ -107,5 +107,6 @@ def test_a_column_of_one_value_is_refused(desk: Desk, place: int, message: str) 
 
 
 def test_too_few_rows_are_refused(desk: Desk) -> None:
-    (desk.folder / "mine.csv").write_bytes(HEADER + LINES)
+    lines = (desk.folder / "mine.csv").read_text(encoding="utf-8").splitlines(keepends=True)
+    (desk.folder / "mine.csv").write_text("".join(lines[:4]), encoding="utf-8")
     desk.refuses("train", "mine.toml", says="mine.csv: got 3 rows, expected at least 8 to split")

@@ -209,11 +209,11 @@ ONNX = {
     "nothing to add": (onnx({1: node("Add", "a", "b")}), "operator Add ('my'): got 1 inputs"),
     "a bias that does not fit": (
         onnx({0: node("Gemm", "x w1 b2", "a")}),
-        "a bias of shape (2,)",
+        "operator Gemm ('my'): got 2 values, expected 1 or 5",
     ),
     "an attribute of another type": (
         onnx({0: node("Gemm", "x w1", "a", transB="yes")}),
-        "operator Gemm ('my'): got another transB, expected a number",
+        "operator Gemm ('my'): got another transB, expected numbers",
     ),
     "another shape": (
         onnx({4: node("Reshape", "d s", "y")}, s=np.array([2, -1])),
@@ -230,10 +230,10 @@ ONNX = {
     ),
     "a loop": (onnx({1: node("Add", "y b1", "b")}), "operator Add ('my'): does not read 'a'"),
     "weights in a row": (onnx(w1=MLP.w1[0]), "operator MatMul ('my'): expected the data first"),
-    "too many biases": (onnx(b1=MLP.w1), "b1: got shape (15,), expected (5,) of a 3:5:2 network"),
+    "too many biases": (onnx(b1=MLP.w1), "operator Add ('my'): got a constant of shape (5, 3)"),
     "transposed": (
-        onnx(w2=MLP.w2),
-        "w2: got shape (5, 2), expected (2, 5) .*; it is transposed",
+        onnx({4: node("Identity", "d", "y")}, w2=MLP.w2),
+        "w2: got shape (5, 2), expected (2, 5) of .*; it is transposed",
     ),
     "NaN": (onnx(b2=MLP.b2 * np.nan), "b2: got NaN or infinity, expected finite numbers"),
 }

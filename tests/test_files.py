@@ -78,6 +78,16 @@ def test_several_files_are_replaced_or_none(tmp_path: Path) -> None:
 
 def test_what_can_be_written_is_found_out_without_writing(tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_text("old", encoding="utf-8")
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "to-pipe").symlink_to("pipe")
+    for name in ("pipe", "to-pipe"):
+        with pytest.raises(CommandError, match="cannot be written: got no regular file"):
+            check_writable([tmp_path / name])
+        with pytest.raises(CommandError, match="got no reg"), replace_file(tmp_path / name):
+            pass
+    assert (tmp_path / "to-pipe").is_fifo()
+    (tmp_path / "to-pipe").unlink()
+    (tmp_path / "pipe").unlink()
     check_writable([tmp_path / "a.csv", tmp_path / "b" / "c" / "d.csv"])
     assert [p.name for p in tmp_path.iterdir()] == ["a.csv"]
     for name in ("a.csv/b.csv", ".", "x" * 5000, "b/\0"):

@@ -23,6 +23,7 @@ from tb.common.runner import plan, run_jobs
 from tb.common.small import RELOADED
 from tb.common.tools import SIMULATORS
 
+ROOT = Path(__file__).parents[1]
 SHIPPED = ("digit", "digit-single", "digit-multiple", "swing-single")
 
 
@@ -176,6 +177,19 @@ def test_make_image(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> 
     lines = (folder / "swing-single.mem").read_text().splitlines()[1:]
     assert [int(line.split()[1], 16) for line in lines] == list(image.words)
     assert any("node 1 sum = 1 x" in line for line in lines)
+
+
+def test_the_page_shows_what_the_command_prints(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys
+) -> None:
+    """Of a shipped scene on the shipped hardware that can be reloaded."""
+    page = (ROOT / "docs" / "blocks" / "image_loader.md").read_text()
+    shown = re.search(r"\$ make image SCENE=(\S+) HARDWARE=(\S+)\nwrote build(/.*)\n", page)
+    assert shown
+    name, other, printed = shown.groups()
+    monkeypatch.setattr("sys.argv", ["image", name, "--hardware", other, "--build", str(tmp_path)])
+    main()
+    assert capsys.readouterr().out == f"wrote {tmp_path}{printed}\n"
 
 
 def test_an_image_that_is_refused_leaves_the_one_before(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ import pytest
 from golden.scene import Scene, load_scene
 from golden.scene.scale import Scale
 from tb.report.draw.outcome import along_plot, disturbance_plots, predicted_plots
+from tb.report.measure.bounds import bounds, bounds_of
 from tb.report.measure.disturbance import noise_and_drift
 from tb.report.measure.outcome import (
     SURE,
@@ -185,6 +186,29 @@ def test_any_name_of_a_column_is_drawn(digit: Outcome, name: str) -> None:
         words = [element.text for element in ElementTree.fromstring(text).iter(f"{SVG}text")]
         assert any(name in (word or "") for word in words), words
     assert any("$1$ _" in (word or "") for word in words)
+
+
+def test_what_the_digits_sensors_allow_stands_beside_the_noise() -> None:
+    """Of what they hold at every placement, and at no drift."""
+    table = noise_and_drift(load_scene("digit"), 1)
+    assert list(table.columns[-2:]) == ["load, bound %", "position, bound %"]
+    least = {row[1]: row[4] for row in bounds(1).rows if row[:1] == ["2 mV"] and row[2] == "yes"}
+    rows = {(row[0], row[1]): row for row in table.rows}
+    assert rows["noise", 0.002][-2:] == pytest.approx([least["load"], least["position"]])
+    assert rows["noise", 0.004][-2] == pytest.approx(2 * least["load"])
+    assert rows["gain drift", 0.01][-2:] == [None, None]
+    noise, gain, _ = disturbance_plots(table)
+    assert [label for label in noise.groups if label not in gain.groups] == [
+        "load, bound",
+        "position, bound",
+    ]
+    assert noise.looks["load"].colour == noise.looks["load, bound"].colour
+    assert "The sensors allow 1.3 % of load" in noise.sentence
+
+
+@pytest.mark.parametrize("name", ["digit-parallel", "swing-single"])
+def test_of_other_sensors_no_bound_is_known(name: str) -> None:
+    assert bounds_of(load_scene(name), (0.002,)) == {}
 
 
 def test_sentences_follow_their_figures(digit: Outcome) -> None:

@@ -339,6 +339,13 @@ def test_the_swing_is_refused_for_other_outputs() -> None:
         swing(load_scene("digit"))
 
 
+def test_an_engine_is_recorded_with_its_image_loaded(build: Path) -> None:
+    scene = load_scene("digit-reload")
+    ports = record(scene, FRAME, build)
+    expected = scene.twin().process(scene.vectors().codes[FRAME])
+    assert counting(ports, "engine, frame out", "out_data") == expected.tolist()
+
+
 AREA = (
     *("scene", "data", "outputs", "design"),
     *("largest %", "clocks a frame", "LUT", "multiplier"),

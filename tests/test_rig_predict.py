@@ -13,8 +13,8 @@ import pytest
 from golden.cli import CommandError
 from golden.network_files.network_file import save_network
 from golden.precision import SIGNAL
+from golden.rig.csv_file import read_csv_file
 from golden.rig.predict import check_place, predict, readings_of, write_prediction
-from golden.rig.recording import read_recording
 from golden.rig.trained_on import TrainedOn, trained_on
 from golden.scene import Scene, load_scene
 from golden.scene.vectors import read_recorded
@@ -47,7 +47,7 @@ def new_csv(folder: Path, text: str) -> Path:
 
 def done(scene: Scene, source: Path) -> list[dict[str, str]]:
     """The rows of the file that is written."""
-    recording = read_recording(source)
+    recording = read_csv_file(source)
     found = predict(scene, readings_of(scene, recording), trained_on(scene)[0])
     out = source.with_name("out.csv")
     write_prediction(scene, recording, found, out)

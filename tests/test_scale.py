@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import tomllib
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from golden.disturbance import Disturbance
-from golden.errors import disturbed_errors, scene_errors, unit_errors
+from golden.errors import scene_errors, unit_errors
 from golden.network_files.network_file import load_network, provenance_path, save_network
 from golden.precision import SIGNAL
 from golden.scene import Scene, comparison_names, load_scene, scene_names
@@ -201,36 +199,6 @@ def test_training_works_with_what_the_readings_cover(tmp_path, monkeypatch, colu
     assert np.ptp(moved, axis=0) == pytest.approx([0, 0], abs=1e-12)
 
 
-def test_noise_and_drift_are_in_the_unit_of_the_readings(small_scene: Scene, tmp_path) -> None:
-    """Readings and noise of four times the size, which no float rounds."""
-    disturbance = Disturbance(noise=0.1, gain=0.05, offset=0.2)
-    lines = [line.split(",") for line in small_scene.data_path.read_text().splitlines()]
-    for line in lines[1:]:
-        line[:3] = (repr(4 * float(cell)) for cell in line[:3])
-    (tmp_path / "four.csv").write_text("\n".join(",".join(line) for line in lines))
-    scales = [Scale(0.0, 4.0)] * 3
-    save_network(
-        tmp_path / "four.npz", on_readings(small_scene.mlps()[0], scales, [Scale()] * 2), {}
-    )
-    text = small_scene.path.read_text().replace("small.", "four.")
-    keys = "".join(f"x{k} = {{ factor = 4 }}, " for k in range(3)).removesuffix(", ")
-    (tmp_path / "four.toml").write_text(
-        text.replace("[network]", f"scale = {{ {keys} }}\n[network]")
-    )
-    four = load_scene(str(tmp_path / "four.toml"))
-    wider = replace(disturbance, noise=0.4, offset=0.8)
-    assert disturbed_errors(four, wider) == disturbed_errors(small_scene, disturbance)
-    assert disturbed_errors(four, disturbance) != disturbed_errors(small_scene, disturbance)
-    one, other = (
-        task_for(scene, scene.vectors(), []).training.inputs
-        for scene in (
-            replace(s, training=replace(s.training, disturbance=d))
-            for s, d in ((small_scene, disturbance), (four, wider))
-        )
-    )
-    assert np.array_equal(one, other)
-
-
 def test_auto_without_its_provenance_says_what_to_do(tmp_path: Path) -> None:
     scene = in_units(tmp_path, rows=40, keys=AUTO)
     message = (
@@ -349,6 +317,24 @@ def test_a_sensor_far_outside_the_codes_is_refused(small_scene: Scene) -> None:
     assert (
         "outside -100 to 100, the furthest 120" in load_scene(str(scene.path)).vectors().outside[0]
     )
+
+
+def test_scales_that_no_float_holds_are_told_of_the_file(small_scene: Scene, recwarn) -> None:
+    text = small_scene.path.read_text()
+    for scale, message in (
+        ("x0 = { factor = 1e308 }", r"small.npz, with data.scale of .*small.toml: w1: got NaN or"),
+        ("y0 = { factor = 1e-309 }", r"small.npz, with data.scale of .*small.toml: w2: got NaN or"),
+    ):
+        small_scene.path.write_text(text.replace("[network]", f"scale = {{ {scale} }}\n[network]"))
+        save_network(small_scene.weights_paths[0], random_mlp((3, 5, 2), 40.0, 1), {})
+        with pytest.raises(ValueError, match=message):
+            load_scene(str(small_scene.path)).twin()
+    scale = "scale = { x0 = { factor = 1e-308 } }"
+    small_scene.path.write_text(text.replace("[network]", f"{scale}\n[network]"))
+    scene = with_readings(load_scene(str(small_scene.path)), 0, ["9"])
+    with pytest.raises(ValueError, match=r"small.csv: column 'x0': got 12 of 12 readings outside"):
+        scene.vectors()
+    assert not recwarn.list
 
 
 def test_a_target_outside_the_codes_names_its_unit(tmp_path: Path) -> None:

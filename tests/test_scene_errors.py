@@ -15,16 +15,19 @@ from golden.errors import (
     NOISE,
     UNKNOWN,
     disturbed_errors,
+    held_out_means,
     held_out_rows,
+    held_out_text,
     noise_of,
     scene_errors,
 )
-from golden.network_files.network_file import provenance_path, save_network
+from golden.network_files.network_file import provenance_path, save_network, write_network
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_path
+from golden.scene.scale import Scale, on_readings
 from golden.training.split import split_of, split_story
 from tb.common.cases import random_mlp
-from tb.demo import error_table, held_out_line
+from tb.demo import error_table
 from tb.report.measure.disturbance import KINDS, NONE, noise_and_drift
 from tb.report.measure.networks import scenes
 
@@ -48,9 +51,24 @@ def provenance(scene: Path) -> Path:
 
 @pytest.mark.parametrize("scene", scenes(), ids=lambda s: s.name)
 def test_the_held_out_rows_of_every_shipped_scene_are_known(scene: Scene) -> None:
-    rows = held_out_rows(scene)
-    assert rows is not None
-    assert rows.tolist() == split_of(scene).test.tolist()
+    rows, means = held_out_rows(scene), held_out_means(scene)
+    assert means is not None
+    assert (rows is None) == scene.training.refit
+    if rows is not None:
+        assert rows.tolist() == split_of(scene).test.tolist()
+        assert means == [error.mean for error in scene_errors(scene)[HELD_OUT]]
+
+
+def test_what_was_trained_on_with_all_rows_tells_the_error_from_before(scene: Path) -> None:
+    means = {"load": 0.5, "position": 1.5, "width": 2.5, "shape": 3.5}
+    told = ", ".join(f"{name} = {mean}" for name, mean in means.items())
+    with provenance(scene).open("a") as handle:
+        handle.write(f"refit = true\ntest_mean_percent = {{ {told} }}\n")
+    refitted = load_scene(str(scene))
+    assert held_out_rows(refitted) is None
+    assert HELD_OUT not in scene_errors(refitted)
+    assert held_out_means(refitted) == list(means.values())
+    assert "load 0.50, position 1.50, width 2.50, shape 3.50" in held_out_text(refitted)
 
 
 def elsewhere(scene: Path) -> None:
@@ -98,7 +116,28 @@ def test_what_was_not_trained_here_holds_nothing_out(scene: Path, change) -> Non
     assert held_out_rows(changed) is None
     assert HELD_OUT not in scene_errors(changed)
     assert "held out" not in "\n".join(error_table(changed))
-    assert UNKNOWN in held_out_line(changed)
+    assert held_out_text(changed) == UNKNOWN
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ("", ", drawn at random"),
+        ("split = 'blocks'\nblock_rows = 7\n", ", in stretches of about 7 rows"),
+        (
+            "split = 'blocks'\nsplit_by = ['load', 'shape']\n",
+            ", in stretches of about 5 rows with the same load and shape",
+        ),
+        ("split = 'groups'\nsplit_by = ['load']\n", ", all that have the same load together"),
+    ],
+)
+def test_it_is_said_which_rows_are_held_out(scene: Path, keys: str, words: str) -> None:
+    scene.write_text(scene.read_text() + keys)
+    loaded = load_scene(str(scene))
+    told = "\n".join(f"{key} = {value!r}" for key, value in split_story(loaded).items())
+    provenance(scene).write_text(f"{told}\nnetwork = '4:16:4'\n")
+    count = len(split_of(loaded).test)
+    assert held_out_text(loaded) == (f"{count} that neither trained nor chose the network{words}")
 
 
 def test_provenance_that_is_not_toml_is_refused(scene: Path) -> None:
@@ -149,6 +188,35 @@ def test_a_scene_may_state_its_noise(scene: Path) -> None:
     assert noise_of(stated) == 0.004
     (line,) = (line for line in error_table(stated) if line.startswith("load"))
     assert line.split()[-2] == f"{disturbed_errors(stated, Disturbance(0.004))[0]:.2f}"
+
+
+def test_noise_and_drift_are_in_the_unit_of_the_readings(tmp_path: Path) -> None:
+    """Of a converter of -1024 to 1024: sizes are a thousand times as large, to two digits."""
+    scene = load_scene("digit-load")
+    header, *lines = scene.data_path.read_text().splitlines()
+    cells = [line.split(",") for line in lines]
+    raw = [[*(f"{1024 * float(cell)!r}" for cell in row[:4]), *row[4:]] for row in cells]
+    path = tmp_path / "raw.csv"
+    path.write_text("\n".join([header, *map(",".join, raw)]) + "\n")
+    (member,) = scene.members
+    weights = tmp_path / "raw.npz"
+    write_network(weights, on_readings(member.load(), [Scale(0.0, 1024.0)] * 4, [Scale()]))
+    scaled = replace(
+        scene,
+        data_path=path,
+        members=(replace(member, weights_path=weights),),
+        scale=dict.fromkeys(scene.sensors, Scale(0.0, 1024.0)),
+    )
+    assert noise_of(scaled) == 2.0
+    for found, plain in zip(
+        noise_and_drift(scaled, 1).rows, noise_and_drift(scene, 1).rows, strict=True
+    ):
+        (kind, size, error), (kind_there, size_there, error_there) = found[:3], plain[:3]
+        assert kind == kind_there
+        same = kind in (NONE, "gain drift")
+        assert size == (size_there if same else pytest.approx(1000 * size_there))
+        # 1000 of 1024 is 2.3 % less.
+        assert error == pytest.approx(error_there, rel=1e-9 if same else 0.03)
 
 
 def test_a_table_of_disturbances_has_every_kind_and_size() -> None:

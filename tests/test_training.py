@@ -19,6 +19,7 @@ from golden.network_files.network_file import provenance_path, save_network, sav
 from golden.networks.mlp import tanh
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_names
+from golden.scene.scale import Scale
 from golden.training import __main__ as command
 from golden.training.objective import Objective, Rows, pack, unpack
 from golden.training.scg import minimise
@@ -28,10 +29,12 @@ from golden.training.search import (
     bit_true_error,
     bit_true_errors,
     search,
+    signed_errors,
     train,
 )
 from golden.training.split import split_of, split_rows
-from golden.training.task import MEASURED_ROWS, PARTS, TRAINED_ROWS, Task, task_for
+from golden.training.stages import Stages
+from golden.training.task import LEAST_ROWS, PARTS, REFITTED_ROWS, Task, task_for
 from tb.common.cases import random_mlp
 
 SHAPE = (3, 4, 2)
@@ -276,11 +279,19 @@ def test_shipped_networks_have_the_errors_of_their_provenance(name: str) -> None
     for member in scene.members:
         provenance = tomllib.loads(provenance_path(member.weights_path).read_text())
         assert provenance["design"] == scene.design
-        # Those written before the key was there were split at random.
+        # Those written before the keys were there were split at random, and not refitted.
         assert provenance.get("split", "random") == scene.training.split
+        assert provenance.get("refit", False) == scene.training.refit
         columns = [scene.outputs.index(name) for name in member.outputs]
-        for part in ("validation", "test"):
-            rms = np.sqrt((errors[getattr(split, part)][:, columns] ** 2).mean())
+        # What was refitted has seen all rows: its errors on parts are those of other networks.
+        parts = {"every": np.arange(len(errors))}
+        if not scene.training.refit:
+            parts |= {"validation": split.validation, "test": split.test}
+        for part, rows in parts.items():
+            if f"{part}_rms_percent" not in provenance:
+                assert part == "every", "only those written before the key was there lack it"
+                continue
+            rms = np.sqrt((errors[rows][:, columns] ** 2).mean())
             assert rms == pytest.approx(provenance[f"{part}_rms_percent"], abs=1e-3)
         assert provenance["network"] == ":".join(str(n) for n in member.load().shape)
 
@@ -304,10 +315,19 @@ def disturbed(scene: Scene, **sizes: float) -> Scene:
     return replace(scene, training=replace(scene.training, disturbance=Disturbance(**sizes)))
 
 
+def rows_of(task: Task, part: str) -> np.ndarray:
+    split = task.split
+    places = {
+        "known": np.concatenate([split.training, split.validation]),
+        "every": np.arange(len(task.recorded.codes)),
+    }
+    return places[part] if part in places else getattr(split, part)
+
+
 def test_without_a_disturbance_the_parts_are_as_recorded(small_cascade: Scene) -> None:
     task = task_for(small_cascade, small_cascade.vectors(), small_cascade.mlps()[:1])
     for part in PARTS:
-        frames, recorded = getattr(task, part), task.recorded.take(getattr(task.split, part))
+        frames, recorded = getattr(task, part), task.recorded.take(rows_of(task, part))
         for name in ("inputs", "codes", "targets", "scale"):
             assert np.array_equal(getattr(frames, name), getattr(recorded, name)), (part, name)
 
@@ -316,11 +336,11 @@ def test_every_network_of_a_cascade_sees_the_same_disturbed_readings(small_casca
     """And what the networks before it make of them, bit by bit."""
     scene, mlps = disturbed(small_cascade, noise=0.01), small_cascade.mlps()
     first, second = (task_for(scene, scene.vectors(), mlps[:n]) for n in (0, 1))
-    for part, least in zip(PARTS, (TRAINED_ROWS, MEASURED_ROWS, MEASURED_ROWS), strict=True):
+    for part in PARTS:
         before, after = getattr(first, part), getattr(second, part)
         assert np.array_equal(after.codes[:, :3], before.codes)
         assert np.array_equal(after.codes[:, 3:], scene.build(mlps[0]).process(before.codes))
-        rows = getattr(first.split, part)
+        rows, least = rows_of(first, part), LEAST_ROWS.get(part, REFITTED_ROWS)
         assert least <= len(before.codes) < least + len(rows)
         assert len(before.codes) % len(rows) == 0
         assert np.array_equal(
@@ -343,7 +363,7 @@ def test_parts_are_disturbed_by_as_much_as_the_scene_says(
     scene = disturbed(small_scene, **sizes)
     task = task_for(scene, scene.vectors(), [])
     for part in PARTS:
-        frames, rows = getattr(task, part), getattr(task.split, part)
+        frames, rows = getattr(task, part), rows_of(task, part)
         recorded = np.tile(scene.vectors().inputs[rows], (len(frames.inputs) // len(rows), 1))
         inside = np.abs(recorded) < 0.9  # the format's ends clip the others
         moved = ((frames.inputs - recorded) / expected(recorded))[inside & (recorded != 0)]
@@ -375,24 +395,93 @@ def test_training_for_noise_makes_a_network_that_noise_moves_less() -> None:
     )
 
 
+def test_noise_is_in_the_unit_of_the_sensors_columns(small_scene: Scene) -> None:
+    """Whatever the scale: readings a thousand times as large, with as much noise, are the same."""
+    scale = {name: Scale(0.0, 1000.0) for name in small_scene.sensors}
+    lines = [line.split(",") for line in small_scene.data_path.read_text().splitlines()]
+    scaled = disturbed(small_scene, noise=20, offset=5)
+    plain = task_for(disturbed(small_scene, noise=0.02, offset=0.005), small_scene.vectors(), [])
+    for line in lines[1:]:
+        line[:3] = [f"{1000 * float(cell):.1f}" for cell in line[:3]]
+    small_scene.data_path.write_text("\n".join(",".join(line) for line in lines))
+    scaled = replace(scaled, scale=scale)
+    task = task_for(scaled, scaled.vectors(), [])
+    # A sum of other roundings may fall on the other side of half a code.
+    assert np.abs(task.validation.codes - plain.validation.codes).max() <= 1
+
+
+def noisy_digit(**settings) -> Scene:
+    scene = disturbed(load_scene("digit"), noise=0.002)
+    members = (scene.members[0],)
+    training = replace(
+        scene.training, split="blocks", split_by=("load", "width", "shape"), steps=30, **settings
+    )
+    return replace(scene, members=members, training=training)
+
+
+def test_what_is_tested_has_seen_nothing_of_the_test_rows(tmp_path: Path, monkeypatch) -> None:
+    """Their targets are replaced: only the network that is written may change."""
+    scene = noisy_digit(refit=True)
+    stages = Stages(scene)
+    stages.add(5, 0)
+    lines = [line.split(",") for line in scene.data_path.read_text().splitlines()]
+    split = stages.task([], 0).split
+    for row in split.test:
+        lines[1 + row][4] = "0.1"
+    moved = tmp_path / "moved.csv"
+    moved.write_text("\n".join(",".join(line) for line in lines))
+    again = Stages(replace(scene, data_path=moved))
+    # The blocks end where the load changes, which it now does elsewhere.
+    monkeypatch.setattr("golden.training.task.split_of", lambda _: split)
+    again.add(5, 0)
+    same = {
+        name: np.array_equal(pack(getattr(stages, name)[0]), pack(getattr(again, name)[0]))
+        for name in ("chosen", "tested", "written")
+    }
+    assert same == {"chosen": True, "tested": True, "written": False}
+
+
+def test_without_refit_what_is_chosen_is_written() -> None:
+    stages = Stages(noisy_digit())
+    stages.add(5, 0)
+    assert stages.chosen == stages.tested == stages.written
+    assert np.array_equal(pack(stages.files[0]), pack(stages.chosen[0]))
+
+
+def test_refitting_lowers_the_error_on_all_rows() -> None:
+    stages = Stages(noisy_digit(refit=True))
+    stages.add(5, 0)
+    task = stages.task([], 0)
+    written = bit_true_error(task, stages.written[0], task.every)
+    assert written < bit_true_error(task, stages.chosen[0], task.every)
+
+
+@pytest.mark.parametrize("refit", [False, True])
 def test_provenance_states_split_disturbance_and_both_errors(
-    small_scene: Scene, tmp_path: Path
+    small_scene: Scene, tmp_path: Path, refit: bool
 ) -> None:
     scene = disturbed(small_scene, noise=0.02, gain=0.01)
-    scene = replace(
-        scene, training=replace(scene.training, split="blocks", block_rows=2, restarts=1)
-    )
+    training = replace(scene.training, split="blocks", block_rows=2, restarts=1, refit=refit)
+    scene = replace(scene, training=training)
     command.train_scene(scene, tmp_path, 1)
     (member,) = scene.members
     story = tomllib.loads(provenance_path(member.weights_path).read_text())
     assert [story[key] for key in ("split", "split_by", "block_rows")] == ["blocks", "", 2]
     assert [story[key] for key in ("noise", "drift_gain", "drift_offset")] == [0.02, 0.01, 0]
-    task = task_for(scene, scene.vectors(), [])
-    for part in ("validation", "test"):
+    assert story["refit"] is refit
+    stages = Stages(scene)
+    stages.add(scene.members[0].hidden, story["best_restart"])
+    assert np.array_equal(pack(stages.written[0]), pack(member.load()))
+    task = stages.task([], 0)
+    for part, mlp in (("validation", stages.chosen[0]), ("test", stages.tested[0])):
         recorded = task.recorded.take(getattr(task.split, part))
         for name, frames in (("", recorded), ("_disturbed", getattr(task, part))):
-            error = bit_true_error(task, member.load(), frames)
+            error = bit_true_error(task, mlp, frames)
             assert story[f"{part}{name}_rms_percent"] == round(error, 4)
+            means = np.abs(signed_errors(task, mlp, frames)).mean(axis=0)
+            assert list(story[f"{part}{name}_mean_percent"].values()) == list(means.round(4))
+    written = bit_true_error(task, member.load(), task.recorded)
+    assert story["every_rms_percent"] == round(written, 4)
 
 
 def test_a_cascade_is_written_whole_or_not_at_all(

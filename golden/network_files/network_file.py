@@ -7,6 +7,7 @@ networks trained elsewhere come as Netlab-style .mat or as .onnx. A scene can na
 from __future__ import annotations
 
 import json
+import tomllib
 from collections.abc import Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
@@ -15,7 +16,14 @@ from typing import Any
 
 import numpy as np
 
-from golden.files import check_file, check_writable, replace_file, replace_files, same_file
+from golden.files import (
+    check_file,
+    check_writable,
+    reading,
+    replace_file,
+    replace_files,
+    same_file,
+)
 from golden.networks.mlp import Mlp
 from golden.table import suggest
 
@@ -29,6 +37,23 @@ FORMS = {f".{form}": f"golden.network_files.{form}" for form in ("npz", "mat", "
 def provenance_path(path: Path) -> Path:
     """Where the provenance of the network at ``path`` stands."""
     return path.with_suffix(".provenance.toml")
+
+
+def read_provenance(path: Path) -> dict[str, Any] | None:
+    """What stands beside the network at ``path``; None where nothing does.
+
+    Raises
+    ------
+    CommandError, ValueError
+        When it cannot be read, or is not TOML.
+    """
+    path = provenance_path(path)
+    try:
+        check_file(path)
+    except FileNotFoundError:
+        return None
+    with reading(path, "TOML"):
+        return tomllib.loads(path.read_text(encoding="utf-8"))
 
 
 def load_network(path: Path, shape: tuple[int, int, int]) -> Mlp:

@@ -35,6 +35,15 @@ OPERATORS = {
     "Identity": (1,),
     "Reshape": (2,),
 }
+# Each with the field that holds its value, and the type that says so.
+ATTRIBUTES = {
+    "alpha": ("f", AttributeProto.FLOAT),
+    "beta": ("f", AttributeProto.FLOAT),
+    "transA": ("i", AttributeProto.INT),
+    "transB": ("i", AttributeProto.INT),
+    "offset": ("floats", AttributeProto.FLOATS),
+    "scale": ("floats", AttributeProto.FLOATS),
+}
 # Old enough for every runtime in use, new enough for every operator used.
 OPSET, IR_VERSION = 13, 7
 
@@ -154,13 +163,13 @@ def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> 
             node, f"reads {missing or current!r}, expected constants beside {current!r}"
         )
     values = [real_numbers(chain.path, name, constants[name]) for name in others]
-    kinds = {AttributeProto.INT: "i", AttributeProto.FLOAT: "f"}
-    if node.op_type == "Scaler":
-        kinds = {AttributeProto.FLOATS: "floats"}
-    attributes = {a.name: getattr(a, kinds.get(a.type, "name")) for a in node.attribute}
-    for name in ("alpha", "beta", "transA", "transB", "offset", "scale"):
-        if isinstance(attributes.get(name), str):
-            raise chain.refuse(node, f"got another {name}, expected a number")
+    attributes = {}
+    for attribute in node.attribute:
+        if attribute.name in ATTRIBUTES:
+            field, kind = ATTRIBUTES[attribute.name]
+            if attribute.type != kind:
+                raise chain.refuse(node, f"got another {attribute.name}, expected numbers")
+            attributes[attribute.name] = getattr(attribute, field)
     if node.op_type in LINEAR:
         if node.input[0] != current or values[0].ndim != 2:
             raise chain.refuse(node, "expected the data first and a matrix of weights second")

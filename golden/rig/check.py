@@ -20,8 +20,8 @@ from golden.network_files.network_file import check_targets, write_network
 from golden.networks.mlp import Mlp
 from golden.precision import SIGNAL
 from golden.rig import readings
+from golden.rig.csv_file import read_csv_file
 from golden.rig.finding import FAULT, NOTE, OK, WARNING, Finding, fault, faults, told
-from golden.rig.recording import read_recording
 from golden.scene import Scene, scene_names
 from golden.scene.scale import on_readings
 from golden.scene.vectors import Recorded, read_recorded
@@ -67,11 +67,12 @@ def data(scene: Scene) -> list[Finding]:
     path = str(scene.data_path)
     findings: list[Finding] = []
     with told(findings):
-        read_recording(scene.data_path)
+        read_csv_file(scene.data_path)
         rows = read_recorded(scene)
         findings.append(Finding(OK, path, f"{len(rows.inputs)} rows"))
         findings += readings.few_rows(path, len(rows.inputs))
-        findings += _constant(scene, rows)
+        # Of a row or two anything is constant.
+        findings += [] if faults(findings) else _constant(scene, rows)
         if not faults(findings):
             split_of(scene)
             findings += _columns(scaled(scene), rows)
@@ -145,7 +146,7 @@ def build_writable(scene: Scene, build: Path) -> list[Finding]:
     folder = build / scene.name
     findings: list[Finding] = []
     with told(findings):
-        check_writable([folder / "training" / "0.jsonl"])
+        check_writable([folder / "training" / "search" / "0.jsonl"])
         findings.append(Finding(OK, str(folder), "can be written"))
     if scene.name in scene_names() and scene.path.parent.name != scene.name:
         text = f"is the folder of the shipped scene {scene.name} too; give the file another name"

@@ -15,8 +15,8 @@ from golden.cli import run
 from golden.files import check_writable, replace_file, same_file
 from golden.networks.mlp import Real
 from golden.precision import SIGNAL
+from golden.rig.csv_file import CsvFile, read_csv_file
 from golden.rig.finding import fault, refuse
-from golden.rig.recording import Recording, read_recording
 from golden.rig.trained_on import TrainedOn, trained_on
 from golden.scene import Scene, load_scene
 from golden.table import suggest
@@ -42,7 +42,7 @@ class Prediction:
     reasons: list[str]
 
 
-def readings_of(scene: Scene, recording: Recording) -> Real:
+def readings_of(scene: Scene, recording: CsvFile) -> Real:
     """The sensors' columns of a recording, shape (rows, sensors).
 
     Raises
@@ -72,7 +72,7 @@ def predict(scene: Scene, readings: Real, known: TrainedOn) -> Prediction:
     return Prediction(scene.outputs_in_units(results), distances, reasons)
 
 
-def write_prediction(scene: Scene, recording: Recording, found: Prediction, path: Path) -> None:
+def write_prediction(scene: Scene, recording: CsvFile, found: Prediction, path: Path) -> None:
     """Write every column of the recording as it stands, and behind them what was found.
 
     Raises
@@ -125,7 +125,7 @@ def main() -> None:
     scene = load_scene(arguments.scene)
     source, path = Path(arguments.csv), Path(arguments.to)
     check_place(scene, source, path)
-    recording = read_recording(source)
+    recording = read_csv_file(source)
     readings = readings_of(scene, recording)
     known, which = trained_on(scene)
     found = predict(scene, readings, known)

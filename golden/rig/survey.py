@@ -10,8 +10,8 @@ import numpy as np
 from golden.networks.mlp import Real
 from golden.precision import SIGNAL
 from golden.rig import readings
+from golden.rig.csv_file import Column, CsvFile
 from golden.rig.finding import FAULT, NOTE, Finding, fault
-from golden.rig.recording import Column, Recording
 from golden.table import suggest
 
 
@@ -21,7 +21,7 @@ class Survey:
 
     Attributes
     ----------
-    recording : Recording
+    recording : CsvFile
     sensors, outputs : dict
         Columns by name, in the order of the file and in that of the user.
     left_out : dict
@@ -29,7 +29,7 @@ class Survey:
     findings : list of Finding
     """
 
-    recording: Recording
+    recording: CsvFile
     sensors: dict[str, Real]
     outputs: dict[str, Real]
     left_out: dict[str, str]
@@ -61,7 +61,7 @@ class Survey:
         return shown
 
 
-def survey(recording: Recording, outputs: Sequence[str]) -> Survey:
+def survey(recording: CsvFile, outputs: Sequence[str]) -> Survey:
     """Look at a recording whose outputs are named; its other columns of numbers are sensors."""
     found = Survey(recording, {}, {}, {}, _wrong_outputs(recording, outputs))
     for name in dict.fromkeys(name for name in outputs if name in recording.names):
@@ -80,7 +80,7 @@ def survey(recording: Recording, outputs: Sequence[str]) -> Survey:
     return found
 
 
-def _wrong_outputs(recording: Recording, outputs: Sequence[str]) -> list[Finding]:
+def _wrong_outputs(recording: CsvFile, outputs: Sequence[str]) -> list[Finding]:
     """Outputs that are no columns, or not named once."""
     path, names = str(recording.path), recording.names
     findings = [

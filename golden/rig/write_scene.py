@@ -9,11 +9,11 @@ import sys
 from pathlib import Path
 
 from golden.cli import run
-from golden.files import check_writable, replace_file
+from golden.files import check_file, check_writable, replace_file
 from golden.network_files.network_file import provenance_path
+from golden.rig.csv_file import read_csv_file
 from golden.rig.draft import draft
 from golden.rig.finding import refuse
-from golden.rig.recording import read_recording
 from golden.rig.survey import Survey, survey
 from golden.scene import Scene, load_scene
 from golden.training.scaling import scaled
@@ -21,7 +21,10 @@ from golden.training.scaling import scaled
 
 def names_of(text: str) -> list[str]:
     """Column names between commas; one that holds a comma stands in double quotes."""
-    return [name.strip() for name in next(csv.reader([text], skipinitialspace=True), [])]
+    try:
+        return [name.strip() for name in next(csv.reader([text], skipinitialspace=True), [])]
+    except csv.Error as error:
+        raise ValueError(f"OUTPUTS={text!r}: got no names between commas: {error}") from None
 
 
 def write_scene(found: Survey, path: Path) -> Scene:
@@ -51,13 +54,14 @@ def main() -> None:
     arguments = parser.parse_args()
     if not arguments.csv:
         raise ValueError("CSV=: missing, expected a file of readings")
+    check_file(Path(arguments.csv))
     path: Path = arguments.to or Path(arguments.csv).with_suffix(".toml")
     if path.suffix != ".toml":
         raise ValueError(f"TO={path}: got the ending {path.suffix!r}, expected .toml")
     check_writable([path])
     if path.exists():
         raise ValueError(f"{path}: is there already; choose another name with TO=")
-    recording = read_recording(Path(arguments.csv))
+    recording = read_csv_file(Path(arguments.csv))
     found = survey(recording, names_of(arguments.outputs))
     print(f"{recording.path}: {len(recording.rows)} rows, {len(recording.names)} columns")
     print("\n".join(found.lines()))

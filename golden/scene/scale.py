@@ -50,7 +50,9 @@ class Scale:
 def signals(readings: Real, scales: Sequence[Scale]) -> Real:
     """Signals of readings, shape (..., columns)."""
     offsets, factors = _arrays(scales)
-    result: Real = (readings - offsets) / factors
+    # What overflows is outside every range, and refused there.
+    with np.errstate(over="ignore"):
+        result: Real = (readings - offsets) / factors
     return result
 
 
@@ -66,14 +68,22 @@ def _arrays(scales: Sequence[Scale]) -> tuple[Real, Real]:
 
 
 def on_signals(mlp: Mlp, inputs: Sequence[Scale], outputs: Sequence[Scale]) -> Mlp:
-    """A network on readings as the same network on signals, which is what hardware holds."""
+    """A network on readings as the same network on signals, which is what hardware holds.
+
+    Raises
+    ------
+    ValueError
+        When a weight is too large for a float.
+    """
     into, out = _arrays(inputs), _arrays(outputs)
-    return Mlp(
-        mlp.w1 * into[1],
-        shifted(mlp.b1, mlp.w1, into[0]),
-        mlp.w2 / out[1][:, np.newaxis],
-        (mlp.b2 - out[0]) / out[1],
-    )
+    with np.errstate(over="ignore", invalid="ignore"):
+        arrays = (
+            mlp.w1 * into[1],
+            shifted(mlp.b1, mlp.w1, into[0]),
+            mlp.w2 / out[1][:, np.newaxis],
+            (mlp.b2 - out[0]) / out[1],
+        )
+    return Mlp(*arrays)
 
 
 def on_readings(mlp: Mlp, inputs: Sequence[Scale], outputs: Sequence[Scale]) -> Mlp:

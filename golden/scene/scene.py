@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from golden.activation.schemes import SCHEMES, Scheme
+from golden.cli import naming
 from golden.fixed import Codes
 from golden.network_files.network_file import provenance_path
 from golden.networks.arrangement import process_real
@@ -140,10 +141,12 @@ class Scene:
 
     @cached_property
     def _mlps(self) -> list[Mlp]:
-        return [
-            on_signals(member.load(), *self.scales_of(number))
-            for number, member in enumerate(self.members)
-        ]
+        mlps = []
+        for number, member in enumerate(self.members):
+            held, scales = member.load(), self.scales_of(number)
+            with naming(f"{member.weights_path}, with data.scale of {self.path}"):
+                mlps.append(on_signals(held, *scales))
+        return mlps
 
     def columns_of(self, number: int) -> list[str]:
         """What a network of the scene takes and gives: sensors, earlier outputs, its own."""

@@ -60,6 +60,7 @@ KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
         "split": (str, "random"),
         "split_by": (list, []),
         "block_rows": (int, 5),
+        "refit": (bool, False),
         "noise": (float, 0.0),
         "drift": (dict, {}),
     },

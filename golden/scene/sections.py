@@ -33,8 +33,9 @@ class Training:
 
     ``earlier_outputs`` tells what a network of a cascade trains on: the outputs that the networks
     before it give in floating point (the thesis' cascade A) or bit-true (cascade B). ``split``,
-    ``split_by`` and ``block_rows`` are those of ``golden.training.split``; ``disturbance`` is what
-    the sensors are expected to do to the readings.
+    ``split_by`` and ``block_rows`` are those of ``golden.training.split``; ``refit`` trains on, on
+    all rows, what was chosen; ``disturbance`` is what the sensors are expected to do to the
+    readings.
     """
 
     optimiser: str
@@ -48,6 +49,7 @@ class Training:
     split: str
     split_by: tuple[str, ...]
     block_rows: int
+    refit: bool
     disturbance: Disturbance
 
 

@@ -7,12 +7,11 @@ scale of another network would be a wrong one.
 from __future__ import annotations
 
 import hashlib
-import tomllib
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from golden.network_files.network_file import provenance_path
+from golden.network_files.network_file import provenance_path, read_provenance
 from golden.networks.mlp import Mlp
 from golden.scene.scale import AUTO, Scale, read_scale
 
@@ -68,15 +67,12 @@ def _told(scene: Scene, number: int) -> dict[str, Scale | str]:
     """The scales in the provenance of a network; none where it is that of another one."""
     member = scene.members[number]
     mlp, path = member.load(), provenance_path(member.weights_path)
-    if not path.is_file():
-        return {}
-    try:
-        values = tomllib.loads(path.read_text(encoding="utf-8"))
-    except tomllib.TOMLDecodeError as error:
-        raise ValueError(f"{path}: not TOML: {error}") from None
-    if values.get("scale_of") != _digest(mlp):
+    values = read_provenance(member.weights_path)
+    if values is None or values.get("scale_of") != _digest(mlp):
         return {}
     told = values.get("scale", {})
+    if not isinstance(told, dict):
+        raise ValueError(f"{path}: scale: got {told!r}, expected a table")
     return read_scale({"scale": told, "sensors": list(told), "outputs": []}, path)
 
 

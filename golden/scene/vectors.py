@@ -119,6 +119,7 @@ def read_vectors(scene: Scene) -> Vectors:
                 f"is not defined; give {name} a full_scale in {scene.path}"
             )
     inputs = signals(rows.inputs, scene.scales(scene.sensors))
+    outside = tuple(_outside(scene, rows, inputs))
     codes, saturated = SIGNAL.quantise(inputs, f"{scene.data_path} sensors")
     counts = error_scale(rows.targets, scene.outputs, scene.full_scale)
     return Vectors(
@@ -128,7 +129,7 @@ def read_vectors(scene: Scene) -> Vectors:
         rows.groups,
         codes,
         saturated,
-        tuple(_outside(scene, rows, inputs)),
+        outside,
     )
 
 

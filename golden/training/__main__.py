@@ -23,20 +23,18 @@ from golden.networks.mlp import Mlp
 from golden.rig.check import before_training
 from golden.rig.finding import refuse
 from golden.scene import Scene, load_scene
-from golden.scene.scale import on_readings, on_signals
 from golden.scene.trained_scale import story
 from golden.scene.vectors import warn_outside
 from golden.training.scaling import scaled
 from golden.training.search import (
     Result,
-    bit_true_error,
-    bit_true_errors,
     candidates,
     search,
-    train,
+    signed_errors,
 )
 from golden.training.split import split_story
-from golden.training.task import Task, task_for
+from golden.training.stages import Stages
+from golden.training.task import Task
 
 # Least seconds between two lines of progress.
 PAUSE = 5
@@ -111,23 +109,24 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
     check_targets(scene.weights_paths)
     scene = scaled(scene)
     warn_outside(scene)
-    vectors = scene.vectors()
     settings = scene.training
     versions = (np.__version__, scipy.__version__, platform.python_version())
     state = fingerprint([*sources("golden"), scene.path, scene.data_path], *versions)
     records = build / scene.name / "training" / state[:16]
-    mlps: list[Mlp] = []
-    files: list[Mlp] = []
+    stages = Stages(scene)
     stories: list[dict[str, Any]] = []
     for number, member in enumerate(scene.members):
-        task = task_for(scene, vectors, mlps)
+        task = stages.task(stages.chosen, number)
         best, refused = choose(task, records / f"{number}.jsonl", workers)
-        files.append(on_readings(train(task, best.hidden, best.restart), *scene.scales_of(number)))
-        mlps.append(on_signals(files[-1], *scene.scales_of(number)))
-        # Another processor, of a cluster or of a search begun elsewhere, rounds otherwise: what is
-        # stated is what the network that is written does.
-        errors = stated_errors(task, mlps[-1])
         total = len(candidates(task))
+        stages.add(best.hidden, best.restart)
+        # Another processor, of a cluster or of a search begun elsewhere, rounds otherwise: what is
+        # stated is what these networks do.
+        errors = (
+            errors_of(task, stages.chosen[number], "validation")
+            | errors_of(stages.task(stages.tested, number), stages.tested[number], "test")
+            | errors_of(stages.task(stages.written, number), stages.written[number], "every")
+        )
         stories.append(
             {
                 "scene": scene.name,
@@ -137,7 +136,7 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
                 "precision": scene.precision.name,
                 "design": scene.design,
                 "activation": scene.activation_text,
-                "network": ":".join(str(n) for n in mlps[-1].shape),
+                "network": ":".join(str(n) for n in stages.written[number].shape),
                 "optimiser": settings.optimiser,
                 "earlier_outputs": settings.earlier_outputs if number else "none",
                 "candidates": total,
@@ -148,6 +147,7 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
                 "weight_decay": settings.weight_decay,
                 "steps": settings.steps,
                 "patience": settings.patience,
+                "refit": settings.refit,
                 "noise": settings.disturbance.noise,
                 "drift_gain": settings.disturbance.gain,
                 "drift_offset": settings.disturbance.offset,
@@ -155,28 +155,33 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
                 "python": versions[2],
                 "numpy": versions[0],
                 "scipy": versions[1],
-                **story(scene.known_scales, files[-1]),
+                **story(scene.known_scales, stages.files[number]),
             }
         )
     # All or none: the networks of a cascade belong together.
-    save_networks(list(zip(scene.weights_paths, files, stories, strict=True)))
+    save_networks(list(zip(scene.weights_paths, stages.files, stories, strict=True)))
     for member in scene.members:
         print(f"wrote {member.weights_path} and {provenance_path(member.weights_path).name}")
     print(f"{time.monotonic() - started:.0f} s")
 
 
-def stated_errors(task: Task, mlp: Mlp) -> dict[str, float]:
-    """What provenance says of the rows that did not train: as recorded and, where the scene names
-    noise or drift, as disturbed."""
-    errors: dict[str, float] = {}
-    for part in ("validation", "test"):
-        recorded = task.recorded.take(getattr(task.split, part))
-        errors[f"{part}_rms_percent"] = bit_true_error(task, mlp, recorded)
-    if not task.scene.training.disturbance.none:
-        validation, test = bit_true_errors(task, mlp)
-        errors["validation_disturbed_rms_percent"] = validation
-        errors["test_disturbed_rms_percent"] = test
-    return {name: round(error, 4) for name, error in errors.items()}
+def errors_of(task: Task, mlp: Mlp, part: str) -> dict[str, Any]:
+    """What provenance says of a network on a part of the rows: as recorded and, where the scene
+    names noise or drift, as disturbed, unless it was trained on these very draws."""
+    rows = np.arange(len(task.recorded.codes)) if part == "every" else getattr(task.split, part)
+    kinds = {"": task.recorded.take(rows)}
+    if part != "every" and not task.scene.training.disturbance.none:
+        kinds["_disturbed"] = getattr(task, part)
+    errors: dict[str, Any] = {}
+    for kind, frames in kinds.items():
+        miss = signed_errors(task, mlp, frames)
+        means = np.abs(miss).mean(axis=0)
+        names = task.scene.members[task.number].outputs
+        errors[f"{part}{kind}_rms_percent"] = round(float(np.sqrt((miss**2).mean())), 4)
+        errors[f"{part}{kind}_mean_percent"] = {
+            name: round(float(mean), 4) for name, mean in zip(names, means, strict=True)
+        }
+    return errors
 
 
 if __name__ == "__main__":

@@ -6,6 +6,10 @@ biases by the mean bit-true error, which takes out what truncation adds. The can
 least bit-true error on the validation rows is kept. Where the scene names noise or drift of its
 sensors, all of this is done on disturbed rows, the same ones for every candidate.
 
+What was chosen may be trained on, from where it stands, on more rows: ``training.refit``. On the
+training and validation rows alone it is what the test rows tell the error of; on all rows it is the
+network that is written.
+
 On one machine a candidate depends on the task, its hidden nodes and its number alone, so neither
 the number of workers nor an interruption changes the outcome. Elsewhere it comes out otherwise:
 where BLAS or tanh round the last bit in another way, which another processor does, and for SCG on
@@ -23,8 +27,8 @@ import numpy as np
 from joblib import Parallel, delayed
 
 from golden.files import reading, writing
-from golden.networks.mlp import Mlp, tanh
-from golden.scene.scale import Scale, on_readings, signals
+from golden.networks.mlp import Mlp, Real, tanh
+from golden.scene.scale import Scale, on_readings, on_signals, signals
 from golden.training import levenberg_marquardt, scg
 from golden.training.objective import Objective, pack, unpack
 from golden.training.task import Frames, Task
@@ -70,9 +74,8 @@ def starting_weights(shape: tuple[int, int, int], rng: np.random.Generator) -> M
     )
 
 
-def shift_biases(task: Task, mlp: Mlp) -> Mlp:
-    """Output biases moved by the weighted mean bit-true error of the training rows, twice."""
-    frames = task.training
+def shift_biases(task: Task, mlp: Mlp, frames: Frames) -> Mlp:
+    """Output biases moved by the weighted mean bit-true error on ``frames``, twice."""
     weight = 1 / frames.scale**2
     for _ in range(2):
         results = task.bit_true(mlp, frames)
@@ -98,23 +101,47 @@ def train(
     ValueError
         When the hardware's formats cannot hold its weights.
     """
+    shape = (task.training.inputs.shape[1], hidden, task.training.targets.shape[1])
+    rng = np.random.default_rng([task.scene.training.seed, task.number, hidden, restart])
+    start = on_readings(starting_weights(shape, rng), task.normal, [Scale()] * shape[2])
+    return descended(task, start, task.training, task.validation, objective)
+
+
+def refitted(task: Task, mlp: Mlp, frames: Frames) -> Mlp:
+    """A network that is trained on, from where it stands, on more rows; nothing ends it early.
+
+    Raises
+    ------
+    ValueError
+        When the hardware's formats cannot hold its weights.
+    """
+    return descended(task, mlp, frames, frames)
+
+
+def descended(
+    task: Task,
+    start: Mlp,
+    training: Frames,
+    validation: Frames,
+    objective: Callable[..., Objective] = Objective,
+) -> Mlp:
+    """The network that the descents lead to from ``start``, on tanh and the scene's activation.
+
+    Raises
+    ------
+    ValueError
+        When the hardware's formats cannot hold its weights.
+    """
     settings = task.scene.training
-    normal = task.normal
-    training, validation = (
-        replace(frames, inputs=signals(frames.inputs, normal))
-        for frames in (task.training, task.validation)
-    )
-    shape = (len(normal), hidden, training.targets.shape[1])
-    rng = np.random.default_rng([settings.seed, task.number, hidden, restart])
-    point = pack(starting_weights(shape, rng))
+    normal, plain = task.normal, [Scale()] * len(start.b2)
+    normalised = [replace(f, inputs=signals(f.inputs, normal)) for f in (training, validation)]
+    shape, point = start.shape, pack(on_signals(start, normal, plain))
     descend = OPTIMISERS[settings.optimiser]
     for activation in dict.fromkeys((tanh, task.scene.scheme.real)):
-        aim = objective(
-            shape, activation, training, validation, settings.weight_decay, settings.patience
-        )
+        aim = objective(shape, activation, *normalised, settings.weight_decay, settings.patience)
         point = aim.search(descend, point, settings.steps)
-    mlp = on_readings(unpack(point, shape), normal, [Scale()] * shape[2])
-    return shift_biases(task, mlp)
+    mlp = on_readings(unpack(point, shape), normal, plain)
+    return shift_biases(task, mlp, training)
 
 
 def measure(task: Task, hidden: int, restart: int) -> Result:
@@ -139,8 +166,12 @@ def bit_true_errors(task: Task, mlp: Mlp) -> tuple[float, float]:
 
 def bit_true_error(task: Task, mlp: Mlp, frames: Frames) -> float:
     """Root mean square of the bit-true percent errors on some frames of a task."""
-    errors = 100 * (task.bit_true(mlp, frames) - frames.targets) / frames.scale
-    return float(np.sqrt((errors**2).mean()))
+    return float(np.sqrt((signed_errors(task, mlp, frames) ** 2).mean()))
+
+
+def signed_errors(task: Task, mlp: Mlp, frames: Frames) -> Real:
+    """Bit-true errors in percent, with their signs, shape (rows, outputs)."""
+    return 100 * (task.bit_true(mlp, frames) - frames.targets) / frames.scale
 
 
 def candidates(task: Task) -> list[tuple[int, int]]:

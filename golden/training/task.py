@@ -18,13 +18,16 @@ from golden.scene.scale import Scale, range_scale, readings, signals
 from golden.training.objective import Rows
 from golden.training.split import Split, split_of
 
-PARTS = ("training", "validation", "test")
-
+# What is disturbed with draws of its own; the first three are the split.
+PARTS = ("training", "validation", "test", "known", "every")
 
 # A disturbed part of the rows is so many recordings of it that it has at least so many rows: fewer
 # leave it to chance which network looks best, more make training slow.
 TRAINED_ROWS = 300
 MEASURED_ROWS = 600
+# One descent, which nothing ends early: what it must not learn is told by draws alone.
+REFITTED_ROWS = 600
+LEAST_ROWS = {"training": TRAINED_ROWS, "validation": MEASURED_ROWS, "test": MEASURED_ROWS}
 
 
 @dataclass(frozen=True)
@@ -62,6 +65,8 @@ class Task:
     training, validation, test : Frames
         The parts of the split under ``training.noise`` and ``training.drift``; without any, as
         recorded. Every candidate has the same.
+    known, every : Frames
+        Likewise the training and validation rows together, and all rows.
     """
 
     scene: Scene
@@ -71,6 +76,8 @@ class Task:
     training: Frames
     validation: Frames
     test: Frames
+    known: Frames
+    every: Frames
 
     @property
     def normal(self) -> list[Scale]:
@@ -113,26 +120,32 @@ def task_for(scene: Scene, vectors: Vectors, earlier: Sequence[Mlp]) -> Task:
     targets = vectors.targets[:, columns]
     scale = vectors.scale[:, columns]
 
+    scales = scene.scales(scene.sensors)
+    recorded_readings = readings(vectors.inputs, scales)
+    places = {
+        "training": split.training,
+        "validation": split.validation,
+        "test": split.test,
+        "known": np.concatenate([split.training, split.validation]),
+        "every": np.arange(len(targets)),
+    }
+
     def frames(inputs: Real, rows: NDArray[np.int64]) -> Frames:
         codes, _ = SIGNAL.quantise(inputs, f"{scene.data_path} sensors")
         return Frames(targets=targets[rows], scale=scale[rows], **_seen(scene, codes, earlier))
 
     def disturbed(part: str) -> Frames:
-        rows: NDArray[np.int64] = getattr(split, part)
+        rows = places[part]
         disturbance = scene.training.disturbance
         if disturbance.none:
             return recorded.take(rows)
-        least = TRAINED_ROWS if part == "training" else MEASURED_ROWS
-        rows = np.tile(rows, -(-least // len(rows)))
+        rows = np.tile(rows, -(-LEAST_ROWS.get(part, REFITTED_ROWS) // len(rows)))
         rng = np.random.default_rng([scene.training.seed, PARTS.index(part)])
         # Each row has a drift of its own: few drifts, each of many rows, would be a chance sample.
-        given = [disturbance.of(recorded_in_units[[row]], rng) for row in rows]
-        return frames(signals(np.concatenate(given), scales), rows)
+        disturbed = [disturbance.of(recorded_readings[[row]], rng) for row in rows]
+        return frames(signals(np.concatenate(disturbed), scales), rows)
 
-    scales = scene.scales(scene.sensors)
-    recorded_in_units = readings(vectors.inputs, scales)
-
-    recorded = frames(vectors.inputs, np.arange(len(targets)))
+    recorded = frames(vectors.inputs, places["every"])
     return Task(scene, number, split, recorded, *(disturbed(part) for part in PARTS))
 
 

@@ -6,7 +6,7 @@ import csv
 from pathlib import Path
 
 from golden.block import walk
-from golden.files import replace_file
+from golden.files import check_file, reading, replace_file
 from golden.networks.network import Network
 from hdl.synth.cells import DEPTH
 from hdl.synth.netlist import KINDS
@@ -57,24 +57,24 @@ def read_budget(path: Path) -> Cells:
     ValueError
         For other columns, or a cell that is no number; the message names file and line.
     """
-    if not path.is_file():
-        raise FileNotFoundError(f"{path}: no such file")
-    with path.open(newline="", encoding="utf-8") as handle:
+    check_file(path)
+    with reading(path, "CSV"), path.open(newline="", encoding="utf-8") as handle:
         reader = csv.DictReader(handle)
-        if reader.fieldnames != COLUMNS:
+        rows = [(reader.line_num, row) for row in reader]
+    if reader.fieldnames != COLUMNS:
+        raise ValueError(
+            f"{path}: got columns {', '.join(reader.fieldnames or [])}, "
+            f"expected {', '.join(COLUMNS)}"
+        )
+    found: Cells = {}
+    for line, row in rows:
+        try:
+            cells = {name: int(row[name]) for name in COLUMNS[2:]}
+        except (TypeError, ValueError):
             raise ValueError(
-                f"{path}: got columns {', '.join(reader.fieldnames or [])}, "
-                f"expected {', '.join(COLUMNS)}"
-            )
-        found: Cells = {}
-        for row in reader:
-            try:
-                cells = {name: int(row[name]) for name in COLUMNS[2:]}
-            except (TypeError, ValueError):
-                raise ValueError(
-                    f"{path}:{reader.line_num}: got {list(row.values())}, expected whole numbers"
-                ) from None
-            found.setdefault(row["family"], {})[row["entity"]] = cells
+                f"{path}:{line}: got {list(row.values())}, expected whole numbers"
+            ) from None
+        found.setdefault(row["family"], {})[row["entity"]] = cells
     return found
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from golden.cli import CommandError
-from golden.files import replace_file
+from golden.files import check_file, reading, replace_file
 from hdl.synth.absorb import absorb
 from hdl.synth.tools import digest, run_tool, stored
 
@@ -87,11 +87,13 @@ def read_timing(path: Path) -> tuple[Timing, str]:
 
     Raises
     ------
-    FileNotFoundError
-        When nothing was recorded.
+    FileNotFoundError, CommandError, ValueError
+        When nothing was recorded, or something else stands there.
     """
-    record = json.loads(path.read_text(encoding="utf-8"))
-    return Timing(**record["timing"]), record["verilog"]
+    check_file(path)
+    with reading(path, "a recorded clock; RECORD=1 records it"):
+        record = json.loads(path.read_text(encoding="utf-8"))
+        return Timing(**record["timing"]), record["verilog"]
 
 
 def mapped(folder: Path, top: str) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from golden.cli import CommandError
-from golden.files import replace_file
+from golden.files import read_kept, replace_file
 from golden.fingerprint import fingerprint
 
 STORE = Path("build") / "synth"
@@ -72,8 +72,9 @@ def stored(
     scripts = sorted(Path(__file__).parent.glob("*.py"))
     key = fingerprint(scripts, digest(verilog), *facts, *map(version, tools))
     kept = STORE / f"{key}.json"
-    if kept.is_file():
-        return dict(json.loads(kept.read_text(encoding="utf-8")))
+    found = read_kept(kept)
+    if isinstance(found, dict):
+        return found
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for file in verilog.glob("*.v"):

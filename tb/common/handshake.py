@@ -7,7 +7,7 @@ import time
 import numpy as np
 from cocotb.triggers import Timer
 
-from tb.common.bench import RESET_CLOCKS, Bench, Recording
+from tb.common.bench import RESET_CLOCKS, Bench, Recording, reader, writer
 
 PORTS = [f"{side}_axis_{name}" for side in "sm" for name in ("tvalid", "tready", "tdata", "tlast")]
 
@@ -30,10 +30,11 @@ async def exchange(
         Whether a new element is offered, and whether results are taken, in each clock.
     resets : bool array
     """
-    dut = bench.dut
     half = Timer(5, "ns")
     ports = ["rst", *PORTS, "frame_error"]
-    handles = [getattr(dut, name) for name in ports]
+    read, taking = reader(bench.dut, ports), ports.index("s_axis_tready")
+    driven = ("clk", "rst", "s_axis_tvalid", "s_axis_tdata", "s_axis_tlast", "m_axis_tready")
+    clock, *writes = (writer(bench.dut, name) for name in driven)
     rows = []
     at, offered = 0, False
     started = time.perf_counter()
@@ -47,17 +48,15 @@ async def exchange(
         offered = (offered or bool(wanted)) and at < len(data)
         # While nothing is offered another element stands there, which must not matter.
         shown = at if offered else (at + 7) % len(data)
-        dut.clk.value = 0
-        dut.rst.value = int(reset)
-        dut.s_axis_tvalid.value = int(offered)
-        dut.s_axis_tdata.value = int(data[shown])
-        dut.s_axis_tlast.value = int(last[shown])
-        dut.m_axis_tready.value = int(ready)
+        clock(0)
+        values = (reset, offered, data[shown], last[shown], ready)
+        for write, value in zip(writes, values, strict=True):
+            write(int(value))
         await half
-        rows.append([str(handle.value) for handle in handles])
-        if offered and (reset or dut.s_axis_tready.value == 1):
+        rows.append(read())
+        if offered and (reset or rows[-1][taking] == "1"):
             at, offered = at + 1, False
-        dut.clk.value = 1
+        clock(1)
         await half
     return Recording(ports, rows, time.perf_counter() - started)
 

@@ -10,7 +10,7 @@ import numpy as np
 from cocotb.triggers import Timer
 
 from golden.engine.image import Image
-from tb.common.bench import RESET_CLOCKS, Bench, Recording, changed
+from tb.common.bench import RESET_CLOCKS, Bench, Recording, changed, reader, writer
 
 WATCH = ["out_valid", "out_data", "out_last", "frame_error", "load_ready", "image_error"]
 
@@ -67,9 +67,10 @@ async def exchange(bench: Bench, drive: dict[str, np.ndarray], sent: Sequence[Se
     for name, column in columns.items():
         columns[name] = [int(name == "rst")] * RESET_CLOCKS + column
     ports = [*columns, "load_valid", "load_data", "load_last", *WATCH]
-    handles = [getattr(dut, name) for name in ports]
-    changes = changed([(getattr(dut, name), column) for name, column in columns.items()])
-    valid, data, final = dut.load_valid, dut.load_data, dut.load_last
+    read, taking = reader(dut, ports), ports.index("load_ready")
+    changes = changed([(writer(dut, name), column) for name, column in columns.items()])
+    driven = ("clk", "load_valid", "load_data", "load_last")
+    drive_clock, valid, data, final = (writer(dut, name) for name in driven)
     queue = [
         (one.at + RESET_CLOCKS, byte, one.closed and place == len(one.data) - 1, one.gap)
         for one in sent
@@ -78,22 +79,22 @@ async def exchange(bench: Bench, drive: dict[str, np.ndarray], sent: Sequence[Se
     at, offered, rows = 0, False, []
     started = time.perf_counter()
     for clock, change in enumerate(changes):
-        dut.clk.value = 0
-        for handle, value in change:
-            handle.value = value
+        drive_clock(0)
+        for write, value in change:
+            write(value)
         if not offered and at < len(queue) and clock >= queue[at][0]:
             offered = bench.rng.random() >= queue[at][3]
         if at < len(queue):
             # While nothing is offered another byte stands there, which must not matter.
             _, byte, last, _ = queue[at if offered else (at + 7) % len(queue)]
-            data.value = byte
-            final.value = int(last)
-        valid.value = int(offered)
+            data(byte)
+            final(int(last))
+        valid(int(offered))
         await half
-        rows.append([str(handle.value) for handle in handles])
-        if offered and (columns["rst"][clock] or dut.load_ready.value == 1):
+        rows.append(read())
+        if offered and (columns["rst"][clock] or rows[-1][taking] == "1"):
             at, offered = at + 1, False
-        dut.clk.value = 1
+        drive_clock(1)
         await half
     return Recording(ports, rows, time.perf_counter() - started)
 

@@ -1,7 +1,7 @@
 """Runs benches: exports the scene, builds, simulates, and counts what was compared.
 
 Each bench runs on the exported files themselves, with the entity under test as top, in a build
-folder and a process of its own.
+folder and a simulator of its own.
 """
 
 from __future__ import annotations
@@ -21,11 +21,12 @@ from typing import Any
 
 from golden.block import Block, walk
 from golden.cli import CommandError
-from golden.files import writing
+from golden.files import replace_folder, writing
 from golden.scene import Scene, load_scene, scene_names, scene_path
 from golden.table import suggest
 from hdl.export.exporter import MANIFEST, ORDER
 from tb.common.bench import CONFIGURATION
+from tb.common.simulate import Run, analyse, simulate
 from tb.common.tools import SIMULATORS, check_simulator, language
 
 ROOT = Path(__file__).parents[2]
@@ -61,6 +62,11 @@ class Job:
         """The exported files that it runs on."""
         return self.build / self.scene.name / language(self.simulator)
 
+    @property
+    def library(self) -> Path:
+        """Where GHDL has compiled them, once for all jobs."""
+        return library(self.scene, self.build)
+
 
 @dataclass(frozen=True)
 class Outcome:
@@ -81,7 +87,7 @@ class Outcome:
         """The line of the log that says what went wrong."""
         text = self.log.read_text(encoding="utf-8", errors="replace") if self.log.exists() else ""
         marked = [line for line in text.splitlines() if "Error: " in line or "error: " in line]
-        return marked[0].removeprefix("INFO cocotb:").strip() if marked else "no message"
+        return marked[0].strip() if marked else "no message"
 
 
 def ready_scene(name: str) -> Scene:
@@ -116,6 +122,25 @@ def export(scene: Scene, tongue: str, build: Path = BUILD) -> None:
         raise RuntimeError(f"{shlex.join(command)}\n{result.stderr}")
 
 
+def library(scene: Scene, build: Path = BUILD) -> Path:
+    """Where the scene's exported VHDL is compiled."""
+    return build / scene.name / "sim" / "ghdl" / "library"
+
+
+def compile_vhdl(scene: Scene, build: Path = BUILD) -> None:
+    """Compile the scene's exported VHDL, once for the benches of all its entities."""
+    folder = build / scene.name / language("ghdl")
+    with replace_folder(library(scene, build)) as temporary:
+        analyse([folder / name for name in (folder / ORDER).read_text().split()], temporary)
+
+
+def prepare(scene: Scene, simulator: str, build: Path = BUILD) -> None:
+    """Export what a simulator reads."""
+    export(scene, language(simulator), build)
+    if simulator == "ghdl":
+        compile_vhdl(scene, build)
+
+
 def plan(
     scene: Scene,
     simulators: Iterable[str],
@@ -138,7 +163,7 @@ def plan(
     if block is not None:
         _check_block(scene, block)
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        list(pool.map(lambda name: export(scene, language(name), build), simulators))
+        list(pool.map(lambda name: prepare(scene, name, build), simulators))
     return [
         job
         for simulator in simulators
@@ -209,7 +234,6 @@ def run_job(job: Job) -> Outcome:
     with writing(job.folder):
         job.folder.mkdir(parents=True)
     result = job.folder / "compared.jsonl"
-    sources = [str(job.hdl_folder / name) for name in job.files]
     rerun = f"make sim BLOCK={job.block} SIM={job.simulator} SCENE={_scene_argument(job.scene)}"
     configuration = {
         "scene": str(job.scene.path.resolve()),
@@ -218,47 +242,36 @@ def run_job(job: Job) -> Outcome:
         "result": str(result),
         "rerun": f"{rerun} SEED={job.seed}",
     }
-    order = {
-        "simulator": job.simulator,
-        "sources": sources,
-        "entity": job.entity,
-        "module": f"tb.{job.area}.tb_{job.block}",
-        "build": str(job.folder / "build"),
-        "waves": job.waves,
-    }
-    # cocotb-test lets an inherited variable win over the one it is asked to set.
+    run = Run(
+        job.simulator,
+        job.entity,
+        f"tb.{job.area}.tb_{job.block}",
+        tuple((job.hdl_folder / name).resolve() for name in job.files),
+        job.library.resolve(),
+        job.folder.resolve() / "build",
+        job.waves,
+    )
+    # An inherited variable would change what the bench does.
     environment = {k: v for k, v in os.environ.items() if not k.startswith(("COCOTB", "TACTUS"))}
     environment |= {
         CONFIGURATION: json.dumps(configuration),
         "COCOTB_RANDOM_SEED": str(job.seed),
         "COCOTB_TEST_FILTER": f"\\.{job.test}$" if job.test else "",
-        "SIM": job.simulator,
-        "WAVES": str(int(job.waves)),
         "PYTHONPATH": str(ROOT),
         # One failed test is enough to know.
         "COCOTB_MAX_FAILURES": "1",
         # One thread: two simulations share two cores.
         "OPENBLAS_NUM_THREADS": "1",
     }
-    # Twice as fast as GHDL's default; where it is not installed, Debian's ghdl takes what is.
-    environment.setdefault("GHDL_BACKEND", "llvm")
     started = time.perf_counter()
-    with (job.folder / "log.txt").open("w") as log:
-        code = subprocess.run(
-            [sys.executable, "-m", "tb.common.simulate", json.dumps(order)],
-            cwd=ROOT,
-            env=environment,
-            stdout=log,
-            stderr=subprocess.STDOUT,
-            check=False,
-        ).returncode
+    sound = simulate(run, environment, job.folder / "log.txt")
     seconds = time.perf_counter() - started
     written = result.read_text(encoding="utf-8") if result.exists() else ""
     lines = [json.loads(line) for line in written.splitlines()]
     compared = sum(line.pop("compared") for line in lines)
     facts = {key: value for line in lines for key, value in line.items()}
-    # A run that compared nothing proves nothing, whatever its exit code says.
-    return Outcome(job, code == 0 and compared > 0, compared, seconds, facts)
+    # A run that compared nothing proves nothing, whatever its tests say.
+    return Outcome(job, sound and compared > 0, compared, seconds, facts)
 
 
 def _scene_argument(scene: Scene) -> str:

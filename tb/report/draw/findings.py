@@ -224,6 +224,25 @@ def training_plots(tables: Mapping[str, Table]) -> list[Plot]:
     ]
 
 
+def robustness_plot(table: Table) -> Plot:
+    """What it costs as recorded to err less with noise."""
+    rows = rows_of(table)
+    points = groups(rows, lambda row: str(row["output"]), "as recorded %", "2 mV %")
+    noises = [f"{number(row, 'trained for mV'):g}" for row in rows if row["output"] == "load"]
+    (low, high), (much_low, much_high) = points["load"][0], points["load"][-1]
+    return Plot(
+        "robustness",
+        "What it costs to be trained for noise",
+        "mean error as recorded %",
+        "mean error with noise of 2 mV %",
+        points,
+        f"Points are networks trained for {', '.join(noises)} mV, along the lines. Trained for "
+        f"none the load errs by {low:.2g} % as recorded and {high:.2g} % with noise, trained for "
+        f"{noises[-1]} mV by {much_low:.2g} % and {much_high:.2g} %.",
+        ["robustness"],
+    )
+
+
 def swing_plots(tables: Mapping[str, Table]) -> list[Plot]:
     """Integrators of the swing: plain, strongly damped, and just short of upright."""
     table = tables["swing"]

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from golden.errors import UNKNOWN
+from golden.errors import held_out_text
 from tb.report.draw.looks import nth
 from tb.report.draw.plots import Plot
 from tb.report.draw.svg import PLOT_INCHES, plain, style, svg
-from tb.report.measure.disturbance import KINDS, NONE
+from tb.report.measure.disturbance import BOUND, KINDS, NONE
 from tb.report.measure.outcome import Outcome
 from tb.report.measure.table import Table
 
@@ -88,7 +88,8 @@ def predicted_plots(found: Outcome) -> Iterator[Predicted]:
         miss = found.results[:, c] - found.targets[:, c]
         text = f"Every {every}th row and the worst. " if every > 1 else ""
         if found.held_out is None:
-            text += f"Which rows are held out is {UNKNOWN}. "
+            said = held_out_text(found.scene)
+            text += f"{said[0].upper()}{said[1:]}. "
         yield Predicted(
             f"predicted_{c}",
             f"{output}: computed against recorded",
@@ -140,25 +141,45 @@ def along_plot(found: Outcome, table: Table) -> Plot:
 
 
 def disturbance_plots(table: Table) -> Iterator[Plot]:
-    """Mean errors against noise, gain drift and offset drift."""
-    outputs = [column.removesuffix(" %") for column in table.columns[2:]]
-    for key, (kind, sizes) in KINDS.items():
-        rows = [
-            [float(str(cell)) for cell in row[1:]] for row in table.rows if row[0] in (NONE, kind)
-        ]
-        groups = {
-            plain(name): [(row[0], row[1 + c]) for row in rows] for c, name in enumerate(outputs)
+    """Mean errors, and where they are known their bounds, against noise and drifts."""
+    names = [column.removesuffix(" %") for column in table.columns[2:]]
+    outputs = [name for name in names if not name.endswith(BOUND)]
+    looks = {plain(name): nth(c) for c, name in enumerate(outputs)}
+    looks |= {
+        plain(name): replace(nth(outputs.index(name.removesuffix(BOUND))), filled=False)
+        for name in names
+        if name not in outputs
+    }
+    for key, (kind, _) in KINDS.items():
+        rows = [row for row in table.rows if row[0] in (NONE, kind)]
+        errors = {
+            name: [
+                (float(str(row[1])), float(str(row[2 + c])))
+                for row in rows
+                if row[2 + c] is not None
+            ]
+            for c, name in enumerate(names)
         }
-        largest = max(range(len(outputs)), key=lambda c: rows[-1][1 + c])
-        unit = "part of the signal" if key == "gain" else "signals from -1 to 1"
+        errors = {name: points for name, points in errors.items() if points}
+        largest = max(outputs, key=lambda name: errors[name][-1][1])
+        (_, recorded), *_, (size, error) = errors[largest]
+        text = f"{largest} is the worst at {size:g}: {error:.2g} %, {recorded:.2g} % as recorded."
+        allowed = [
+            f"{points[-1][1]:.2g} % of {name.removesuffix(BOUND)}"
+            for name, points in errors.items()
+            if name not in outputs
+        ]
+        if allowed:
+            text += f" The sensors allow {', '.join(allowed)} there."
+        unit = "part of the reading" if key == "gain" else "unit of the readings"
         yield Plot(
             f"disturbed_{key}",
             f"Mean error against {kind}",
             f"{kind}, {unit}",
             "mean error %",
-            groups,
-            f"{outputs[largest]} is the worst at {sizes[-1]:g}: {rows[-1][1 + largest]:.2g} %, "
-            f"{rows[0][1 + largest]:.2g} % as recorded.",
+            {plain(name): points for name, points in errors.items()},
+            text,
             [table.name],
             linear="xy",
+            looks=looks,
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 
@@ -16,8 +17,15 @@ from golden.physics.beam import Beam
 from golden.physics.bound import UNKNOWN, least_mean_errors
 from golden.physics.digit_data import RECORDED, SENSORS
 from golden.physics.known_loads import least_errors
-from golden.physics.strain_sensor import COLUMNS, fit_sensors, loads_from_codes, read_sensors
-from golden.scene import load_scene
+from golden.physics.strain_sensor import (
+    COLUMNS,
+    StrainSensor,
+    fit_sensors,
+    loads_from_codes,
+    read_sensors,
+)
+from golden.scene import Scene, load_scene
+from golden.scene.vectors import read_recorded
 from golden.table import read_table
 from golden.units import FULL_SCALE, POSITION_MM
 from tb.report.measure.table import Cell, Table
@@ -71,13 +79,37 @@ def limits(noise: float | None, seed: int) -> Limits:
     else:
         sigma = np.full(len(SENSORS), noise)
     reached = disturbed_rows(scene, Disturbance(noise or 0.0), seed)
-    bound = np.full(targets.shape, np.inf)
-    unknown = slice(len(UNKNOWN))
-    bound[:, unknown] = least_mean_errors(sensors, targets, sigma, scale[:, unknown])
+    bound = _bound(sensors, targets, sigma, scale)
     any_load, known_loads = (
         least_errors(sensors, targets, sigma, scale, known, DRAWS, rng) for known in (False, True)
     )
     return Limits(bound, reached, any_load, known_loads)
+
+
+def _bound(sensors: Sequence[StrainSensor], targets: Real, sigma: Real, scale: Real) -> Real:
+    """The bound of every output in percent, infinite where the readings do not hold it."""
+    bound = np.full(targets.shape, np.inf)
+    unknown = slice(len(UNKNOWN))
+    bound[:, unknown] = least_mean_errors(sensors, targets, sigma, scale[:, unknown])
+    return bound
+
+
+def bounds_of(scene: Scene, noises: Sequence[float]) -> dict[str, list[float]]:
+    """Mean bounds, in percent, at each noise, of the outputs that a scene's readings hold in every
+    row; none where its sensors are not those of the digit."""
+    if scene.data_path != RECORDED or scene.sensors != SENSORS:
+        return {}
+    table = read_table(RECORDED, [*SENSORS, *COLUMNS])
+    rows = read_recorded(scene).numbers
+    sensors, targets = fit_sensors(table, Beam()), table[rows, len(SENSORS) :]
+    scale = error_scale(targets, COLUMNS, scene.full_scale)
+    # It grows as the noise does.
+    means = _bound(sensors, targets, np.ones(len(SENSORS)), scale).mean(axis=0)
+    return {
+        name: [float(noise * mean) for noise in noises]
+        for name, mean in zip(COLUMNS, means, strict=True)
+        if name in scene.outputs and np.isfinite(mean)
+    }
 
 
 def bounds(seed: int) -> Table:

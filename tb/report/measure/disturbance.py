@@ -5,32 +5,36 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from golden.disturbance import Disturbance
-from golden.errors import FRAMES, disturbed_errors
-from golden.scene import Scene
-from tb.report.measure.networks import scenes
+from golden.errors import FRAMES, disturbed_errors, full_scale_of
+from golden.scene import Scene, load_scene, scene_names
+from tb.report.measure.bounds import bounds_of
 from tb.report.measure.table import Cell, Table
 
-# By the name that ``Disturbance`` has for it: how a reader names it, and its sizes.
+# By the name that ``Disturbance`` has for it: how a reader names it, and its sizes, of noise and
+# offsets as parts of a reading's full scale.
 KINDS: dict[str, tuple[str, tuple[float, ...]]] = {
     "noise": ("noise", (0.0005, 0.001, 0.002, 0.004, 0.008)),
     "gain": ("gain drift", (0.002, 0.005, 0.01, 0.02, 0.03)),
     "offset": ("offset drift", (0.001, 0.002, 0.005, 0.01, 0.02)),
 }
 NONE = "as recorded"
+# Behind the name of an output: what its sensors allow.
+BOUND = ", bound"
 MEANING = (
     "Bit-true mean errors in percent on all recorded rows with disturbed readings. Sizes are "
-    "standard deviations: of noise and offsets on signals from -1 to 1, of which 0.001 is 1 mV "
-    "where 1 is a volt; of gains a part of the signal. Noise differs from reading to reading, "
+    "standard deviations: of noise and offsets in the unit of the readings, 0.001 is 1 mV of a "
+    "volt; of gains a part of the reading. Noise differs from reading to reading, "
     "a drift of gain or offset from sensor to sensor. All rows are drawn so many times that they "
     f"are {FRAMES:,} frames or more, each with a drift of its own."
 )
 
 
-def disturbances() -> Iterator[tuple[str, float, Disturbance]]:
-    """Every kind and size, at first none."""
+def disturbances(full_scale: float = 1.0) -> Iterator[tuple[str, float, Disturbance]]:
+    """Every kind and size, at first none, for readings of that full scale."""
     yield NONE, 0.0, Disturbance()
-    for key, (kind, sizes) in KINDS.items():
-        for size in sizes:
+    for key, (kind, parts) in KINDS.items():
+        for part in parts:
+            size = part if key == "gain" else float(f"{part * full_scale:.6g}")
             yield kind, size, Disturbance(**{key: size})
 
 
@@ -38,20 +42,33 @@ def disturbed(scene: Scene, seed: int) -> list[list[Cell]]:
     """Kind, size and the error of every output of a scene."""
     return [
         [kind, size, *disturbed_errors(scene, disturbance, seed)]
-        for kind, size, disturbance in disturbances()
+        for kind, size, disturbance in disturbances(full_scale_of(scene))
     ]
 
 
 def noise_and_drift(scene: Scene, seed: int) -> Table:
     """One scene: a row a disturbance, a column an output."""
     columns = ["disturbance", "size", *(f"{name} %" for name in scene.outputs)]
-    return Table("noise_and_drift", columns, disturbed(scene, seed), MEANING)
+    rows, note = disturbed(scene, seed), MEANING
+    # Of sensors that have no scale: sizes are their parts.
+    kind, sizes = KINDS["noise"]
+    bounds = bounds_of(scene, sizes)
+    for name, bound in bounds.items():
+        columns.append(f"{name}{BOUND} %")
+        known: dict[Cell, float] = dict(zip(sizes, bound, strict=True))
+        rows = [[*row, known[row[1]] if row[0] == kind else None] for row in rows]
+    if bounds:
+        note += (
+            " Bound: that of Cramer and Rao for that noise alone, shape known; no estimator that "
+            "is right on average errs less (docs/limits.md)."
+        )
+    return Table("noise_and_drift", columns, rows, note)
 
 
 def disturbance(seed: int) -> Table:
-    """Every output of every shipped scene and of those for comparison: a column a disturbance."""
+    """Every output of every shipped scene: a column a disturbance."""
     rows: list[list[Cell]] = []
-    for scene in scenes():
+    for scene in map(load_scene, scene_names()):
         _, _, *errors = zip(*disturbed(scene, seed), strict=True)
         rows += [
             [scene.name, name, *found] for name, found in zip(scene.outputs, errors, strict=True)

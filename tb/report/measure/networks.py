@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from golden.errors import HELD_OUT, scene_errors
+from golden.errors import HELD_OUT, held_out_means, scene_errors
 from golden.metrics import millimetres
 from golden.scene import Scene, comparison_names, load_scene, scene_names, thesis_figures
 from tb.report.measure.table import Cell, Table
@@ -17,7 +17,7 @@ def networks(seed: int) -> Table:
     """Errors of every output of every scene; the seeds are those of the scenes' training."""
     rows: list[list[Cell]] = []
     for scene in scenes():
-        found = scene_errors(scene)
+        found, means = scene_errors(scene), held_out_means(scene)
         figures: list[float] | list[None] = [None] * len(scene.outputs)
         if scene.reference:
             figures = thesis_figures(scene.reference, len(scene.outputs), scene.path)
@@ -34,7 +34,7 @@ def networks(seed: int) -> Table:
                     exact.largest_mean,
                     exact.mean,
                     exact.worst,
-                    None if held is None else held.mean,
+                    None if means is None else means[c],
                     None if held is None else held.largest_mean,
                     None if length is None else millimetres(exact, length).largest_mean,
                     figures[c],

@@ -70,7 +70,8 @@ def record(scene: Scene, frame: int = 0, build: Path = BUILD) -> list[Port]:
     folder = build / scene.name / "verilog"
     watched = list(_watched(scene, design, folder))
     drive = _drive(design, [int(code) for code in codes[frame]])
-    rows = _simulate(folder, design.entity, drive, [port.path for port in watched])
+    paths = [port.path for port in watched]
+    rows = _simulate(folder, design.entity, _loading(design.image), drive, paths)
     columns = list(zip(*rows, strict=True))
     return [_port(port, bits) for port, bits in zip(watched, columns, strict=True)]
 
@@ -89,6 +90,15 @@ def _drive(design: Network, samples: list[int]) -> list[dict[str, int]]:
         ]
     idle = dict.fromkeys(busy[0], 0)
     return [idle] * BEFORE + busy + [idle] * (design.output_clocks[-1] + BEHIND)
+
+
+def _loading(image: bytes) -> list[dict[str, int]]:
+    """The input ports while an image is loaded, in clocks that are not recorded."""
+    busy = [
+        {"load_valid": 1, "load_data": byte, "load_last": int(n == len(image))}
+        for n, byte in enumerate(image, 1)
+    ]
+    return busy and [*busy, dict.fromkeys(busy[0], 0)]
 
 
 def _watched(scene: Scene, design: Network, folder: Path) -> Iterator[Watched]:
@@ -124,19 +134,24 @@ def _instance(folder: Path, parent: str, entity: str) -> str:
 
 
 def _simulate(
-    folder: Path, top: str, drive: list[dict[str, int]], watched: list[str]
+    folder: Path,
+    top: str,
+    loading: list[dict[str, int]],
+    drive: list[dict[str, int]],
+    watched: list[str],
 ) -> list[list[str]]:
-    """One row a clock: the watched signals as bits, just before its rising edge."""
+    """One row a clock of ``drive``: the watched signals as bits, just before its rising edge."""
     ports = {port.name: port for port in read_ports(_text(folder, top), "verilog")}
-    inputs = ["clk", "rst", *drive[0]]
+    inputs = ["clk", "rst", *(loading[0] if loading else ()), *drive[0]]
     regs = [f"    reg {ports[name].verilog}{name} = 0;" for name in inputs]
     wires = ", ".join(f".{name}({name})" for name in inputs)
     show = f'$display("{" ".join(["row", *["%b"] * len(watched)])}", {", ".join(watched)});'
     tick = ["#5;", "clk = 1;", "#5;", "clk = 0;"]
     play = ["rst = 1;", *tick, *tick, "rst = 0;"]
+    for values in loading:
+        play += [*_set(values), *tick]
     for values in drive:
-        play += [f"{name} = {value};" for name, value in values.items()]
-        play += [tick[0], show, *tick[1:]]
+        play += [*_set(values), tick[0], show, *tick[1:]]
     lines = ["`timescale 1ns/1ps", "module recorder;", *regs, f"    {top} dut({wires});"]
     lines += ["    initial begin", *(f"        {words}" for words in play), "    end", "endmodule"]
     files = [str(folder / name) for name in (folder / ORDER).read_text(encoding="utf-8").split()]
@@ -147,6 +162,10 @@ def _simulate(
         _run(compiled)
         printed = _run(["vvp", "-n", str(program)])
     return [words.split()[1:] for words in printed.splitlines() if words.startswith("row ")]
+
+
+def _set(values: dict[str, int]) -> list[str]:
+    return [f"{name} = {value};" for name, value in values.items()]
 
 
 def _run(command: list[str]) -> str:

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from golden.files import replace_file
+from golden.files import read_kept, replace_file
 from tb.common.runner import BUILD
 from tb.report.measure.table import Table
 
@@ -18,11 +18,8 @@ Progress = Callable[[str, float, bool], None]
 
 def kept(name: str, state: str) -> Any:
     """What was kept under that name in the same state; None where nothing was."""
-    path = STORE / f"{name}.json"
-    if not path.is_file():
-        return None
-    found = json.loads(path.read_text(encoding="utf-8"))
-    return found["answer"] if found["state"] == state else None
+    found = read_kept(STORE / f"{name}.json")
+    return found["answer"] if isinstance(found, dict) and found.get("state") == state else None
 
 
 def keep(name: str, state: str, answer: Any) -> None:

@@ -20,12 +20,14 @@ from golden.fingerprint import ROOT
 from golden.scene import load_scene, scene_names
 from hdl.synth.budget import budget_path, read_budget
 from hdl.synth.timing import read_timing, timing_path
+from tb.report.draw import findings
 from tb.report.draw.area import area
 from tb.report.draw.network import network
 from tb.report.draw.tanh_words import tanh_words as draw_tanh_words
 from tb.report.measure.clocks import clocks
 from tb.report.measure.costs import with_network_cells
 from tb.report.measure.steps import SEED
+from tb.report.measure.table import Cell, Table
 from tb.report.measure.tanh_words import tanh_words
 from tb.report.page.markers import put, write
 
@@ -121,6 +123,25 @@ def disturbed() -> str:
     return "\n".join(lines)
 
 
+def robustness(page: str) -> str:
+    """The plot of the table that stands in the page, at the middle of its ranges.
+
+    It is not measured anew: on another machine trainings end elsewhere within the ranges.
+    """
+    lines = page.partition("\n## robustness\n")[2].partition("\n## ")[0].splitlines()
+    cells = [[c.strip() for c in line.strip("| ").split("|")] for line in lines if "|" in line]
+    rows: list[list[Cell]] = [
+        [float(row[0]), row[1], _middle(row[2]), _middle(row[3])] for row in cells[2:]
+    ]
+    columns = ["trained for mV", "output", "as recorded %", "2 mV %"]
+    return findings.robustness_plot(Table("robustness", columns, rows, "")).draw()
+
+
+def _middle(text: str) -> float:
+    ends = [float(end) for end in text.split(" to ")]
+    return sum(ends) / len(ends)
+
+
 def pages() -> dict[Path, str]:
     """Every file that this command writes, as it must be."""
     docs = ROOT / "docs"
@@ -136,6 +157,8 @@ def pages() -> dict[Path, str]:
         page: put(page, page.read_text(encoding="utf-8"), text(), COMMAND, section)
         for page, section, text in sections
     }
+    figures = (docs / "figures.md").read_text(encoding="utf-8")
+    found[docs / "robustness.svg"] = robustness(figures) + "\n"
     found[docs / "networks.svg"] = network(load_scene(DEMO)) + "\n"
     found[docs / "area.svg"] = area(with_network_cells(clocks(SEED))) + "\n"
     found[docs / "activations" / "engine.svg"] = draw_tanh_words(tanh_words(SEED)) + "\n"

@@ -44,6 +44,7 @@ def sections(scene: Scene, state: str, draw: Draw, tell: Progress) -> list[Secti
         findings.iterations_plot(tables, thesis_figure("pade")),
         *findings.network_plots(networks),
         *findings.training_plots(tables),
+        findings.robustness_plot(tables["robustness"]),
         *findings.swing_plots(tables),
         findings.damping_plot(tables),
         *findings.bound_plots(tables),

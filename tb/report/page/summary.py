@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from golden.block import walk
-from golden.errors import HELD_OUT, UNKNOWN, noise_of, scene_errors
+from golden.errors import UNKNOWN, held_out_means, held_out_text, noise_of, scene_errors
 from golden.networks.network import Network
 from golden.scene import Scene, thesis_figures
 from hdl.synth.timing import DEVICE_NAME
@@ -42,16 +42,17 @@ def errors(found: Outcome, moved: Table | None) -> Table:
     noise = noise_of(scene)
     noisy = found.noisy.mean(axis=0)
     columns = ["output", "mean %", "largest %", "worst %", "held out %", f"noise {noise:g} %"]
+    means = held_out_means(scene)
     rows: list[list[Cell]] = []
     for c, name in enumerate(scene.outputs):
         error = known["bit-true"][c]
-        held: Cell = known[HELD_OUT][c].mean if HELD_OUT in known else UNKNOWN
+        held: Cell = UNKNOWN if means is None else means[c]
         rows.append([name, error.mean, error.largest_mean, error.worst, held, float(noisy[c])])
     note = (
         "Bit-true, which is what the hardware computes, on the recorded rows"
         + (f"; largest: the largest mean at one {scene.group_by}. " if scene.group_by else ". ")
-        + "Held out: the mean of rows that neither trained nor chose the network. Noise: the mean "
-        "with so much on every reading, as a signal from -1 to 1."
+        + f"Held out: the mean; rows: {held_out_text(scene)}. Noise: the mean "
+        "with so much on every reading, in its unit."
     )
     if not scene.group_by:
         columns, rows = _without(2, columns), [_without(2, row) for row in rows]

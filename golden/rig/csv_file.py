@@ -55,7 +55,7 @@ class Column:
 
 
 @dataclass(frozen=True)
-class Recording:
+class CsvFile:
     """Every cell of a CSV file.
 
     Attributes
@@ -84,7 +84,7 @@ class Recording:
         return Column(name, values, odd)
 
 
-def read_recording(path: Path) -> Recording:
+def read_csv_file(path: Path) -> CsvFile:
     """Read a CSV file: UTF-8, comma separated, the first line the names of the columns.
 
     Raises
@@ -115,7 +115,7 @@ def read_recording(path: Path) -> Recording:
             if len(row) == 2 * len(names):
                 hint = "; is that a decimal comma? expected a decimal point, 0.5 and not 0,5"
             raise ValueError(f"{path}:{line}: got {len(row)} cells, expected {len(names)}{hint}")
-    return Recording(
+    return CsvFile(
         path, names, tuple(line for line, _ in rows[1:]), tuple(row for _, row in rows[1:])
     )
 

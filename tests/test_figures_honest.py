@@ -1,0 +1,86 @@
+"""Tables honest and robustness: what they compare, and what docs/figures.md says of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pages import TRAINED, cells, section, shows
+from shared import Shared
+
+from golden.disturbance import Disturbance
+from golden.scene import load_scene
+from golden.training.stages import Stages
+from tb.report.measure import honest
+from tb.report.measure.table import Table
+
+OUTPUTS = load_scene(honest.SCENE).outputs
+
+
+@pytest.fixture(scope="module")
+def tables(shared: Shared) -> dict[str, Table]:
+    return shared.tables()
+
+
+def figures(table: Table, first: object) -> dict[str, tuple]:
+    return {row[1]: tuple(row[2:]) for row in table.rows if row[0] == first}
+
+
+def test_every_split_and_every_noise_has_every_output(tables: dict[str, Table]) -> None:
+    for name, firsts in (
+        ("honest", list(honest.SPLITS)),
+        ("robustness", [1e3 * noise for noise in honest.NOISES]),
+    ):
+        assert [row[:2] for row in tables[name].rows] == [[f, o] for f in firsts for o in OUTPUTS]
+
+
+def test_a_load_that_was_never_trained_is_not_told(tables: dict[str, Table]) -> None:
+    """Its width and shape are not in the readings: only which loads there are was learnt."""
+    placements, loads = (figures(tables["honest"], name) for name in ("placements", "loads"))
+    for output in ("width", "shape"):
+        assert loads[output][0] > 5 * placements[output][0]
+
+
+def test_what_is_trained_for_noise_errs_less_with_it(tables: dict[str, Table]) -> None:
+    """The load, whose descents end nearly alike; and more as recorded, which is what it costs."""
+    none, much = (
+        figures(tables["robustness"], 1e3 * noise)["load"] for noise in (0.0, honest.EXPECTED)
+    )
+    assert much[1] < 0.85 * none[1]
+    assert much[0] > 1.2 * none[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "firsts"),
+    [("honest", list(honest.SPLITS)), ("robustness", [f"{1e3 * n:g}" for n in honest.NOISES])],
+)
+def test_the_page_shows_them(tables: dict[str, Table], name: str, firsts: list[str]) -> None:
+    """Ranges over seeds: a last bit turns a descent to another minimum, as another seed does."""
+    page = section("figures", name)
+    for first in firsts:
+        found = figures(tables[name], first if name == "honest" else float(first))
+        for output in OUTPUTS:
+            for text, figure in zip(cells(page, first, output), found[output], strict=True):
+                assert shows(text, figure, TRAINED), (first, output)
+
+
+def test_errors_are_of_the_networks_bit_by_bit() -> None:
+    scene = honest.configured(1, 0.0, honest.SPLITS["placements"])
+    scene = replace(scene, training=replace(scene.training, steps=10))
+    stages = Stages(scene)
+    for _ in scene.members:
+        stages.add(4, 0)
+    recorded, noisy = honest.means(scene, stages.written, "every")
+    vectors = scene.vectors()
+    task = stages.task(stages.written, 3)
+    codes = np.hstack(
+        [task.recorded.codes, scene.build(stages.written[3]).process(task.recorded.codes)]
+    )
+    outputs = codes[:, len(scene.sensors) :] / 8192
+    expected = vectors.percent_errors(outputs).mean(axis=0)
+    np.testing.assert_allclose(recorded, expected, rtol=1e-12)
+    assert (noisy > recorded).all()
+    disturbed = replace(scene.training, disturbance=Disturbance(noise=0.01))
+    same = honest.means(replace(scene, training=disturbed), stages.written, "every")
+    np.testing.assert_array_equal(same, (recorded, noisy))
