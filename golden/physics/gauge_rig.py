@@ -64,7 +64,7 @@ class GaugeRig:
     Attributes
     ----------
     name : str
-    beam : Beam
+    beam : golden.physics.beam.Beam
     count : int
         Gauges to place.
     span : tuple of float
