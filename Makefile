@@ -1,6 +1,7 @@
 # The front door: every job is a target. `make` alone lists them.
 
 SCENE ?= digit
+RIG ?= digit
 SEED ?= 1
 PYTHON ?= python3
 VENV ?= .venv
@@ -9,7 +10,7 @@ SITE ?= build/site
 # What a user may give. Recipes read it from the environment, as "$$SCENE", and never as text that
 # make puts in: so no character of it is special, neither to make, which would expand a $ on the
 # way, nor to the shell. Only whether it is given may be asked of make: $(if $(BLOCK),...).
-GIVEN := ALL BESIDE BLOCK CLUSTER CSV FRAMES FULL HARDWARE LINKS MACHINE ONLY OUTPUT OUTPUTS PYTHON RECORD SCENE \
+GIVEN := ALL BESIDE BLOCK CLUSTER CSV FRAMES FULL HARDWARE LINKS MACHINE ONLY OUTPUT OUTPUTS PYTHON RECORD RIG SCENE \
 	SEED SIM SITE TABLE TESTS TO VENV WAVES WHOLE
 literal = $(if $(value $(1)),$(eval override $(1) := $$(value $(1)))$(eval export $(1)))
 $(foreach name,$(GIVEN),$(call literal,$(name)))
@@ -18,7 +19,7 @@ RUN := "$$VENV/bin/python"
 # A target by a name of its own: the path of the environment may hold what is special in one of make's.
 READY := ready
 
-.PHONY: help demo test machines sim vhdl verilog scene check train recalibrate predict network image bench listing activations figures lean synth report docs pages lint clean tools browser ready
+.PHONY: help demo test machines sim vhdl verilog scene check train recalibrate predict network image bench listing activations figures sensors lean synth report docs pages lint clean tools browser ready
 
 help:
 	@echo "make demo    [SCENE=] [FULL=1]            a scene end to end: simulate, export, table of errors"
@@ -46,6 +47,7 @@ help:
 	@echo "make listing [SCENE=]                     the program of an engine, step by step"
 	@echo "make activations                          errors of every activation against tanh, and their plots"
 	@echo "make figures [TABLE=] [SEED=]             measured figures beside the thesis', in build/figures"
+	@echo "make sensors [RIG=my-beam.toml]           where gauges on a beam should sit, with picture and table"
 	@echo "make lean    [SCENE=] [BESIDE=other]      what a scene leaves out, and what that saves"
 	@echo "make synth   [SCENE=] [RECORD=1]          cells of every block, clock, both beside the thesis; budget"
 	@echo "make report  [SCENE=] [FULL=1]            errors, what noise does, what was verified, pictures: one HTML file"
@@ -107,6 +109,9 @@ activations: $(READY)
 
 figures: $(READY)
 	@$(RUN) -m tb.report.measure $(if $(TABLE),"$$TABLE") --seed="$$SEED"
+
+sensors: $(READY)
+	@$(RUN) -m tb.report.measure.gauges "$$RIG"
 
 lean: $(READY)
 	@$(RUN) -m hdl.synth.lean "$$SCENE" --beside="$$BESIDE"

@@ -425,8 +425,16 @@ def test_more_placements_leave_less_and_chosen_ones_no_more(tables) -> None:
     own, drifted = rows[0, "not drifted", None], rows[0, "drifted", None]
     assert drifted > 20 * own
     for noise in (0.0, 2.0):
-        for few, many in ((4, 10), (4, 40)):
+        for few, many in ((3, 20), (4, 40)):
             assert rows[many, "telling most", noise] < rows[few, "telling most", noise]
         for count in (3, 4, 6, 8, 10):
             assert rows[count, "telling most", noise] < rows[count, "at random", noise]
     assert rows[20, "at random", 0.0] < 1.5 * own
+
+
+def test_the_gauges_of_the_page_are_those_found(tables) -> None:
+    page = section("limits", "Where gauges should sit")
+    for row in tables["gauge_places"].rows:
+        *start, load, position, width = map(str, row)
+        for text, figure in zip(cells(page, *start), (load, position, width), strict=True):
+            assert shows(text, float(figure), ROUNDING)

@@ -51,6 +51,7 @@ ARGUMENTS = {
     "OUTPUT": ("--output=", "network"),
     "HARDWARE": ("--hardware=", "image"),
     "TABLE": ("", "figures"),
+    "RIG": ("", "sensors"),
     "BESIDE": ("--beside=", "lean"),
     "TESTS": ("--tests=", "test machines"),
     "MACHINE": ("", "test"),

@@ -18,7 +18,7 @@ from golden.cli import run
 from golden.networks.mlp import Real
 from golden.precision import SIGNAL
 from golden.recalibration.choice import information_of, placement, proposal, refuse_unsure
-from golden.recalibration.fit import Recorded, fit
+from golden.recalibration.fit import Sensitivity, fit
 from golden.recalibration.folder import scene_file, write_copy
 from golden.scene import Scene, Vectors, load_scene
 from golden.scene.scale import readings
@@ -45,7 +45,7 @@ def main() -> None:
 
 def propose(scene: Scene) -> None:
     """Print placements that tell most of the sensors."""
-    recorded = Recorded.of(scene)
+    recorded = Sensitivity.of(scene)
     nothing = np.zeros((2 * len(scene.sensors),) * 2)
     print("placements that tell most, one after the other, and what gains and offsets that are")
     print("still unsure then add to the error of the worst output, as a part of its own:")
@@ -57,7 +57,7 @@ def propose(scene: Scene) -> None:
 def recalibrate(scene: Scene, path: Path, target: Path) -> None:
     """Fit, tell, write."""
     placements = replace(scene, data_path=path, group_by="", where={}).vectors()
-    recorded = Recorded.of(scene)
+    recorded = Sensitivity.of(scene)
     correction = fit(scene, recorded, placements)
     samples = readings(placements.inputs, correction)
     known = replace(placements, inputs=samples)
@@ -83,7 +83,7 @@ def recalibrate(scene: Scene, path: Path, target: Path) -> None:
     print("\n".join(f"wrote {file}" for file in written))
 
 
-def tell_errors(scene: Scene, copy: Scene, recorded: Recorded, placements: Vectors) -> None:
+def tell_errors(scene: Scene, copy: Scene, recorded: Sensitivity, placements: Vectors) -> None:
     """Print the errors at the placements, bit-true, before and after."""
     before, after = (_errors(one, placements) for one in (scene, copy))
     print(f"\n{'output':16}{'before %':>10}{'after %':>10}{'recorded %':>12}")

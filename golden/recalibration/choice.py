@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from golden.networks.mlp import Real
-from golden.recalibration.fit import Recorded
+from golden.recalibration.fit import Sensitivity
 from golden.scene import Scene, Vectors
 
 # What an unsure correction may add to the error of an output, as a part of its own. With more the
@@ -18,7 +18,7 @@ MOST_ADDED = 1.0
 MOST_PROPOSED = 12
 
 
-def proposed(recorded: Recorded, information: Real) -> Iterator[tuple[int, Real]]:
+def proposed(recorded: Sensitivity, information: Real) -> Iterator[tuple[int, Real]]:
     """Rows of the recording in the order in which they tell most, and what is known with them.
 
     Each is the one for which the volume of what the corrections can still be is least: the largest
@@ -27,7 +27,7 @@ def proposed(recorded: Recorded, information: Real) -> Iterator[tuple[int, Real]
 
     Parameters
     ----------
-    recorded : Recorded
+    recorded : Sensitivity
     information : float array, shape (2 sensors, 2 sensors)
         Of the placements that there are.
 
@@ -50,7 +50,7 @@ def proposed(recorded: Recorded, information: Real) -> Iterator[tuple[int, Real]
         yield row, information
 
 
-def proposal(recorded: Recorded, information: Real, least: int = 1) -> list[tuple[int, float]]:
+def proposal(recorded: Sensitivity, information: Real, least: int = 1) -> list[tuple[int, float]]:
     """Rows until every output is determined, but at least so many, and what is then added."""
     found: list[tuple[int, float]] = []
     for row, known in proposed(recorded, information):
@@ -60,7 +60,7 @@ def proposal(recorded: Recorded, information: Real, least: int = 1) -> list[tupl
     return found
 
 
-def information_of(scene: Scene, recorded: Recorded, placements: Vectors) -> Real:
+def information_of(scene: Scene, recorded: Sensitivity, placements: Vectors) -> Real:
     """What known placements tell of the corrections."""
     tells = recorded.telling(scene, placements.inputs, placements.scale)
     flat = tells.reshape(-1, tells.shape[2])
@@ -74,7 +74,7 @@ def placement(scene: Scene, row: int) -> str:
     return ", ".join(f"{n} {v:g}" for n, v in zip(scene.outputs, values, strict=True))
 
 
-def refuse_unsure(scene: Scene, recorded: Recorded, information: Real, count: int) -> None:
+def refuse_unsure(scene: Scene, recorded: Sensitivity, information: Real, count: int) -> None:
     """Refuse placements that leave the correction of a sensor open.
 
     Raises
@@ -97,7 +97,7 @@ def refuse_unsure(scene: Scene, recorded: Recorded, information: Real, count: in
     )
 
 
-def _rows(scene: Scene, recorded: Recorded, information: Real) -> str:
+def _rows(scene: Scene, recorded: Sensitivity, information: Real) -> str:
     return "; ".join(placement(scene, row) for row, _ in proposal(recorded, information))
 
 

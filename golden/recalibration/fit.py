@@ -58,7 +58,7 @@ def outputs_and_slopes(scene: Scene, samples: Real) -> tuple[Real, Real]:
 
 
 @dataclass(frozen=True)
-class Recorded:
+class Sensitivity:
     """What a scene's recording says of its sensors and of its networks.
 
     Attributes
@@ -77,7 +77,7 @@ class Recorded:
     tells: Real
 
     @classmethod
-    def of(cls, scene: Scene) -> Recorded:
+    def of(cls, scene: Scene) -> Sensitivity:
         """Of a scene.
 
         Raises
@@ -148,7 +148,7 @@ class Recorded:
         return np.array(found)
 
 
-def fit(scene: Scene, recorded: Recorded, placements: Vectors) -> list[Scale]:
+def fit(scene: Scene, recorded: Sensitivity, placements: Vectors) -> list[Scale]:
     """The correction of each sensor: ``offset + factor * signal`` is what the networks get.
 
     The best of two descents: from no correction, and from the one that brings the readings next to
@@ -157,7 +157,7 @@ def fit(scene: Scene, recorded: Recorded, placements: Vectors) -> list[Scale]:
     Parameters
     ----------
     scene : Scene
-    recorded : Recorded
+    recorded : Sensitivity
         Of the scene.
     placements : Vectors
         Readings and known outputs.
@@ -189,7 +189,7 @@ def fit(scene: Scene, recorded: Recorded, placements: Vectors) -> list[Scale]:
     return [Scale(float(o), float(g)) for o, g in zip(offsets, gains, strict=True)]
 
 
-def _towards_recorded(scene: Scene, recorded: Recorded, placements: Vectors) -> Real:
+def _towards_recorded(scene: Scene, recorded: Sensitivity, placements: Vectors) -> Real:
     """The correction that brings readings next to those recorded at the nearest placement."""
     vectors = scene.vectors()
     found = []

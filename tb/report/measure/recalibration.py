@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from golden.disturbance import Disturbance
 from golden.networks.mlp import Real
 from golden.recalibration.choice import proposed
-from golden.recalibration.fit import Recorded, fit
+from golden.recalibration.fit import Sensitivity, fit
 from golden.scene import Scene, load_scene
 from golden.scene.scale import readings
 from tb.report.measure.table import Cell, Table
@@ -31,7 +31,7 @@ def errors(scene: Scene, signals: Real) -> Real:
 
 def left(
     scene: Scene,
-    recorded: Recorded,
+    recorded: Sensitivity,
     drifted: Real,
     rows: NDArray[np.intp],
     noise: float,
@@ -51,7 +51,7 @@ def left(
 def recalibration(seed: int) -> Table:
     """Errors before and after, against the number of placements, how they are chosen and noise."""
     scene, rng = load_scene(SCENE), np.random.default_rng(seed)
-    vectors, recorded = scene.vectors(), Recorded.of(scene)
+    vectors, recorded = scene.vectors(), Sensitivity.of(scene)
     nothing = np.zeros((2 * len(scene.sensors),) * 2)
     telling = np.array([row for row, _ in islice(proposed(recorded, nothing), max(COUNTS))])
     drifted = [DRIFT.of(vectors.inputs, rng) for _ in range(DRAWS)]

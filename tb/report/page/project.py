@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from golden.physics.gauge_rig import load_rig
 from golden.scene import Scene
 from tb.report.draw import area, findings, tanh_words
 from tb.report.draw.plots import Plot
 from tb.report.measure.activation_errors import thesis_figure
 from tb.report.measure.costs import with_activation_cells, with_network_cells
 from tb.report.measure.engines import engines
+from tb.report.measure.gauges import RIG, sensors, sentence
 from tb.report.measure.steps import measured
 from tb.report.measure.store import Progress, once, packed, unpacked
 from tb.report.measure.table import Table
@@ -52,7 +54,9 @@ def sections(scene: Scene, state: str, draw: Draw, tell: Progress) -> list[Secti
         findings.engines_plot(speed),
     ]
     *costly, fast = draw("plots", plots)
+    places, drawn = sensors(load_rig(RIG))
     costly += [
+        Picture("sensors", "Where gauges should sit", drawn, sentence(places)),
         Picture(
             "networks_area",
             "Networks: area, clocks and error",
