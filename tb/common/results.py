@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-import sys
 from collections import defaultdict
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from golden.files import replace_file
 from golden.fingerprint import fingerprint, sources
+from golden.progress import Progress
 from golden.scene import Scene
 from tb.common.runner import BUILD, Outcome, plan, run_jobs
 from tb.common.tools import SIMULATORS, language, version
@@ -43,7 +42,15 @@ def simulate(scene: Scene) -> dict[str, Any]:
     if results is not None:
         return results | {"fresh": False}
     top = scene.twin().entity
-    outcomes = run_jobs(jobs, _progress(scene))
+    with Progress(f"{scene.name}: simulating", len(jobs), "benches") as progress:
+
+        def listen(outcome: Outcome) -> None:
+            """Only failures get lines of their own."""
+            if not outcome.passed:
+                tell(outcome, progress.say)
+            progress.step(outcome.job.entity)
+
+        outcomes = run_jobs(jobs, listen)
     results = {
         "state": state(scene),
         "benches": len(outcomes),
@@ -56,23 +63,6 @@ def simulate(scene: Scene) -> dict[str, Any]:
         with replace_file(_store(scene)) as temporary:
             temporary.write_text(json.dumps(results, indent=1), encoding="utf-8")
     return results | {"fresh": True}
-
-
-def _progress(scene: Scene) -> Callable[[Outcome], None]:
-    """Counts benches as they end; only failures get a line of their own."""
-    done = 0
-
-    def listen(outcome: Outcome) -> None:
-        nonlocal done
-        done += 1
-        if not outcome.passed:
-            tell(outcome)
-        elif sys.stdout.isatty():
-            print(f"\r{scene.name}: {done} benches done ", end="", flush=True)
-        elif done % 20 == 0:
-            print(f"{scene.name}: {done} benches done", flush=True)
-
-    return listen
 
 
 def _by_block(outcomes: list[Outcome]) -> dict[str, Any]:
