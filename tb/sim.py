@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Callable
 
 from golden.cli import MOST_SEED, run, whole
+from golden.progress import Progress
 from golden.scene import load_scene
 from tb.common.runner import FRAMES, SEED, Outcome, plan, run_jobs
 from tb.common.tools import SIMULATORS
@@ -13,17 +15,16 @@ from tb.common.tools import SIMULATORS
 MOST_FRAMES = 1_000_000
 
 
-def tell(outcome: Outcome) -> None:
-    """One line per finished bench."""
+def tell(outcome: Outcome, say: Callable[[str], None]) -> None:
+    """One line per finished bench, and what went wrong."""
     job = outcome.job
     verdict = "pass" if outcome.passed else "FAIL"
-    print(
+    say(
         f"{verdict}  {job.simulator:6}  {job.entity:28} "
-        f"{outcome.compared:8} compared  {outcome.seconds:6.1f} s",
-        flush=True,
+        f"{outcome.compared:8} compared  {outcome.seconds:6.1f} s"
     )
     if not outcome.passed:
-        print(f"      {outcome.complaint()}\n      log: {outcome.log}", flush=True)
+        say(f"      {outcome.complaint()}\n      log: {outcome.log}")
 
 
 def conclude(outcomes: list[Outcome]) -> int:
@@ -51,7 +52,13 @@ def main() -> int:
         arguments.waves,
         frames=arguments.frames,
     )
-    outcomes = run_jobs(jobs, tell)
+    with Progress("simulating", len(jobs), "benches") as progress:
+
+        def listen(outcome: Outcome) -> None:
+            tell(outcome, progress.say)
+            progress.step()
+
+        outcomes = run_jobs(jobs, listen)
     if arguments.waves:
         for outcome in outcomes:
             for wave in sorted(outcome.job.folder.rglob("*.[fg][sh][tw]")):

@@ -19,6 +19,11 @@ from tb.common.cases import random_mlp, write_scene
 from tb.common.tools import simulator_versions
 
 STARTED = time.perf_counter()
+# Tests that simulate, synthesise, or measure.
+LONG = (
+    *("test_benches", "test_cells", "test_docs", "test_export", "test_handover", "test_image"),
+    *("test_lean", "test_new_design", "test_report", "test_site", "test_synth", "test_tutorial"),
+)
 
 # Nothing hangs on how busy the cores are.
 settings.register_profile("untimed", deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -35,8 +40,30 @@ def pytest_configure(config: pytest.Config) -> None:
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 
+def long_first(items: list[pytest.Item], workers: int) -> list[pytest.Item]:
+    """The same tests, each worker's share beginning with its part of those that take long.
+
+    Worker i of n begins with the i-th of n equal parts of the list; whoever is ready first takes of
+    another's end, so what is left last is short.
+    """
+    modules = {name: [i for i in items if i.path.stem == name] for name in LONG}
+    benches = modules.pop("test_benches")
+    short = [item for item in items if item.path.stem not in LONG]
+    found: list[pytest.Item] = []
+    for worker in range(workers):
+        found += benches[worker::workers]
+        # What a module makes first is made by one.
+        for module in list(modules.values())[worker::workers]:
+            found += module
+        end = max(0, len(items) * (worker + 1) // workers - len(found))
+        found += short[:end]
+        short = short[end:]
+    return found
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Skipped, not left out: the summary counts what is left to the other tier."""
+    items[:] = long_first(items, int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")))
     if not config.getoption("--all"):
         for item in items:
             if item.get_closest_marker("all_only"):

@@ -20,6 +20,7 @@ from golden.cli import CommandError, run
 from golden.fingerprint import fingerprint, sources
 from golden.network_files.network_file import check_targets, provenance_path, save_networks
 from golden.networks.mlp import Mlp
+from golden.progress import Progress
 from golden.rig.check import before_training
 from golden.rig.finding import refuse
 from golden.scene import Scene, load_scene
@@ -36,28 +37,19 @@ from golden.training.split import split_story
 from golden.training.stages import Stages
 from golden.training.task import Task
 
-# Least seconds between two lines of progress.
-PAUSE = 5
-
 
 def choose(task: Task, record: Path, workers: int) -> tuple[Result, int]:
     """The best candidate, and how many were refused; tells of its progress."""
     best: Result | None = None
     refused = 0
-    told = -np.inf
     name = ", ".join(task.scene.members[task.number].outputs)
-    total = len(candidates(task))
-    for done, result in enumerate(search(task, record, workers), start=1):
-        refused += bool(result.refused)
-        if not result.refused and (best is None or result.rank < best.rank):
-            best = result
-        if done == total or time.monotonic() - told > PAUSE:
-            told = time.monotonic()
+    with Progress(name, len(candidates(task)), "candidates") as progress:
+        for result in search(task, record, workers):
+            refused += bool(result.refused)
+            if not result.refused and (best is None or result.rank < best.rank):
+                best = result
             found = f"{best.validation:.2f} % with {best.hidden} hidden nodes" if best else "none"
-            print(
-                f"{name}: {done} of {total} candidates, best bit-true validation {found}",
-                flush=True,
-            )
+            progress.step(f"best bit-true validation {found}")
     if best is None:
         raise ValueError(
             f"{task.scene.path}: {name}: all {refused} candidates were refused; the last: "

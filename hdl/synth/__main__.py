@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import argparse
 import json
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
@@ -18,6 +18,7 @@ from typing import Any
 from golden.cli import CommandError
 from golden.files import replace_folder
 from golden.networks.network import Network
+from golden.progress import Progress
 from golden.scene import Scene, load_scene
 from hdl.export.exporter import export
 from hdl.export.repeatable import run_repeatable
@@ -67,6 +68,27 @@ def tell(scene: Scene, design: Network, cells: Cells, share: dict[str, Any]) -> 
         )
 
 
+def work(scene: Scene, design: Network, verilog: Path) -> tuple[Cells, Timing]:
+    """Every run of the tools, side by side."""
+    top = design.entity
+    with (
+        ThreadPoolExecutor() as pool,
+        Progress(f"{scene.name}: synthesising, placing and routing", 4, "runs") as progress,
+    ):
+        # What takes longest first.
+        routed = pool.submit(route, verilog, top, scene.clock_mhz)
+        jobs = {family: pool.submit(synthesise, verilog, top, family) for family in FAMILIES}
+        flat = pool.submit(synthesise_flat, verilog, top)
+        named: dict[Future[Any], str] = {routed: DEVICE_NAME, flat: FLAT}
+        named |= {job: name for name, job in jobs.items()}
+        for ended in as_completed(named):
+            ended.result()
+            progress.step(named[ended])
+    cells = {family: job.result() for family, job in jobs.items()}
+    cells[FLAT_FAMILY][flat_name(top)] = flat.result()
+    return cells, routed.result()
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(prog="make synth", description=__doc__)
     parser.add_argument("scene")
@@ -78,14 +100,7 @@ def main() -> None:
     with replace_folder(arguments.build / scene.name / "synth") as folder:
         verilog = folder / "verilog"
         export(scene, "verilog", verilog)
-        print(f"synthesising, placing and routing {design.entity}", flush=True)
-        with ThreadPoolExecutor() as pool:
-            routed = pool.submit(route, verilog, design.entity, scene.clock_mhz)
-            jobs = {f: pool.submit(synthesise, verilog, design.entity, f) for f in FAMILIES}
-            flat = pool.submit(synthesise_flat, verilog, design.entity)
-            cells = {family: job.result() for family, job in jobs.items()}
-            cells[FLAT_FAMILY][flat_name(design.entity)] = flat.result()
-            timing = routed.result()
+        cells, timing = work(scene, design, verilog)
         share = shares(scene, design, cells)
         tell(scene, design, cells, share)
         reached = speed(scene, design, timing)

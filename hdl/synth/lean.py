@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 
 from golden.cli import words
+from golden.progress import Progress
 from golden.scene import load_scene
 from hdl.export.repeatable import run_repeatable
 from hdl.synth.activations import cells
@@ -29,19 +30,21 @@ def main() -> None:
     print(f"scene {first.name} leaves out:")
     for text in first.twin().left_out():
         print(f"  {text}")
+    rows: list[tuple[str, dict[str, int]]] = []
+    with Progress("synthesising", 1 + len(scenes), "designs") as progress:
+        whole = cells(first.twin(lean=False), FAMILY)
+        rows.append((f"{first.name}, whole", whole))
+        progress.step(first.name)
+        for scene in scenes:
+            found = cells(scene.twin(), FAMILY)
+            rows.append((scene.name, found))
+            if scene is first:
+                rows.append(("saved", {kind: whole[kind] - found[kind] for kind in KINDS}))
+            progress.step(scene.name)
     print(f"\n{FAMILIES[FAMILY]} (synth_xilinx -family {FAMILY})")
     print(f"{'':32}" + "".join(f"{kind:>12}" for kind in KINDS))
-    whole = cells(first.twin(lean=False), FAMILY)
-    _line(f"{first.name}, whole", whole)
-    for scene in scenes:
-        found = cells(scene.twin(), FAMILY)
-        _line(scene.name, found)
-        if scene is first:
-            _line("saved", {kind: whole[kind] - found[kind] for kind in KINDS})
-
-
-def _line(name: str, found: dict[str, int]) -> None:
-    print(f"{name:32}" + "".join(f"{found[kind]:12}" for kind in KINDS), flush=True)
+    for name, found in rows:
+        print(f"{name:32}" + "".join(f"{found[kind]:12}" for kind in KINDS))
 
 
 if __name__ == "__main__":

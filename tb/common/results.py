@@ -6,15 +6,14 @@ A bench's result is kept when it ends, so that what was interrupted goes on wher
 from __future__ import annotations
 
 import json
-import sys
 from collections import defaultdict
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from golden.files import read_kept, replace_file
 from golden.fingerprint import fingerprint, sources
+from golden.progress import Progress
 from golden.scene import Scene
 from hdl.export.exporter import MANIFEST
 from tb.common.runner import BUILD, Job, Outcome, jobs, plan, run_job, run_jobs
@@ -45,7 +44,15 @@ def simulate(scene: Scene) -> dict[str, Any]:
     now = state(scene)
     kept = {job.folder: outcome for job in planned if (outcome := _kept(job, now))}
     missing = [job for job in planned if job.folder not in kept]
-    ran = run_jobs(missing, _progress(scene, len(kept)), work=partial(_run_and_keep, now))
+    with Progress(f"{scene.name}: simulating", len(missing), "benches") as progress:
+
+        def listen(outcome: Outcome) -> None:
+            """Only failures get lines of their own."""
+            if not outcome.passed:
+                tell(outcome, progress.say)
+            progress.step(outcome.job.entity)
+
+        ran = run_jobs(missing, listen, work=partial(_run_and_keep, now))
     found = kept | {outcome.job.folder: outcome for outcome in ran}
     return _results(scene, [found[job.folder] for job in planned], len(kept))
 
@@ -87,22 +94,6 @@ def _kept(job: Job, now: str) -> Outcome | None:
     if not isinstance(found, dict) or found.get("state") != now:
         return None
     return Outcome(job, True, found["compared"], found["seconds"], found["facts"])
-
-
-def _progress(scene: Scene, done: int) -> Callable[[Outcome], None]:
-    """Counts benches on from ``done`` as they end; only failures get a line of their own."""
-
-    def listen(outcome: Outcome) -> None:
-        nonlocal done
-        done += 1
-        if not outcome.passed:
-            tell(outcome)
-        elif sys.stdout.isatty():
-            print(f"\r{scene.name}: {done} benches done ", end="", flush=True)
-        elif done % 20 == 0:
-            print(f"{scene.name}: {done} benches done", flush=True)
-
-    return listen
 
 
 def _by_block(outcomes: list[Outcome]) -> dict[str, Any]:
