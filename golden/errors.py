@@ -142,10 +142,11 @@ def full_scale_of(scene: Scene) -> float:
     return float(f"{np.median([scale.factor for scale in scene.scales(scene.sensors)]):.1e}")
 
 
-def noise_of(scene: Scene) -> float:
-    """The noise that a scene's errors are given with, in the unit of the readings: the one that the
-    scene states, or ``NOISE``."""
-    return scene.training.disturbance.noise or float(f"{NOISE * full_scale_of(scene):.6g}")
+def noises_of(scene: Scene) -> list[float]:
+    """The noises that a scene's errors are given with, in the unit of the readings: the one that
+    the scene states, if it does, and ``NOISE``."""
+    usual = float(f"{NOISE * full_scale_of(scene):.6g}")
+    return sorted({scene.training.disturbance.noise or usual, usual})
 
 
 def disturbed_errors(scene: Scene, disturbance: Disturbance, seed: int = SEED) -> list[float]:

@@ -20,8 +20,9 @@ from golden.cli import run
 from golden.disturbance import Disturbance
 from golden.errors import (
     disturbed_errors,
+    held_out_means,
     held_out_text,
-    noise_of,
+    noises_of,
     scene_errors,
     unit_errors,
 )
@@ -46,29 +47,44 @@ def twin_speed(scene: Scene) -> float:
 
 
 def error_table(scene: Scene) -> list[str]:
-    """Per output and kind: mean, largest mean over positions, worst frame; the mean with noise."""
-    found = scene_errors(scene)
-    noise = noise_of(scene)
-    noisy = disturbed_errors(scene, Disturbance(noise))
-    thesis = None
-    if scene.reference:
-        thesis = thesis_figures(scene.reference, len(scene.outputs), scene.path)
-    group = f"{'mean':>6} {'largest':>8} {'worst':>6}"
-    lines = [
-        f"{'':9} "
-        + "  ".join([*(f"{name:^22}" for name in found), "noise"])
-        + "   thesis" * bool(thesis),
-        f"{'output':9} "
-        + "  ".join([*[group] * len(found), f"{noise:>5g}"])
-        + "  largest" * bool(thesis),
+    """Per output: mean, largest mean over positions and worst frame, in real arithmetic and as the
+    hardware has it; its mean on what the networks have not seen, and with noise."""
+    found, held_out = scene_errors(scene), held_out_means(scene)
+    triple = "  mean  largest  worst"
+    columns = [(f"{kind:^22}", f"{triple:22}") for kind in ("float", "bit-true")]
+    cells = [
+        [f"{e.mean:6.2f} {e.largest_mean:8.2f} {e.worst:6.2f}" for e in found[kind]]
+        for kind in ("float", "bit-true")
     ]
-    for c, name in enumerate(scene.outputs):
-        cells = [
-            f"{e[c].mean:6.2f} {e[c].largest_mean:8.2f} {e[c].worst:6.2f}" for e in found.values()
-        ]
-        last = f"  {thesis[c]:7.2f}" if thesis else ""
-        lines.append(f"{name:9} " + "  ".join([*cells, f"{noisy[c]:5.2f}"]) + last)
-    return [line.rstrip() for line in lines]
+    single: list[tuple[str, str, list[float]]] = []
+    if held_out:
+        single.append(("held out", "mean", held_out))
+    for noise in noises_of(scene):
+        single.append(("noise", f"{noise:g}", disturbed_errors(scene, Disturbance(noise))))
+    if scene.reference:
+        printed = thesis_figures(scene.reference, len(scene.outputs), scene.path)
+        single.append(("thesis", "largest", printed))
+    for name, what, errors in single:
+        width = max(len(name), len(what))
+        columns.append((f"{name:>{width}}", f"{what:>{width}}"))
+        cells.append([f"{error:{width}.2f}" for error in errors])
+    heads = zip(*columns, strict=True)
+    names = ["", "output", *scene.outputs]
+    lines = [*heads, *zip(*cells, strict=True)]
+    wide = max(9, *map(len, scene.outputs))
+    return [
+        f"{name:{wide}} {'  '.join(line)}".rstrip() for name, line in zip(names, lines, strict=True)
+    ]
+
+
+def clock_lines(scene: Scene, clocks: int, interval: int) -> list[str]:
+    """Clocks of a frame and between frames, and what these are at the scene's clock."""
+    return [
+        f"clocks a frame            {clocks}, first sample in to last output out "
+        f"({clocks / scene.clock_mhz:.3f} us at {scene.clock_mhz:g} MHz)",
+        f"clocks between frames     {interval} "
+        f"({scene.clock_mhz * 1e6 / interval:,.0f} frames a second)",
+    ]
 
 
 def length_lines(scene: Scene) -> list[str]:
@@ -104,15 +120,12 @@ def report(scene: Scene, results: dict[str, Any]) -> str:
         f"errors in % on {len(vectors.codes)} recorded frames; 'largest' is the largest mean over "
         "the positions",
         *textwrap.wrap(f"held-out frames: {held_out_text(scene)}", 100),
-        f"'noise {noise_of(scene):g}' is the mean with that noise on every reading, in its unit",
+        "'noise' is the mean with so much noise on every reading, in its unit",
         "",
         *error_table(scene),
         "",
         *length_lines(scene),
-        f"clocks a frame            {clocks}, first sample in to last output out "
-        f"({clocks / scene.clock_mhz:.3f} us at {scene.clock_mhz:g} MHz)",
-        f"clocks between frames     {interval} "
-        f"({scene.clock_mhz * 1e6 / interval:,.0f} frames a second)",
+        *clock_lines(scene, clocks, interval),
         *(f"{design.entity:25} {fact}" for fact in design.facts()),
         f"samples saturated         {vectors.saturated} of {vectors.codes.size}",
         *ranges(scene),

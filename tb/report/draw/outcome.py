@@ -88,8 +88,7 @@ def predicted_plots(found: Outcome) -> Iterator[Predicted]:
         miss = found.results[:, c] - found.targets[:, c]
         text = f"Every {every}th row and the worst. " if every > 1 else ""
         if found.held_out is None:
-            said = held_out_text(found.scene)
-            text += f"{said[0].upper()}{said[1:]}. "
+            text += f"Held-out rows: {held_out_text(found.scene)}. "
         yield Predicted(
             f"predicted_{c}",
             f"{output}: computed against recorded",

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden.disturbance import Disturbance
-from golden.errors import disturbed_rows, held_out_rows, noise_of
+from golden.errors import disturbed_rows, held_out_rows, noises_of
 from golden.networks.mlp import Real
 from golden.precision import SIGNAL
 from golden.scene import Scene
@@ -40,9 +40,10 @@ class Outcome:
         In the units of the sensors' columns.
     targets, results : float arrays, shape (rows, outputs)
         What was recorded and what the hardware computes, in the units of the columns.
-    errors, real, noisy : float arrays, shape (rows, outputs)
-        Errors in percent: of the hardware, of the networks in floating point, and of the hardware
-        with the scene's noise, the mean of many draws.
+    errors, real : float arrays, shape (rows, outputs)
+        Errors in percent: of the hardware, and of the networks in floating point.
+    noisy : dict of float to float array, shape (rows, outputs)
+        By noise the errors of the hardware with it, the means of many draws.
     groups : float array, shape (rows,)
         The positions; zeros where the scene names none.
     held_out : int array or None
@@ -56,7 +57,7 @@ class Outcome:
     results: Real
     errors: Real
     real: Real
-    noisy: Real
+    noisy: dict[float, Real]
     groups: Real
     held_out: Rows | None
 
@@ -105,7 +106,7 @@ def outcome(scene: Scene) -> Outcome:
         scene.outputs_in_units(codes),
         vectors.percent_errors(SIGNAL.to_real(codes)),
         vectors.percent_errors(scene.process_real(vectors.inputs)),
-        disturbed_rows(scene, Disturbance(noise_of(scene))),
+        {noise: disturbed_rows(scene, Disturbance(noise)) for noise in noises_of(scene)},
         recorded.groups,
         held_out_rows(scene),
     )
@@ -158,7 +159,8 @@ def confidence(found: Outcome) -> Table:
     for c, output in enumerate(scene.outputs):
         errors = found.errors[:, c]
         add(output, "mean", errors, stretches)
-        add(output, f"mean, noise {noise_of(scene):g}", found.noisy[:, c], stretches)
+        for noise, noisy in found.noisy.items():
+            add(output, f"mean, noise {noise:g}", noisy[:, c], stretches)
         add(output, "mean, floating point", found.real[:, c], stretches)
         if found.held_out is not None:
             held = found.held_out

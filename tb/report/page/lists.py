@@ -20,11 +20,12 @@ from golden.fingerprint import ROOT
 from golden.scene import load_scene, scene_names
 from hdl.synth.budget import budget_path, read_budget
 from hdl.synth.timing import read_timing, timing_path
+from tb.demo import clock_lines, error_table
 from tb.report.draw import findings
 from tb.report.draw.area import area
 from tb.report.draw.network import network
 from tb.report.draw.tanh_words import tanh_words as draw_tanh_words
-from tb.report.measure.clocks import clocks
+from tb.report.measure.clocks import clocks, clocks_per_frame
 from tb.report.measure.costs import with_network_cells
 from tb.report.measure.steps import SEED
 from tb.report.measure.table import Cell, Table
@@ -81,6 +82,15 @@ def pipeline() -> str:
             clocks = " | ".join(str(getattr(form, name)) for form in forms)
             lines.append(f"| `{name}` | {clocks} | {' '.join((value.__doc__ or '').split())} |")
     return "\n".join(lines)
+
+
+def errors() -> str:
+    """What the demo prints of its errors and clocks."""
+    scene = load_scene(DEMO)
+    design = scene.twin()
+    lines = [*error_table(scene), ""]
+    lines += clock_lines(scene, clocks_per_frame(design), design.interval)
+    return "\n".join(f"    {line}".rstrip() for line in lines)
 
 
 def cost() -> str:
@@ -146,6 +156,7 @@ def pages() -> dict[Path, str]:
     """Every file that this command writes, as it must be."""
     docs = ROOT / "docs"
     sections = [
+        (ROOT / "README.md", "errors", errors),
         (ROOT / "README.md", "cost", cost),
         (docs / "README.md", "commands", commands),
         (docs / "figures.md", "disturbance", disturbed),
@@ -153,10 +164,10 @@ def pages() -> dict[Path, str]:
         (docs / "blocks" / "gradient.md", "segments", segments),
         (docs / "blocks" / "engine.md", "pipeline", pipeline),
     ]
-    found = {
-        page: put(page, page.read_text(encoding="utf-8"), text(), COMMAND, section)
-        for page, section, text in sections
-    }
+    found: dict[Path, str] = {}
+    for page, section, text in sections:
+        before = found.get(page) or page.read_text(encoding="utf-8")
+        found[page] = put(page, before, text(), COMMAND, section)
     figures = (docs / "figures.md").read_text(encoding="utf-8")
     found[docs / "robustness.svg"] = robustness(figures) + "\n"
     found[docs / "networks.svg"] = network(load_scene(DEMO)) + "\n"

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from golden.block import walk
-from golden.errors import UNKNOWN, held_out_means, held_out_text, noise_of, scene_errors
+from golden.errors import UNKNOWN, held_out_means, held_out_text, scene_errors
 from golden.networks.network import Network
 from golden.scene import Scene, thesis_figures
 from hdl.synth.timing import DEVICE_NAME
@@ -39,15 +39,15 @@ def errors(found: Outcome, moved: Table | None) -> Table:
     if moved is not None:
         return _motion_errors(scene, moved)
     known = scene_errors(scene)
-    noise = noise_of(scene)
-    noisy = found.noisy.mean(axis=0)
-    columns = ["output", "mean %", "largest %", "worst %", "held out %", f"noise {noise:g} %"]
+    columns = ["output", "mean %", "largest %", "worst %", "held out %"]
+    columns += [f"noise {noise:g} %" for noise in found.noisy]
     means = held_out_means(scene)
     rows: list[list[Cell]] = []
     for c, name in enumerate(scene.outputs):
         error = known["bit-true"][c]
         held: Cell = UNKNOWN if means is None else means[c]
-        rows.append([name, error.mean, error.largest_mean, error.worst, held, float(noisy[c])])
+        noisy = [float(errors[:, c].mean()) for errors in found.noisy.values()]
+        rows.append([name, error.mean, error.largest_mean, error.worst, held, *noisy])
     note = (
         "Bit-true, which is what the hardware computes, on the recorded rows"
         + (f"; largest: the largest mean at one {scene.group_by}. " if scene.group_by else ". ")
