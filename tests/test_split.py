@@ -99,7 +99,10 @@ def test_random_is_what_it_was() -> None:
     ("settings", "message"),
     [
         ({"split": "groups", "split_by": ("shape",)}, "got 2 groups .*expected at least 4"),
-        ({"split": "blocks", "block_rows": 99}, "got 1 blocks of about 99 rows, expected at least"),
+        (
+            {"split": "blocks", "split_by": (), "block_rows": 99},
+            "got 1 blocks of about 99 rows, expected at least",
+        ),
         ({"split": "groups", "split_by": ("lood",)}, "no column 'lood'.*did you mean 'load'"),
     ],
 )
