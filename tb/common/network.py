@@ -17,12 +17,12 @@ from tb.common.stimulus import corner_frames, extreme_frames, random_resets, spr
 
 WATCH = ["out_valid", "out_data", "out_last", "frame_error"]
 # About the clocks that a test plays; designs that take hundreds for a frame get fewer frames.
-MOST_CLOCKS = 200_000
+MOST_CLOCKS = 100_000
 # Frames that are played with gaps too, random and recorded ones.
 MOST_WITH_GAPS = 100
 MOST_RECORDED_WITH_GAPS = 200
 # Bytes of images that are loaded between resets.
-MOST_LOADED = 200_000
+MOST_LOADED = 100_000
 
 
 async def check(bench, elements, last, gap, resets=None, pause=0):
