@@ -8,6 +8,7 @@ import pytest
 from distributed import Client, LocalCluster
 from test_training import open_search, searched
 
+from golden.cli import CommandError
 from golden.scene import Scene
 from golden.training.__main__ import computed_on
 
@@ -29,5 +30,5 @@ def test_a_dask_cluster_gives_the_same_record(small_scene: Scene, tmp_path: Path
 
 def test_a_cluster_that_does_not_answer() -> None:
     message = "CLUSTER=tcp://127.0.0.1:9: no scheduler answers"
-    with pytest.raises(ValueError, match=message), computed_on("tcp://127.0.0.1:9"):
+    with pytest.raises(CommandError, match=message), computed_on("tcp://127.0.0.1:9"):
         pass

@@ -268,7 +268,7 @@ def test_the_motions_of_the_page_are_those_measured(tables) -> None:
     [
         (["clases"], "error: TABLE=clases: no such table, expected one of networks, "),
         (["clases"], "did you mean 'classes'?"),
-        (["--seed", "-1", "series"], "error: SEED=-1: expected 0 or more"),
+        (["--seed", "-1", "series"], "error: SEED=-1: expected a whole number, 0 to 4294967295"),
     ],
 )
 def test_bad_input_leaves_what_was_there(tmp_path: Path, words: list[str], message: str) -> None:

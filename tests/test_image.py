@@ -101,7 +101,7 @@ def test_an_image_for_other_hardware_fails_its_check(hardware: Engine, sizes: Si
     ("keys", "faults"),
     [
         ("program_words = 256", ["program words, there are 256"]),
-        ("operand_words = 64", ["operand words, there are 64"]),
+        ("operand_words = 32", ["operand words, there are 32"]),
         (
             "program_words = 256\noperand_words = 8",
             ["program words, there are 256", "operand words, there are 8"],

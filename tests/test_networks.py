@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from golden.activation.segments import gradient_real
 from golden.block import walk
-from golden.errors import scene_errors
+from golden.errors import held_out_means
 from golden.metrics import percent_errors, summarise
 from golden.networks.arrangement import arrange
 from golden.networks.hybrid import Hybrid
@@ -57,16 +57,21 @@ def test_precise_networks_stay_as_good_as_they_are_published(name: str, known: l
 
 
 def test_the_cascade_holds_on_rows_that_it_never_saw() -> None:
-    held_out = scene_errors(load_scene("digit"))["bit-true, held out"]
-    assert max(error.mean for error in held_out) <= 1.0
+    means = held_out_means(load_scene("digit"))
+    assert means is not None
+    assert max(means) <= 1.0
 
 
 @pytest.mark.parametrize("name", [n for n in scene_names() if load_scene(n).precision is EXACT])
 def test_exact_costs_next_to_nothing(name: str) -> None:
-    """Against the same networks with the same activation in real arithmetic."""
+    """Against the same networks with the same activation in real arithmetic: a twentieth of their
+    error, or a few units of an output's last place, which is all that there is to lose where they
+    err by a dozen of these."""
     scene = load_scene(name)
-    real = scene.process_real(scene.vectors().inputs)
-    assert (largest_means(scene, bit_true(scene)) <= 1.05 * largest_means(scene, real)).all()
+    vectors = scene.vectors()
+    real = largest_means(scene, scene.process_real(vectors.inputs))
+    unit = 100 * 2.0**-SIGNAL.frac / vectors.scale.max(axis=0)
+    assert (largest_means(scene, bit_true(scene)) <= np.maximum(1.05 * real, real + 4 * unit)).all()
 
 
 def test_thesis_normalisation_is_equation_4_16() -> None:

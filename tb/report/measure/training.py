@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from golden.disturbance import Disturbance
 from golden.networks.mlp import Mlp, Real
 from golden.scene import Scene, load_scene
 from golden.training.objective import Descend, Objective, unpack
@@ -78,7 +79,15 @@ def _optimisers(seed: int) -> Iterator[list[Cell]]:
     for optimiser, steps in STEPS.items():
         # Nothing is stopped early: the best point on the validation rows is kept in any case.
         scene = _configured(
-            "digit-single", seed, optimiser=optimiser, steps=steps, patience=10 * steps
+            "digit-single",
+            seed,
+            optimiser=optimiser,
+            steps=steps,
+            patience=10 * steps,
+            weight_decay=1e-6,
+            split="random",
+            split_by=(),
+            disturbance=Disturbance(),
         )
         task = task_for(scene, scene.vectors(), [])
         hidden = scene.members[0].hidden
