@@ -4,8 +4,8 @@ Sweeps: all recorded frames of the scene; corner frames (rails, alternating rail
 sensor alone); frames that drive each hidden sum to its ends; 100 random frames; frames too short
 and too long among good ones.
 Drives: as close as the design takes frames, with random gaps, closer than it takes them, with
-resets in mid-frame, and with one reset at each clock of a frame. The slots for earlier outputs
-carry random codes.
+resets in mid-frame, and with one reset at each clock of a frame, of a long one at many. The slots
+for earlier outputs carry random codes.
 Checks: every output, ``out_last`` and ``frame_error`` bit for bit in its clock, and that nothing
 comes out in any other clock. Measures the clocks of a frame.
 Does not prove: anything about the accuracy of the network (the report of `make demo` does).
