@@ -14,7 +14,7 @@ from golden.files import check_file, reading
 from golden.networks.mlp import Real
 from golden.physics.beam import Beam
 from golden.physics.strain_sensor import Loads
-from golden.table import suggest
+from golden.table import refuse_unknown, suggest
 
 FOLDER = Path(__file__).parent / "rigs"
 OUTPUTS = ("load", "position", "width")
@@ -229,7 +229,7 @@ def _refuse(path: Path, *faults: tuple[bool, str, Any, str]) -> None:
 
 def _checked(raw: dict[str, Any], path: Path) -> dict[str, dict[str, Any]]:
     """Every section with every key, of its type and within its range."""
-    _known(raw, KEYS, f"{path}: section")
+    refuse_unknown(raw, KEYS, f"{path}: section")
     values: dict[str, dict[str, Any]] = {}
     for section, keys in KEYS.items():
         if section not in raw:
@@ -239,7 +239,7 @@ def _checked(raw: dict[str, Any], path: Path) -> dict[str, dict[str, Any]]:
         given = raw[section]
         if not isinstance(given, dict):
             raise ValueError(f"{path}: {section}: got {given!r}, expected a section")
-        _known(given, keys, f"{path}: {section}: key")
+        refuse_unknown(given, keys, f"{path}: {section}: key")
         values[section] = {}
         for key, kind in keys.items():
             if key not in given and (section, key) in OPTIONAL:
@@ -260,15 +260,6 @@ def _checked(raw: dict[str, Any], path: Path) -> dict[str, dict[str, Any]]:
                 f"{path}: errors.length_mm.{name}: missing, expected what 100 % of {name} is"
             )
     return values
-
-
-def _known(given: dict[str, Any], known: dict[str, Any], place: str) -> None:
-    for name in given:
-        if name not in known:
-            raise ValueError(
-                f"{place} {name!r} is not known, expected {', '.join(known)}"
-                f"{suggest(name, list(known))}"
-            )
 
 
 def _number(value: Any, low: float = -1e6, high: float = 1e6) -> bool:

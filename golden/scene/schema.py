@@ -11,7 +11,7 @@ from golden.networks.designs import DESIGNS
 from golden.precision import PRECISIONS
 from golden.scene.front_end import KEYS as FRONT_END_KEYS
 from golden.scene.visualisation import KEYS as VISUALISATION_KEYS
-from golden.table import suggest
+from golden.table import refuse_unknown, suggest
 
 # Section, key, type, default; None as a default makes the key required. A type in brackets is one
 # such value for all networks of the scene, or a list of one for each; several are alternatives.
@@ -85,7 +85,7 @@ CHOICES = {
 
 def checked(raw: dict[str, Any], path: Path) -> dict[str, dict[str, Any]]:
     """Every section with every key, types and choices checked, defaults filled in."""
-    _refuse_unknown(raw, KEYS, f"{path}: section")
+    refuse_unknown(raw, KEYS, f"{path}: section")
     _refuse_long(raw, f"{path}: ")
     values: dict[str, dict[str, Any]] = {}
     for section, keys in KEYS.items():
@@ -94,7 +94,7 @@ def checked(raw: dict[str, Any], path: Path) -> dict[str, dict[str, Any]]:
         given = raw.get(section, {})
         if not isinstance(given, dict):
             raise ValueError(f"{path}: {section}: got {given!r}, expected a section")
-        _refuse_unknown(given, keys, f"{path}: {section}: key")
+        refuse_unknown(given, keys, f"{path}: {section}: key")
         values[section] = {}
         for key, (kind, default) in keys.items():
             value = given.get(key, default)
@@ -149,12 +149,3 @@ def _kind(kind: Any) -> str:
         dict: "a table",
     }
     return names[kind]
-
-
-def _refuse_unknown(given: dict[str, Any], known: dict[str, Any], place: str) -> None:
-    for name in given:
-        if name not in known:
-            raise ValueError(
-                f"{place} {name!r} is not known, expected {', '.join(known)}"
-                f"{suggest(name, list(known))}"
-            )

@@ -14,7 +14,7 @@ from golden.networks.arrangement import seen
 from golden.networks.mlp import Mlp, Real
 from golden.precision import SIGNAL
 from golden.scene import Scene, Vectors
-from golden.scene.scale import Scale, range_scale, readings, signals
+from golden.scene.scale import Scale, range_scale, readings
 from golden.training.objective import Rows
 from golden.training.split import Split, split_of
 
@@ -120,8 +120,7 @@ def task_for(scene: Scene, vectors: Vectors, earlier: Sequence[Mlp]) -> Task:
     targets = vectors.targets[:, columns]
     scale = vectors.scale[:, columns]
 
-    scales = scene.scales(scene.sensors)
-    recorded_readings = readings(vectors.inputs, scales)
+    recorded_readings = readings(vectors.inputs, scene.scales(scene.sensors))
     places = {
         "training": split.training,
         "validation": split.validation,
@@ -130,8 +129,7 @@ def task_for(scene: Scene, vectors: Vectors, earlier: Sequence[Mlp]) -> Task:
         "every": np.arange(len(targets)),
     }
 
-    def frames(inputs: Real, rows: NDArray[np.int64]) -> Frames:
-        codes, _ = SIGNAL.quantise(inputs, f"{scene.data_path} sensors")
+    def frames(codes: Codes, rows: NDArray[np.int64]) -> Frames:
         return Frames(targets=targets[rows], scale=scale[rows], **_seen(scene, codes, earlier))
 
     def disturbed(part: str) -> Frames:
@@ -143,9 +141,9 @@ def task_for(scene: Scene, vectors: Vectors, earlier: Sequence[Mlp]) -> Task:
         rng = np.random.default_rng([scene.training.seed, PARTS.index(part)])
         # Each row has a drift of its own: few drifts, each of many rows, would be a chance sample.
         disturbed = [disturbance.of(recorded_readings[[row]], rng) for row in rows]
-        return frames(signals(np.concatenate(disturbed), scales), rows)
+        return frames(scene.codes_of(np.concatenate(disturbed)), rows)
 
-    recorded = frames(vectors.inputs, places["every"])
+    recorded = frames(vectors.codes, places["every"])
     return Task(scene, number, split, recorded, *(disturbed(part) for part in PARTS))
 
 
