@@ -144,6 +144,14 @@ def test_of_networks_from_elsewhere_all_rows_count(scene: Scene) -> None:
     assert which == "all 60 recorded rows; which of them trained is unknown"
 
 
+def test_of_networks_that_were_trained_on_all_rows_count(scene: Scene) -> None:
+    for story in scene.path.parent.glob("*.provenance.toml"):
+        story.write_text(story.read_text() + "refit = true\n")
+    known, which = trained_on(scene)
+    assert np.array_equal(known.readings, read_recorded(scene).inputs)
+    assert which == "all 60 recorded rows; all of them trained"
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

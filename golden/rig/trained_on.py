@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import KDTree
 
-from golden.errors import held_out_rows
+from golden.errors import held_out_rows, told
 from golden.networks.mlp import Real
 from golden.scene import Scene
 from golden.scene.vectors import read_recorded
@@ -72,11 +72,12 @@ class TrainedOn:
 def trained_on(scene: Scene) -> tuple[TrainedOn, str]:
     """The rows that trained the networks of a scene, and which these are, in words.
 
-    Where that is unknown, as of networks from elsewhere, they are all recorded rows.
+    Of networks that were trained on, on all rows, and where it is unknown, as of networks from
+    elsewhere, they are all recorded rows.
     """
     recorded = read_recorded(scene).inputs
     if held_out_rows(scene) is None:
-        which = f"all {len(recorded)} recorded rows; which of them trained is unknown"
-        return TrainedOn(scene.sensors, recorded), which
+        known = "which of them trained is unknown" if told(scene) is None else "all of them trained"
+        return TrainedOn(scene.sensors, recorded), f"all {len(recorded)} recorded rows; {known}"
     rows = split_of(scene).training
     return TrainedOn(scene.sensors, recorded[rows]), f"the {len(rows)} rows that trained"
