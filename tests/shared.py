@@ -8,9 +8,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from collected import CASES
-
 from golden.scene import Scene, load_scene
+from tb.common.collected import CASES
 from tb.common.runner import Job, Outcome, compile_vhdl, export, jobs, run_jobs
 from tb.common.tools import language
 from tb.report.measure import store

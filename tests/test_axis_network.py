@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from collected import CASES
 from myhdl import Simulation, StopSimulation, delay, instance
 
 from golden.block import walk
@@ -16,6 +15,7 @@ from golden.scene import load_scene
 from hdl.common.fifo import fifo
 from hdl.common.signals import flag, reset, signed
 from tb.common.cases import write_scene
+from tb.common.collected import CASES
 
 AXIS = ("axis", "least-axis", "axis-cascade", "slow-axis-cascade", "axis-multiple")
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from collected import BENCHES, CASES, CASES_OF, blocks_of
 from conftest import tiered
 from shared import Shared
 
 from golden.block import walk
 from golden.scene import load_scene, scene_names
+from tb.common.collected import BENCHES, CASES, CASES_OF, blocks_of
 from tb.common.runner import Job, Outcome
 from tb.common.tools import SIMULATORS
 from tb.report.measure.clocks import clocks_per_frame

@@ -8,11 +8,11 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from collected import BENCHES, CASES_OF, FAULTS
 from conftest import tiered
 from shared import Shared
 
 from tb.common import runner
+from tb.common.collected import BENCHES, CASES_OF, FAULTS
 from tb.common.runner import Job, run_job
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")

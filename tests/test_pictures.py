@@ -10,13 +10,13 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from collected import CASES
 
 from golden.block import Block, walk
 from golden.flow import Carried
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_names
 from golden.scene.scale import Scale
+from tb.common.collected import CASES
 from tb.report.draw.animation import animation
 from tb.report.draw.area import area, designs
 from tb.report.draw.axes import Axes

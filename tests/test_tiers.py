@@ -7,7 +7,8 @@ import subprocess
 import sys
 
 import pytest
-from collected import ROOT
+
+from tb.common.collected import ROOT
 
 LEFT = ("tests/test_benches_can_fail.py", "-k", "abs_unit-1")
 

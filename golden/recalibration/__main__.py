@@ -60,7 +60,7 @@ def recalibrate(scene: Scene, path: Path, target: Path) -> None:
     recorded = Sensitivity.of(scene)
     correction = fit(scene, recorded, placements)
     samples = readings(placements.inputs, correction)
-    known = replace(placements, inputs=samples)
+    known = placements.with_inputs(samples)
     try:
         refuse_unsure(scene, recorded, information_of(scene, recorded, known), len(samples))
     except ValueError as error:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -89,6 +89,11 @@ class Vectors:
     def percent_errors(self, results: Real) -> Real:
         """Equation 3.16 for results, shape (rows, outputs), as signals: errors in percent."""
         return 100 * np.abs(self.targets - results) / self.scale
+
+    def with_inputs(self, inputs: Real) -> Vectors:
+        """The same rows with other signals of the sensors, and the codes of these."""
+        codes, saturated = SIGNAL.quantise(inputs, "inputs")
+        return replace(self, inputs=inputs, codes=codes, saturated=saturated)
 
 
 def read_vectors(scene: Scene) -> Vectors:

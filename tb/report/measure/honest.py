@@ -55,7 +55,7 @@ def means(scene: Scene, mlps: list[Mlp], part: str) -> tuple[Real, Real]:
     vectors, noise = scene.vectors(), Disturbance(noise=EXPECTED)
     # Draws that no network was trained on.
     rng = np.random.default_rng([scene.training.seed, 0, DRAWS])
-    drawn = [replace(vectors, inputs=noise.of(vectors.inputs, rng)) for _ in range(DRAWS)]
+    drawn = [vectors.with_inputs(noise.of(vectors.inputs, rng)) for _ in range(DRAWS)]
     recorded, *noisy = (_means(scene, mlps, part, given) for given in (vectors, *drawn))
     return recorded, np.mean(noisy, axis=0)
 

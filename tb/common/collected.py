@@ -7,7 +7,7 @@ from pathlib import Path
 
 from tb.common.cases import Case
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 BENCHES = {
     path.stem.removeprefix("tb_"): import_module(f"tb.{path.parent.name}.{path.stem}")
     for path in sorted((ROOT / "tb").glob("*/tb_*.py"))

@@ -1,0 +1,47 @@
+"""The entity that stands for a block where it is proved, mutated or mapped to cells."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+from golden.cli import CommandError
+from golden.scene import load_scene
+from golden.table import suggest
+from tb.common.collected import BENCHES, CASES, CASES_OF
+from tb.common.runner import BUILD, Job, jobs, plan, prepare
+
+
+def subject(block: str, simulator: str = "icarus", build: Path = BUILD) -> Job:
+    """The first entity of a block in the first case of its bench, exported into ``build``.
+
+    Raises
+    ------
+    CommandError
+        For a block that has no bench.
+    """
+    if block not in BENCHES:
+        raise CommandError(f"BLOCK={block}: no such block{suggest(block, sorted(BENCHES))}")
+    return first(_case_jobs(CASES_OF[block][0], simulator, build), block)
+
+
+def subjects_of(scene: str, block: str | None = None, simulator: str = "icarus") -> list[Job]:
+    """The first entity of each block of a scene, or of one of its blocks."""
+    planned = plan(load_scene(scene), [simulator], block)
+    return [first(planned, name) for name in sorted({job.block for job in planned})]
+
+
+@cache
+def _case_jobs(name: str, simulator: str, build: Path) -> list[Job]:
+    """The benches of a case, which many blocks share."""
+    folder = build / "cases"
+    folder.mkdir(parents=True, exist_ok=True)
+    CASES[name].scene(folder, name)
+    scene = load_scene(str(folder / f"{name}.toml"))
+    prepare(scene, simulator, build)
+    return jobs(scene, simulator, build=build)
+
+
+def first(planned: list[Job], block: str) -> Job:
+    """The first entity of a block; in line the last comes first."""
+    return next(job for job in reversed(planned) if job.block == block)
