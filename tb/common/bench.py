@@ -33,6 +33,8 @@ class Recording:
         self.columns = {name: [row[i] for row in rows] for i, name in enumerate(ports)}
         self.clocks = len(rows)
         self.seconds = seconds
+        # In which rows the bench has looked at a port: what stands elsewhere decides nothing.
+        self.looked = {name: np.zeros(self.clocks, dtype=bool) for name in ports}
 
     def rows(self, port: str) -> np.ndarray:
         """Rows after the initial reset in which a flag is set; an undefined flag is an error.
@@ -41,6 +43,7 @@ class Recording:
         """
         bits = self.columns[port]
         after = range(RESET_CLOCKS, self.clocks)
+        self.looked[port][RESET_CLOCKS:] = True
         undefined = [t for t in after if bits[t] not in "01"]
         assert not undefined, f"{port} is {bits[undefined[0]]} in clock {undefined[0]}"
         return np.array([t for t in after if bits[t] == "1"], dtype=np.int64)
@@ -48,6 +51,7 @@ class Recording:
     def unsigned(self, port: str, rows: np.ndarray) -> np.ndarray:
         """Codes of an unsigned port in the given rows."""
         bits = self.columns[port]
+        self.looked[port][np.asarray(rows, dtype=np.int64)] = True
         for t in rows:
             assert set(bits[t]) <= {"0", "1"}, f"{port} is {bits[t]} in clock {t}"
         return np.array([int(bits[t], 2) for t in rows], dtype=np.int64)
@@ -84,6 +88,7 @@ class Bench:
         self.frames = self.configuration["frames"]
         self.compared = 0
         self.facts: dict[str, float] = {}
+        self.recordings: list[Recording] = []
         dut._log.info("rerun: %s", self.configuration["rerun"])
 
     async def play(self, drive: dict[str, np.ndarray], watch: list[str]) -> Recording:
@@ -117,7 +122,14 @@ class Bench:
             if clock:
                 clock(1)
                 await half
-        return Recording(ports, rows, time.perf_counter() - started)
+        return self.record(ports, rows, started)
+
+    def record(self, ports: list[str], rows: list[list[str]], started: float) -> Recording:
+        """What was played since ``started``."""
+        recording = Recording(ports, rows, time.perf_counter() - started)
+        if self.configuration["trace"]:
+            self.recordings.append(recording)
+        return recording
 
     def compare(self, name: str, got: np.ndarray, expected: np.ndarray, **context: np.ndarray):
         """Bit-exact comparison; a mismatch names everything that is needed to find it."""
@@ -148,6 +160,16 @@ class Bench:
         line = {"compared": self.compared, **self.facts}
         with Path(self.configuration["result"]).open("a", encoding="utf-8") as handle:
             handle.write(json.dumps(line) + "\n")
+        if self.recordings:
+            write_trace(Path(self.configuration["trace"]), self.recordings)
+
+
+def write_trace(path: Path, recordings: list[Recording]) -> None:
+    """Append what was recorded, and in which rows the bench has looked at it, one line for each."""
+    with path.open("a", encoding="utf-8") as handle:
+        for one in recordings:
+            looked = {name: "".join("01"[int(v)] for v in one.looked[name]) for name in one.columns}
+            handle.write(json.dumps({"columns": one.columns, "looked": looked}) + "\n")
 
 
 # The simulator's own handles: what cocotb wraps around a value, and its wait for a phase in which

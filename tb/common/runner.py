@@ -38,7 +38,10 @@ FRAMES = 100
 
 @dataclass(frozen=True)
 class Job:
-    """One entity under one simulator; all tests of its bench, or the one named ``test``."""
+    """One entity under one simulator; all tests of its bench, or the one named ``test``.
+
+    With ``trace`` the bench writes down what it drove, saw and looked at.
+    """
 
     scene: Scene
     entity: str
@@ -51,6 +54,7 @@ class Job:
     build: Path = BUILD
     frames: int = FRAMES
     test: str = ""
+    trace: bool = False
 
     @property
     def folder(self) -> Path:
@@ -61,6 +65,11 @@ class Job:
     def hdl_folder(self) -> Path:
         """The exported files that it runs on."""
         return self.build / self.scene.name / language(self.simulator)
+
+    @property
+    def trace_file(self) -> Path:
+        """Where the bench writes its trace."""
+        return self.folder / "trace.jsonl"
 
     @property
     def library(self) -> Path:
@@ -240,6 +249,7 @@ def run_job(job: Job) -> Outcome:
         "entity": job.entity,
         "frames": job.frames,
         "result": str(result),
+        "trace": str(job.trace_file.resolve()) if job.trace else "",
         "rerun": f"{rerun} SEED={job.seed}",
     }
     run = Run(
