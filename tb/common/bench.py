@@ -21,6 +21,7 @@ from cocotb.triggers import Timer
 
 from golden.block import walk
 from golden.scene import load_scene
+from tb.common.coverage import Coverage
 
 RESET_CLOCKS = 2
 CONFIGURATION = "TACTUS_BENCH"
@@ -88,6 +89,7 @@ class Bench:
         self.frames = self.configuration["frames"]
         self.compared = 0
         self.facts: dict[str, float] = {}
+        self.coverage = Coverage(self.twin)
         self.recordings: list[Recording] = []
         dut._log.info("rerun: %s", self.configuration["rerun"])
 
@@ -122,14 +124,51 @@ class Bench:
             if clock:
                 clock(1)
                 await half
-        return self.record(ports, rows, started)
+        return self.watched(Recording(ports, rows, time.perf_counter() - started))
 
-    def record(self, ports: list[str], rows: list[list[str]], started: float) -> Recording:
-        """What was played since ``started``."""
-        recording = Recording(ports, rows, time.perf_counter() - started)
+    def watched(self, recording: Recording) -> Recording:
+        """Count what stood on the ports, and check what a reset promises of every block.
+
+        Whoever plays in a way of its own hands its recording through here.
+        """
+        for port, words in recording.columns.items():
+            self.coverage.stood(port, words[RESET_CLOCKS:])
+        self._check_cleared(recording)
         if self.configuration["trace"]:
             self.recordings.append(recording)
         return recording
+
+    def _check_cleared(self, recording: Recording) -> None:
+        """After a reset no flag is high that could only come from before it.
+
+        A flag follows its cause by the latency at least, an error by one clock. Flags that are
+        data, as the ``last`` of a position that stays, are in ``data_flags`` of the twin.
+        """
+        resets = recording.resets()
+        for port in self.twin.ports:
+            name = port.name
+            flag = port.direction == "out" and port.kind is None
+            flag &= name.endswith(("_valid", "_last", "_error"))
+            if not flag or name not in recording.columns or name in self.twin.data_flags:
+                continue
+            clocks = 1 if name.endswith("_error") else self.latency
+            high = recording.rows(name)
+            before = np.searchsorted(resets, high, side="left")
+            since = high - np.concatenate([[RESET_CLOCKS - 1], resets])[before]
+            wrong = high[since <= clocks]
+            assert not len(wrong), (
+                f"{self.configuration['entity']}: {name} is high in clock {wrong[0]}, "
+                f"{since[high == wrong[0]][0]} clocks after a reset, expected low for {clocks}; "
+                f"rerun: {self.configuration['rerun']}"
+            )
+
+    def meet(self, quantity: str, values: np.ndarray) -> None:
+        """Count values of a quantity on either side of its borders; see ``Block.borders``."""
+        self.coverage.meet(quantity, np.asarray(values))
+
+    def visit(self, name: str, values: np.ndarray) -> None:
+        """Count the values that a state took; see ``Block.states``."""
+        self.coverage.visit(name, np.asarray(values))
 
     def compare(self, name: str, got: np.ndarray, expected: np.ndarray, **context: np.ndarray):
         """Bit-exact comparison; a mismatch names everything that is needed to find it."""
@@ -157,7 +196,7 @@ class Bench:
         assert self.compared >= at_least, (
             f"{entity}: compared {self.compared} results, expected at least {at_least}"
         )
-        line = {"compared": self.compared, **self.facts}
+        line = {"compared": self.compared, "coverage": self.coverage.counts, **self.facts}
         with Path(self.configuration["result"]).open("a", encoding="utf-8") as handle:
             handle.write(json.dumps(line) + "\n")
         if self.recordings:

@@ -26,6 +26,7 @@ from golden.scene import Scene, load_scene, scene_names, scene_path
 from golden.table import suggest
 from hdl.export.exporter import MANIFEST, ORDER
 from tb.common.bench import CONFIGURATION
+from tb.common.coverage import Counts, add
 from tb.common.simulate import Run, analyse, simulate
 from tb.common.tools import SIMULATORS, check_simulator, language
 
@@ -279,7 +280,10 @@ def run_job(job: Job) -> Outcome:
     written = result.read_text(encoding="utf-8") if result.exists() else ""
     lines = [json.loads(line) for line in written.splitlines()]
     compared = sum(line.pop("compared") for line in lines)
-    facts = {key: value for line in lines for key, value in line.items()}
+    coverage: Counts = {}
+    for line in lines:
+        add(coverage, line.pop("coverage"))
+    facts = {key: value for line in lines for key, value in line.items()} | {"coverage": coverage}
     # A run that compared nothing proves nothing, whatever its tests say.
     return Outcome(job, sound and compared > 0, compared, seconds, facts)
 

@@ -15,7 +15,7 @@ import cocotb
 import numpy as np
 from cocotb.triggers import Timer
 
-from tb.common.bench import RESET_CLOCKS, Bench
+from tb.common.bench import RESET_CLOCKS, Bench, Recording
 from tb.common.framing import random_lengths
 from tb.common.small import RELOADED
 from tb.common.stimulus import random_resets, spread
@@ -60,7 +60,7 @@ async def play(bench, drive, halts, lengths):
         rows.append([str(handle.value) for handle in handles])
         dut.clk.value = 1
         await half
-    return bench.record(ports, rows, started)
+    return bench.watched(Recording(ports, rows, time.perf_counter() - started))
 
 
 async def check(bench, gap, resets):
