@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, ClassVar
 if TYPE_CHECKING:
     from golden.flow import Flow
 
+from golden.border import Border, State
+from golden.fixed import Codes
 from golden.port import Port
 
 
@@ -46,6 +48,30 @@ class Block:
     def latency(self) -> int:
         """Clocks from a result's cause to the result; docs/streams.md says what is counted."""
         raise NotImplementedError(f"{self.entity}: its twin publishes no latency")
+
+    @property
+    def borders(self) -> tuple[Border, ...]:
+        """Where it begins to do something else; a bench drives both sides of each."""
+        return ()
+
+    def quantities(self, *inputs: Codes) -> dict[str, Codes]:
+        """What its borders are of, for the inputs of ``process``."""
+        return {}
+
+    @property
+    def states(self) -> tuple[State, ...]:
+        """Numbers it holds; a bench reaches each of their values."""
+        return ()
+
+    @property
+    def unreachable(self) -> dict[str, str]:
+        """Values of small ports that never stand there, as ``port=value``, and why."""
+        return {}
+
+    @property
+    def data_flags(self) -> frozenset[str]:
+        """Flags that stay with their data, and so have no reset."""
+        return frozenset()
 
     @property
     def interval(self) -> int:

@@ -17,10 +17,17 @@ class Unsigned:
         Bits in all.
     frac : int, optional
         Fraction bits; None for a count or an address, and where the block does not know.
+    last : int
+        The largest code that comes; by default the largest there is.
     """
 
     width: int
     frac: int | None = None
+    last: int = -1
+
+    def __post_init__(self) -> None:
+        if self.last < 0:
+            object.__setattr__(self, "last", (1 << self.width) - 1)
 
     def __str__(self) -> str:
         bits = f"{self.width} bit{'' if self.width == 1 else 's'}"

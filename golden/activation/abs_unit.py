@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from golden.block import Block
+from golden.border import Border
 from golden.fixed import Codes, Fix
 from golden.port import CLOCKED, Port, Unsigned, given, taken
 
@@ -47,6 +48,16 @@ class AbsUnit(Block):
             given("out_mag", "magnitude", Unsigned(self.mag_width, self.fmt.frac), "mag_width"),
             given("out_negative", "the code was below 0"),
         )
+
+    @property
+    def borders(self) -> tuple[Border, ...]:
+        return (
+            Border("the most negative code saturates", "code", self.fmt.low + 1),
+            Border("negative", "code", 0),
+        )
+
+    def quantities(self, *inputs: Codes) -> dict[str, Codes]:
+        return {"code": inputs[0]}
 
     @property
     def latency(self) -> int:

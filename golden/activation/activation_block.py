@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from golden.block import Block
+from golden.border import Border, border_among
 from golden.fixed import Codes, Fix
 from golden.port import CLOCKED, Port, given, taken
 
@@ -61,9 +62,70 @@ class ActivationBlock(Block):
         """The same from part to part, as the hardware does it."""
         raise NotImplementedError
 
+    @property
+    def marks(self) -> tuple[int, ...]:
+        """Magnitudes up to which a segment goes."""
+        return ()
+
+    @property
+    def limits(self) -> dict[str, tuple[int, int]]:
+        """Numbers inside that saturate, and their ends."""
+        return {}
+
+    def unlimited(self, data: Codes) -> dict[str, Codes]:
+        """Those numbers before they saturate, of codes whose result hangs on them."""
+        return {}
+
+    def curved(self, data: Codes) -> NDArray[np.bool_]:
+        """Whether the result of each code hangs on ``unlimited``."""
+        return np.ones(np.shape(data), dtype=bool)
+
+    @property
+    def borders(self) -> tuple[Border, ...]:
+        return _borders(self)
+
+    def quantities(self, *inputs: Codes) -> dict[str, Codes]:
+        (data,) = inputs
+        return {"magnitude": np.abs(data)} | self.unlimited(data[self.curved(data)])
+
+    @property
+    def border_codes(self) -> Codes:
+        """Codes of the input on either side of every border."""
+        return _border_codes(self)
+
     def left_out(self) -> Counter[str]:
         """How many of what the neuron cannot need and the block therefore lacks."""
         return Counter()
+
+
+def _codes(fmt: Fix) -> Codes:
+    return np.arange(fmt.low, fmt.high + 1)
+
+
+@lru_cache(maxsize=256)
+def _borders(activation: ActivationBlock) -> tuple[Border, ...]:
+    """Of the segments, and of what saturates, over every code of the input."""
+    found = [Border(f"magnitude above {mark}", "magnitude", mark + 1) for mark in activation.marks]
+    numbers = activation.quantities(_codes(activation.in_fmt))
+    for name, (low, high) in activation.limits.items():
+        found.append(border_among(f"{name} saturates below", name, low, numbers[name]))
+        found.append(border_among(f"{name} saturates above", name, high + 1, numbers[name]))
+    return tuple(found)
+
+
+@lru_cache(maxsize=256)
+def _border_codes(activation: ActivationBlock) -> Codes:
+    every = _codes(activation.in_fmt)
+    inside = every[activation.curved(every)]
+    numbers = activation.unlimited(inside)
+    found = [np.array(activation.marks, dtype=np.int64)]
+    for border in activation.borders:
+        if border.quantity in numbers and not border.unreachable:
+            offset = numbers[border.quantity] - border.at
+            for side in (offset < 0, offset >= 0):
+                near = side & (np.abs(offset) <= border.within)
+                found.append(inside[near][np.argsort(np.abs(offset[near]), kind="stable")][:4])
+    return np.concatenate(found)
 
 
 @lru_cache(maxsize=256)

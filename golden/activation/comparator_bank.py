@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.block import Block
+from golden.border import Border
 from golden.fixed import Codes, check_unsigned
 from golden.port import CLOCKED, Port, Unsigned, given, taken
 
@@ -67,11 +68,20 @@ class ComparatorBank(Block):
             given(
                 "out_addr",
                 "segment number less one, which is the number of thresholds exceeded",
-                Unsigned(self.addr_width),
+                Unsigned(self.addr_width, last=len(self.thresholds)),
                 "addr_width",
             ),
             given("out_mag", "`in_mag`, one clock later", mag, "mag_width"),
         )
+
+    @property
+    def borders(self) -> tuple[Border, ...]:
+        return tuple(
+            Border(f"magnitude above {mark}", "magnitude", mark + 1) for mark in self.thresholds
+        )
+
+    def quantities(self, *inputs: Codes) -> dict[str, Codes]:
+        return {"magnitude": inputs[0]}
 
     @property
     def latency(self) -> int:

@@ -114,6 +114,10 @@ class Gradient(ActivationBlock):
             }
         )
 
+    @property
+    def marks(self) -> tuple[int, ...]:
+        return tuple(self.table.thresholds)
+
     def compute(self, data: Codes) -> Codes:
         mag, negative = self.abs_unit.process(data)
         addr = self.comparator_bank.process(mag)

@@ -47,6 +47,10 @@ class GradientParallel(Gradient):
             }
         )
 
+    @property
+    def marks(self) -> tuple[int, ...]:
+        return tuple(self.table.thresholds)
+
     def compute(self, data: Codes) -> Codes:
         mag, negative = self.abs_unit.process(data)
         addr = self.comparator_bank.process(mag)

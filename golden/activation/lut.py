@@ -112,6 +112,12 @@ class Lut(ActivationBlock):
             }
         )
 
+    @property
+    def marks(self) -> tuple[int, ...]:
+        first = (np.arange(1, len(self.words)) << self.scale_shift) // -self.scale
+        last = -first - 1
+        return (*last[last < self.abs_unit.fmt.high].tolist(), *self.thresholds)
+
     def compute(self, data: Codes) -> Codes:
         mag, negative = self.abs_unit.process(data)
         beyond = self.comparator_bank.process(mag)

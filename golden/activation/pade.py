@@ -292,9 +292,27 @@ class Pade(ActivationBlock):
         missing = 1 - len(self.thresholds)
         return +Counter({"comparators of segments no neuron reaches": missing})
 
+    @property
+    def marks(self) -> tuple[int, ...]:
+        return self.thresholds
+
+    @property
+    def limits(self) -> dict[str, tuple[int, int]]:
+        kept = self.formats.reciprocal
+        steps = {f"step {n}": (kept.low, kept.high) for n in range(2, self.iterations + 1)}
+        return steps | {"result": (0, self.out_fmt.high)}
+
+    def curved(self, data: Codes) -> NDArray[np.bool_]:
+        return np.asarray(self.comparator_bank.process(self.abs_unit.process(data)[0]) == 0)
+
     def compute(self, data: Codes) -> Codes:
-        mag, negative = self.abs_unit.process(data)
-        beyond = self.comparator_bank.process(mag)
+        negative = self.abs_unit.process(data)[1]
+        result = np.clip(self.unlimited(data)["result"], *self.limits["result"])
+        magnitude = np.where(self.curved(data), result, self.out_fmt.high)
+        return self.sign_retriever.process(magnitude, negative)
+
+    def unlimited(self, data: Codes) -> dict[str, Codes]:
+        mag, _ = self.abs_unit.process(data)
         # Beyond the gate the upper bits are dropped: the result is not used there.
         q = (mag * self.factor) & ((1 << self.q_width) - 1)
         found = self.polynomials(q)
@@ -302,13 +320,11 @@ class Pade(ActivationBlock):
         ratio = requantise(found["ratio"], 0, kept, self.rounding, Overflow.WRAP)
         dividend = found["dividend"] & ((1 << self.dividend_width) - 1)
         d = np.full_like(mag, self.start)
-        limits = self.formats.reciprocal
-        for _ in range(self.iterations - 1):
-            step = cut(d * ratio, self.ratio.out_frac, self.rounding)
-            d = np.clip(self.start - step, limits.low, limits.high)
-        quotient = cut(dividend * d, self.out_shift, self.rounding)
-        result = np.clip(quotient, 0, self.out_fmt.high)
-        return self.sign_retriever.process(np.where(beyond, self.out_fmt.high, result), negative)
+        limits, numbers = self.formats.reciprocal, {}
+        for n in range(2, self.iterations + 1):
+            numbers[f"step {n}"] = self.start - cut(d * ratio, self.ratio.out_frac, self.rounding)
+            d = np.clip(numbers[f"step {n}"], limits.low, limits.high)
+        return numbers | {"result": cut(dividend * d, self.out_shift, self.rounding)}
 
 
 def _horner(values: tuple[float, float, float], out: int, inner: int, width: int) -> Horner:

@@ -194,10 +194,27 @@ class Polynomial(ActivationBlock):
             }
         )
 
+    @property
+    def marks(self) -> tuple[int, ...]:
+        return self.thresholds
+
+    @property
+    def limits(self) -> dict[str, tuple[int, int]]:
+        return {"result": (0, self.out_fmt.high)}
+
+    def curved(self, data: Codes) -> NDArray[np.bool_]:
+        segment = self.comparator_bank.process(self.abs_unit.process(data)[0])
+        return np.asarray(segment < len(self.coeffs))
+
     def compute(self, data: Codes) -> Codes:
-        mag, negative = self.abs_unit.process(data)
+        negative = self.abs_unit.process(data)[1]
+        result = np.clip(self.unlimited(data)["result"], *self.limits["result"])
+        magnitude = np.where(self.curved(data), result, self.out_fmt.high)
+        return self.sign_retriever.process(magnitude, negative)
+
+    def unlimited(self, data: Codes) -> dict[str, Codes]:
+        mag, _ = self.abs_unit.process(data)
         segment = self.comparator_bank.process(mag)
-        beyond = segment == len(self.coeffs)
         row = np.minimum(segment, len(self.coeffs) - 1)
         a2, a1, a0 = (np.array(column)[row] for column in zip(*self.coeffs, strict=True))
         kept = cut(mag * mag, self.square_shift, self.rounding)
@@ -208,8 +225,7 @@ class Polynomial(ActivationBlock):
             + (a0 << self.constant_shift)
         )
         scaled = total if self.factor is None else total * self.factor
-        result = np.clip(cut(scaled, self.out_shift, self.rounding), 0, self.out_fmt.high)
-        return self.sign_retriever.process(np.where(beyond, self.out_fmt.high, result), negative)
+        return {"result": cut(scaled, self.out_shift, self.rounding)}
 
 
 def normalised(factor: int) -> tuple[NDArray[np.float64], float]:

@@ -106,6 +106,11 @@ class Precise(ActivationBlock):
         missing = len(self._whole.intercepts) - self.words
         return Counter({"ROM words of segments no neuron reaches": missing} if missing else {})
 
+    @property
+    def marks(self) -> tuple[int, ...]:
+        width = 1 << self.formats.distance_width
+        return tuple(range(width - 1, self.abs_unit.fmt.high, width))[: self.words - 1]
+
     def compute(self, data: Codes) -> Codes:
         mag, negative = self.abs_unit.process(data)
         segment, x, top = self.formats.split(mag)

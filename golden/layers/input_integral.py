@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.block import Block
+from golden.border import Border
 from golden.fixed import Codes, Overflow, Rounding, requantise
 from golden.layers.input_node import InputNode
 from golden.layers.node_sum import NodeSum
@@ -102,6 +103,15 @@ class InputIntegral(WeightedSum):
     def parts(self) -> tuple[Block, ...]:
         return (self.node,) * self.hidden
 
+    @property
+    def borders(self) -> tuple[Border, ...]:
+        rows = enumerate(zip(self.weights, self.biases, strict=True))
+        return tuple(
+            border
+            for j, (row, bias) in rows
+            for border in self.borders_of(f"sum {j}", np.array(row), bias)
+        )
+
     def process(self, frames: ArrayLike) -> Codes:
         """Results, shape (..., hidden), of frames of samples, shape (..., inputs).
 
@@ -110,6 +120,10 @@ class InputIntegral(WeightedSum):
         ValueError
             For a wrong last axis or a code outside ``in_fmt``.
         """
+        exact = self.exact(frames)
+        return requantise(exact, self.out_shift, self.out_fmt, Rounding.ROUND, Overflow.SATURATE)
+
+    def exact(self, frames: ArrayLike) -> Codes:
+        """The sums before they are rounded; see ``process``."""
         x = self.in_fmt.check(frames, f"{self.entity} frames", self.inputs)
-        acc = self.sums(x, np.array(self.weights), np.array(self.biases))
-        return requantise(acc, self.out_shift, self.out_fmt, Rounding.ROUND, Overflow.SATURATE)
+        return self.sums(x, np.array(self.weights), np.array(self.biases))

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from golden.border import Border
 from golden.fixed import Codes, Overflow, Rounding, requantise
 from golden.layers.weighted_sum import WeightedSum
 from golden.port import CLOCK, Port, given, taken
@@ -79,8 +80,30 @@ class InputNode(WeightedSum):
         # Operands, product, accumulator, output.
         return 4
 
+    @property
+    def borders(self) -> tuple[Border, ...]:
+        half = 1 << (self.acc_width - 1)
+        return tuple(
+            Border(
+                f"sum {name}",
+                "sum",
+                end,
+                1,
+                "" if -half < end < half else f"the sum has {self.acc_width} bits",
+            )
+            for name, end in zip(("saturates below", "saturates above"), self.ends, strict=True)
+        )
+
     def process(self, frames: ArrayLike, weights: ArrayLike, biases: ArrayLike) -> Codes:
         """Results in ``out_fmt``, shape (...), of frames of samples, shape (..., inputs).
+
+        See ``exact`` for parameters and exceptions.
+        """
+        exact = self.exact(frames, weights, biases)
+        return requantise(exact, self.out_shift, self.out_fmt, Rounding.ROUND, Overflow.SATURATE)
+
+    def exact(self, frames: ArrayLike, weights: ArrayLike, biases: ArrayLike) -> Codes:
+        """The sums before they are rounded.
 
         Parameters
         ----------
@@ -107,6 +130,4 @@ class InputNode(WeightedSum):
                 f"{self.entity}: got sums from {sums.min()} to {sums.max()}, expected "
                 f"{self.acc_width} bits"
             )
-        return requantise(
-            sums[..., -1], self.out_shift, self.out_fmt, Rounding.ROUND, Overflow.SATURATE
-        )
+        return np.asarray(sums[..., -1], dtype=np.int64)

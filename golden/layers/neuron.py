@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from golden.border import Border
 from golden.fixed import Codes
 from golden.layers.node_sum import NodeSum
 from golden.layers.weighted_sum import tree_depth
@@ -58,6 +61,10 @@ class Neuron(NodeSum):
     def scaled_width(self) -> int:
         """Bits of the sum after the product with its factor."""
         return self.acc_width + ((self.factor or 1) - 1).bit_length()
+
+    @property
+    def borders(self) -> tuple[Border, ...]:
+        return tuple(self.borders_of("sum", np.array(self.weights), self.bias, self.factor or 1))
 
     def scaled(self, acc: Codes) -> Codes:
         return acc if self.factor is None else acc * self.factor

@@ -77,7 +77,10 @@ class NodeSum(WeightedSum):
         ValueError
             For a wrong last axis or a code outside ``in_fmt``.
         """
-        x = self.in_fmt.check(frames, f"{self.block} frames", len(self.weights))
-        acc = self.sums(x, np.array([self.weights]), np.array([self.bias]))[..., 0]
-        exact = self.scaled(acc)
+        exact = self.scaled(self.exact(frames))
         return requantise(exact, self.out_shift, self.out_fmt, Rounding.ROUND, Overflow.SATURATE)
+
+    def exact(self, frames: ArrayLike) -> Codes:
+        """The sums before they are scaled; see ``process``."""
+        x = self.in_fmt.check(frames, f"{self.block} frames", len(self.weights))
+        return self.sums(x, np.array([self.weights]), np.array([self.bias]))[..., 0]

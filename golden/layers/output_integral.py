@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from golden.border import Border
 from golden.fixed import Codes, Overflow, Rounding, requantise, signed_width
 from golden.layers.weighted_sum import WeightedSum, tree_depth
 from golden.port import CLOCKED, Port, Unsigned, given, group, taken
@@ -110,6 +111,21 @@ class OutputIntegral(WeightedSum):
             end * self.factors[i] for i in range(self.outputs) for end in self.sum_range(i)
         )
 
+    @property
+    def borders(self) -> tuple[Border, ...]:
+        factors = self.factors or (1,) * self.outputs
+        rows = enumerate(zip(self.weights, self.biases, factors, strict=True))
+        return tuple(
+            border
+            for i, (row, bias, factor) in rows
+            for border in self.borders_of(f"sum {i}", np.array(row), bias, factor)
+        )
+
+    def quantities(self, *inputs: Codes) -> dict[str, Codes]:
+        addr, _, *activations = inputs
+        sums = self.exact(np.stack(activations, axis=-1))
+        return {f"sum {row}": sums[addr == row, row] for row in range(self.outputs)}
+
     def process(self, activations: ArrayLike) -> Codes:
         """Results in ``out_fmt``, shape (..., outputs), of activations, shape (..., hidden).
 
@@ -118,8 +134,12 @@ class OutputIntegral(WeightedSum):
         ValueError
             For a wrong last axis or a code outside ``in_fmt``.
         """
-        r = self.in_fmt.check(activations, "output_integral activations", self.hidden)
-        acc = self.sums(r, np.array(self.weights), np.array(self.biases))
+        acc = self.exact(activations)
         if self.factors is not None:
             acc = acc * np.asarray(self.factors, dtype=np.int64)
         return requantise(acc, self.out_shift, self.out_fmt, Rounding.ROUND, Overflow.SATURATE)
+
+    def exact(self, activations: ArrayLike) -> Codes:
+        """The sums before they meet their factors; see ``process``."""
+        r = self.in_fmt.check(activations, "output_integral activations", self.hidden)
+        return self.sums(r, np.array(self.weights), np.array(self.biases))

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from golden.block import Block
+from golden.border import Border
 from golden.fixed import Codes, Fix
+from golden.layers.closest import closest
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,54 @@ class WeightedSum(Block):
     def out_shift(self) -> int:
         """Fraction bits dropped at the end."""
         return self.acc_frac - self.out_fmt.frac
+
+    @property
+    def ends(self) -> tuple[int, int]:
+        """The least sum whose result is not below ``out_fmt``, the least whose result is above."""
+        half = (1 << self.out_shift) >> 1
+        low, high = self.out_fmt.low, self.out_fmt.high
+        return (low << self.out_shift) - half, ((high + 1) << self.out_shift) - half
+
+    def borders_of(self, quantity: str, row: Codes, bias: int, factor: int = 1) -> list[Border]:
+        """Where the result of a row of weights saturates; ``factor`` multiplies its sum."""
+        start = bias << self.bias_shift
+        terms = [
+            [(int(w) * x) >> self.product_shift for x in (self.in_fmt.low, self.in_fmt.high)]
+            for w in row
+        ]
+        least, most = (start + sum(end(pair) for pair in terms) for end in (min, max))
+        # Sums are multiples of this apart; of two samples alone only a few are there, and one
+        # within a unit of the result is as good.
+        within = max(1, int(np.gcd.reduce(row)) >> self.product_shift)
+        if np.count_nonzero(row) <= 2:
+            within = max(within, (1 << self.out_shift) // factor)
+        found = []
+        for name, end in zip(("saturates below", "saturates above"), self.ends, strict=True):
+            at = -(-end // factor)
+            why = ""
+            if not least < at <= most:
+                why = f"the {quantity} is {least} to {most}"
+            elif np.count_nonzero(row) <= 2 and not self._reached(row, start, at, within):
+                why = "no pair of samples has a sum beside it"
+            found.append(Border(f"{quantity} {name}", quantity, at, within, why))
+        return found
+
+    def _reached(self, row: Codes, start: int, at: int, within: int) -> bool:
+        """Whether two samples or one can bring the sum to both sides of ``at``."""
+        for target, above in ((at, True), (at - 1, False)):
+            frame = self.closest(row, start, target, above, np.random.default_rng(0))
+            if frame is None:
+                return False
+            total = start + int(((np.asarray(row) * frame) >> self.product_shift).sum())
+            if not at - within <= total < at + within:
+                return False
+        return True
+
+    def closest(
+        self, row: Codes, start: int, target: int, above: bool, rng: np.random.Generator
+    ) -> Codes | None:
+        """Samples whose sum is the closest to ``target``; see ``golden.layers.closest``."""
+        return closest(self.in_fmt, row, start, self.product_shift, target, above, rng)
 
     def sums(self, samples: Codes, weights: Codes, biases: Codes) -> Codes:
         """Exact sums, shape (..., rows), of checked samples, shape (..., inputs).

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.block import Block
+from golden.border import Border
 from golden.fixed import Codes, check_unsigned
 from golden.port import CLOCKED, Port, Unsigned, given, taken
 
@@ -106,6 +107,18 @@ class Divider(Block):
         """Bits of distance * gain, before the zeros that become the quotient's fraction."""
         return (((1 << self.distance_width) - 1) * self.gain).bit_length()
 
+    @property
+    def borders(self) -> tuple[Border, ...]:
+        return (Border("saturates", "quotient", 1 << self.out_width),)
+
+    def quantities(self, *inputs: Codes) -> dict[str, Codes]:
+        return {"quotient": self.quotient(*inputs)}
+
+    def quotient(self, distance: Codes, width: Codes) -> Codes:
+        """The quotient before it saturates."""
+        numerator = (distance * self.gain) << (self.out_frac - self.gain_frac)
+        return np.asarray(numerator // np.maximum(width, 1), dtype=np.int64)
+
     def process(self, distance: ArrayLike, width: ArrayLike) -> Codes:
         """Quotients; the arguments broadcast.
 
@@ -116,6 +129,5 @@ class Divider(Block):
         """
         u = check_unsigned(distance, self.distance_width, "divider distance")
         w = check_unsigned(width, self.width_width, "divider width")
-        numerator = (u * self.gain) << (self.out_frac - self.gain_frac)
-        quotient = numerator // np.maximum(w, 1)
-        return np.asarray(np.minimum(quotient, (1 << self.out_width) - 1), dtype=np.int64)
+        most = (1 << self.out_width) - 1
+        return np.asarray(np.minimum(self.quotient(u, w), most), dtype=np.int64)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.block import Block
+from golden.border import Border, border_among
 from golden.fixed import Codes, check_unsigned
 from golden.port import CLOCKED, Port, Unsigned, given, taken
 
@@ -96,6 +98,22 @@ class PowerFold(Block):
         """Bits of the unsigned product."""
         return self.in_width + self.out_width
 
+    @property
+    def borders(self) -> tuple[Border, ...]:
+        return _borders(self)
+
+    def powers(self, data: Codes) -> list[Codes]:
+        """t, t^2, ... up to the largest power, each before it saturates."""
+        found = [self._rounded(data, self.in_frac - self.out_frac)]
+        for _ in range(1, self.max_power):
+            acc = np.minimum(found[-1], (1 << self.out_width) - 1)
+            found.append(self._rounded(acc * data, self.in_frac))
+        return found
+
+    def quantities(self, *inputs: Codes) -> dict[str, Codes]:
+        data, power = inputs
+        return {f"power {n}": kept[power >= n] for n, kept in enumerate(self.powers(data), start=1)}
+
     def process(self, data: ArrayLike, power: ArrayLike) -> Codes:
         """Powers; the arguments broadcast.
 
@@ -117,13 +135,35 @@ class PowerFold(Block):
             worst = int(p.min() if p.min() < 1 else p.max())
             raise ValueError(f"power_fold power: got {worst}, expected 1 to {self.max_power}")
         t, p = np.broadcast_arrays(t, p)
-        acc = self._kept(t, self.in_frac - self.out_frac)
-        for use in range(1, int(p.max(initial=1))):
-            acc = np.where(use < p, self._kept(acc * t, self.in_frac), acc)
-        return acc
+        acc = np.choose(p - 1, self.powers(t))
+        return np.asarray(np.minimum(acc, (1 << self.out_width) - 1), dtype=np.int64)
 
-    def _kept(self, exact: Codes, shift: int) -> Codes:
-        """``exact`` without its last ``shift`` bits, rounded and saturated."""
-        half = (1 << shift) >> 1
-        kept = np.minimum((exact + half) >> shift, (1 << self.out_width) - 1)
-        return np.asarray(kept, dtype=np.int64)
+    def _rounded(self, exact: Codes, shift: int) -> Codes:
+        """``exact`` without its last ``shift`` bits, halves up."""
+        return np.asarray((exact + ((1 << shift) >> 1)) >> shift, dtype=np.int64)
+
+
+@lru_cache
+def _every(fold: PowerFold) -> list[Codes]:
+    return fold.powers(np.arange(1 << fold.in_width, dtype=np.int64))
+
+
+@lru_cache
+def _borders(fold: PowerFold) -> tuple[Border, ...]:
+    """Where each power saturates, over every t."""
+    return tuple(
+        border_among(f"power {n} saturates", f"power {n}", 1 << fold.out_width, kept)
+        for n, kept in enumerate(_every(fold), start=1)
+    )
+
+
+def border_data(fold: PowerFold) -> Codes:
+    """Some t on either side of each border."""
+    found = []
+    for border, kept in zip(fold.borders, _every(fold), strict=True):
+        offset = kept - border.at
+        for side in (offset < 0, offset >= 0):
+            near = np.flatnonzero(side)
+            closest = np.argsort(np.abs(offset[near]), kind="stable")
+            found.append(near[closest][:4])
+    return np.concatenate(found)

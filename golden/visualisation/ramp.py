@@ -99,6 +99,10 @@ class Ramp(Block):
         )
 
     @property
+    def data_flags(self) -> frozenset[str]:
+        return frozenset({"out_last"})
+
+    @property
     def latency(self) -> int:
         return 1
 

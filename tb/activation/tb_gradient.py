@@ -8,7 +8,6 @@ Does not prove: how close the scheme is to tanh (tests/test_gradient.py measures
 """
 
 import cocotb
-import numpy as np
 
 from tb.common.bench import Bench
 from tb.common.small import FOLDED
@@ -25,7 +24,7 @@ INPUTS, OUTPUTS = {"in_data": SIGNED}, {"out_data": SIGNED}
 
 def codes(bench):
     twin = bench.twin
-    return all_codes(twin.in_fmt, np.array(twin.table.thresholds), bench.rng)
+    return all_codes(twin.in_fmt, twin.border_codes, bench.rng)
 
 
 @cocotb.test()

@@ -9,7 +9,6 @@ Does not prove: how close the scheme is to tanh (tests/test_schemes.py measures 
 """
 
 import cocotb
-import numpy as np
 
 from tb.common.bench import Bench
 from tb.common.cases import Case
@@ -33,8 +32,7 @@ INPUTS, OUTPUTS = {"in_data": SIGNED}, {"out_data": SIGNED}
 
 def codes(bench):
     twin = bench.twin
-    steps = (np.arange(len(twin.words)) << twin.scale_shift) // twin.scale
-    return all_codes(twin.in_fmt, np.concatenate([steps, twin.thresholds]), bench.rng)
+    return all_codes(twin.in_fmt, twin.border_codes, bench.rng)
 
 
 @cocotb.test()

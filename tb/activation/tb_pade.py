@@ -33,7 +33,7 @@ CHUNK = 2048
 
 def codes(bench):
     twin = bench.twin
-    return all_codes(twin.in_fmt, np.array(twin.thresholds, dtype=np.int64), bench.rng)
+    return all_codes(twin.in_fmt, twin.border_codes, bench.rng)
 
 
 @cocotb.test()

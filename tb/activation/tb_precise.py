@@ -8,7 +8,6 @@ Does not prove: how close the scheme is to tanh (tests/test_precise.py, over all
 """
 
 import cocotb
-import numpy as np
 
 from tb.common.bench import Bench
 from tb.common.small import PRECISE, rails
@@ -32,8 +31,7 @@ INPUTS, OUTPUTS = {"in_data": SIGNED}, {"out_data": SIGNED}
 
 def codes(bench):
     twin = bench.twin
-    borders = np.arange(0, twin.in_fmt.high, 1 << twin.formats.distance_width)
-    return all_codes(twin.in_fmt, borders, bench.rng)
+    return all_codes(twin.in_fmt, twin.border_codes, bench.rng)
 
 
 @cocotb.test()

@@ -21,6 +21,7 @@ from cocotb.triggers import Timer
 
 from golden.block import walk
 from golden.scene import load_scene
+from tb.common.coverage import Coverage
 
 RESET_CLOCKS = 2
 CONFIGURATION = "TACTUS_BENCH"
@@ -33,6 +34,8 @@ class Recording:
         self.columns = {name: [row[i] for row in rows] for i, name in enumerate(ports)}
         self.clocks = len(rows)
         self.seconds = seconds
+        # In which rows the bench has looked at a port: what stands elsewhere decides nothing.
+        self.looked = {name: np.zeros(self.clocks, dtype=bool) for name in ports}
 
     def rows(self, port: str) -> np.ndarray:
         """Rows after the initial reset in which a flag is set; an undefined flag is an error.
@@ -41,6 +44,7 @@ class Recording:
         """
         bits = self.columns[port]
         after = range(RESET_CLOCKS, self.clocks)
+        self.looked[port][RESET_CLOCKS:] = True
         undefined = [t for t in after if bits[t] not in "01"]
         assert not undefined, f"{port} is {bits[undefined[0]]} in clock {undefined[0]}"
         return np.array([t for t in after if bits[t] == "1"], dtype=np.int64)
@@ -48,6 +52,7 @@ class Recording:
     def unsigned(self, port: str, rows: np.ndarray) -> np.ndarray:
         """Codes of an unsigned port in the given rows."""
         bits = self.columns[port]
+        self.looked[port][np.asarray(rows, dtype=np.int64)] = True
         for t in rows:
             assert set(bits[t]) <= {"0", "1"}, f"{port} is {bits[t]} in clock {t}"
         return np.array([int(bits[t], 2) for t in rows], dtype=np.int64)
@@ -84,6 +89,8 @@ class Bench:
         self.frames = self.configuration["frames"]
         self.compared = 0
         self.facts: dict[str, float] = {}
+        self.coverage = Coverage(self.twin)
+        self.recordings: list[Recording] = []
         dut._log.info("rerun: %s", self.configuration["rerun"])
 
     async def play(self, drive: dict[str, np.ndarray], watch: list[str]) -> Recording:
@@ -117,7 +124,51 @@ class Bench:
             if clock:
                 clock(1)
                 await half
-        return Recording(ports, rows, time.perf_counter() - started)
+        return self.watched(Recording(ports, rows, time.perf_counter() - started))
+
+    def watched(self, recording: Recording) -> Recording:
+        """Count what stood on the ports, and check what a reset promises of every block.
+
+        Whoever plays in a way of its own hands its recording through here.
+        """
+        for port, words in recording.columns.items():
+            self.coverage.stood(port, words[RESET_CLOCKS:])
+        self._check_cleared(recording)
+        if self.configuration["trace"]:
+            self.recordings.append(recording)
+        return recording
+
+    def _check_cleared(self, recording: Recording) -> None:
+        """After a reset no flag is high that could only come from before it.
+
+        A flag follows its cause by the latency at least, an error by one clock. Flags that are
+        data, as the ``last`` of a position that stays, are in ``data_flags`` of the twin.
+        """
+        resets = recording.resets()
+        for port in self.twin.ports:
+            name = port.name
+            flag = port.direction == "out" and port.kind is None
+            flag &= name.endswith(("_valid", "_last", "_error"))
+            if not flag or name not in recording.columns or name in self.twin.data_flags:
+                continue
+            clocks = 1 if name.endswith("_error") else self.latency
+            high = recording.rows(name)
+            before = np.searchsorted(resets, high, side="left")
+            since = high - np.concatenate([[RESET_CLOCKS - 1], resets])[before]
+            wrong = high[since <= clocks]
+            assert not len(wrong), (
+                f"{self.configuration['entity']}: {name} is high in clock {wrong[0]}, "
+                f"{since[high == wrong[0]][0]} clocks after a reset, expected low for {clocks}; "
+                f"rerun: {self.configuration['rerun']}"
+            )
+
+    def meet(self, quantity: str, values: np.ndarray) -> None:
+        """Count values of a quantity on either side of its borders; see ``Block.borders``."""
+        self.coverage.meet(quantity, np.asarray(values))
+
+    def visit(self, name: str, values: np.ndarray) -> None:
+        """Count the values that a state took; see ``Block.states``."""
+        self.coverage.visit(name, np.asarray(values))
 
     def compare(self, name: str, got: np.ndarray, expected: np.ndarray, **context: np.ndarray):
         """Bit-exact comparison; a mismatch names everything that is needed to find it."""
@@ -145,9 +196,19 @@ class Bench:
         assert self.compared >= at_least, (
             f"{entity}: compared {self.compared} results, expected at least {at_least}"
         )
-        line = {"compared": self.compared, **self.facts}
+        line = {"compared": self.compared, "coverage": self.coverage.counts, **self.facts}
         with Path(self.configuration["result"]).open("a", encoding="utf-8") as handle:
             handle.write(json.dumps(line) + "\n")
+        if self.recordings:
+            write_trace(Path(self.configuration["trace"]), self.recordings)
+
+
+def write_trace(path: Path, recordings: list[Recording]) -> None:
+    """Append what was recorded, and in which rows the bench has looked at it, one line for each."""
+    with path.open("a", encoding="utf-8") as handle:
+        for one in recordings:
+            looked = {name: "".join("01"[int(v)] for v in one.looked[name]) for name in one.columns}
+            handle.write(json.dumps({"columns": one.columns, "looked": looked}) + "\n")
 
 
 # The simulator's own handles: what cocotb wraps around a value, and its wait for a phase in which

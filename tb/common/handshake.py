@@ -58,7 +58,7 @@ async def exchange(
             at, offered = at + 1, False
         clock(1)
         await half
-    return Recording(ports, rows, time.perf_counter() - started)
+    return bench.watched(Recording(ports, rows, time.perf_counter() - started))
 
 
 def transfers(recording: Recording, side: str) -> np.ndarray:

@@ -96,7 +96,7 @@ async def exchange(bench: Bench, drive: dict[str, np.ndarray], sent: Sequence[Se
             at, offered = at + 1, False
         drive_clock(1)
         await half
-    return Recording(ports, rows, time.perf_counter() - started)
+    return bench.watched(Recording(ports, rows, time.perf_counter() - started))
 
 
 def check_loading(bench: Bench, recording: Recording) -> list[int]:

@@ -26,6 +26,7 @@ from golden.scene import Scene, load_scene, scene_names, scene_path
 from golden.table import suggest
 from hdl.export.exporter import MANIFEST, ORDER
 from tb.common.bench import CONFIGURATION
+from tb.common.coverage import Counts, add
 from tb.common.simulate import Run, analyse, simulate
 from tb.common.tools import SIMULATORS, check_simulator, language
 
@@ -38,7 +39,10 @@ FRAMES = 100
 
 @dataclass(frozen=True)
 class Job:
-    """One entity under one simulator; all tests of its bench, or the one named ``test``."""
+    """One entity under one simulator; all tests of its bench, or the one named ``test``.
+
+    With ``trace`` the bench writes down what it drove, saw and looked at.
+    """
 
     scene: Scene
     entity: str
@@ -51,6 +55,7 @@ class Job:
     build: Path = BUILD
     frames: int = FRAMES
     test: str = ""
+    trace: bool = False
 
     @property
     def folder(self) -> Path:
@@ -61,6 +66,11 @@ class Job:
     def hdl_folder(self) -> Path:
         """The exported files that it runs on."""
         return self.build / self.scene.name / language(self.simulator)
+
+    @property
+    def trace_file(self) -> Path:
+        """Where the bench writes its trace."""
+        return self.folder / "trace.jsonl"
 
     @property
     def library(self) -> Path:
@@ -240,6 +250,7 @@ def run_job(job: Job) -> Outcome:
         "entity": job.entity,
         "frames": job.frames,
         "result": str(result),
+        "trace": str(job.trace_file.resolve()) if job.trace else "",
         "rerun": f"{rerun} SEED={job.seed}",
     }
     run = Run(
@@ -269,7 +280,10 @@ def run_job(job: Job) -> Outcome:
     written = result.read_text(encoding="utf-8") if result.exists() else ""
     lines = [json.loads(line) for line in written.splitlines()]
     compared = sum(line.pop("compared") for line in lines)
-    facts = {key: value for line in lines for key, value in line.items()}
+    coverage: Counts = {}
+    for line in lines:
+        add(coverage, line.pop("coverage"))
+    facts = {key: value for line in lines for key, value in line.items()} | {"coverage": coverage}
     # A run that compared nothing proves nothing, whatever its tests say.
     return Outcome(job, sound and compared > 0, compared, seconds, facts)
 

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from golden.fixed import Fix
+from golden.layers.weighted_sum import WeightedSum
 
 EXHAUSTIVE_WIDTH = 14
 STRATA = 16384
+# More clocks than any counter of a stream block runs for.
+LONG_IDLE = 150
+LONG_IDLES = 3
 
 
 def all_codes(fmt: Fix, borders: np.ndarray, rng: np.random.Generator) -> np.ndarray:
@@ -43,16 +49,19 @@ def spread(
         The port that is high where an item stands.
     gap : float
         Probability of an idle clock before each item. Idle clocks carry values of other items, so
-        that a block that ignores ``valid`` is found out.
+        that a block that ignores ``valid`` is found out. Where there are gaps, a few are longer
+        than any counter runs.
     tail : int
-        Idle clocks at the end.
+        Idle clocks at the end, or more: a counter that runs on is found out.
     pause : int array or int
         Idle clocks before each item on top of the random ones.
     """
     count = len(next(iter(items.values())))
     idle = rng.geometric(1 - gap, count) - 1 + pause
+    if gap:
+        idle[rng.integers(1, count, LONG_IDLES)] += LONG_IDLE
     at = np.cumsum(idle + 1) - 1
-    length = at[-1] + 1 + tail
+    length = at[-1] + 1 + max(tail, LONG_IDLE)
     flags = np.zeros(length, dtype=np.int64)
     flags[at] = 1
     timeline = {valid: flags}
@@ -106,3 +115,39 @@ def extreme_frames(fmt: Fix, weights: np.ndarray) -> np.ndarray:
     rows = np.asarray(weights)
     upper = np.where(rows > 0, fmt.high, fmt.low)
     return np.concatenate([upper, np.where(rows > 0, fmt.low, fmt.high)])
+
+
+def border_frames(
+    rng: np.random.Generator,
+    layer: WeightedSum,
+    rows: Sequence[Sequence[int]],
+    biases: Sequence[int],
+    factors: Sequence[int] | None = None,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Frames whose exact sums are those about which the results of a layer saturate.
+
+    Returns
+    -------
+    frames : int array, shape (frames, inputs)
+    of_row : int array
+        The row of weights that each is for.
+    """
+    found, of_row = [], []
+    chosen = [1] * len(rows) if factors is None else factors
+    for number, (codes, bias, factor) in enumerate(zip(rows, biases, chosen, strict=True)):
+        row = np.array(codes)
+        for border in layer.borders_of("sum", row, bias, factor):
+            if border.unreachable:
+                continue
+            for target, above in (
+                (border.at - 2, False),
+                (border.at - 1, False),
+                (border.at, True),
+                (border.at + 1, True),
+            ):
+                frame = layer.closest(row, bias << layer.bias_shift, target, above, rng)
+                if frame is not None:
+                    found.append(frame)
+                    of_row.append(number)
+    width = len(rows[0])
+    return np.array(found, dtype=np.int64).reshape(-1, width), np.array(of_row, dtype=np.int64)

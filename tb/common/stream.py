@@ -54,6 +54,8 @@ async def check_stream(
     followed = np.diff(entered, append=recording.clocks + interval) < interval
     kept = entered[recording.undisturbed(entered, entered + bench.latency - 1) & ~followed]
     seen = {port: read(recording, port, kept) for port, read in inputs.items()}
+    for quantity, values in bench.twin.quantities(*seen.values()).items():
+        bench.meet(quantity, values)
     expected = twin(*seen.values())
     if len(outputs) == 1:
         expected = (expected,)

@@ -60,7 +60,7 @@ async def play(bench, drive, halts, lengths):
         rows.append([str(handle.value) for handle in handles])
         dut.clk.value = 1
         await half
-    return Recording(ports, rows, time.perf_counter() - started)
+    return bench.watched(Recording(ports, rows, time.perf_counter() - started))
 
 
 async def check(bench, gap, resets):

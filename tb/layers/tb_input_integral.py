@@ -1,7 +1,7 @@
 """input_integral against its twin.
 
 Sweeps: corner frames (rails, alternating rails, zeros, one sensor alone), the frames
-that drive each sum to its ends, and 300 random frames.
+that drive each sum to its ends and to either side of where it saturates, and 300 random frames.
 Drives: samples with address and controls as CONTROLLER 1 makes them, back to back and with gaps.
 Checks: the held sums of all nodes bit for bit, from the clock after ``capture`` to the next one.
 Does not prove: controls in an order that CONTROLLER 1 never makes.
@@ -13,7 +13,7 @@ import numpy as np
 from tb.common.bench import Bench
 from tb.common.frames import captured_rows, node_timeline
 from tb.common.small import PARTS
-from tb.common.stimulus import corner_frames, extreme_frames
+from tb.common.stimulus import border_frames, corner_frames, extreme_frames
 
 CASES = PARTS
 FAULTS = [
@@ -27,7 +27,9 @@ async def frames(dut):
     fmt, inputs = bench.twin.in_fmt, bench.twin.inputs
     random = bench.rng.integers(fmt.low, fmt.high + 1, (300, inputs))
     ends = extreme_frames(fmt, bench.twin.weights)
-    driven = np.concatenate([corner_frames(fmt, inputs), ends, random])
+    twin = bench.twin
+    borders, _ = border_frames(bench.rng, twin, twin.weights, twin.biases)
+    driven = np.concatenate([corner_frames(fmt, inputs), ends, borders, random])
     addr = np.tile(np.arange(inputs), (len(driven), 1))
     ports = [f"out_q_{j}" for j in range(bench.twin.hidden)]
     for gap in (0.0, 0.4):
@@ -36,7 +38,9 @@ async def frames(dut):
         samples, held = captured_rows(recording, inputs)
         bench.compare("addr", recording.unsigned("addr", samples.ravel()), addr.ravel())
         seen = recording.signed("in_data", samples.ravel()).reshape(samples.shape)
-        expected = bench.twin.process(seen)
+        expected = twin.process(seen)
+        for j, sums in enumerate(twin.exact(seen).T):
+            bench.meet(f"sum {j}", sums)
         # The first clock of every sum, and the last one before the next sum.
         for rows in (held, np.append(held[1:] - 1, recording.clocks - 1)):
             got = np.stack([recording.signed(port, rows) for port in ports], axis=-1)

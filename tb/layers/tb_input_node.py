@@ -1,8 +1,9 @@
 """input_node against its twin.
 
 Sweeps: with the weights of every node that the design has, corner frames (rails, alternating rails,
-zeros, one sensor alone) and the frames that drive the sum to its ends; and 500 random frames, each
-with weights and a bias of its own.
+zeros, one sensor alone) and the frames that drive the sum to its ends; 500 random frames, each with
+weights and a bias of its own; with the weights of every node, and with ten of those at random,
+frames on either side of where the sum saturates.
 Drives: samples and weights with the controls as CONTROLLER 1 makes them, back to back and with
 gaps; a bias only where ``preset`` asks for it, and something else in other clocks.
 Checks: the held sum of every frame bit for bit, from the clock after ``capture`` to the next one.
@@ -17,7 +18,7 @@ from golden.layers.input_integral import InputIntegral
 from tb.common.bench import Bench
 from tb.common.frames import captured_rows, node_timeline
 from tb.common.small import PARTS
-from tb.common.stimulus import corner_frames, extreme_frames
+from tb.common.stimulus import border_frames, corner_frames, extreme_frames
 
 CASES = PARTS
 FAULTS = [
@@ -26,8 +27,11 @@ FAULTS = [
     (r"acc \+ (\d+)", "acc + 0"),
     (r"bias_word = bias", "bias_word = 0"),
     (r"factor <= weight", "factor <= bias"),
+    (r"kept > 131071", "kept > 131072"),
+    (r"kept < \(-131072\)", "kept < (-131073)"),
 ]
 RANDOM = 500
+RANDOM_BORDERS = 10
 
 
 def random_coefficients(bench, inputs):
@@ -55,6 +59,11 @@ def stimuli(bench, layer):
         frames = np.concatenate([corner_frames(fmt, inputs), extreme_frames(fmt, [row])])
         count = len(frames)
         parts.append((frames, np.tile(row, (count, 1)), np.full(count, bias)))
+    # The weights of no node need reach what the accumulator holds.
+    rows = [*map(list, layer.weights), *weights[:RANDOM_BORDERS].tolist()]
+    offsets = [*layer.biases, *biases[:RANDOM_BORDERS].tolist()]
+    frames, chosen = border_frames(bench.rng, bench.twin, rows, offsets)
+    parts.append((frames, np.array(rows)[chosen], np.array(offsets)[chosen]))
     return tuple(np.concatenate(column) for column in zip(*parts, strict=True))
 
 
@@ -79,6 +88,7 @@ async def frames(dut):
             )
             starts = recording.signed("bias", recording.rows("preset"))
             expected = bench.twin.process(seen, factors, starts)
+            bench.meet("sum", bench.twin.exact(seen, factors, starts))
             # The first clock of every sum, and the last one before the next sum.
             for rows in (held, np.append(held[1:] - 1, recording.clocks - 1)):
                 got = recording.signed("out_data", rows)

@@ -13,7 +13,7 @@ import numpy as np
 
 from tb.common.bench import Bench
 from tb.common.small import FOLDED
-from tb.common.stimulus import random_resets
+from tb.common.stimulus import LONG_IDLE, random_resets
 
 CASES = FOLDED
 FAULTS = [
@@ -28,7 +28,7 @@ async def check(bench, gap, resets):
     for _ in range(500):
         starts.append(length)
         length += outputs + (int(bench.rng.geometric(1 - gap)) - 1 if gap else 0)
-    valid = np.zeros(length + 4, dtype=np.int64)
+    valid = np.zeros(length + LONG_IDLE, dtype=np.int64)
     valid[starts] = 1
     drive = {"in_valid": valid}
     if resets:

@@ -1,7 +1,8 @@
 """scan_sequencer against its twin.
 
 Sweeps: three whole scans, every clock of them; another random code on the converter in each.
-Drives: scans from the first reset on; then resets at random clocks.
+Drives: scans from the first reset on; then resets at random clocks; then one in each clock about
+that in which a code is taken.
 Checks: the address in every clock; samples, ``out_last`` and the clocks in which they stand; that a
 sample stays until the next.
 Does not prove: that an analogue multiplexer has settled when the code is taken.
@@ -21,17 +22,20 @@ FAULTS = [
     (r"if \(rst == 1\) begin", "if (0) begin"),
     (r"(0): selected = 0", r"\1: selected = 1"),
     (r"if \(take\) begin", "if (1) begin"),
+    (r"(out_last <= 0;\s+out_valid <= )0", r"\1take"),
+    (r"out_last <= 0;", "out_last <= take && slot == 1;"),
 ]
 
 WATCH = ["address", "out_valid", "out_data", "out_last"]
 
 
 async def check(bench, clocks, resets=None):
+    """Play clocks with a column of resets."""
     twin = bench.twin
     codes = bench.rng.integers(twin.fmt.low, twin.fmt.high + 1, clocks)
     drive = {"adc": codes}
     if resets is not None:
-        drive["rst"] = random_resets(bench.rng, clocks, every=resets)
+        drive["rst"] = resets
     recording = await bench.play(drive, WATCH)
 
     # The scan begins in the clock after a reset; a code taken in that of one is lost.
@@ -76,5 +80,23 @@ async def resets(dut):
     """The scan begins again after each reset."""
     bench = Bench(dut)
     scan = bench.twin.scan_clocks
-    await check(bench, 3 * scan + 200, resets=scan)
+    clocks = 3 * scan + 200
+    await check(bench, clocks, random_resets(bench.rng, clocks, every=scan))
     bench.finish(at_least=bench.twin.slots)
+
+
+@cocotb.test()
+async def resets_about_a_sample(dut):
+    """A reset in each clock about that in which a code is taken, in the first slot and the last."""
+    bench = Bench(dut)
+    twin = bench.twin
+    at, clock = [], 0
+    for sample in (twin.sample_clocks[0], twin.sample_clocks[-1]):
+        for offset in range(-2, 4):
+            # The scan begins in the clock after a reset.
+            clock += 1 + int(sample) + offset
+            at.append(clock)
+    resets = np.zeros(clock + twin.scan_clocks + 2, dtype=np.int64)
+    resets[at] = 1
+    await check(bench, len(resets), resets)
+    bench.finish(at_least=twin.slots)

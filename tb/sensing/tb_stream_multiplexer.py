@@ -18,6 +18,8 @@ CASES = CASCADES
 FAULTS = [
     (r"out_data <= held", "out_data <= result"),
     (r"\(count == (\d+)\)", r"(count == \1 + 1)"),
+    (r"out_last <= 0;", "out_last <= in_last;"),
+    (r"out_valid <= 0;", "out_valid <= in_valid;"),
 ]
 
 

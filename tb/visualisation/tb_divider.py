@@ -20,6 +20,7 @@ FAULTS = [
     (r"in_width == 0", "in_width == 1"),
     (r"&& \(!load\)", ""),
     (r"remainder <= trial", "remainder <= shifted"),
+    (r"else if \(\(remaining != 0\)\)( begin\s+remaining)", r"else if (1)\1"),
 ]
 
 INPUTS = {"in_distance": UNSIGNED, "in_width": UNSIGNED}

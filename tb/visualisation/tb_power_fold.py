@@ -12,6 +12,7 @@ gives).
 import cocotb
 import numpy as np
 
+from golden.visualisation.power_fold import border_data
 from tb.common.bench import Bench
 from tb.common.small import PROFILES
 from tb.common.stream import UNSIGNED, check_early, check_gaps_and_resets, check_stream
@@ -21,6 +22,7 @@ FAULTS = [
     (r"(wide_product \+) (\d+)", r"\1 0"),
     (r"requantise\d_kept > (\d+)", "0"),
     (r"\(uses != 0\)", "1"),
+    (r"else if \(\(remaining != 0\)\)( begin\s+remaining)", r"else if (1)\1"),
 ]
 
 INPUTS = {"in_data": UNSIGNED, "in_power": UNSIGNED}
@@ -34,9 +36,9 @@ def pairs(bench):
     twin = bench.twin
     powers = np.arange(1, twin.max_power + 1)
     one, most = 1 << twin.in_frac, (1 << twin.in_width) - 1
-    largest = 2.0 ** (twin.out_width - twin.out_frac)
-    borders = (one * largest ** (1 / powers)).astype(np.int64)
-    near = (np.concatenate([[0, one, most], borders])[:, np.newaxis] + np.arange(-2, 3)).ravel()
+    near = (
+        np.concatenate([[0, one, most], border_data(twin)])[:, np.newaxis] + np.arange(-2, 3)
+    ).ravel()
     step = (most + 1) // PARTS
     spread = np.arange(0, most + 1, step) + bench.rng.integers(0, step, PARTS)
     t = np.concatenate([near[(near >= 0) & (near <= most)], spread])

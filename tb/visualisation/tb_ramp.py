@@ -12,7 +12,7 @@ import numpy as np
 
 from tb.common.bench import Bench
 from tb.common.small import OTHER_PROFILES
-from tb.common.stimulus import random_resets
+from tb.common.stimulus import LONG_IDLE, random_resets
 
 CASES = OTHER_PROFILES
 FAULTS = [
@@ -24,9 +24,9 @@ FAULTS = [
 
 async def check(bench, chance, resets=False):
     """Ask for a position in ``chance`` of the clocks."""
-    length = 4 * bench.twin.points + 200
+    length = 4 * bench.twin.points + 200 + LONG_IDLE
     drive = {"in_valid": (bench.rng.random(length) < chance).astype(np.int64)}
-    drive["in_valid"][-bench.latency :] = 0
+    drive["in_valid"][-LONG_IDLE:] = 0
     if resets:
         drive["rst"] = random_resets(bench.rng, length, max(4, bench.twin.points // 2))
     recording = await bench.play(drive, ["out_valid", "out_data", "out_last"])

@@ -1,0 +1,126 @@
+"""What a bench has driven, counted: sides of borders, values of ports, states."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+
+import numpy as np
+
+from golden.block import Block
+from golden.fixed import Fix
+from golden.port import Port
+
+# Of a port of no more bits every value is counted, of a wider one both ends.
+SMALL = 6
+
+# By kind ("borders", "ports", "states") and name: how often each side or value was met.
+Counts = dict[str, dict[str, dict[str, int]]]
+
+
+def add(total: Counts, more: Counts) -> None:
+    """Add counts to others."""
+    for kind, entries in more.items():
+        for name, found in entries.items():
+            kept = total.setdefault(kind, {}).setdefault(name, {})
+            for value, count in found.items():
+                kept[value] = kept.get(value, 0) + count
+
+
+class Coverage:
+    """The counts of one test.
+
+    Parameters
+    ----------
+    twin : Block
+        Names what there is to meet.
+    """
+
+    def __init__(self, twin: Block) -> None:
+        self.borders = twin.borders
+        self.states = {state.name: state for state in twin.states}
+        self.ports = {port.name: port for port in twin.ports}
+        self.counts: Counts = {}
+
+    def meet(self, quantity: str, values: np.ndarray) -> None:
+        """Count the values of a quantity on either side of each of its borders."""
+        for border in self.borders:
+            if border.quantity == quantity:
+                offsets = values - border.at
+                below = np.count_nonzero((offsets < 0) & (offsets >= -border.within))
+                above = np.count_nonzero((offsets >= 0) & (offsets < border.within))
+                found = {"below": int(below), "from": int(above)}
+                add(self.counts, {"borders": {border.name: found}})
+
+    def visit(self, name: str, values: np.ndarray) -> None:
+        """Count the values that a state took."""
+        wanted = set(self.states[name].values)
+        numbers, counts = np.unique(values, return_counts=True)
+        found = {
+            str(number): int(count)
+            for number, count in zip(numbers, counts, strict=True)
+            if number in wanted
+        }
+        add(self.counts, {"states": {name: found}})
+
+    def stood(self, port: str, words: Iterable[str]) -> None:
+        """Count the values that stood on a port."""
+        met = Counter(words)
+        if port in self.ports:
+            codes = {
+                code(word, self.ports[port].signed): n for word, n in met.items() if known(word)
+            }
+            found = {str(value): codes.get(value, 0) for value in values_of(self.ports[port])}
+            add(self.counts, {"ports": {port: found}})
+
+
+def known(word: str) -> bool:
+    """Whether every bit is 0 or 1."""
+    return set(word) <= {"0", "1"}
+
+
+def code(word: str, signed: bool) -> int:
+    """What the bits of a port stand for."""
+    value = int(word, 2)
+    return value - (1 << len(word)) if signed and word[0] == "1" else value
+
+
+def values_of(port: Port) -> list[int]:
+    """The values of a port that are counted."""
+    if port.kind is None:
+        return [0, 1]
+    if isinstance(port.kind, Fix):
+        return [port.kind.low, port.kind.high]
+    if port.width <= SMALL:
+        return list(range(port.kind.last + 1))
+    return [0, port.kind.last]
+
+
+def missing(twin: Block, counts: Counts) -> list[str]:
+    """What the twin names and no test met; what it declares unreachable is not missing.
+
+    The ends of numbers that come out hang on the weights: they are counted, not asked for.
+    """
+    found = []
+    for border in twin.borders:
+        met = counts.get("borders", {}).get(border.name, {})
+        for side, where in (("below", border.at - 1), ("from", border.at)):
+            if not border.unreachable and not met.get(side):
+                found.append(f"border {border.name}: nothing at {where}")
+    for state in twin.states:
+        met = counts.get("states", {}).get(state.name, {})
+        found += [
+            f"state {state.name}: never {value}"
+            for value in state.values
+            if not met.get(str(value))
+        ]
+    for port in twin.ports:
+        if port.name == "clk" or (port.direction == "out" and port.width > SMALL):
+            continue
+        met = counts.get("ports", {}).get(port.name, {})
+        found += [
+            f"port {port.name}: never {value}"
+            for value in values_of(port)
+            if not met.get(str(value)) and f"{port.name}={value}" not in twin.unreachable
+        ]
+    return found

@@ -1,0 +1,1 @@
+"""``make mutate``: how many of the faults that can be put into a block its bench finds."""

