@@ -39,6 +39,7 @@ HEADINGS = [
     "Numeric behaviour",
     "Resources",
     "Verification",
+    "Sign-off",
     "Limits",
 ]
 

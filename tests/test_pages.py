@@ -9,7 +9,7 @@ import pytest
 
 from golden.cli import CommandError
 from golden.fingerprint import ROOT
-from tb.report.page import lists
+from tb.report.page import lists, sign_off
 from tb.report.page.markers import END, begin, put
 
 HDL, SCENES = ROOT / "hdl", ROOT / "golden" / "scenes"
@@ -44,6 +44,11 @@ def test_a_page_without_its_markers_once_each_is_refused(page: str) -> None:
 def test_the_lists_are_those_of_the_project() -> None:
     for page, text in lists.pages().items():
         assert page.read_text(encoding="utf-8") == text, f"{page}: run: {lists.COMMAND}"
+
+
+def test_what_is_recorded_stands_in_the_datasheets() -> None:
+    for page, text in sign_off.pages().items():
+        assert page.read_text(encoding="utf-8") == text, f"{page}: run: {sign_off.COMMAND}"
 
 
 def test_every_target_of_the_makefile_is_a_command_that_is_listed() -> None:
