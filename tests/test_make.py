@@ -40,7 +40,7 @@ ARGUMENTS = {
         "demo sim vhdl verilog check train recalibrate predict network image bench listing lean "
         "synth report",
     ),
-    "BLOCK": ("--block=", "sim"),
+    "BLOCK": ("--block=", "sim mutate"),
     "SIM": ("--sim=", "sim"),
     "SEED": ("--seed=", "sim figures"),
     "FRAMES": ("--frames=", "sim bench"),

@@ -19,7 +19,8 @@ LONG_IDLES = 3
 def all_codes(fmt: Fix, borders: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """Every code of a format up to 14 bits; of a wider one a random code of each of 16384 strata.
 
-    The neighbourhood of every border, of zero and of both ends is always there.
+    The neighbourhood of every border, of zero and of both ends is always there, and so are the
+    codes that differ from it in one bit: a comparison that ignores a bit is found out.
     """
     if fmt.width <= EXHAUSTIVE_WIDTH:
         codes = np.arange(fmt.low, fmt.high + 1)
@@ -27,8 +28,10 @@ def all_codes(fmt: Fix, borders: np.ndarray, rng: np.random.Generator) -> np.nda
         step = (fmt.high - fmt.low + 1) // STRATA
         codes = np.arange(fmt.low, fmt.high + 1, step) + rng.integers(0, step, STRATA)
     marks = np.concatenate([[fmt.low, fmt.high, 0], borders, -np.asarray(borders)])
-    near = (marks[:, np.newaxis] + np.arange(-2, 3)).ravel()
-    return np.concatenate([codes, near[(near >= fmt.low) & (near <= fmt.high)]]).astype(np.int64)
+    near = (marks.astype(np.int64)[:, np.newaxis] + np.arange(-2, 3)).ravel()
+    one_bit = (near[:, np.newaxis] ^ (1 << np.arange(fmt.width))).ravel()
+    marked = np.unique(np.concatenate([near, one_bit]))
+    return np.concatenate([codes, marked[(marked >= fmt.low) & (marked <= fmt.high)]])
 
 
 def spread(

@@ -15,7 +15,7 @@ STORE = Path("build") / "mutate"
 SCRIPTS = {
     "replay": ("mutants.py", "replay.py"),
     "bench": ("mutants.py",),
-    "same": ("mutants.py", "same.py"),
+    "same": ("mutants.py", "flat.py", "same.py"),
 }
 Answer = TypeVar("Answer")
 

@@ -44,13 +44,17 @@ endmodule
 
 @dataclass(frozen=True)
 class Trace:
-    """A trace on disk, and the ports of its columns with their widths."""
+    """A trace on disk, and the ports of its columns with their widths.
+
+    ``masks`` names the flag of each output that the bench looks at only where the flag is high.
+    """
 
     folder: Path
     inputs: dict[str, int]
     outputs: dict[str, int]
     rows: int
     digest: str
+    masks: dict[str, str]
 
 
 def ports_of(text: str) -> dict[str, tuple[str, int]]:
@@ -78,13 +82,32 @@ def write_trace(recorded: Path, ports: dict[str, tuple[str, int]], folder: Path)
                 handle.write(line)
                 digest.update(line.encode())
                 rows += 1
-    return Trace(folder, inputs, outputs, rows, digest.hexdigest())
+    return Trace(folder, inputs, outputs, rows, digest.hexdigest(), masks_of(parts, outputs))
 
 
 def _due(part: dict[str, Any], outputs: dict[str, int], row: int) -> Iterable[str]:
     for name, width in outputs.items():
         looked = name in part["columns"] and part["looked"][name][row] == "1"
         yield part["columns"][name][row] if looked else "z" * width
+
+
+def masks_of(parts: list[dict[str, Any]], outputs: Iterable[str]) -> dict[str, str]:
+    """By output: the flag of its stream, where the bench never looks while the flag is low."""
+    flags = [name for name in outputs if name.endswith("valid")]
+    found = {}
+    for name in outputs:
+        stem = [flag for flag in flags if name.startswith(flag.removesuffix("valid"))]
+        if name not in flags and stem and all(_only_with(part, name, stem[0]) for part in parts):
+            found[name] = stem[0]
+    return found
+
+
+def _only_with(part: dict[str, Any], name: str, flag: str) -> bool:
+    columns = part["columns"]
+    if name not in columns or flag not in columns:
+        return name not in columns
+    looked = part["looked"][name]
+    return all(bit == "1" for bit, at in zip(columns[flag], looked, strict=True) if at == "1")
 
 
 def write_bench(trace: Trace, entity: str, clocked: bool) -> None:

@@ -10,6 +10,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import random
 import shutil
@@ -27,7 +28,7 @@ from tb.sign_off.mutate.explained import explain
 from tb.sign_off.mutate.kept import keep, kept, known
 from tb.sign_off.mutate.mutants import make_mutants, write_netlists
 from tb.sign_off.mutate.replay import Trace, ports_of, replay, write_bench, write_trace
-from tb.sign_off.mutate.same import proved_same
+from tb.sign_off.mutate.same import OTHER, SAME, proved
 from tb.sign_off.mutate.source import bench, source
 from tb.sign_off.mutate.words import describe
 
@@ -143,14 +144,22 @@ def score(
             tell(f"the bench finds {len(confirmed)} of {len(sampled)} of these: it is run on all")
             differ = {n: differ[n] for n in found_by_bench(sorted(differ))}
         left = [n for n in numbers if n not in differ]
-        same = _same(subject, left)
+        verdicts = _proofs(subject, left, trace.masks)
+        same = [n for n in left if verdicts[n][0] == SAME]
         left = [n for n in left if n not in same]
         tell(f"{len(same)} proved the same, {len(left)} left")
         late = found_by_bench(left)
         survivors = []
         for number in (n for n in left if n not in late):
             where, what = describe(mutants[number - 1], subject.folder)
-            survivors.append({"where": where, "what": what, "explained": explain(job.block, what)})
+            survivors.append(
+                {
+                    "where": where,
+                    "what": what,
+                    "told apart": verdicts[number][0] == OTHER,
+                    "explained": explain(job.block, what),
+                }
+            )
     killed = len(differ) + len(late)
     return {
         "source": source(job),
@@ -160,6 +169,7 @@ def score(
         "mutants": len(mutants),
         "killed": killed,
         "same": len(same),
+        "same in every state": sum(verdicts[n][1] != "over clocks" for n in same),
         "explained": sum(bool(s["explained"]) for s in survivors),
         "score": round(killed / max(1, len(mutants) - len(same)), 4),
         "clocks": trace.rows,
@@ -173,12 +183,13 @@ def _asker(subject: Subject) -> Callable[[int], bool]:
     return lambda number: run_bench(subject, number)
 
 
-def _same(subject: Subject, left: list[int]) -> list[int]:
-    """Which of these are proved to be the same; an answer that is known is not looked for again."""
+def _proofs(subject: Subject, left: list[int], masks: dict[str, str]) -> dict[int, tuple[str, str]]:
+    """What is proved of each of these; an answer that is known is not looked for again."""
     mutants = {n: subject.mutants[n - 1] for n in left}
-    facts = {n: ("same", subject.key, mutant) for n, mutant in mutants.items()}
-    new = [n for n in left if known(*facts[n]) is None]
-    answers = proved_same([mutants[n] for n in new], subject.job.entity, subject.folder)
+    counted = json.dumps(masks, sort_keys=True)
+    facts = {n: (subject.key, counted, mutant) for n, mutant in mutants.items()}
+    new = [n for n in left if known("same", *facts[n]) is None]
+    answers = proved([mutants[n] for n in new], subject.job.entity, subject.folder, masks)
     for n, answer in zip(new, answers, strict=True):
-        keep(answer, *facts[n])
-    return [n for n in left if known(*facts[n]) == [True]]
+        keep(answer, "same", *facts[n])
+    return {n: kept(lambda: ("", ""), "same", *facts[n]) for n in left}

@@ -1,0 +1,160 @@
+"""Mutation scores: that the recorded ones are current and high, and that the machine can fail."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from shared import Shared
+
+from golden.fingerprint import ROOT
+from tb.common.collected import CASES_OF
+from tb.common.runner import Job, run_job
+from tb.sign_off.mutate import kept
+from tb.sign_off.mutate.explained import explain, explanations
+from tb.sign_off.mutate.mutants import make_mutants, write_netlists
+from tb.sign_off.mutate.replay import ports_of, replay, write_bench, write_trace
+from tb.sign_off.mutate.same import OTHER, SAME, proved
+from tb.sign_off.mutate.score import Subject, prepare, run_bench
+from tb.sign_off.mutate.source import source
+from tb.sign_off.mutate.words import describe
+from tb.sign_off.record import RECORDS, read_record
+from tb.sign_off.subject import first
+
+pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+
+LEAST = 0.99
+SCORED = sorted(path.stem for path in (RECORDS / "mutation").glob("*.json"))
+# Few, and of a small block: the machine itself is tried, not the block.
+FEW = 12
+
+
+def job_of(shared: Shared, block: str) -> Job:
+    return first(shared.jobs(CASES_OF[block][0], "icarus"), block)
+
+
+@pytest.mark.parametrize("block", SCORED)
+def test_the_score_is_of_this_verilog_and_this_bench(shared: Shared, block: str) -> None:
+    record = read_record("mutation", block)
+    job = job_of(shared, block)
+    assert (record["entity"], record["scene"]) == (job.entity, job.scene.name)
+    assert record["source"] == source(job), f"another source: run make mutate BLOCK={block}"
+
+
+@pytest.mark.parametrize("block", SCORED)
+def test_the_score_is_high_and_every_survivor_explained(block: str) -> None:
+    record = read_record("mutation", block)
+    survivors = record["survivors"]
+    assert record["killed"] + record["same"] + len(survivors) == record["mutants"]
+    assert record["score"] == round(record["killed"] / (record["mutants"] - record["same"]), 4)
+    assert record["score"] >= LEAST
+    for one in survivors:
+        assert one["explained"], f"{one['where']}: {one['what']}: not explained"
+        assert one["explained"] == explain(block, one["what"])
+
+
+def test_explanations_are_of_survivors() -> None:
+    for block in SCORED:
+        survivors = [one["what"] for one in read_record("mutation", block)["survivors"]]
+        for pattern in explanations(block):
+            assert any(explain(block, what) for what in survivors), f"{block}: {pattern}"
+
+
+@pytest.fixture(scope="module")
+def small(shared: Shared, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Subject]:
+    """An absolute value with a few mutants; nothing that was found before counts."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(kept, "STORE", tmp_path_factory.mktemp("store"))
+        job = job_of(shared, "abs_unit")
+        hdl = job.hdl_folder.resolve()
+        job = replace(job, build=tmp_path_factory.mktemp("build"))
+        job.hdl_folder.parent.mkdir(parents=True)
+        job.hdl_folder.symlink_to(hdl)
+        yield prepare(job, tmp_path_factory.mktemp("small"), FEW, seed=3)
+
+
+@pytest.fixture(scope="module")
+def recorded(small: Subject) -> str:
+    """What the bench drove, saw and looked at."""
+    job = replace(small.job, trace=True)
+    assert run_job(job).passed
+    return job.trace_file.read_text(encoding="utf-8")
+
+
+def found(small: Subject, recorded: str, folder: Path) -> list[bool]:
+    """Whether the replay of a trace finds the sound netlist, and each mutant."""
+    (folder / "recorded").write_text(recorded, encoding="utf-8")
+    trace = write_trace(
+        folder / "recorded", ports_of((small.folder / "abs_unit.v").read_text()), folder
+    )
+    write_bench(trace, "abs_unit", clocked=True)
+    return [bool(replay(trace, small.sources(n))) for n in range(FEW + 1)]
+
+
+def test_what_the_replay_finds_the_bench_finds(
+    small: Subject, recorded: str, tmp_path: Path
+) -> None:
+    differ = found(small, recorded, tmp_path)
+    assert not differ[0]
+    assert sum(differ) > FEW / 2
+    assert run_bench(small, differ.index(True))
+
+
+def test_what_the_bench_does_not_look_at_survives(
+    small: Subject, recorded: str, tmp_path: Path
+) -> None:
+    """A bench that does not look at the result finds what happens to the flags alone."""
+    parts = [json.loads(line) for line in recorded.splitlines()]
+    for part in parts:
+        part["looked"]["out_mag"] = "0" * len(part["looked"]["out_mag"])
+    blind = found(small, "\n".join(map(json.dumps, parts)), tmp_path)
+    assert sum(blind) < FEW / 2
+
+
+CHANGES = """
+module counter(clk, rst, in_valid, in_data, out_valid, out_data);
+input clk;
+input rst;
+input in_valid;
+input [3:0] in_data;
+output out_valid;
+reg out_valid;
+output [3:0] out_data;
+reg [3:0] out_data;
+reg [1:0] count;
+always @(posedge clk) begin: step
+    if (rst == 1) begin
+        count <= 0;
+    end
+    else if (count < 2) begin
+        count <= count + 1;
+    end
+end
+always @(posedge clk) begin: keep
+    out_valid <= in_valid;
+    out_data <= in_data;
+    if (count == 3) begin
+        out_data <= 0;
+    end
+end
+endmodule
+"""
+
+
+def test_a_proof_tells_what_is_the_same_from_what_is_not(tmp_path: Path) -> None:
+    (tmp_path / "counter.v").write_text(CHANGES)
+    commands = make_mutants(["counter.v"], "counter", 200, 1, tmp_path)
+    write_netlists(commands, "counter", tmp_path)
+    found = {describe(command, tmp_path)[1]: command for command in commands}
+    never = next(what for what in found if re.match(r"keep: SRST.*stuck at 0", what))
+    data = next(what for what in found if "in_data[1]" in what and "inverted" in what)
+    answers = proved([found[never], found[data]], "counter", tmp_path, {"out_data": "out_valid"})
+    assert [verdict for verdict, _ in answers] == [SAME, OTHER]
+
+
+def test_scores_are_found_every_night() -> None:
+    assert "- run: make mutate\n" in (ROOT / ".github" / "workflows" / "ci.yml").read_text()
