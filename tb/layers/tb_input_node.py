@@ -50,6 +50,22 @@ def random_coefficients(bench, inputs):
             codes[wide] = np.sign(codes[wide]) * (np.abs(codes[wide]) // 2)
 
 
+def end_coefficients(bench, inputs):
+    """Frames with a weight or the bias alone, at either end, where the accumulator holds it."""
+    twin, fmt = bench.twin, bench.twin.coeff_fmt
+    weights, biases = [], []
+    for end in (fmt.low, fmt.high):
+        if f"weight={end}" not in twin.unreachable:
+            weights += [np.eye(inputs, dtype=np.int64)[k] * end for k in range(inputs)]
+            biases += [0] * inputs
+        if f"bias={end}" not in twin.unreachable:
+            weights.append(np.zeros(inputs, dtype=np.int64))
+            biases.append(end)
+    frames = bench.rng.integers(twin.in_fmt.low, twin.in_fmt.high + 1, (len(biases), inputs))
+    found = np.array(weights, dtype=np.int64).reshape(-1, inputs)
+    return frames, found, np.array(biases, dtype=np.int64)
+
+
 def stimuli(bench, layer):
     """Frames, and the weights and bias of each."""
     fmt, inputs = bench.twin.in_fmt, layer.inputs
@@ -64,6 +80,7 @@ def stimuli(bench, layer):
     offsets = [*layer.biases, *biases[:RANDOM_BORDERS].tolist()]
     frames, chosen = border_frames(bench.rng, bench.twin, rows, offsets)
     parts.append((frames, np.array(rows)[chosen], np.array(offsets)[chosen]))
+    parts.append(end_coefficients(bench, inputs))
     return tuple(np.concatenate(column) for column in zip(*parts, strict=True))
 
 
