@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
+
+Number = TypeVar("Number", bound=np.generic)
 
 
 @dataclass(frozen=True)
@@ -50,12 +53,12 @@ class Window:
         """Whether the network takes each frame as it is."""
         return self.taps == tuple(Tap(k, 0) for k in range(len(self.delays)))
 
-    def frames(self, samples: ArrayLike) -> NDArray[np.generic]:
+    def frames(self, samples: NDArray[Number]) -> NDArray[Number]:
         """What the network takes of each frame that has a whole past.
 
         Parameters
         ----------
-        samples : array_like, shape (frames, sensors)
+        samples : array, shape (frames, sensors)
             Frames one after the other in time.
 
         Returns
@@ -63,10 +66,9 @@ class Window:
         array, shape (frames - past, taps)
             None where there are no more frames than ``past``.
         """
-        rows = np.asarray(samples)
-        count = max(0, len(rows) - self.past)
+        count = max(0, len(samples) - self.past)
         columns = [
-            rows[self.past - tap.delay : self.past - tap.delay + count, tap.sensor]
+            samples[self.past - tap.delay : self.past - tap.delay + count, tap.sensor]
             for tap in self.taps
         ]
         return np.stack(columns, axis=-1)

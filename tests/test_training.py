@@ -438,7 +438,7 @@ def test_what_is_tested_has_seen_nothing_of_the_test_rows(tmp_path: Path, monkey
         lines[1 + row][4] = "0.1"
     moved = tmp_path / "moved.csv"
     moved.write_text("\n".join(",".join(line) for line in lines))
-    again = Stages(replace(scene, data_path=moved))
+    again = Stages(replace(scene, data_paths=(moved,)))
     # The blocks end where the load changes, which it now does elsewhere.
     monkeypatch.setattr("golden.training.task.split_of", lambda _: split)
     again.add(5, 0)
