@@ -189,6 +189,8 @@ def _built(scene: Scene, before: str) -> list[Finding]:
         core = scene.twin().core
         facts = "; ".join(core.facts()) or f"clocks from frame to frame: {core.interval}"
         findings.append(Finding(OK, f"hardware.design {scene.design}", f"{before}{facts}"))
+    if scene.front_end:
+        findings.append(Finding(OK, "front_end", scene.front_end.describe()))
     return findings
 
 

@@ -111,7 +111,11 @@ def _scene(values: dict[str, dict[str, Any]], files: list[str], path: Path) -> S
         clock_mhz=hardware["clock_mhz"],
         interface=hardware["interface"],
         training=training(values["training"], path),
-        front_end=front_end(values["front_end"], path) if "front_end" in values else None,
+        front_end=(
+            front_end(values["front_end"], hardware["clock_mhz"], path)
+            if "front_end" in values
+            else None
+        ),
         visualisation=(
             visualisation(values["visualisation"], data, path)
             if "visualisation" in values

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from golden.precision import PRECISIONS
+from golden.window import Window
 from tb.common.cases import FRONT_END, VISUALISATION, Case
 
 RAILS = Case([(3, 4, 3)], "exact", spread=20.0, seed=2)
@@ -172,4 +173,22 @@ PRECISE = {
     "block-ram-huge": Case(
         [(2, 2, 1)], "exact", activation="precise", options=BLOCK_RAM, spread=100.0
     ),
+}
+
+# Networks with a past: of each sensor other delays; one sample of one sensor, and not its newest; a
+# long past; slots behind the samples; frames that come no faster than they are sent.
+WINDOW = Window(((0, 1, 3), (0,), (2, 5)))
+PAST = Case([(6, 2, 2)], "exact", activation="precise", design="engine", window=WINDOW)
+WINDOWS = {
+    "past": PAST,
+    "one-past": replace(PAST, shapes=[(1, 2, 1)], window=Window(((1,),))),
+    "long-past": replace(PAST, shapes=[(4, 1, 1)], window=Window(((0, 64), (0, 3)))),
+    "chain-past": replace(
+        PAST,
+        shapes=[(4, 2, 1), (5, 2, 1), (6, 1, 1)],
+        design="hybrid",
+        arrangement="cascade",
+        window=Window(((0, 2), (0, 2))),
+    ),
+    "few-past": replace(PAST, shapes=[(2, 1, 2)], design="hybrid", window=Window(((2,), (1,)))),
 }

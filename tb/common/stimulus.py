@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from golden.fixed import Fix
+from golden.window import Window
 
 EXHAUSTIVE_WIDTH = 14
 STRATA = 16384
@@ -106,3 +107,14 @@ def extreme_frames(fmt: Fix, weights: np.ndarray) -> np.ndarray:
     rows = np.asarray(weights)
     upper = np.where(rows > 0, fmt.high, fmt.low)
     return np.concatenate([upper, np.where(rows > 0, fmt.low, fmt.high)])
+
+
+def with_past(window: Window, rows: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Frames in the order of time, of which a network takes ``rows``, shape (rows, taps).
+
+    One row after the other, each with a past of its own; samples that it does not take are random.
+    """
+    frames = rng.choice(rows.ravel(), (len(rows), window.past + 1, len(window.delays)))
+    for column, tap in enumerate(window.taps):
+        frames[:, window.past - tap.delay, tap.sensor] = rows[:, column]
+    return frames.reshape(-1, len(window.delays))
