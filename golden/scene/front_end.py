@@ -11,6 +11,7 @@ from typing import Any
 from golden.networks.network import Network
 from golden.precision import SIGNAL
 from golden.sensing.scan_sequencer import MOST_SCAN_CLOCKS, ScanSequencer
+from golden.window import Window
 
 # Key, type, default; see ``golden.scene``.
 KEYS: dict[str, tuple[Any, Any]] = {
@@ -74,14 +75,19 @@ class FrontEnd:
         """
         return self._sequencer(network.inputs, network.input_controller.inputs)
 
-    def clocks_left(self, inputs: int) -> int:
-        """Clocks from the last sample of a frame to the first of the next, where it has no slots.
+    def clocks_left(self, window: Window) -> int:
+        """Clocks from a frame's last sample to the next that a network without slots takes.
+
+        With a past it is a frame window that sends the samples.
 
         Raises
         ------
         ValueError
             As ``scan_sequencer``.
         """
+        if not window.plain:
+            return self.scan_clocks - len(window.taps)
+        inputs = len(window.delays)
         scan = self._sequencer(inputs, inputs)
         samples = scan.sample_clocks
         return scan.scan_clocks - int(samples[-1]) + int(samples[0]) - 1

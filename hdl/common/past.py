@@ -2,16 +2,12 @@
 
 from myhdl import always_comb, always_seq, block
 
-from hdl.common.delay import connect
 from hdl.common.signals import flag, unsigned
 
 
 @block
 def past_whole(clk, rst, good, yields, *, past: int):
-    """``yields`` is ``good`` of every frame behind the first ``past`` after a reset."""
-    if not past:
-        return connect(good, yields)
-
+    """``yields`` is ``good`` of every frame behind the first ``past``, 1 or more, after a reset."""
     known = unsigned(past.bit_length())
     whole = flag()
 

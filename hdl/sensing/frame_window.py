@@ -107,8 +107,9 @@ def frame_window(
     place, start, read_addr = (Signal(modbv(0, min=0, max=words)) for _ in range(3))
     offset = unsigned(spec.addr_width)
     turn = unsigned(max(1, final.bit_length()))
-    accept, good, broken, yields = flag(), flag(), flag(), flag()
-    sending, closing = flag(), flag()
+    accept, good, broken, sending, closing = (flag() for _ in range(5))
+    yields = flag() if spec.past else good
+    past = [past_whole(clk, rst, good, yields, past=spec.past)] if spec.past else []
 
     @always(clk.posedge)
     def write():
@@ -159,7 +160,7 @@ def frame_window(
             sensors=spec.sensors,
             spacing=spec.spacing,
         ),
-        past_whole(clk, rst, good, yields, past=spec.past),
+        past,
         write,
         advance,
         send,

@@ -19,6 +19,8 @@ from tb.common.stimulus import corner_frames, extreme_frames, random_resets, spr
 WATCH = ["out_valid", "out_data", "out_last", "frame_error"]
 # About the clocks that a test plays; designs that take hundreds for a frame get fewer frames.
 MOST_CLOCKS = 100_000
+# Of recorded frames alone: a quarter of an hour of frames would fill the machine's memory.
+MOST_RECORDED = 1_000_000
 # Frames that are played with gaps too, random and recorded ones.
 MOST_WITH_GAPS = 100
 MOST_RECORDED_WITH_GAPS = 200
@@ -94,8 +96,9 @@ def pauses(bench, last, closest=False):
 
 
 def recorded_frames(bench):
-    """All recorded frames of the scene, as they are sent."""
-    return np.concatenate(bench.scene.vectors().recordings)
+    """The recorded frames of the scene as they are sent, or as many as there are clocks for."""
+    frames = np.concatenate(bench.scene.vectors().recordings)
+    return frames[: bench.twin.past + MOST_RECORDED // bench.twin.interval]
 
 
 def random_elements(bench, count):
@@ -215,7 +218,7 @@ async def reset_at_every_clock(dut):
     inputs, length = twin.inputs, twin.input_controller.inputs
     span = length + twin.output_clocks[-1] + 3
     before = twin.past * twin.interval
-    most = min(span, MOST_CLOCKS // (2 * (span + before)))
+    most = min(span, max(3, MOST_CLOCKS // (2 * (span + before))))
     if twin.image:
         most = max(3, min(most, MOST_LOADED // len(twin.image)))
     ends = most // 3

@@ -97,6 +97,15 @@ INSTRUMENTS = DRAWN | {
     # No profile; the narrowest counter, one clock after the address is there.
     "least-instrument": Case([(3, 2, 3)], "exact", sections=f"{FRONT_END}counter_width = 3\n"),
     # The least scan that leaves the engine its clocks.
+    # Scans that do not follow each other at once, and samples of earlier ones.
+    "past-instrument": Case(
+        [(3, 2, 3)],
+        "exact",
+        activation="precise",
+        design="engine",
+        sections=f"{FRONT_END}counter_width = 4\nrate_hz = 900000\n",
+        window=Window(((0, 2), (1,))),
+    ),
     "engine-instrument": Case(
         [(3, 2, 3)],
         "exact",
@@ -182,10 +191,12 @@ PAST = Case([(6, 2, 2)], "exact", activation="precise", design="engine", window=
 WINDOWS = {
     "past": PAST,
     "one-past": replace(PAST, shapes=[(1, 2, 1)], window=Window(((1,),))),
-    "long-past": replace(PAST, shapes=[(4, 1, 1)], window=Window(((0, 64), (0, 3)))),
+    "long-past": replace(
+        PAST, shapes=[(4, 1, 1)], design="hybrid", window=Window(((0, 64), (0, 3)))
+    ),
     "chain-past": replace(
         PAST,
-        shapes=[(4, 2, 1), (5, 2, 1), (6, 1, 1)],
+        shapes=[(4, 1, 1), (5, 1, 1)],
         design="hybrid",
         arrangement="cascade",
         window=Window(((0, 2), (0, 2))),
