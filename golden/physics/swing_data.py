@@ -67,7 +67,12 @@ class Recording:
 
 
 def record(
-    angle: float, seed: int, noise: float = NOISE, seconds: float = SECONDS, rig: Rig | None = None
+    angle: float,
+    seed: int,
+    noise: float = NOISE,
+    seconds: float = SECONDS,
+    rig: Rig | None = None,
+    rate: float = RATE,
 ) -> Recording:
     """Let the swing go and record.
 
@@ -80,9 +85,11 @@ def record(
     noise : float
         Standard deviation at each reflective sensor, V, 0 to 10.
     seconds : float
-        See ``swing_motion``; 25 by default, at 200 samples per second.
+        See ``swing_motion``; 25 by default.
     rig : Rig, optional
         By default a frame of 10 kg on the plate of the thesis.
+    rate : float
+        Samples a second.
 
     Raises
     ------
@@ -95,7 +102,7 @@ def record(
     wobble = Wobble(
         amplitude=WOBBLE * rng.uniform(LEAST_WOBBLE, 1), phase=rng.uniform(-math.pi, math.pi)
     )
-    motion = swing_motion(rig.swing, math.radians(angle), seconds, RATE)
+    motion = swing_motion(rig.swing, math.radians(angle), seconds, rate)
     x, acceleration = wobble.displacement(motion.time)
     deflections = rig.deflections(rig.forces(motion, x, acceleration))
     still = np.zeros(1)
@@ -104,7 +111,7 @@ def record(
     for gain, deflection, rest in zip(GAINS, deflections.T, hanging, strict=True):
         sensor = ReflectiveSensor(noise=noise)
         settled = float(ReflectiveSensor().read(rest, rng))
-        codes, cut = Conditioning(gain, rate=RATE).convert(sensor.read(deflection, rng), settled)
+        codes, cut = Conditioning(gain, rate=rate).convert(sensor.read(deflection, rng), settled)
         columns.append(SIGNAL.to_real(codes))
         clipped += cut
     arm = rig.swing.arm

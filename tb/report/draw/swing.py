@@ -112,9 +112,8 @@ def swing(scene: Scene, run: Path = RUN) -> str:
             error.plot(found.time, estimate - true, color="C3", linewidth=0.7, label=WITH)
             error.set_ylabel("error, mm")
         figure.align_ylabels()
-        rows[0].legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
-        if before is not None:
-            rows[1].legend(loc="upper right", ncols=2, fontsize="x-small")
+        lines = [line for axis in rows[: 2 if before else 1] for line in axis.lines]
+        rows[0].legend(handles=lines, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
         rows[-1].set_xlabel(f"time since release in {run.stem}, s; x, y, z count from code 0")
         title = f"Motion of the swing in {run.stem} and the estimates of scene {scene.name}"
         return plotted(figure, identifier("swing", scene.name), title)

@@ -14,11 +14,11 @@ from tb.report.draw.swing import RUN, Followed, follow, without_past
 
 # Seconds that are shown, and of a step: a swing takes about one and a half.
 FROM, UNTIL, STEP = 1.0, 5.0, 0.1
-WIDTH, HEIGHT = 360.0, 330.0
+WIDTH, HEIGHT = 360.0, 220.0
 # What a millimetre is: of y and z, and of the wobble x, which is small.
 ALONG, ACROSS = 0.52, 9.0
 # Where the mass hangs at rest, and the middle of the view from above.
-LEFT, REST, ABOVE = 180.0, 196.0, 284.0
+LEFT, REST, ABOVE = 180.0, 80.0, 170.0
 OTHER = "#c43b3b"
 
 
@@ -79,7 +79,7 @@ def _still() -> list[str]:
         _ring((202, 12), OTHER),
         text((214, 16), "without"),
         text((8, 36), "from the side: y, z", 10),
-        text((8, ABOVE - 36), f"from above: y, and x {ACROSS / 2 / ALONG:.0f} times as large", 10),
+        text((8, ABOVE - 40), f"from above: y, and x {ACROSS / 2 / ALONG:.0f} times as large", 10),
         line([(8, ABOVE), (WIDTH - 8, ABOVE)], stroke=FAINT, stroke_width=0.4),
     ]
 

@@ -78,7 +78,7 @@ def _motion_errors(scene: Scene, motions: Table) -> Table:
         "errors",
         ["output", "float %", "bit-true %", "thesis %"],
         rows,
-        "Equation 6.6 on the worse of two runs that the networks were not trained on. The thesis "
+        "Equation 6.6 on the worst of four runs that the networks were not trained on. The thesis "
         "measured on another rig (Table 6.2).",
     )
 
