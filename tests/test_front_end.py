@@ -11,6 +11,7 @@ import pytest
 from golden.fixed import Fix
 from golden.instruments.instrument import Instrument
 from golden.instruments.readout import Readout
+from golden.rig import check
 from golden.scene import load_scene
 from golden.sensing.scan_sequencer import ScanSequencer
 from tb.common.cases import FRONT_END, random_mlp, write_scene
@@ -129,6 +130,12 @@ def test_a_rate_is_kept_to_a_clock_and_what_is_missing_is_told(
     assert scene.front_end.describe().startswith(f"a scan every {clocks} clocks, {told}")
     # The samples of a frame are as close together as without a rate.
     assert scene.twin().scan_sequencer.sample_clocks.tolist() == [1843, 3891]
+
+
+def test_make_check_tells_the_rate(tmp_path) -> None:
+    scene = scene_with(tmp_path, f"{FRONT_END}rate_hz = 1100\n")
+    (found,) = (f for f in check.design(scene, trained=True) if f.subject == "front_end")
+    assert found.text == scene.front_end.describe()
 
 
 def test_a_rate_needs_the_clock(tmp_path) -> None:

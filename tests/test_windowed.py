@@ -16,6 +16,7 @@ from golden.sensing.frame_window import FrameWindow
 from golden.window import Window
 from tb.common.cases import Case
 from tb.common.collected import CASES
+from tb.common.myhdl_simulation import simulate
 from tb.common.small import PAST, WINDOW
 
 FMT = Fix(14, 13)
@@ -71,6 +72,13 @@ def test_what_stands_around_it_has_its_past(past: Windowed, around: type[Network
     frames = random_frames(30, past.inputs)
     assert network.past == past.past
     assert np.array_equal(network.process(frames), past.process(frames))
+
+
+def test_simulated_in_myhdl_it_equals_its_twin(past: Windowed) -> None:
+    """With every bound of every signal, while the ring goes round."""
+    frames = random_frames(past.frame_window.words, past.inputs)
+    results, _ = simulate(past, frames)
+    assert np.array_equal(results, past.process(frames))
 
 
 def test_frames_of_a_past_are_in_one_order(past: Windowed) -> None:

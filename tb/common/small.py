@@ -97,7 +97,7 @@ INSTRUMENTS = DRAWN | {
     # No profile; the narrowest counter, one clock after the address is there.
     "least-instrument": Case([(3, 2, 3)], "exact", sections=f"{FRONT_END}counter_width = 3\n"),
     # The least scan that leaves the engine its clocks.
-    # Scans that do not follow each other at once, and samples of earlier ones.
+    # Scans that do not follow each other at once, of 71 clocks 16, and samples of earlier ones.
     "past-instrument": Case(
         [(3, 2, 3)],
         "exact",
@@ -185,7 +185,8 @@ PRECISE = {
 }
 
 # Networks with a past: of each sensor other delays; one sample of one sensor, and not its newest; a
-# long past; slots behind the samples; frames that come no faster than they are sent.
+# long past; slots behind the samples; frames that come no faster than they are sent; networks side
+# by side; no multiplier.
 WINDOW = Window(((0, 1, 3), (0,), (2, 5)))
 PAST = Case([(6, 2, 2)], "exact", activation="precise", design="engine", window=WINDOW)
 WINDOWS = {
@@ -201,5 +202,9 @@ WINDOWS = {
         arrangement="cascade",
         window=Window(((0, 2), (0, 2))),
     ),
-    "few-past": replace(PAST, shapes=[(2, 1, 2)], design="hybrid", window=Window(((2,), (1,)))),
+    "few-past": replace(PAST, shapes=[(2, 2, 2)], design="hybrid", window=Window(((2,), (1,)))),
+    "three-past": replace(
+        PAST, shapes=[(6, 2, 1), (6, 1, 1), (6, 3, 1)], design="hybrid", arrangement="multiple"
+    ),
+    "serial-past": replace(PAST, hardware=SERIAL),
 }

@@ -132,7 +132,7 @@ async def recorded(dut):
     bench.facts = {
         "frames": len(codes),
         "seconds": recording.seconds,
-        "clocks_per_frame": int(left[outputs - 1] - entered[past * inputs] + 1),
+        "clocks_per_frame": int(left[outputs - 1] - last_in[past] + inputs),
         "interval": int(np.diff(last_in).max()),
     }
     assert first_out[0] - last_in[past] == bench.latency, "not the published latency"

@@ -13,13 +13,10 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.cases import FRONT_END, Case
 from tb.common.small import INSTRUMENTS
 from tb.common.stimulus import random_resets
 
-# 64 MHz: 71.1 clocks from scan to scan, of which a scan takes 16.
-SLOW = f"{FRONT_END}counter_width = 4\nrate_hz = 900000\n"
-CASES = {"slow-scan": Case([(2, 2, 3)], "exact", sections=SLOW), **INSTRUMENTS}
+CASES = {"past-instrument": INSTRUMENTS["past-instrument"], **INSTRUMENTS}
 FAULTS = [
     (r"slot == 1", "slot == 0"),
     (r"clock == (\d+)", r"clock == \1 - 1"),
