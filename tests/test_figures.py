@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import tiered
-from pages import ROUNDING, SEARCHED, cells, section, shows
+from pages import ROUNDING, SEARCHED, TRAINED, cells, section, shows
 from shared import Shared
 
 from golden.physics.plate import TERMS
@@ -270,6 +270,43 @@ def test_the_motions_of_the_page_are_those_measured(tables) -> None:
         for n, form in enumerate(FORMS):
             assert shows(shown[2 * n], worst[f"swing-{form}", output], ROUNDING), (form, output)
             assert float(shown[2 * n + 1]) == printed[f"swing-{form}", output]
+
+
+PAST = {
+    "samples": {n: (f"{n}",) for n in (1, 2, 4, 6, 9)},
+    "noise": {0.0: ("no noise",), 100.0: ("100 uV",)},
+    "rate, same times": {rate: (f"{rate:g} a second, 0.64 s",) for rate in (100.0, 400.0)},
+    "rate, same frames": {rate: (f"{rate:g} a second, 128 frames",) for rate in (100.0, 400.0)},
+}
+
+
+def test_what_limits_the_swing_is_what_the_page_says(tables) -> None:
+    """Networks end elsewhere with another SciPy; linear estimators are sums."""
+    page = section("physics", "What limits the swing")
+    found: dict[tuple, list[list[float]]] = {}
+    names = ("varied", "samples a sensor", "noise uV", "rate Hz", "network %", "least squares %")
+    for varied, samples, noise, rate, *errors in columns(tables, "past", *names, "Wiener %"):
+        value = {"samples": samples, "noise": round(noise, 6)}.get(varied, rate)
+        found.setdefault((varied, value), []).append(errors)
+    for varied, lines in PAST.items():
+        for value, line in lines.items():
+            shown = cells(page, *line)[-9:]
+            errors = np.array(found[varied, value]).T
+            for text, error in zip(shown[:3], errors[0], strict=True):
+                assert shows(text, error, TRAINED), (varied, value)
+            for text, error in zip(shown[3:], errors[1:].ravel(), strict=True):
+                assert shows(text, error, SEARCHED), (varied, value)
+
+
+def test_a_past_helps_and_only_x_is_linear(tables) -> None:
+    names = ("varied", "output", "network %", "least squares %", "Wiener %")
+    rows = [row[1:] for row in columns(tables, "past", *names) if row[0] == "samples"]
+    first, last = ({row[0]: row[1:] for row in rows[n:][:3]} for n in (0, len(rows) - 3))
+    for output in "xyz":
+        assert last[output][0] < first[output][0] / 2
+    assert last["x"][2] < last["x"][0] < last["x"][1]
+    assert last["y"][0] < min(last["y"][1:]) / 2
+    assert last["z"][0] < min(last["z"][1:]) / 20
 
 
 @pytest.mark.parametrize(

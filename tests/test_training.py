@@ -276,7 +276,7 @@ def test_shipped_networks_have_the_errors_of_their_provenance(name: str) -> None
     scene = replace(scene, design=first["design"], design_options={})
     vectors = scene.vectors()
     cascade = scene.arrangement == "cascade"
-    network = arrange("cascade", scene.mlps(), scene.build) if cascade else scene.twin()
+    network = arrange("cascade", scene.mlps(), scene.build) if cascade else scene.twin().core
     results = SIGNAL.to_real(network.process(vectors.codes))
     errors = percent_errors(results, vectors.targets, scene.outputs, scene.full_scale)
     split = split_of(scene)
