@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from golden.domain import checked
 from golden.networks.mlp import Real
@@ -48,20 +49,26 @@ class Disturbance:
         """Whether readings stay what they are."""
         return not (self.noise or self.gain or self.offset)
 
-    def of(self, readings: Real, rng: np.random.Generator) -> Real:
+    def of(
+        self, readings: Real, rng: np.random.Generator, sensors: ArrayLike | None = None
+    ) -> Real:
         """One recording as the sensors might give it.
 
         Parameters
         ----------
-        readings : float array, shape (rows, sensors)
+        readings : float array, shape (rows, columns)
         rng : numpy Generator
             The draws do not depend on the three sizes, so that what is compared for several of
             them differs in size alone.
+        sensors : array_like of int, optional
+            The sensor that gave each column, from 0; by default each column is one of its own.
         """
-        rows, sensors = readings.shape
-        gain = 1 + self.gain * rng.standard_normal(sensors)
-        offset = self.offset * rng.standard_normal(sensors)
+        rows, columns = readings.shape
+        which = np.arange(columns) if sensors is None else np.asarray(sensors)
+        count = int(which.max(initial=-1)) + 1
+        gain = 1 + self.gain * rng.standard_normal(count)[which]
+        offset = self.offset * rng.standard_normal(count)[which]
         disturbed: Real = (
-            readings * gain + offset + self.noise * rng.standard_normal((rows, sensors))
+            readings * gain + offset + self.noise * rng.standard_normal((rows, columns))
         )
         return disturbed

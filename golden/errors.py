@@ -22,7 +22,7 @@ HELD_OUT = "bit-true, held out"
 UNKNOWN = "unknown: not trained here"
 
 # What provenance says that tells nothing of the split: there was no other.
-UNTOLD = {"split": "random", "split_by": "", "block_rows": 0}
+UNTOLD = {"split": "random", "split_by": "", "block_rows": 0, "window": ""}
 
 # At 50,000 frames the mean error moves by one per cent from one seed to another.
 FRAMES = 50_000
@@ -42,7 +42,7 @@ def told(scene: Scene) -> list[dict[str, Any]] | None:
     CommandError, ValueError
         See ``read_provenance``.
     """
-    expected = split_story(scene)
+    expected = {"window": ""} | split_story(scene)
     stories = []
     for member, mlp in zip(scene.members, scene.mlps(), strict=True):
         read = read_provenance(member.weights_path)
@@ -114,7 +114,7 @@ def scene_errors(scene: Scene) -> dict[str, list[OutputError]]:
     neither trained nor chose the network, where these are known."""
     vectors = scene.vectors()
     real = scene.process_real(vectors.inputs)
-    bit_true = SIGNAL.to_real(scene.twin().process(vectors.codes))
+    bit_true = SIGNAL.to_real(scene.twin().core.process(vectors.codes))
     everything = np.arange(len(vectors.codes))
     kinds = [("float", real, everything), ("bit-true", bit_true, everything)]
     held_out = held_out_rows(scene)
@@ -130,7 +130,7 @@ def unit_errors(scene: Scene) -> dict[str, OutputError]:
     """Bit-true errors on the recorded vectors in the units of the outputs that have a scale or a
     unit, by output."""
     vectors = scene.vectors()
-    results = scene.outputs_in_units(scene.twin().process(vectors.codes))
+    results = scene.outputs_in_units(scene.twin().core.process(vectors.codes))
     found = summarise(np.abs(results - scene.in_units(vectors.targets)), vectors.groups)
     named = scene.scale.keys() | scene.units.keys()
     return {name: error for name, error in zip(scene.outputs, found, strict=True) if name in named}
@@ -158,16 +158,18 @@ def disturbed_errors(scene: Scene, disturbance: Disturbance, seed: int = SEED) -
 def disturbed_rows(scene: Scene, disturbance: Disturbance, seed: int = SEED) -> Real:
     """Bit-true errors in percent, shape (rows, outputs): of each row the mean of its draws.
 
-    All rows are disturbed so many times that they are ``FRAMES`` or more. Each frame is a
-    recording of its own, with a drift of its own: the mean is that of whole recordings, and comes
-    out stable with far fewer of them.
+    All rows are disturbed so many times that they are ``FRAMES`` or more. Each row is a recording
+    of its own, with a drift of its own for each sensor: the mean is that of whole recordings, and
+    comes out stable with far fewer of them.
     """
     vectors = scene.vectors()
     draws = 1 if disturbance.none else -(-FRAMES // len(vectors.inputs))
     # Noise and drift are what happens to readings, in their unit, before they are codes.
-    many = np.tile(readings(vectors.inputs, scene.scales(scene.sensors)), (draws, 1))
-    given = disturbance.of(many.reshape(1, -1), np.random.default_rng(seed)).reshape(many.shape)
-    codes = scene.codes_of(given)
+    many = np.tile(readings(vectors.inputs, scene.scales(scene.inputs)), (draws, 1))
+    own = [tap.sensor for tap in scene.window.taps]
+    sensors = np.add.outer(len(scene.sensors) * np.arange(len(many)), own).ravel()
+    given = disturbance.of(many.reshape(1, -1), np.random.default_rng(seed), sensors)
+    codes = scene.codes_of(given.reshape(many.shape))
     results = SIGNAL.to_real(scene.twin().core.process(codes)).reshape(
         draws, *vectors.targets.shape
     )

@@ -39,7 +39,7 @@ from tb.report.page.build import build_report
 
 def twin_speed(scene: Scene) -> float:
     """Frames a second of the bit-true numpy twin on one core."""
-    design = scene.twin()
+    design = scene.twin().core
     codes = np.tile(scene.vectors().codes, (200, 1))
     started = time.perf_counter()
     design.process(codes)

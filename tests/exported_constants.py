@@ -67,7 +67,7 @@ def exported() -> Iterator[tuple[str, object]]:
         design = scene.twin()
         for block in walk(design):
             yield f"{scene.name} {block.entity}", block
-        codes = scene.vectors().codes
+        codes = np.concatenate(scene.vectors().recordings)
         yield f"{scene.name} recorded", (codes.tolist(), design.process(codes).tolist())
     for name, scheme in forms().items():
         for precision in scheme.precisions:

@@ -11,6 +11,7 @@ import pytest
 from golden.fixed import Fix
 from golden.instruments.instrument import Instrument
 from golden.instruments.readout import Readout
+from golden.rig import check
 from golden.scene import load_scene
 from golden.sensing.scan_sequencer import ScanSequencer
 from tb.common.cases import FRONT_END, random_mlp, write_scene
@@ -19,8 +20,8 @@ from tb.common.collected import CASES
 FMT = Fix(14, 13)
 
 
-def sequencer(inputs=4, slots=4, counter_width=12, sample_clock=900) -> ScanSequencer:
-    return ScanSequencer(FMT, inputs, slots, counter_width, sample_clock)
+def sequencer(inputs=4, slots=4, counter_width=12, sample_clock=900, pause=0) -> ScanSequencer:
+    return ScanSequencer(FMT, inputs, slots, counter_width, sample_clock, pause)
 
 
 def test_the_pattern_of_four_slots() -> None:
@@ -45,6 +46,13 @@ def test_a_frame_is_what_stood_on_the_converter() -> None:
     assert scan.process(codes).tolist() == [[7, 15, 23, 31, 39], [71, 79, 87, 95, 103]]
 
 
+def test_a_pause_behind_the_slots_takes_nothing() -> None:
+    scan = replace(sequencer(inputs=3, slots=5, counter_width=6, sample_clock=7), pause=36)
+    assert (scan.scan_clocks, scan.interval) == (100, 8)
+    codes = np.arange(2 * 100).reshape(2, 100)
+    assert scan.process(codes).tolist() == [[7, 15, 23, 31, 39], [107, 115, 123, 131, 139]]
+
+
 @pytest.mark.parametrize(
     ("parameters", "message"),
     [
@@ -54,6 +62,8 @@ def test_a_frame_is_what_stood_on_the_converter() -> None:
         ({"counter_width": 25}, r"got counter_width=25, expected 3 to 24"),
         ({"sample_clock": 0}, r"got sample_clock=0, expected 1 to 1023"),
         ({"sample_clock": 1024}, r"got sample_clock=1024, expected 1 to 1023"),
+        ({"pause": -1}, r"got pause=-1, expected 0 to 1073737728"),
+        ({"pause": 1 << 30}, r"got pause=1073741824, expected 0 to 1073737728"),
     ],
 )
 def test_parameters_out_of_range_are_refused(parameters, message) -> None:
@@ -86,12 +96,59 @@ def test_the_section_may_be_empty(tmp_path) -> None:
         ("sample_at = 1.5\n", "front_end.sample_at: got 1.5, expected above 0 and below 1"),
         ("sample_at = 1e-4\n", "front_end: scan_sequencer: got sample_clock=0, expected 1 to"),
         ("counter_width = 1\n", "front_end: scan_sequencer: got counter_width=1, expected 2 to 24"),
+        ("rate_hz = 20000\n", "front_end.rate_hz: got 20000, expected 0.0596047 to 15625, with a"),
+        ("rate_hz = 0.059\n", "front_end.rate_hz: got 0.059, expected 0.0596047 to 15625, with a"),
+        ("rate_hz = -200.0\n", "front_end.rate_hz: got -200, expected 0.0596047 to 15625"),
+        ("rate_hz = nan\n", "front_end.rate_hz: got nan, expected"),
+        ("rate_hz = inf\n", "front_end.rate_hz: got inf, expected"),
         ("samples_at = 0.5\n", "front_end: key 'samples_at' is not known, .*'sample_at'"),
     ],
 )
 def test_a_front_end_that_cannot_be_is_refused(tmp_path, lines: str, message: str) -> None:
     with pytest.raises(ValueError, match=rf"rig.toml: {message}"):
         scene_with(tmp_path, FRONT_END + lines).twin()
+
+
+@pytest.mark.parametrize(
+    ("rate", "clocks", "told"),
+    [
+        ("200.0", 320_000, "200 Hz at 64 MHz, exactly as asked"),
+        ("15625", 4096, "15625 Hz at 64 MHz, exactly as asked"),
+        ("0.0625", 1_024_000_000, "0.0625 Hz at 64 MHz, exactly as asked"),
+        # 58181.82 clocks.
+        ("1100", 58_182, "1099.99656 Hz at 64 MHz, 3.12 ppm below the 1100 Hz that are asked for"),
+        ("9000", 7111, "9000.14063 Hz at 64 MHz, 15.6 ppm above the 9000 Hz that are asked for"),
+        ("0.0596047", 1_073_740_829, "0.0596047 Hz at 64 MHz, 0.000152 ppm above"),
+        ("0", 4096, "15625 Hz at 64 MHz"),
+    ],
+)
+def test_a_rate_is_kept_to_a_clock_and_what_is_missing_is_told(
+    tmp_path, rate: str, clocks: int, told: str
+) -> None:
+    scene = scene_with(tmp_path, f"{FRONT_END}rate_hz = {rate}\n")
+    assert scene.twin().interval == clocks
+    assert scene.front_end.describe().startswith(f"a scan every {clocks} clocks, {told}")
+    # The samples of a frame are as close together as without a rate.
+    assert scene.twin().scan_sequencer.sample_clocks.tolist() == [1843, 3891]
+
+
+def test_make_check_tells_the_rate(tmp_path) -> None:
+    scene = scene_with(tmp_path, f"{FRONT_END}rate_hz = 1100\n")
+    (found,) = (f for f in check.design(scene, trained=True) if f.subject == "front_end")
+    assert found.text == scene.front_end.describe()
+
+
+def test_a_rate_needs_the_clock(tmp_path) -> None:
+    scene = scene_with(tmp_path, f"{FRONT_END}rate_hz = 200\n")
+    text = scene.path.read_text(encoding="utf-8")
+    scene.path.write_text(text.replace("[hardware]", "[hardware]\nclock_mhz = 100", 1), "utf-8")
+    assert load_scene(str(scene.path)).twin().interval == 500_000
+
+
+def test_a_rate_faster_than_the_network_is_refused(tmp_path) -> None:
+    section = f"{FRONT_END}counter_width = 3\nrate_hz = 7.9e6\n"
+    with pytest.raises(ValueError, match="a scan of 8 clocks, expected 9 or more"):
+        scene_with(tmp_path, section, shape=(2, 3, 9)).twin()
 
 
 def test_a_scan_faster_than_the_network_is_refused(tmp_path) -> None:

@@ -26,10 +26,12 @@ pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.Unsettle
 ROOT = Path(__file__).parents[1]
 SHIPPED = ("digit", "digit-parallel")
 # A profile beside the outputs; single values; frames further apart than they are long; networks of
-# different depth; slots; the same behind AXI4-Stream; an engine that is loaded first.
+# different depth; slots; the same behind AXI4-Stream; an engine that is loaded first; frames that
+# yield nothing, because they are the past of others.
 OTHERS = (
     *("profile", "least", "wide", "pade-parallel", "wide-multiple", "other-profile"),
     *("axis", "axis-cascade", "one-sensor", "rails-reload"),
+    *("past", "past-instrument"),
 )
 
 
@@ -122,6 +124,7 @@ def test_every_recorded_frame_matches(scenes, library: Path, name: str) -> None:
             "s_axis_tready <= '0'",
         ),
         ("one-sensor", "scan_sequencer.vhd", r"out_data <= adc", "out_data <= not adc"),
+        ("past", "frame_window.vhd", r"past_whole0_known = 5", "past_whole0_known = 4"),
         # Right results, but frames are refused or flagged.
         (
             "wide",

@@ -35,7 +35,7 @@ def largest_means(scene, results):
 
 
 def bit_true(scene):
-    return SIGNAL.to_real(scene.twin().process(scene.vectors().codes))
+    return SIGNAL.to_real(scene.twin().core.process(scene.vectors().codes))
 
 
 @pytest.mark.parametrize("scene", scenes(), ids=lambda s: s.name)

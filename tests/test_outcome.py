@@ -116,7 +116,7 @@ def scene_with(readings: list[float], folder: Path) -> Scene:
         lines[n] = f"{reading}," + lines[n].partition(",")[2]
     path = folder / "readings.csv"
     path.write_text("\n".join([header, *lines]) + "\n")
-    return replace(scene, data_path=path)
+    return replace(scene, data_paths=(path,))
 
 
 def test_readings_outside_the_range_are_counted_per_sensor(tmp_path: Path) -> None:
@@ -137,7 +137,7 @@ def test_what_has_a_scale_stands_in_its_unit(tmp_path: Path) -> None:
     ]
     path = tmp_path / "readings.csv"
     path.write_text("\n".join([header, *raw]) + "\n")
-    scaled = replace(scene, data_path=path, scale={"sensor1": Scale(50.0, 1000.0)})
+    scaled = replace(scene, data_paths=(path,), scale={"sensor1": Scale(50.0, 1000.0)})
     found, plain = outcome(scaled), outcome(scene)
     np.testing.assert_allclose(found.readings[:, 0], 1000 * plain.readings[:, 0] + 50)
     row = sensors(found).rows[0]

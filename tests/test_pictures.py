@@ -16,6 +16,7 @@ from golden.flow import Carried
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_names
 from golden.scene.scale import Scale
+from golden.table import read_table
 from tb.common.collected import CASES
 from tb.report.draw.animation import animation
 from tb.report.draw.area import area, designs
@@ -24,7 +25,8 @@ from tb.report.draw.datapath import datapath
 from tb.report.draw.load import beam, has_load
 from tb.report.draw.network import network
 from tb.report.draw.profile import profile
-from tb.report.draw.swing import swing
+from tb.report.draw.swing import RUN, follow, swing, without_past
+from tb.report.draw.swing_animation import swing_animation
 from tb.report.draw.tanh_words import tanh_words as draw_tanh_words
 from tb.report.draw.waveforms import Port, waveforms
 from tb.report.measure.recording import record
@@ -33,7 +35,7 @@ from tb.report.measure.tanh_words import tanh_words
 
 SVG = "{http://www.w3.org/2000/svg}"
 FRAME = 40
-SWINGS = ("swing-single", "swing-multiple", "swing-cascade")
+SWINGS = ("swing-single", "swing-multiple", "swing-cascade", "swing-window-cascade")
 
 
 def flag(*values: int | None) -> Port:
@@ -51,6 +53,7 @@ def drawn_waveforms(scene: Scene) -> str:
 PICTURES: list[tuple[Callable[[Scene], str], str]] = [
     *((draw, "digit") for draw in (network, datapath, drawn_waveforms, profile, animation)),
     (swing, "swing-single"),
+    (swing_animation, "swing-window"),
 ]
 
 
@@ -332,6 +335,39 @@ def test_the_animation_shows_each_recorded_position_once_and_one_without_motion(
 def test_the_swing_is_drawn_for_each_arrangement(name: str) -> None:
     shown = set(words(parse(swing(load_scene(name)))))
     assert {"x, mm", "y, mm", "z, mm", "error, mm", "true", "bit-true estimate"} <= shown
+
+
+def test_traces_with_past_samples_stand_beside_those_without() -> None:
+    sides = {"without past samples", "with past samples"}
+    assert sides <= set(words(parse(swing(load_scene("swing-window")))))
+    assert not sides & set(words(parse(swing(load_scene("swing-single")))))
+
+
+def test_what_is_followed_is_what_the_twin_gives_from_the_first_whole_past_on() -> None:
+    scene = load_scene("swing-window-cascade")
+    found = follow(scene, RUN, 2.0)
+    past = scene.window.past
+    assert found.time[0] == past / 200
+    codes = SIGNAL.quantise(read_table(RUN, scene.sensors)[: past + 3])[0]
+    wanted = SIGNAL.to_real(scene.twin().process(codes))
+    at = [scene.outputs.index(name) for name in "xyz"]
+    assert np.allclose(found.estimate[:3] / [10.0, 551.7 / 1.4, 142.4 / 1.4], wanted[:, at])
+
+
+def test_the_swing_moves_as_it_was_recorded() -> None:
+    """The mass from the side, at every step: a blue disc for where it is."""
+    scene = load_scene("swing-window")
+    root, found = parse(swing_animation(scene)), follow(scene, RUN, 5.0)
+    steps = [g for g in root.iter(f"{SVG}g") if "-step" in (g.get("class") or "")]
+    assert len(steps) == 40
+    told = [float(words(step)[0].removesuffix(" s")) for step in steps]
+    assert np.allclose(np.diff(told), 0.1, rtol=0, atol=0.011)
+    across = [float(next(step.iter(f"{SVG}circle")).get("cx", 0)) for step in steps]
+    rows = [int(np.argmin(np.abs(found.time - time))) for time in told]
+    assert np.corrcoef(across, found.true[rows, 1])[0, 1] > 0.9999
+    with pytest.raises(ValueError, match=r"swing-single.toml: swing: got no data.window, expect"):
+        swing_animation(load_scene("swing-single"))
+    assert without_past(load_scene("swing-single")) is None
 
 
 def test_the_swing_is_refused_for_other_outputs() -> None:

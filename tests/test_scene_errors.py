@@ -219,7 +219,7 @@ def test_noise_and_drift_are_in_the_unit_of_the_readings(tmp_path: Path) -> None
     scaled = replace(
         scene,
         training=unstated,
-        data_path=path,
+        data_paths=(path,),
         members=(replace(member, weights_path=weights),),
         scale=dict.fromkeys(scene.sensors, Scale(0.0, 1024.0)),
     )

@@ -24,10 +24,13 @@ from tb.report.measure.stability import activations, networks, physics, table, v
 from tb.report.measure.stability.case import Row, accepted, largest
 from tb.report.measure.table import Table
 
+WINDOWS = ("swing-window", "swing-window-cascade")
 # What must be there: a model, and words that a case of it holds.
 NAMED = [
     *((name, "all sensors at rails") for name in scene_names()),
     *((name, "^alternating rails") for name in scene_names()),
+    *((name, "^rails in the past") for name in WINDOWS),
+    *((name, "^a sensor that stopped") for name in WINDOWS),
     ("abs_unit", r"^-1 in Fix\(14,13\)"),
     ("abs_unit", r"^-8 in Fix\(18,14\)"),
     *((name, "most negative code, thesis") for name in ("gradient", "lut", "pade", "polynomial")),

@@ -20,6 +20,7 @@ from golden.physics.swing_data import (
     BOUND,
     COLUMNS,
     FRAME_MASS,
+    LEAST_WOBBLE,
     NOISE,
     Coding,
     record,
@@ -32,7 +33,7 @@ from golden.table import read_table
 ROOT = Path(__file__).parents[1]
 DATA = ROOT / "golden" / "data"
 STORY = tomllib.loads((DATA / "swing.toml").read_text(encoding="utf-8"))
-NAMES = ("swing-train", "swing-test-1", "swing-test-2")
+NAMES = ("swing-train", *(f"swing-test-{n}" for n in range(1, 5)))
 SWING = Swing(frame_mass=FRAME_MASS)
 
 
@@ -64,7 +65,7 @@ def test_shipped_recordings_can_be_made_again(tmp_path: Path) -> None:
     assert again["offset_mm"] == pytest.approx(STORY["offset_mm"])
     assert again["mm_per_unit"] == pytest.approx(STORY["mm_per_unit"])
     assert [STORY[name]["angle_degrees"] for name in NAMES] == list(ANGLES)
-    assert [STORY[name]["seed"] for name in NAMES] == [1, 2, 3]
+    assert [STORY[name]["seed"] for name in NAMES] == [1, 2, 3, 4, 5]
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -80,7 +81,9 @@ def test_targets_are_coded_as_section_6_4_4_has_it() -> None:
     assert np.abs(targets).max(axis=0) == pytest.approx(BOUND, abs=1e-4)
     assert targets.mean(axis=0) == pytest.approx(0, abs=1e-4)
     for name in NAMES[1:]:
-        assert np.abs(shipped(name)[:, 3:]).max() < BOUND
+        # A wobble is as large as its seed draws it, whatever the training run has.
+        assert np.abs(shipped(name)[:, 4:]).max() < BOUND
+        assert np.abs(shipped(name)[:, 3]).max() < BOUND / LEAST_WOBBLE
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -276,7 +276,7 @@ def test_shipped_networks_have_the_errors_of_their_provenance(name: str) -> None
     scene = replace(scene, design=first["design"], design_options={})
     vectors = scene.vectors()
     cascade = scene.arrangement == "cascade"
-    network = arrange("cascade", scene.mlps(), scene.build) if cascade else scene.twin()
+    network = arrange("cascade", scene.mlps(), scene.build) if cascade else scene.twin().core
     results = SIGNAL.to_real(network.process(vectors.codes))
     errors = percent_errors(results, vectors.targets, scene.outputs, scene.full_scale)
     split = split_of(scene)
@@ -438,7 +438,7 @@ def test_what_is_tested_has_seen_nothing_of_the_test_rows(tmp_path: Path, monkey
         lines[1 + row][4] = "0.1"
     moved = tmp_path / "moved.csv"
     moved.write_text("\n".join(",".join(line) for line in lines))
-    again = Stages(replace(scene, data_path=moved))
+    again = Stages(replace(scene, data_paths=(moved,)))
     # The blocks end where the load changes, which it now does elsewhere.
     monkeypatch.setattr("golden.training.task.split_of", lambda _: split)
     again.add(5, 0)

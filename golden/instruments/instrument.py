@@ -72,6 +72,10 @@ class Instrument(Network):
         return self.readout.outputs
 
     @property
+    def past(self) -> int:
+        return self.readout.past
+
+    @property
     def interval(self) -> int:
         return self.scan_sequencer.scan_clocks
 

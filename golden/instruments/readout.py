@@ -66,6 +66,10 @@ class Readout(Network):
         return self.network.outputs
 
     @property
+    def past(self) -> int:
+        return self.network.past
+
+    @property
     def interval(self) -> int:
         return self.network.interval
 

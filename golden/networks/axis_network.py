@@ -49,6 +49,10 @@ class AxisNetwork(Network):
         return self.network.outputs
 
     @property
+    def past(self) -> int:
+        return self.network.past
+
+    @property
     def interval(self) -> int:
         return self.network.interval
 

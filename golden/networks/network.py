@@ -58,6 +58,11 @@ class Network(Block):
         raise NotImplementedError
 
     @property
+    def past(self) -> int:
+        """Frames after a reset that yield no outputs: those that the first outputs need."""
+        return 0
+
+    @property
     def interval(self) -> int:
         """Least clocks from one frame to the next."""
         raise NotImplementedError
@@ -105,7 +110,7 @@ class Network(Block):
         return None
 
     def compute(self, frames: Codes) -> Codes:
-        """Output codes, shape (frames, outputs), of a few frames, shape (frames, inputs)."""
+        """Output codes, shape (frames - past, outputs), of a few frames, shape (frames, inputs)."""
         raise NotImplementedError
 
     def left_out(self) -> list[str]:
@@ -113,27 +118,39 @@ class Network(Block):
         raise NotImplementedError
 
     def process(self, frames: ArrayLike) -> Codes:
-        """Output codes, shape (..., outputs), of frames of sample codes, shape (..., inputs).
+        """Output codes of frames of sample codes.
 
         Computed in chunks that stay in the processor's cache, so that memory beyond the results
         does not grow with the batch.
 
+        Parameters
+        ----------
+        frames : array_like of int, shape (..., inputs)
+            Where there is a ``past``, of shape (frames, inputs), in the order of time.
+
+        Returns
+        -------
+        Codes, shape (..., outputs)
+            Where there is a ``past``, without its frames.
+
         Raises
         ------
         ValueError
-            For a wrong last axis or a code outside the signal format.
+            For a wrong shape or a code outside the signal format.
         """
-        samples = np.asarray(frames)
-        if samples.ndim == 0 or samples.shape[-1] != self.inputs:
+        samples, past = np.asarray(frames), self.past
+        wrong = samples.ndim == 0 or (past > 0 and samples.ndim != 2)
+        if wrong or samples.shape[-1] != self.inputs:
+            expected = f"({'frames' if past else '...'}, {self.inputs})"
             raise ValueError(
-                f"{self.entity} frames: got shape {samples.shape}, expected (..., {self.inputs})"
+                f"{self.entity} frames: got shape {samples.shape}, expected {expected}"
             )
         flat = samples.reshape(-1, self.inputs)
-        results = np.empty((len(flat), self.outputs), dtype=np.int64)
-        for start in range(0, len(flat), CHUNK):
-            part = slice(start, start + CHUNK)
-            results[part] = self.compute(flat[part])
-        return results.reshape(*samples.shape[:-1], self.outputs)
+        results = np.empty((max(0, len(flat) - past), self.outputs), dtype=np.int64)
+        for start in range(0, len(results), CHUNK):
+            stop = start + CHUNK
+            results[start:stop] = self.compute(flat[start : stop + past])
+        return results if past else results.reshape(*samples.shape[:-1], self.outputs)
 
 
 def serial_ports(element: str, meaning: str, refused: str) -> tuple[Port, ...]:

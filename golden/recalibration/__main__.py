@@ -37,6 +37,16 @@ def main() -> None:
     parser.add_argument("to", nargs="?", default="", help="folder or scene file of the copy")
     arguments = parser.parse_args()
     scene = load_scene(arguments.scene)
+    if not scene.window.plain:
+        raise ValueError(
+            f"{scene.path}: data.window: got one that reaches {scene.window.past} frames back, "
+            "expected none: placements are known one by one"
+        )
+    if len(scene.data_paths) > 1:
+        raise ValueError(
+            f"{scene.path}: data.recordings: got {len(scene.data_paths)}, expected data.file: the "
+            "copy of a scene has one recording"
+        )
     if arguments.csv:
         recalibrate(scene, Path(arguments.csv), scene_file(scene, arguments.to))
     else:
@@ -56,7 +66,7 @@ def propose(scene: Scene) -> None:
 
 def recalibrate(scene: Scene, path: Path, target: Path) -> None:
     """Fit, tell, write."""
-    placements = replace(scene, data_path=path, group_by="", where={}).vectors()
+    placements = replace(scene, data_paths=(path,), group_by="", where={}).vectors()
     recorded = Sensitivity.of(scene)
     correction = fit(scene, recorded, placements)
     samples = readings(placements.inputs, correction)

@@ -98,7 +98,7 @@ def write_copy(
     networks = []
     for number, mlp in enumerate(corrected(scene, correction)):
         held = on_readings(mlp, *scene.scales_of(number))
-        names = scene.columns_of(number)
+        names = [scene.column(name) for name in scene.columns_of(number)]
         scales = {n: s for n, s in scene.known_scales.items() if n in names}
         before = _provenance(scene.weights_paths[number])
         networks.append((weights[number], held, before | told | story(scales, held)))

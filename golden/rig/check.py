@@ -23,7 +23,7 @@ from golden.rig import readings
 from golden.rig.csv_file import read_csv_file
 from golden.rig.finding import FAULT, NOTE, OK, WARNING, Finding, fault, faults, told
 from golden.scene import Scene, scene_names
-from golden.scene.scale import on_readings
+from golden.scene.scale import on_readings, signals
 from golden.scene.vectors import Recorded, read_recorded
 from golden.training.scaling import scaled
 from golden.training.split import split_of
@@ -64,37 +64,44 @@ def _summary(scene: Scene) -> str:
 
 def data(scene: Scene) -> list[Finding]:
     """The recordings: whether they can be read, and what they show."""
-    path = str(scene.data_path)
+    path = scene.data_text
     findings: list[Finding] = []
     with told(findings):
-        read_csv_file(scene.data_path)
+        for file in scene.data_paths:
+            read_csv_file(file)
         rows = read_recorded(scene)
-        findings.append(Finding(OK, path, f"{len(rows.inputs)} rows"))
+        without = f"; {rows.without_past} without a whole past are not used"
+        text = f"{len(rows.inputs)} rows{without if rows.without_past else ''}"
+        findings.append(Finding(OK, path, text))
         findings += readings.few_rows(path, len(rows.inputs))
         # Of a row or two anything is constant.
         findings += [] if faults(findings) else _constant(scene, rows)
         if not faults(findings):
-            split_of(scene)
+            border = len(rows.inputs) - split_of(scene).count
+            if border:
+                text = f"{border} rows share samples with rows of another part and are in none"
+                findings.append(Finding(OK, "training.split", text))
             findings += _columns(scaled(scene), rows)
     return findings
 
 
 def _columns(scene: Scene, rows: Recorded) -> list[Finding]:
     """What each column shows, as recorded and as a signal."""
-    path, vectors = str(scene.data_path), scene.vectors()
+    path, vectors = scene.data_text, scene.vectors()
     findings = []
-    signals = np.concatenate([vectors.inputs, vectors.targets], axis=1)
-    own = np.concatenate([rows.inputs, rows.targets], axis=1)
+    sensors = signals(rows.sensors, scene.scales(scene.sensors))
+    as_signals = np.concatenate([sensors, vectors.targets], axis=1)
+    own = np.concatenate([rows.sensors, rows.targets], axis=1)
     for c, name in enumerate([*scene.sensors, *scene.outputs]):
-        ends = SIGNAL.quantise([signals[:, c].min(), signals[:, c].max()], name)[0]
+        ends = SIGNAL.quantise([as_signals[:, c].min(), as_signals[:, c].max()], name)[0]
         text = f"{own[:, c].min():g} to {own[:, c].max():g}, codes {ends[0]} to {ends[1]}"
         findings.append(Finding(OK, name, text))
     findings += [fault(text, WARNING) for text in vectors.outside]
     for c, name in enumerate(scene.sensors):
-        findings += readings.few_codes(name, vectors.inputs[:, c])
-        findings += readings.at_an_end(name, rows.inputs[:, c])
+        findings += readings.few_codes(name, sensors[:, c])
+        findings += readings.at_an_end(name, rows.sensors[:, c])
     if scene.training.split == "random":
-        findings += readings.interpolated(path, rows.inputs)
+        findings += readings.interpolated(path, rows.sensors)
     findings += readings.twins(path, [*scene.sensors, *scene.outputs], own)
     return findings
 
@@ -102,7 +109,7 @@ def _columns(scene: Scene, rows: Recorded) -> list[Finding]:
 def _constant(scene: Scene, rows: Recorded) -> list[Finding]:
     findings = []
     for key, names, values in (
-        ("sensors", scene.sensors, rows.inputs),
+        ("sensors", scene.sensors, rows.sensors),
         ("outputs", scene.outputs, rows.targets),
     ):
         for name, column in zip(names, values.T, strict=True):
@@ -111,7 +118,7 @@ def _constant(scene: Scene, rows: Recorded) -> list[Finding]:
                     f"column {name!r}: got {column[0]:g} in every row, expected values that "
                     f"differ; take it out of data.{key} in {scene.path}"
                 )
-                findings.append(Finding(FAULT, str(scene.data_path), text))
+                findings.append(Finding(FAULT, scene.data_text, text))
     return findings
 
 
@@ -182,6 +189,8 @@ def _built(scene: Scene, before: str) -> list[Finding]:
         core = scene.twin().core
         facts = "; ".join(core.facts()) or f"clocks from frame to frame: {core.interval}"
         findings.append(Finding(OK, f"hardware.design {scene.design}", f"{before}{facts}"))
+    if scene.front_end:
+        findings.append(Finding(OK, "front_end", scene.front_end.describe()))
     return findings
 
 

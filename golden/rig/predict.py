@@ -22,11 +22,12 @@ from golden.scene import Scene, load_scene
 from golden.table import suggest
 
 DISTANCE, OUTSIDE, REASON = "distance", "outside", "reason"
+NO_PAST = "no whole past"
 
 
 @dataclass(frozen=True)
 class Prediction:
-    """Outputs for new readings.
+    """Outputs for new readings, of the rows that have a whole past.
 
     Attributes
     ----------
@@ -65,15 +66,21 @@ def readings_of(scene: Scene, recording: CsvFile) -> Real:
 
 
 def predict(scene: Scene, readings: Real, known: TrainedOn) -> Prediction:
-    """What the hardware of a scene gives for readings in the units of the sensors."""
-    results = scene.twin().process(scene.codes_of(readings))
-    distances = known.distances(readings)
-    reasons = known.reasons(readings, distances)
+    """What the hardware of a scene gives for readings in the units of the sensors.
+
+    Where its networks see past samples, the rows of ``readings`` are one after the other in time.
+    """
+    seen = scene.window.frames(readings)
+    results = scene.twin().core.process(scene.codes_of(seen))
+    distances = known.distances(seen)
+    reasons = known.reasons(seen, distances)
     return Prediction(scene.outputs_in_units(results), distances, reasons)
 
 
 def write_prediction(scene: Scene, recording: CsvFile, found: Prediction, path: Path) -> None:
     """Write every column of the recording as it stands, and behind them what was found.
+
+    A row without a whole past has no outputs and no distance; it is marked as outside.
 
     Raises
     ------
@@ -88,8 +95,11 @@ def write_prediction(scene: Scene, recording: CsvFile, found: Prediction, path: 
     with replace_file(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([*recording.names, *added])
+        past = scene.window.past
+        for row in recording.rows[:past]:
+            writer.writerow([*row, *[""] * (len(scene.outputs) + 1), 1, NO_PAST])
         for row, outputs, distance, reason in zip(
-            recording.rows, found.outputs, found.distances, found.reasons, strict=True
+            recording.rows[past:], found.outputs, found.distances, found.reasons, strict=True
         ):
             # Adding 0 turns -0 into 0.
             texts = [f"{v.round(d) + 0:.{d}f}" for v, d in zip(outputs, decimals, strict=True)]
@@ -127,6 +137,12 @@ def main() -> None:
     check_place(scene, source, path)
     recording = read_csv_file(source)
     readings = readings_of(scene, recording)
+    past = scene.window.past
+    if len(readings) <= past:
+        raise ValueError(
+            f"{source}: got {len(readings)} rows, expected more than the {past} that data.window "
+            f"of {scene.path} reaches back"
+        )
     known, which = trained_on(scene)
     found = predict(scene, readings, known)
     write_prediction(scene, recording, found, path)
@@ -134,7 +150,9 @@ def main() -> None:
         unit = f" {scene.units[name]}" if name in scene.units else ""
         print(f"{name}: {values.min():g} to {values.max():g}{unit}")
     outside = sum(map(bool, found.reasons))
-    print(f"{outside} of {len(readings)} rows are outside {which}")
+    if past:
+        print(f"the first {past} of {len(readings)} rows have no whole past and no outputs")
+    print(f"{outside} of {len(found.reasons)} rows are outside {which}")
     print(f"wrote {path}")
 
 

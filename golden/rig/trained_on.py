@@ -30,6 +30,7 @@ class TrainedOn:
     Parameters
     ----------
     sensors : sequence of str
+        Or samples of them, where a network sees past ones.
     readings : float array, shape (rows, sensors)
         In the units of the sensors; two rows or more.
     """
@@ -78,6 +79,6 @@ def trained_on(scene: Scene) -> tuple[TrainedOn, str]:
     recorded = read_recorded(scene).inputs
     if held_out_rows(scene) is None:
         known = "which of them trained is unknown" if told(scene) is None else "all of them trained"
-        return TrainedOn(scene.sensors, recorded), f"all {len(recorded)} recorded rows; {known}"
+        return TrainedOn(scene.inputs, recorded), f"all {len(recorded)} recorded rows; {known}"
     rows = split_of(scene).training
-    return TrainedOn(scene.sensors, recorded[rows]), f"the {len(rows)} rows that trained"
+    return TrainedOn(scene.inputs, recorded[rows]), f"the {len(rows)} rows that trained"

@@ -15,13 +15,14 @@ from golden.networks.constants import constants_of
 from golden.networks.design import Design
 from golden.networks.designs import DESIGNS
 from golden.networks.network import Network
+from golden.networks.windowed import Windowed
 
 if TYPE_CHECKING:
     from golden.scene.scene import Scene
 
 
 def build_twin(scene: Scene, lean: bool) -> Network:
-    """The networks of a scene with front end, readout or AXI4-Stream, where it names them.
+    """The networks of a scene, with past, front end, readout or AXI4-Stream where it names them.
 
     ``lean`` leaves out what the weights make useless; see ``constants_of``.
 
@@ -42,6 +43,8 @@ def build_twin(scene: Scene, lean: bool) -> Network:
                 constants_of(mlp, scene.precision, scene.activation, scene.activation_options, lean)
         with naming(scene.path):
             raise
+    if not scene.window.plain:
+        network = Windowed(network, scene.window)
     if scene.interface == "axi_stream":
         return AxisNetwork(network)
     drawn = scene.visualisation
@@ -63,6 +66,6 @@ def _of_several(scene: Scene, design: type[Design], lean: bool) -> Network | Non
     options = scene.design_options
     if scene.front_end and "clocks" in design.options and "clocks" not in options:
         with suppress(ValueError):
-            within = options | {"clocks": scene.front_end.clocks_left(len(scene.sensors))}
+            within = options | {"clocks": scene.front_end.clocks_left(scene.window)}
             return design.of_several(scene.arrangement, scene.mlps(), lean, within)
     return design.of_several(scene.arrangement, scene.mlps(), lean, options)

@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 from golden.networks.network import Network
 from golden.precision import SIGNAL
-from golden.sensing.scan_sequencer import ScanSequencer
+from golden.sensing.scan_sequencer import MOST_SCAN_CLOCKS, ScanSequencer
+from golden.window import Window
 
 # Key, type, default; see ``golden.scene``.
-KEYS: dict[str, tuple[Any, Any]] = {"counter_width": (int, 12), "sample_at": (float, 0.9)}
+KEYS: dict[str, tuple[Any, Any]] = {
+    "counter_width": (int, 12),
+    "sample_at": (float, 0.9),
+    "rate_hz": (float, 0.0),
+}
 
 
 @dataclass(frozen=True)
@@ -21,13 +28,42 @@ class FrontEnd:
     Attributes
     ----------
     counter_width : int
-        Bits of the counter; a scan takes 2**counter_width clocks.
+        Bits of the counter of a scan, which takes 2**counter_width clocks.
     sample_at : float
         Where in a slot the converter's code is taken, as a part of the slot.
+    rate_hz : float
+        Scans a second that are asked for; 0 where one follows another at once.
+    clock_mhz : float
+        The clock that the scene is meant for.
     """
 
     counter_width: int
     sample_at: float
+    rate_hz: float
+    clock_mhz: float
+
+    @property
+    def scan_clocks(self) -> int:
+        """Clocks from one scan to the next: those nearest to ``rate_hz``."""
+        if not self.rate_hz:
+            return 1 << self.counter_width
+        return round(_hertz(self.clock_mhz) / _exact(self.rate_hz))
+
+    def describe(self) -> str:
+        """Scans a second, and how far they are from those that are asked for."""
+        rate = _hertz(self.clock_mhz) / self.scan_clocks
+        clock = f"{self.clock_mhz:g} MHz"
+        text = f"a scan every {self.scan_clocks} clocks, {float(rate):.9g} Hz at {clock}"
+        if not self.rate_hz:
+            return text
+        deviation = rate / _exact(self.rate_hz) - 1
+        if not deviation:
+            return f"{text}, exactly as asked"
+        side = "above" if deviation > 0 else "below"
+        return (
+            f"{text}, {float(abs(deviation)) * 1e6:.3g} ppm {side} the {self.rate_hz:g} Hz "
+            "that are asked for"
+        )
 
     def scan_sequencer(self, network: Network) -> ScanSequencer:
         """The sequencer that makes frames for ``network``.
@@ -39,32 +75,44 @@ class FrontEnd:
         """
         return self._sequencer(network.inputs, network.input_controller.inputs)
 
-    def clocks_left(self, inputs: int) -> int:
-        """Clocks from the last sample of a frame to the first of the next, where it has no slots.
+    def clocks_left(self, window: Window) -> int:
+        """Clocks from a frame's last sample to the next that a network without slots takes.
+
+        With a past it is a frame window that sends the samples.
 
         Raises
         ------
         ValueError
             As ``scan_sequencer``.
         """
+        if not window.plain:
+            return self.scan_clocks - len(window.taps)
+        inputs = len(window.delays)
         scan = self._sequencer(inputs, inputs)
         samples = scan.sample_clocks
         return scan.scan_clocks - int(samples[-1]) + int(samples[0]) - 1
 
     def _sequencer(self, inputs: int, slots: int) -> ScanSequencer:
-        slot_clocks = (1 << self.counter_width) >> max(1, (slots - 1).bit_length())
+        whole = 1 << self.counter_width
+        slot_clocks = whole >> max(1, (slots - 1).bit_length())
         return ScanSequencer(
-            SIGNAL, inputs, slots, self.counter_width, int(self.sample_at * slot_clocks)
+            SIGNAL,
+            inputs,
+            slots,
+            self.counter_width,
+            int(self.sample_at * slot_clocks),
+            self.scan_clocks - whole,
         )
 
 
-def front_end(values: dict[str, Any], path: Path) -> FrontEnd:
+def front_end(values: dict[str, Any], clock_mhz: float, path: Path) -> FrontEnd:
     """The section's values, types checked and defaults filled in.
 
     Raises
     ------
     ValueError
-        For a counter outside 1 to 24 bits, or a ``sample_at`` outside its slot.
+        For a counter outside 1 to 24 bits, a ``sample_at`` outside its slot, or a rate that leaves
+        no time for the slots or that no counter reaches.
     """
     if not 1 <= values["counter_width"] <= 24:
         raise ValueError(
@@ -74,4 +122,27 @@ def front_end(values: dict[str, Any], path: Path) -> FrontEnd:
         raise ValueError(
             f"{path}: front_end.sample_at: got {values['sample_at']}, expected above 0 and below 1"
         )
-    return FrontEnd(**values)
+    found = FrontEnd(**values, clock_mhz=clock_mhz)
+    shortest = 1 << found.counter_width
+    low, high = (_hertz(clock_mhz) / clocks for clocks in (MOST_SCAN_CLOCKS, shortest))
+    if found.rate_hz and not low <= found.rate_hz <= high:
+        ends = f"{_six_digits(low, ROUND_CEILING)} to {_six_digits(high, ROUND_FLOOR)}"
+        raise ValueError(
+            f"{path}: front_end.rate_hz: got {found.rate_hz:g}, expected {ends}, with a scan of "
+            f"{shortest} clocks (counter_width {found.counter_width}) of {clock_mhz:g} MHz; or 0"
+        )
+    return found
+
+
+def _exact(value: float) -> Fraction:
+    """The number that was written, not the nearest that the machine has."""
+    return Fraction(str(value))
+
+
+def _hertz(clock_mhz: float) -> Fraction:
+    return _exact(clock_mhz) * 1_000_000
+
+
+def _six_digits(rate: Fraction, rounding: str) -> str:
+    """So that what a message allows is allowed."""
+    return f"{Context(6, rounding).divide(Decimal(rate.numerator), Decimal(rate.denominator)):f}"

@@ -9,6 +9,7 @@ from typing import Any
 from golden.files import check_file, reading
 from golden.precision import PRECISIONS
 from golden.scene.front_end import front_end
+from golden.scene.past import check_window, read_window, recordings
 from golden.scene.scale import read_scale
 from golden.scene.scene import Scene
 from golden.scene.schema import checked
@@ -66,7 +67,8 @@ def load_scene(name: str) -> Scene:
         ) from None
     with reading(path, "TOML"):
         raw = tomllib.loads(path.read_text(encoding="utf-8"))
-    return _scene(checked(raw, path), path)
+    values = checked(raw, path)
+    return _scene(values, recordings(raw["data"], path), path)
 
 
 def _expanded(name: str) -> Path:
@@ -77,18 +79,22 @@ def _expanded(name: str) -> Path:
         return Path(name)
 
 
-def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
+def _scene(values: dict[str, dict[str, Any]], files: list[str], path: Path) -> Scene:
     data, network, hardware = values["data"], values["network"], values["hardware"]
     check_data(data, path)
+    window = read_window(data, path)
+    check_window(values, window, path)
     check_hardware(values, path)
+    key = "recordings" if data["recordings"] else "file"
     activation = check_activation(hardware, path)
     return Scene(
         name=path.stem,
         path=path,
-        data_path=beside(path, "data.file", data["file"]),
+        data_paths=tuple(beside(path, f"data.{key}", file) for file in files),
         sensors=tuple(data["sensors"]),
         outputs=tuple(data["outputs"]),
         group_by=data["group_by"],
+        window=window,
         where={name: float(value) for name, value in data["where"].items()},
         full_scale={name: float(s) for name, s in data["full_scale"].items()},
         length_mm={name: float(s) for name, s in data["length_mm"].items()},
@@ -96,7 +102,7 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
         units=data["units"],
         reference=data["reference"],
         arrangement=network["arrangement"],
-        members=members(data, network, path),
+        members=members(data, network, len(window.taps), path),
         design=hardware["design"],
         design_options=design_options(hardware, path),
         activation=activation,
@@ -105,7 +111,11 @@ def _scene(values: dict[str, dict[str, Any]], path: Path) -> Scene:
         clock_mhz=hardware["clock_mhz"],
         interface=hardware["interface"],
         training=training(values["training"], path),
-        front_end=front_end(values["front_end"], path) if "front_end" in values else None,
+        front_end=(
+            front_end(values["front_end"], hardware["clock_mhz"], path)
+            if "front_end" in values
+            else None
+        ),
         visualisation=(
             visualisation(values["visualisation"], data, path)
             if "visualisation" in values

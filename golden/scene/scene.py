@@ -20,11 +20,13 @@ from golden.networks.network import Network
 from golden.precision import SIGNAL, Precision
 from golden.scene.building import build_twin
 from golden.scene.front_end import FrontEnd
+from golden.scene.past import tap_names, window_text
 from golden.scene.scale import AUTO, Scale, on_signals, readings, signals
 from golden.scene.sections import Member, Training
 from golden.scene.trained_scale import trained_scales
 from golden.scene.vectors import Vectors, read_vectors
 from golden.scene.visualisation import Visualisation
+from golden.window import Window
 
 
 @dataclass(frozen=True)
@@ -36,9 +38,12 @@ class Scene:
     name : str
         The file's name without its ending.
     path : Path
-    data_path : Path
+    data_paths : tuple of Path
+        The recordings; of several none goes on where another ends.
     sensors, outputs : tuple of str
         Columns of the recorded vectors.
+    window : Window
+        Which samples of the sensors the networks take, of the newest frame and of past ones.
     group_by : str
         Column of the positions over which equation 3.15 averages; empty where there are none.
     where : dict
@@ -76,9 +81,10 @@ class Scene:
 
     name: str
     path: Path
-    data_path: Path
+    data_paths: tuple[Path, ...]
     sensors: tuple[str, ...]
     outputs: tuple[str, ...]
+    window: Window
     group_by: str
     where: dict[str, float]
     full_scale: dict[str, float]
@@ -108,7 +114,28 @@ class Scene:
     def files(self) -> list[Path]:
         """Everything that the scene reads: its own file, its networks, its data."""
         told = [provenance_path(p) for p in self.weights_paths if AUTO in self.scale.values()]
-        return [self.path, *self.weights_paths, *told, self.data_path]
+        return [self.path, *self.weights_paths, *told, *self.data_paths]
+
+    @property
+    def data_path(self) -> Path:
+        """The recording; of several the first."""
+        return self.data_paths[0]
+
+    @property
+    def data_text(self) -> str:
+        """The recordings, as a message names them."""
+        return ", ".join(map(str, self.data_paths))
+
+    @cached_property
+    def inputs(self) -> tuple[str, ...]:
+        """What the networks take of the sensors, a name for each sample; without a past these are
+        the sensors."""
+        return tap_names(self.window, self.sensors)
+
+    @property
+    def window_text(self) -> str:
+        """The delays of the samples in frames; nothing where there is no past."""
+        return window_text(self.window, self.sensors)
 
     @property
     def activation_text(self) -> str:
@@ -149,9 +176,18 @@ class Scene:
         return mlps
 
     def columns_of(self, number: int) -> list[str]:
-        """What a network of the scene takes and gives: sensors, earlier outputs, its own."""
+        """What a network of the scene takes and gives: samples, earlier outputs, its own."""
         member = self.members[number]
-        return [*[*self.sensors, *self.outputs][: member.inputs], *member.outputs]
+        return [*[*self.inputs, *self.outputs][: member.inputs], *member.outputs]
+
+    def column(self, name: str) -> str:
+        """The column that something is read from: of a past sample that of its sensor."""
+        return self._columns.get(name, name)
+
+    @cached_property
+    def _columns(self) -> dict[str, str]:
+        taps = zip(self.inputs, self.window.taps, strict=True)
+        return {name: self.sensors[tap.sensor] for name, tap in taps}
 
     def scales_of(self, number: int) -> tuple[list[Scale], list[Scale]]:
         """The scales of what a network takes, and of what it gives."""
@@ -159,8 +195,8 @@ class Scene:
         return scales[:inputs], scales[inputs:]
 
     def scales(self, columns: Sequence[str]) -> list[Scale]:
-        """The scale of each of these columns; see ``trained_scales``."""
-        return [self.known_scales.get(name, Scale()) for name in columns]
+        """The scale of each of these columns or samples; see ``trained_scales``."""
+        return [self.known_scales.get(self.column(name), Scale()) for name in columns]
 
     @cached_property
     def known_scales(self) -> dict[str, Scale]:
@@ -168,8 +204,8 @@ class Scene:
         return trained_scales(self)
 
     def codes_of(self, readings: Real) -> Codes:
-        """Codes of the sensors' readings, shape (frames, sensors), in the sensors' units."""
-        return SIGNAL.quantise(signals(readings, self.scales(self.sensors)), "readings")[0]
+        """Codes of what the networks take, shape (frames, inputs), from the sensors' units."""
+        return SIGNAL.quantise(signals(readings, self.scales(self.inputs)), "readings")[0]
 
     def in_units(self, outputs: Real) -> Real:
         """Outputs, shape (frames, outputs), as signals, in their units."""

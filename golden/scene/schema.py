@@ -17,11 +17,13 @@ from golden.table import refuse_unknown, suggest
 # such value for all networks of the scene, or a list of one for each; several are alternatives.
 KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
     "data": {
-        "file": (str, None),
+        "file": (str, ""),
+        "recordings": (list, []),
         "sensors": (list, None),
         "outputs": (list, None),
         "group_by": (str, ""),
         "where": (dict, {}),
+        "window": ((list, dict), [0]),
         "full_scale": (dict, {}),
         "length_mm": (dict, {}),
         "scale": ((dict, str), {}),

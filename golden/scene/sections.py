@@ -60,7 +60,7 @@ class Member:
     Attributes
     ----------
     inputs : int
-        Sensors and, in a cascade, the outputs of the networks before it.
+        Samples and, in a cascade, the outputs of the networks before it.
     hidden : int
         0 takes as many as the network file has; training then searches ``training.hidden``.
     outputs : tuple of str
@@ -326,9 +326,11 @@ def check_activation(hardware: dict[str, Any], path: Path) -> str:
     return activation
 
 
-def members(data: dict[str, Any], network: dict[str, Any], path: Path) -> tuple[Member, ...]:
-    """The networks: one for all outputs, or one for each."""
-    outputs, sensors = data["outputs"], len(data["sensors"])
+def members(
+    data: dict[str, Any], network: dict[str, Any], inputs: int, path: Path
+) -> tuple[Member, ...]:
+    """The networks: one for all outputs, or one for each; ``inputs`` is what all of them take."""
+    outputs = data["outputs"]
     single = network["arrangement"] == "single"
     groups = [outputs] if single else [[name] for name in outputs]
     count = len(groups)
@@ -359,5 +361,5 @@ def members(data: dict[str, Any], network: dict[str, Any], path: Path) -> tuple[
                 )
     cascade = network["arrangement"] == "cascade"
     return tuple(
-        Member(sensors + i * cascade, hidden[i], tuple(groups[i]), files[i]) for i in range(count)
+        Member(inputs + i * cascade, hidden[i], tuple(groups[i]), files[i]) for i in range(count)
     )

@@ -48,7 +48,7 @@ def trained_scales(scene: Scene) -> dict[str, Scale]:
         places = [
             (member.weights_path, _told(scene, number).get(name))
             for number, member in enumerate(scene.members)
-            if name in scene.columns_of(number)
+            if name in map(scene.column, scene.columns_of(number))
         ]
         for path, told in places:
             if not isinstance(told, Scale) or told != places[0][1]:

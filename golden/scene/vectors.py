@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +17,7 @@ from golden.networks.mlp import Real
 from golden.precision import SIGNAL
 from golden.scene.scale import Scale, readings, signals
 from golden.table import read_table, rows_where
+from golden.window import Window
 
 if TYPE_CHECKING:
     from golden.scene.scene import Scene
@@ -22,14 +25,19 @@ if TYPE_CHECKING:
 # Of one sensor. More readings outside the codes' range are no outliers but in another unit.
 MOST_OUTSIDE = 0.1
 
+Rows = NDArray[np.intp]
+Number = TypeVar("Number", Real, Rows)
+
 
 @dataclass(frozen=True)
-class Recorded:
-    """The rows that a scene uses as its file holds them, in the units of the columns.
+class Recording:
+    """The rows of one file that a scene uses, in the units of the columns.
 
     Attributes
     ----------
-    inputs : float array, shape (rows, sensors)
+    path : Path
+    sensors : float array, shape (rows, sensors)
+        Where there is a window, one row after the other in time.
     targets : float array, shape (rows, outputs)
     groups : float array, shape (rows,)
         Positions; zeros where the scene names none.
@@ -37,10 +45,66 @@ class Recorded:
         Which rows of the file these are, from 0.
     """
 
-    inputs: Real
+    path: Path
+    sensors: Real
     targets: Real
     groups: Real
-    numbers: NDArray[np.intp]
+    numbers: Rows
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """What a scene's networks take and shall give, of every row that has a whole past.
+
+    Rows of several recordings stand one recording after the other.
+
+    Attributes
+    ----------
+    recordings : tuple of Recording
+    window : Window
+    """
+
+    recordings: tuple[Recording, ...]
+    window: Window
+
+    @cached_property
+    def inputs(self) -> Real:
+        """In the units of the sensors, shape (rows, inputs)."""
+        return np.concatenate([self.window.frames(one.sensors) for one in self.recordings])
+
+    @cached_property
+    def sensors(self) -> Real:
+        """The newest frame of each row, shape (rows, sensors)."""
+        return self._whole([one.sensors for one in self.recordings])
+
+    @cached_property
+    def targets(self) -> Real:
+        """In the units of the outputs, shape (rows, outputs)."""
+        return self._whole([one.targets for one in self.recordings])
+
+    @cached_property
+    def groups(self) -> Real:
+        """Positions, shape (rows,)."""
+        return self._whole([one.groups for one in self.recordings])
+
+    @cached_property
+    def numbers(self) -> Rows:
+        """Which rows of its file each is, from 0, shape (rows,)."""
+        return self._whole([one.numbers for one in self.recordings])
+
+    @cached_property
+    def runs(self) -> Rows:
+        """Which recording each row is of, shape (rows,)."""
+        counts = [len(one.numbers) - self.window.past for one in self.recordings]
+        return np.repeat(np.arange(len(counts)), counts)
+
+    @property
+    def without_past(self) -> int:
+        """Rows that are not used, because they have no whole past."""
+        return self.window.past * len(self.recordings)
+
+    def _whole(self, parts: list[Number]) -> Number:
+        return np.concatenate([part[self.window.past :] for part in parts])
 
 
 def read_recorded(scene: Scene) -> Recorded:
@@ -49,14 +113,27 @@ def read_recorded(scene: Scene) -> Recorded:
     Raises
     ------
     FileNotFoundError, ValueError
-        See ``read_table`` and ``rows_where``.
+        See ``read_table`` and ``rows_where``; also for a recording that is no longer than the past
+        that the networks see.
     """
+    past = scene.window.past
+    recordings = tuple(_recording(scene, path) for path in scene.data_paths)
+    for one in recordings:
+        if len(one.numbers) <= past:
+            raise ValueError(
+                f"{one.path}: got {len(one.numbers)} rows, expected more than the {past} that "
+                f"data.window of {scene.path} reaches back"
+            )
+    return Recorded(recordings, scene.window)
+
+
+def _recording(scene: Scene, path: Path) -> Recording:
     columns = [*scene.sensors, *scene.outputs] + ([scene.group_by] if scene.group_by else [])
-    kept = rows_where(scene.data_path, scene.where)
-    table = read_table(scene.data_path, columns)[kept]
+    kept = rows_where(path, scene.where)
+    table = read_table(path, columns)[kept]
     sensors, last = len(scene.sensors), len(scene.sensors) + len(scene.outputs)
     groups = table[:, -1] if scene.group_by else np.zeros(len(table))
-    return Recorded(table[:, :sensors], table[:, sensors:last], groups, kept)
+    return Recording(path, table[:, :sensors], table[:, sensors:last], groups, kept)
 
 
 @dataclass(frozen=True)
@@ -65,15 +142,19 @@ class Vectors:
 
     Attributes
     ----------
-    inputs : float array, shape (rows, sensors)
+    inputs : float array, shape (rows, inputs)
+        What the networks take; without a past the frames themselves.
     targets : float array, shape (rows, outputs)
     scale : float array, shape (rows, outputs)
         What an error counts against, as a signal: the target or a full scale.
     groups : float array, shape (rows,)
         Positions, in the unit of their column.
-    codes : int64 array, shape (rows, sensors)
+    codes : int64 array, shape (rows, inputs)
+    recordings : tuple of int64 array, shape (frames, sensors)
+        The codes of the frames of each recording, as they are sent to the hardware: where there is
+        a window, some more than there are rows.
     saturated : int
-        Inputs outside [-1, 1) that were replaced by the nearest code.
+        Readings outside [-1, 1) that were replaced by the nearest code.
     outside : tuple of str
         A sentence for each sensor with readings outside the range of the codes.
     """
@@ -83,6 +164,7 @@ class Vectors:
     scale: Real
     groups: Real
     codes: Codes
+    recordings: tuple[Codes, ...]
     saturated: int
     outside: tuple[str, ...]
 
@@ -91,7 +173,10 @@ class Vectors:
         return 100 * np.abs(self.targets - results) / self.scale
 
     def with_inputs(self, inputs: Real) -> Vectors:
-        """The same rows with other signals of the sensors, and the codes of these."""
+        """The same rows with other signals of the sensors, and the codes of these.
+
+        What was recorded, ``recordings``, stays.
+        """
         codes, saturated = SIGNAL.quantise(inputs, "inputs")
         return replace(self, inputs=inputs, codes=codes, saturated=saturated)
 
@@ -112,33 +197,40 @@ def read_vectors(scene: Scene) -> Vectors:
     beyond = np.argwhere(np.abs(targets) > 1)
     if len(beyond):
         row, c = beyond[0]
+        path = rows.recordings[rows.runs[row]].path
         raise ValueError(
-            f"{scene.data_path}: column {scene.outputs[c]!r}: got a target of "
+            f"{path}: column {scene.outputs[c]!r}: got a target of "
             f"{rows.targets[row, c]:g} in row {rows.numbers[row] + 1}, expected "
             f"{_range(scales[c])}, the range of {SIGNAL}; {_remedy(scene, scene.outputs[c])}"
         )
     for c, name in enumerate(scene.outputs):
-        if name not in scene.full_scale and (rows.targets[:, c] == 0).any():
+        zero = np.flatnonzero(rows.targets[:, c] == 0)
+        if name not in scene.full_scale and len(zero):
             raise ValueError(
-                f"{scene.data_path}: column {name!r} holds a target of 0, whose relative error "
-                f"is not defined; give {name} a full_scale in {scene.path}"
+                f"{rows.recordings[rows.runs[zero[0]]].path}: column {name!r} holds a target of "
+                f"0, whose relative error is not defined; give {name} a full_scale in {scene.path}"
             )
-    inputs = signals(rows.inputs, scene.scales(scene.sensors))
-    outside = tuple(_outside(scene, rows, inputs))
-    codes, saturated = SIGNAL.quantise(inputs, f"{scene.data_path} sensors")
+    of_sensors = scene.scales(scene.sensors)
+    frames = [signals(one.sensors, of_sensors) for one in rows.recordings]
+    outside = tuple(_outside(scene, rows, frames))
+    coded = [
+        SIGNAL.quantise(part, f"{one.path} sensors")
+        for part, one in zip(frames, rows.recordings, strict=True)
+    ]
     counts = error_scale(rows.targets, scene.outputs, scene.full_scale)
     return Vectors(
-        inputs,
+        np.concatenate([scene.window.frames(part) for part in frames]),
         targets,
         counts / [s.factor for s in scales],
         rows.groups,
-        codes,
-        saturated,
+        np.concatenate([scene.window.frames(codes) for codes, _ in coded]),
+        tuple(codes for codes, _ in coded),
+        sum(saturated for _, saturated in coded),
         outside,
     )
 
 
-def _outside(scene: Scene, rows: Recorded, inputs: Real) -> list[str]:
+def _outside(scene: Scene, rows: Recorded, frames: list[Real]) -> list[str]:
     """A sentence for each sensor with readings outside the range of the codes.
 
     Raises
@@ -148,18 +240,23 @@ def _outside(scene: Scene, rows: Recorded, inputs: Real) -> list[str]:
     """
     sentences = []
     scales = scene.scales(scene.sensors)
+    files = ", ".join(str(one.path) for one in rows.recordings)
+    places = [(one.path.name, n) for one in rows.recordings for n in one.numbers]
+    own = np.concatenate([one.sensors for one in rows.recordings])
+    all_frames = np.concatenate(frames)
     for c, name in enumerate(scene.sensors):
         # 1 itself has the code next to it.
-        count = int((np.abs(inputs[:, c]) > 1).sum())
+        count = int((np.abs(all_frames[:, c]) > 1).sum())
         if not count:
             continue
-        row = int(np.abs(inputs[:, c]).argmax())
+        row = int(np.abs(all_frames[:, c]).argmax())
+        file, number = places[row]
+        of_file = f" of {file}" if len(rows.recordings) > 1 else ""
         sentence = (
-            f"{scene.data_path}: column {name!r}: got {count} of {len(inputs)} readings outside "
-            f"{_range(scales[c])}, the furthest {rows.inputs[row, c]:g} in row "
-            f"{rows.numbers[row] + 1}"
+            f"{files}: column {name!r}: got {count} of {len(own)} readings outside "
+            f"{_range(scales[c])}, the furthest {own[row, c]:g} in row {number + 1}{of_file}"
         )
-        if count > MOST_OUTSIDE * len(inputs):
+        if count > MOST_OUTSIDE * len(own):
             raise ValueError(f"{sentence}, expected at most a tenth; {_remedy(scene, name)}")
         sentences.append(f"{sentence}; the nearest code stands for them")
     return sentences

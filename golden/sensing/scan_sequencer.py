@@ -14,6 +14,8 @@ from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 # A counter of 24 bits makes a scan of 0.26 s at 64 MHz, slower than any contact.
 COUNTER_WIDTHS = range(2, 25)
+# From one scan to the next: 17 s at 64 MHz. MyHDL writes larger numbers wrongly.
+MOST_SCAN_CLOCKS = 1 << 30
 
 
 @dataclass(frozen=True)
@@ -23,6 +25,8 @@ class ScanSequencer(Block):
     The upper bits of the counter are the slot, the lower ones the clock within it. Slot n selects
     sensor n modulo ``inputs``, so that four sensors and seven slots give the addresses 00 01 10 11
     00 01 10. Late in each slot, when the multiplexer has settled, the converter's code is taken.
+    Where scans are wanted less often than they could follow each other, the counter pauses between
+    them, so that the samples of a frame stay close together in time.
 
     Parameters
     ----------
@@ -33,10 +37,12 @@ class ScanSequencer(Block):
     slots : int
         Elements of a frame: ``inputs``, and in a cascade the slots of its earlier outputs.
     counter_width : int
-        Bits of the counter; a scan takes 2**counter_width clocks.
+        Bits of the counter that are slot and clock; the slots take 2**counter_width clocks.
     sample_clock : int
         Clock of a slot in which the code is taken, counted from 0. In clock 0 the address still
         is that of the slot before.
+    pause : int
+        Clocks behind the slots before the next scan, in which the first sensor is selected.
 
     Raises
     ------
@@ -52,6 +58,7 @@ class ScanSequencer(Block):
     slots: int
     counter_width: int
     sample_clock: int
+    pause: int = 0
 
     def __post_init__(self) -> None:
         if not 1 <= self.inputs <= self.slots:
@@ -71,6 +78,9 @@ class ScanSequencer(Block):
                 f"{self.entity}: got sample_clock={self.sample_clock}, expected 1 to "
                 f"{self.slot_clocks - 1}"
             )
+        most = MOST_SCAN_CLOCKS - (1 << self.counter_width)
+        if not 0 <= self.pause <= most:
+            raise ValueError(f"{self.entity}: got pause={self.pause}, expected 0 to {most}")
 
     @property
     def slot_width(self) -> int:
@@ -89,8 +99,8 @@ class ScanSequencer(Block):
 
     @property
     def scan_clocks(self) -> int:
-        """Clocks of a scan; slots above ``slots`` pass idle."""
-        return 1 << self.counter_width
+        """Clocks from one scan to the next; slots above ``slots`` pass idle."""
+        return (1 << self.counter_width) + self.pause
 
     @property
     def interval(self) -> int:
@@ -99,7 +109,10 @@ class ScanSequencer(Block):
 
     @property
     def addresses(self) -> tuple[int, ...]:
-        """The sensor that is selected in each slot, idle ones included; those settle the first."""
+        """The sensor that is selected in each slot, idle ones included; those settle the first.
+
+        So does the pause.
+        """
         idle = (1 << self.slot_width) - self.slots
         return tuple(n % self.inputs for n in range(self.slots)) + (0,) * idle
 

@@ -26,7 +26,7 @@ def scaled(scene: Scene) -> Scene:
         return scene
     rows = read_recorded(scene)
     training = split_of(scene).training
-    columns = dict(zip(scene.sensors, rows.inputs[training].T, strict=True))
+    columns = dict(zip(scene.sensors, rows.sensors[training].T, strict=True))
     columns |= dict(zip(scene.outputs, rows.targets.T, strict=True))
     found = dict(scene.scale)
     for name in wanted:
@@ -34,7 +34,7 @@ def scaled(scene: Scene) -> Scene:
             found[name] = range_scale(columns[name])
         except ValueError as error:
             raise ValueError(
-                f"{scene.data_path}: column {name!r}: {error}, for data.scale.{name} in "
+                f"{scene.data_text}: column {name!r}: {error}, for data.scale.{name} in "
                 f"{scene.path}"
             ) from None
     return replace(scene, scale=found)

@@ -28,6 +28,11 @@ class Split:
     validation: Numbers
     test: Numbers
 
+    @property
+    def count(self) -> int:
+        """Rows in any part."""
+        return sum(map(len, (self.training, self.validation, self.test)))
+
 
 def split_of(scene: Scene) -> Split:
     """The split that ``training.split`` of a scene names.
@@ -38,20 +43,65 @@ def split_of(scene: Scene) -> Split:
         For too few rows, blocks or groups, or a column of ``training.split_by`` that is not there.
     """
     settings = scene.training
-    values = _columns(scene)
-    place = f"{scene.data_path}: training.split of {scene.path}"
-    if settings.split == "blocks":
-        return split_blocks(values, settings.block_rows, settings.seed, place)
+    runs, values = _columns(scene)
+    place = f"{scene.data_text}: training.split of {scene.path}"
+    if settings.split == "random":
+        return split_rows(len(values), settings.seed, place)
     if settings.split == "groups":
-        return split_groups(values, settings.seed, place)
-    return split_rows(len(values), settings.seed, place)
+        split = split_groups(values, settings.seed, place)
+    else:
+        stretches = np.column_stack([runs, values])
+        split = split_blocks(stretches, settings.block_rows, settings.seed, place)
+    return apart(split, runs, scene.window.past, place)
+
+
+def apart(split: Split, runs: Numbers, past: int, place: str = "rows") -> Split:
+    """A split without the rows that share a sample with a row of another part.
+
+    Of every stretch of one part those are its first rows, as many as the past is long, unless a
+    recording begins there.
+
+    Parameters
+    ----------
+    split : Split
+    runs : int array, shape (rows,)
+        Which recording each row is of.
+    past : int
+        Rows that a row reaches back.
+    place : str
+        What a message names.
+
+    Raises
+    ------
+    ValueError
+        When nothing is left of a part.
+    """
+    parts = {name: getattr(split, name) for name in ("training", "validation", "test")}
+    part = np.zeros(len(runs), dtype=np.int64)
+    for number, rows in enumerate(parts.values()):
+        part[rows] = number
+    rows = np.arange(len(runs))
+    recording = np.append(True, runs[1:] != runs[:-1])
+    border = np.append(False, part[1:] != part[:-1]) & ~recording
+    since = rows - np.maximum.accumulate(np.where(border | recording, rows, 0))
+    begun = border[rows - since]
+    kept = {name: found[~(begun & (since < past))[found]] for name, found in parts.items()}
+    for name, found in kept.items():
+        if not len(found):
+            raise ValueError(
+                f"{place}: got no {name} rows that share none of their samples with rows of other "
+                f"parts, expected stretches of more than {past} rows, which data.window reaches "
+                "back"
+            )
+    return Split(**kept)
 
 
 def split_story(scene: Scene) -> dict[str, str | int]:
     """What the provenance of a network says of the rows: whoever reads the same has this split."""
     settings = scene.training
     return {
-        "data": scene.data_path.name,
+        "data": ", ".join(path.name for path in scene.data_paths),
+        **({} if scene.window.plain else {"window": scene.window_text}),
         "rows": len(scene.vectors().codes),
         "seed": settings.seed,
         "split": settings.split,
@@ -60,10 +110,13 @@ def split_story(scene: Scene) -> dict[str, str | int]:
     }
 
 
-def _columns(scene: Scene) -> Real:
-    """The columns of ``training.split_by``, in the rows that the scene uses."""
-    kept = rows_where(scene.data_path, scene.where)
-    return read_table(scene.data_path, scene.training.split_by)[kept]
+def _columns(scene: Scene) -> tuple[Numbers, Real]:
+    """Of the rows that the scene uses: the recording, and the columns of ``training.split_by``."""
+    found = []
+    for path in scene.data_paths:
+        kept = rows_where(path, scene.where)[scene.window.past :]
+        found.append(read_table(path, scene.training.split_by)[kept])
+    return np.repeat(np.arange(len(found)), [len(one) for one in found]), np.concatenate(found)
 
 
 def split_rows(rows: int, seed: int, place: str = "rows") -> Split:

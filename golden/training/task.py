@@ -89,7 +89,9 @@ class Task:
         """
         columns = self.scene.columns_of(self.number)
         return [
-            range_scale(inputs) if name in self.scene.scale and np.ptp(inputs) else Scale()
+            range_scale(inputs)
+            if self.scene.column(name) in self.scene.scale and np.ptp(inputs)
+            else Scale()
             for name, inputs in zip(columns, self.training.inputs.T, strict=False)
         ]
 
@@ -120,7 +122,8 @@ def task_for(scene: Scene, vectors: Vectors, earlier: Sequence[Mlp]) -> Task:
     targets = vectors.targets[:, columns]
     scale = vectors.scale[:, columns]
 
-    recorded_readings = readings(vectors.inputs, scene.scales(scene.sensors))
+    recorded_readings = readings(vectors.inputs, scene.scales(scene.inputs))
+    sensors = [tap.sensor for tap in scene.window.taps]
     places = {
         "training": split.training,
         "validation": split.validation,
@@ -140,7 +143,7 @@ def task_for(scene: Scene, vectors: Vectors, earlier: Sequence[Mlp]) -> Task:
         rows = np.tile(rows, -(-LEAST_ROWS.get(part, REFITTED_ROWS) // len(rows)))
         rng = np.random.default_rng([scene.training.seed, PARTS.index(part)])
         # Each row has a drift of its own: few drifts, each of many rows, would be a chance sample.
-        disturbed = [disturbance.of(recorded_readings[[row]], rng) for row in rows]
+        disturbed = [disturbance.of(recorded_readings[[row]], rng, sensors) for row in rows]
         return frames(scene.codes_of(np.concatenate(disturbed)), rows)
 
     recorded = frames(vectors.codes, places["every"])
@@ -167,12 +170,12 @@ def _seen(scene: Scene, codes: Codes, earlier: Sequence[Mlp]) -> dict[str, Any]:
 
 def _refuse_constant(scene: Scene, vectors: Vectors) -> None:
     for key, names, values in (
-        ("sensors", scene.sensors, readings(vectors.inputs, scene.scales(scene.sensors))),
+        ("sensors", scene.inputs, readings(vectors.inputs, scene.scales(scene.inputs))),
         ("outputs", scene.outputs, scene.in_units(vectors.targets)),
     ):
         for name, column in zip(names, values.T, strict=True):
             if (column == column[0]).all():
                 raise ValueError(
-                    f"{scene.data_path}: column {name!r}: got {column[0]:g} in every row, expected "
-                    f"values that differ; take it out of data.{key} in {scene.path}"
+                    f"{scene.data_text}: column {scene.column(name)!r}: got {column[0]:g} in every "
+                    f"row, expected values that differ; take it out of data.{key} in {scene.path}"
                 )

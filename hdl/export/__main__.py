@@ -43,6 +43,8 @@ def main() -> None:
     print(f"{count} files in {folder}, top {top}, compile order in {folder / ORDER}")
     for fact in design.core.facts():
         print(f"{design.core.entity}: {fact}")
+    if scene.front_end:
+        print(f"front_end: {scene.front_end.describe()}")
     for line in ranges(scene):
         print(line)
 

@@ -7,6 +7,7 @@ from golden.precision import SIGNAL
 from hdl.common.delay import connect
 from hdl.common.fifo import fifo
 from hdl.common.lookup import hardware
+from hdl.common.past import past_whole
 from hdl.common.signals import fixed, flag, unsigned
 from hdl.common.stream import position
 
@@ -215,6 +216,9 @@ def axis_network(
     fetch, word = flag(), fixed(SIGNAL)
     place = unsigned(outputs.bit_length())
     closing = flag()
+    # Of a frame that is the past of others alone nothing will leave.
+    yields = flag() if spec.past else done
+    past = [past_whole(clk, rst, done, yields, past=spec.past)] if spec.past else []
 
     @always_comb
     def look():
@@ -275,5 +279,6 @@ def axis_network(
         position(clk, rst, fetch, left, place, stop=outputs),
         close,
         show,
-        credit(clk, rst, done, left, full, frames=frames),
+        credit(clk, rst, yields, left, full, frames=frames),
+        past,
     )

@@ -28,9 +28,9 @@ def scan_sequencer(clk, rst, adc, address, out_valid, out_data, out_last, *, spe
     starts a scan.
     """
     top, width = spec.scan_clocks - 1, spec.counter_width
-    low = width - spec.slot_width
+    low, full = width - spec.slot_width, top.bit_length()
     sample_clock, slots, final = spec.sample_clock, spec.slots, spec.slots - 1
-    count = unsigned(width)
+    count = unsigned(full)
     slot = unsigned(spec.slot_width)
     clock = unsigned(low)
     selected = unsigned(spec.address_width)
@@ -48,9 +48,33 @@ def scan_sequencer(clk, rst, adc, address, out_valid, out_data, out_last, *, spe
         slot.next = count[width:low]
         clock.next = count[low:0]
 
-    @always_comb
-    def decide():
-        take.next = clock == sample_clock and slot < slots
+    if spec.pause:
+        pausing, turn = flag(), unsigned(spec.address_width)
+
+        @always_comb
+        def compare():
+            pausing.next = count[full:width] != 0
+
+        @always_comb
+        def decide():
+            take.next = clock == sample_clock and slot < slots and not pausing
+
+        @always_comb
+        def choose():
+            if pausing:
+                selected.next = 0
+            else:
+                selected.next = turn
+
+        control = compare, decide, choose
+    else:
+        turn = selected
+
+        @always_comb
+        def decide():
+            take.next = clock == sample_clock and slot < slots
+
+        control = decide
 
     @always_seq(clk.posedge, reset=rst)
     def strobe():
@@ -66,12 +90,12 @@ def scan_sequencer(clk, rst, adc, address, out_valid, out_data, out_last, *, spe
     return (
         step,
         slices,
-        decide,
+        control,
         strobe,
         keep,
         rom(
             slot,
-            selected,
+            turn,
             words=np.array(spec.addresses),
             meanings=[str(address) for address in spec.addresses],
         ),

@@ -15,13 +15,14 @@ import numpy as np
 from golden.network_files.network_file import save_network
 from golden.networks.mlp import Mlp
 from golden.scene import Scene, load_scene
+from golden.window import Window
 
 TEMPLATE = """
 [data]
 file = "{name}.csv"
 sensors = {sensors}
 outputs = {outputs}
-group_by = "y0"
+{order}
 {lengths}
 [network]
 arrangement = "{arrangement}"
@@ -39,6 +40,13 @@ interface = "{interface}"
 [training]
 restarts = 2
 steps = 20
+{split}
+"""
+# Rows whose order does not matter, and rows in the order of time.
+UNORDERED = 'group_by = "y0"'
+ORDERED = "window = {window}"
+BLOCKS = """split = "blocks"
+block_rows = {rows}
 """
 
 
@@ -82,13 +90,16 @@ def write_scene(
     sections: str = "",
     interface: str = "stream",
     hardware: str = "",
+    window: Window | None = None,
 ) -> Path:
     """A scene with random vectors and the given networks; returns its TOML file.
 
     ``hardware`` has the keys that are about the design alone. ``sections`` are those that a scene
-    may do without; where there are any, y1 and y2 have lengths.
+    may do without; where there are any, y1 and y2 have lengths. Without a ``window`` the networks
+    take every frame as it is; with one there are ``rows`` behind those that have no whole past.
     """
-    inputs = mlps[0].shape[0]
+    inputs = len(window.delays) if window else mlps[0].shape[0]
+    rows += window.past if window else 0
     outputs = sum(mlp.shape[2] for mlp in mlps)
     sensors = [f"x{k}" for k in range(inputs)]
     targets = [f"y{i}" for i in range(outputs)]
@@ -111,6 +122,8 @@ def write_scene(
         design=design,
         activation=activation,
         options=OPTIONS.get(activation, "{}") if options is None else options,
+        order=ORDERED.format(window=delays_text(window, sensors)) if window else UNORDERED,
+        split=BLOCKS.format(rows=window.past + 2) if window else "",
         lengths=LENGTHS if sections else "",
         sections=sections,
         interface=interface,
@@ -121,6 +134,12 @@ def write_scene(
     for file, mlp in zip(weights, mlps, strict=True):
         save_network(folder / file, mlp, {"scene": name})
     return path
+
+
+def delays_text(window: Window, sensors: list[str]) -> str:
+    """``data.window`` of a scene."""
+    lines = (f"{s} = {list(d)}" for s, d in zip(sensors, window.delays, strict=True))
+    return "{ " + ", ".join(lines) + " }"
 
 
 @dataclass(frozen=True)
@@ -142,6 +161,7 @@ class Case:
     sections: str = ""
     interface: str = "stream"
     hardware: str = ""
+    window: Window | None = None
 
     def networks(self) -> list[Mlp]:
         mlps = [
@@ -165,5 +185,6 @@ class Case:
             sections=self.sections,
             interface=self.interface,
             hardware=self.hardware,
+            window=self.window,
         )
         return load_scene(str(path))

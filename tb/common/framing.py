@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from golden.layers.input_controller import FrameScan, InputController
@@ -38,3 +40,25 @@ def scan(
             for name in ("addr", "accept", "done", "error")
         )
     )
+
+
+def yielding(
+    recording: Recording,
+    ended: np.ndarray,
+    frames: np.ndarray,
+    past: int,
+    process: Callable[[np.ndarray], np.ndarray],
+) -> tuple[np.ndarray, np.ndarray]:
+    """Which good frames yield results, and these: none of the first ``past`` after each reset does.
+
+    ``ended`` are the clocks of their last samples; ``process`` is the twin's.
+    """
+    if not past:
+        return np.ones(len(frames), dtype=bool), process(frames)
+    since = np.searchsorted(recording.resets(), ended)
+    kept, results = np.zeros(len(frames), dtype=bool), [process(frames[:0])]
+    for epoch in np.unique(since):
+        inside = np.flatnonzero(since == epoch)
+        kept[inside[past:]] = True
+        results.append(process(frames[inside]))
+    return kept, np.concatenate(results)

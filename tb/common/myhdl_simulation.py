@@ -31,7 +31,7 @@ def simulate(design: Network, frames: Codes) -> tuple[Codes, float]:
     Returns
     -------
     results : Codes
-        Shape (frames, outputs), in the order in which they came out.
+        Shape (frames - past, outputs), in the order in which they came out.
     seconds : float
         What the simulation took, elaboration left out.
 
@@ -76,11 +76,12 @@ def simulate(design: Network, frames: Codes) -> tuple[Codes, float]:
     started = time.perf_counter()
     simulation.run(quiet=1)
     seconds = time.perf_counter() - started
-    if len(seen) != len(frames) * design.outputs:
+    due = len(frames) - design.past
+    if len(seen) != due * design.outputs:
         raise RuntimeError(
-            f"{design.entity}: got {len(seen)} results, expected {len(frames) * design.outputs}"
+            f"{design.entity}: got {len(seen)} results, expected {due * design.outputs}"
         )
-    return np.array(seen, dtype=np.int64).reshape(len(frames), design.outputs), seconds
+    return np.array(seen, dtype=np.int64).reshape(due, design.outputs), seconds
 
 
 def _clocks(design: Network, frames: Codes, whole: bool) -> Iterator[Clock]:

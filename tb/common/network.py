@@ -9,15 +9,18 @@ import numpy as np
 
 from golden.block import walk
 from golden.networks.design import Design
+from golden.networks.windowed import Windowed
 from golden.precision import SIGNAL
 from tb.common.bench import Bench
-from tb.common.framing import random_lengths, scan
+from tb.common.framing import random_lengths, scan, yielding
 from tb.common.loading import after_loading
-from tb.common.stimulus import corner_frames, extreme_frames, random_resets, spread
+from tb.common.stimulus import corner_frames, extreme_frames, random_resets, spread, with_past
 
 WATCH = ["out_valid", "out_data", "out_last", "frame_error"]
 # About the clocks that a test plays; designs that take hundreds for a frame get fewer frames.
 MOST_CLOCKS = 100_000
+# Of recorded frames alone: a quarter of an hour of frames would fill the machine's memory.
+MOST_RECORDED = 1_000_000
 # Frames that are played with gaps too, random and recorded ones.
 MOST_WITH_GAPS = 100
 MOST_RECORDED_WITH_GAPS = 200
@@ -54,10 +57,11 @@ def check_outputs(bench, recording, started, ended, frames):
     """Compare the outputs with what the twin makes of frames.
 
     ``started`` and ``ended`` are the rows of the first and of the last element of each frame. What
-    is due after the end of the recording is not expected.
+    is due after the end of the recording is not expected, nor an output without a whole past.
     """
     outputs = bench.twin.outputs
-    results = bench.twin.process(frames)
+    kept, results = yielding(recording, ended, frames, bench.twin.past, bench.twin.process)
+    started, ended, frames = started[kept], ended[kept], frames[kept]
     at = ended[:, np.newaxis] + np.array(bench.twin.output_clocks)
     alive = recording.undisturbed(np.repeat(started, outputs), (at - 1).ravel())
     alive &= at.ravel() < recording.clocks
@@ -91,32 +95,61 @@ def pauses(bench, last, closest=False):
     return first * (most if closest else bench.rng.integers(0, most + 1, len(last)))
 
 
+def recorded_frames(bench):
+    """The recorded frames as they are sent, or as many as there are clocks for.
+
+    To a network inside a frame window the samples that this sends of them.
+    """
+    vectors, past = bench.scene.vectors(), bench.twin.past
+    frames = np.concatenate(vectors.recordings) if past else vectors.codes
+    return frames[: past + MOST_RECORDED // bench.twin.interval]
+
+
 def random_elements(bench, count):
     return bench.rng.integers(SIGNAL.low, SIGNAL.high + 1, count)
 
 
 def affordable(bench, frames):
-    """A number of frames, or as many as a quarter of the clocks has room for."""
-    return min(frames, max(20, MOST_CLOCKS // 4 // bench.twin.interval))
+    """A number of frames, or as many as a quarter of the clocks has room for, and their past."""
+    most = max(20, MOST_CLOCKS // 4 // bench.twin.interval)
+    return bench.twin.past + min(frames, most)
 
 
 def frames_of_all_lengths(bench, samples):
-    """``last`` flags of as many samples, or as many as there are clocks for."""
+    """``last`` flags of as many samples, or as many as there are clocks for.
+
+    Half of the frames may be refused, and some stand between resets: so there is more past.
+    """
     length = bench.twin.input_controller.inputs
-    return random_lengths(bench.rng, length, min(samples, length * affordable(bench, samples)))
+    most = min(samples, length * affordable(bench, samples))
+    return random_lengths(bench.rng, length, most + 8 * length * bench.twin.past)
+
+
+def driven_to_ends(bench):
+    """Frames that drive every hidden sum to its ends."""
+    inputs = bench.twin.core.inputs
+    designs = [part for part in walk(bench.twin) if isinstance(part, Design)]
+    rows = [row[:inputs] for design in designs for row in design.hidden_weights]
+    ends = extreme_frames(SIGNAL, rows)
+    for part in walk(bench.twin):
+        if isinstance(part, Windowed):
+            most = affordable(bench, len(ends) * (part.past + 1)) // (part.past + 1)
+            some = ends if len(ends) <= most else bench.rng.choice(ends, most, replace=False)
+            return with_past(part.window, some, bench.rng)
+    return ends
 
 
 @cocotb.test()
 async def recorded(dut):
     """All recorded frames as close as the design takes them, then the first ones with gaps."""
     bench = Bench(dut)
-    codes = bench.scene.vectors().codes
+    codes, past = recorded_frames(bench), bench.twin.past
     elements, last = whole_frames(bench, codes)
     pause = pauses(bench, last, closest=True)
     recording, rows, frames = await check(bench, elements, last, gap=0.0, pause=pause)
     entered = rows[frames.done]
     assert len(entered) == len(codes), "a recorded frame was refused"
-    first = entered[0] - bench.twin.input_controller.inputs + 1
+    first = entered[past] - bench.twin.input_controller.inputs + 1
     final = recording.rows("out_last")[0]
     bench.facts = {
         "frames": len(codes),
@@ -127,7 +160,7 @@ async def recorded(dut):
     most = affordable(bench, MOST_RECORDED_WITH_GAPS)
     some = most * bench.twin.input_controller.inputs
     await check(bench, elements[:some], last[:some], gap=0.3, pause=pause[:some])
-    bench.finish(at_least=len(codes) * bench.twin.outputs)
+    bench.finish(at_least=(len(codes) - past) * bench.twin.outputs)
 
 
 @cocotb.test()
@@ -136,9 +169,7 @@ async def corners_and_random(dut):
     bench = Bench(dut)
     inputs = bench.twin.inputs
     random = random_elements(bench, bench.frames * inputs).reshape(-1, inputs)
-    designs = [part for part in walk(bench.twin) if isinstance(part, Design)]
-    rows = [row[:inputs] for design in designs for row in design.hidden_weights]
-    ends = extreme_frames(SIGNAL, rows)
+    ends = driven_to_ends(bench)
     most = affordable(bench, bench.frames)
     for gap, count in ((0.0, most), (0.4, min(most, MOST_WITH_GAPS))):
         frames = np.concatenate([corner_frames(SIGNAL, inputs), ends, random[:count]])
@@ -164,7 +195,9 @@ async def resets_in_mid_frame(dut):
     """Resets at random clocks among frames of all lengths."""
     bench = Bench(dut)
     last = frames_of_all_lengths(bench, 800)
-    every = 2 * (bench.twin.input_controller.inputs + bench.twin.output_clocks[-1])
+    # Room for a past of frames of which half may be refused.
+    past = 2 * bench.twin.past * bench.twin.interval
+    every = 2 * (bench.twin.input_controller.inputs + bench.twin.output_clocks[-1] + past)
     await check(
         bench,
         random_elements(bench, len(last)),
@@ -181,33 +214,37 @@ async def reset_at_every_clock(dut):
     """One frame, a reset a given number of clocks after its first element, and a good frame.
 
     A reset at each clock of a frame; of a long one at its beginning, its end, and in between at
-    random.
+    random. Either frame follows those that it needs as its past.
     Where an image must be loaded after each, fewer, lest it take minutes.
     """
     bench = Bench(dut)
     twin = bench.twin
     inputs, length = twin.inputs, twin.input_controller.inputs
     span = length + twin.output_clocks[-1] + 3
-    most = min(span, MOST_CLOCKS // (2 * span))
+    before = twin.past * twin.interval
+    most = min(span, max(3, MOST_CLOCKS // (2 * (span + before))))
     if twin.image:
         most = max(3, min(most, MOST_LOADED // len(twin.image)))
     ends = most // 3
     between = np.arange(ends, span - ends)
     some = bench.rng.permutation(between)[: most - 2 * ends]
     at = [*range(ends), *np.sort(some), *range(span - ends, span)]
-    frames = random_elements(bench, 2 * len(at) * inputs).reshape(-1, inputs)
-    pause = np.zeros((2 * len(at), length), dtype=np.int64)
-    pause[:, 0] = max(span, twin.interval)
+    count = twin.past + 1
+    frames = random_elements(bench, 2 * len(at) * count * inputs).reshape(-1, inputs)
+    apart = max(span, twin.interval)
+    pause = np.zeros((2 * len(at), count, length), dtype=np.int64)
+    pause[:, :, 0] = twin.interval - length
+    pause[:, 0, 0] = apart
 
     def resets(clocks):
         column = np.zeros(clocks, dtype=np.int64)
         for k, t in enumerate(at):
-            # Frame 2 k starts at this clock, frame 2 k + 1 a span and a frame later.
-            column[2 * k * (pause[0, 0] + length) + pause[0, 0] + t] = 1
+            # Of 2 k and 2 k + 1 frames with their past, the first is met.
+            column[2 * k * (apart + length + before) + apart + before + t] = 1
         return column
 
     _, _, scanned = await check(
         bench, *whole_frames(bench, frames), gap=0.0, resets=resets, pause=pause.ravel()
     )
-    assert scanned.done.sum() >= len(at), "a frame after a reset was refused"
+    assert scanned.done.sum() >= len(at) * count, "a frame after a reset was refused"
     bench.finish(at_least=len(at) * twin.outputs)

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from golden.precision import PRECISIONS
+from golden.window import Window
 from tb.common.cases import FRONT_END, VISUALISATION, Case
 
 RAILS = Case([(3, 4, 3)], "exact", spread=20.0, seed=2)
@@ -66,9 +67,17 @@ DRAWN = {
     ),
 }
 PROFILES = DRAWN | {"profile": Case([(4, 3, 4)], "exact", sections=VISUALISATION)}
-# Of a cascade, outputs in another order, one of which is not drawn; a ramp that starts below 0; a
-# gain that is no whole number.
+# With samples of past frames; of a cascade, outputs in another order, one of which is not drawn; a
+# ramp that starts below 0; a gain that is no whole number.
 OTHER_PROFILES = PROFILES | {
+    "drawn-past": Case(
+        [(4, 2, 4)],
+        "exact",
+        activation="precise",
+        design="engine",
+        sections=f"{VISUALISATION}stop = 0.9\nstep = 0.3\n",
+        window=Window(((0, 3), (0, 1))),
+    ),
     "other-profile": Case(
         [(2, 1, 1), (3, 2, 1), (4, 1, 1), (5, 2, 1), (6, 1, 1)],
         "exact",
@@ -96,6 +105,15 @@ INSTRUMENTS = DRAWN | {
     # No profile; the narrowest counter, one clock after the address is there.
     "least-instrument": Case([(3, 2, 3)], "exact", sections=f"{FRONT_END}counter_width = 3\n"),
     # The least scan that leaves the engine its clocks.
+    # Scans that do not follow each other at once, of 71 clocks 16, and samples of earlier ones.
+    "past-instrument": Case(
+        [(3, 2, 3)],
+        "exact",
+        activation="precise",
+        design="engine",
+        sections=f"{FRONT_END}counter_width = 4\nrate_hz = 900000\n",
+        window=Window(((0, 2), (1,))),
+    ),
     "engine-instrument": Case(
         [(3, 2, 3)],
         "exact",
@@ -172,4 +190,29 @@ PRECISE = {
     "block-ram-huge": Case(
         [(2, 2, 1)], "exact", activation="precise", options=BLOCK_RAM, spread=100.0
     ),
+}
+
+# Networks with a past: of each sensor other delays; one sample of one sensor, and not its newest; a
+# long past; slots behind the samples; frames that come no faster than they are sent; networks side
+# by side; no multiplier.
+WINDOW = Window(((0, 1, 3), (0,), (2, 5)))
+PAST = Case([(6, 2, 2)], "exact", activation="precise", design="engine", window=WINDOW)
+WINDOWS = {
+    "past": PAST,
+    "one-past": replace(PAST, shapes=[(1, 2, 1)], window=Window(((1,),))),
+    "long-past": replace(
+        PAST, shapes=[(4, 1, 1)], design="hybrid", window=Window(((0, 64), (0, 3)))
+    ),
+    "chain-past": replace(
+        PAST,
+        shapes=[(4, 1, 1), (5, 1, 1)],
+        design="hybrid",
+        arrangement="cascade",
+        window=Window(((0, 2), (0, 2))),
+    ),
+    "few-past": replace(PAST, shapes=[(2, 2, 2)], design="hybrid", window=Window(((2,), (1,)))),
+    "three-past": replace(
+        PAST, shapes=[(6, 2, 1), (6, 1, 1), (6, 3, 1)], design="hybrid", arrangement="multiple"
+    ),
+    "serial-past": replace(PAST, hardware=SERIAL),
 }

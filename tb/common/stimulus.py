@@ -8,6 +8,7 @@ import numpy as np
 
 from golden.fixed import Fix
 from golden.layers.weighted_sum import WeightedSum
+from golden.window import Window
 
 EXHAUSTIVE_WIDTH = 14
 STRATA = 16384
@@ -154,3 +155,14 @@ def border_frames(
                     of_row.append(number)
     width = len(rows[0])
     return np.array(found, dtype=np.int64).reshape(-1, width), np.array(of_row, dtype=np.int64)
+
+
+def with_past(window: Window, rows: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Frames in the order of time, of which a network takes ``rows``, shape (rows, taps).
+
+    One row after the other, each with a past of its own; samples that it does not take are random.
+    """
+    frames = rng.choice(rows.ravel(), (len(rows), window.past + 1, len(window.delays)))
+    for column, tap in enumerate(window.taps):
+        frames[:, window.past - tap.delay, tap.sensor] = rows[:, column]
+    return frames.reshape(-1, len(window.delays))

@@ -14,7 +14,7 @@ import numpy as np
 
 from tb.common import readout
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.network import check_outputs
+from tb.common.network import check_outputs, recorded_frames
 from tb.common.small import INSTRUMENTS
 from tb.common.stimulus import random_resets
 
@@ -29,7 +29,7 @@ WATCH = ["address", "out_valid", "out_data", "out_last"]
 
 
 def scans_that_fit(bench):
-    return max(2, CLOCKS // bench.twin.interval)
+    return bench.twin.past + max(2, CLOCKS // bench.twin.interval)
 
 
 def random_codes(bench, clocks):
@@ -77,7 +77,7 @@ async def recorded(dut):
     """Recorded frames, each code on the converter when it is taken; counts the clocks."""
     bench = Bench(dut)
     scan = bench.twin.scan_sequencer
-    frames = bench.scene.vectors().codes[: scans_that_fit(bench)]
+    frames, past = recorded_frames(bench)[: scans_that_fit(bench)], bench.twin.past
     codes = random_codes(bench, len(frames) * scan.scan_clocks)
     at = np.arange(len(frames))[:, np.newaxis] * scan.scan_clocks + scan.sample_clocks
     codes[at] = frames[:, np.array(scan.addresses[: scan.slots])]
@@ -87,10 +87,12 @@ async def recorded(dut):
     bench.facts = {
         "frames": len(frames),
         "seconds": recording.seconds,
-        "clocks_per_frame": int(recording.rows("out_last")[0] - RESET_CLOCKS + 1),
+        "clocks_per_frame": int(
+            recording.rows("out_last")[0] - RESET_CLOCKS - past * bench.twin.interval + 1
+        ),
         "interval": int(np.diff(recording.rows("out_last")).min()),
     }
-    bench.finish(at_least=len(frames) * bench.twin.outputs)
+    bench.finish(at_least=(len(frames) - past) * bench.twin.outputs)
 
 
 @cocotb.test()

@@ -19,6 +19,7 @@ from tb.common.network import (
     corners_and_random,
     random_elements,
     recorded,
+    recorded_frames,
     reset_at_every_clock,
     resets_in_mid_frame,
     whole_frames,
@@ -72,8 +73,8 @@ async def shown(dut):
     """Held outputs and profiles."""
     bench = Bench(dut)
     random = random_elements(bench, 16 * bench.twin.inputs).reshape(16, -1)
-    await check(bench, np.concatenate([bench.scene.vectors().codes[:16], random]))
-    bench.finish(at_least=32 * bench.twin.outputs)
+    await check(bench, np.concatenate([recorded_frames(bench)[:16], random]))
+    bench.finish(at_least=(32 - bench.twin.past) * bench.twin.outputs)
 
 
 @cocotb.test()

@@ -21,10 +21,12 @@ from cocotbext.axi import AxiStreamBus, AxiStreamFrame, AxiStreamSink, AxiStream
 
 from golden.networks.axis_network import TDATA
 from golden.precision import SIGNAL
+from golden.window import Window
 from tb.common.bench import Bench
 from tb.common.cases import Case
 from tb.common.framing import random_lengths
 from tb.common.handshake import check_kept, exchange, transfers
+from tb.common.network import recorded_frames
 from tb.common.small import CASCADES, SLOW, SLOWER
 from tb.common.stimulus import corner_frames, random_resets
 
@@ -37,6 +39,13 @@ CASES = {
     "axis-cascade": replace(AXIS, shapes=[(2, 3, 1), (3, 2, 1), (4, 2, 1)], arrangement="cascade"),
     "slow-axis-cascade": replace(SLOW, interface="axi_stream", options=SLOWER),
     "axis-engine": replace(AXIS, shapes=[(2, 3, 3)], design="engine", activation="precise"),
+    "axis-past": replace(
+        AXIS,
+        shapes=[(4, 2, 2)],
+        design="engine",
+        activation="precise",
+        window=Window(((0, 1, 3), (0,))),
+    ),
     "axis-multiple": replace(AXIS, shapes=[(2, 2, 1), (2, 4, 1)], arrangement="multiple"),
 }
 FAULTS = [
@@ -118,7 +127,7 @@ def random_frames(bench, count):
 async def recorded(dut):
     """All recorded frames as fast as they go, then with pauses; counts the clocks."""
     bench = Bench(dut)
-    codes = bench.scene.vectors().codes
+    codes, past = recorded_frames(bench), bench.twin.past
     recording, entered, left = await check(bench, *whole(codes))
     inputs, outputs = bench.twin.inputs, bench.twin.outputs
     last_in, first_out = entered[inputs - 1 :: inputs], left[::outputs]
@@ -126,13 +135,13 @@ async def recorded(dut):
     bench.facts = {
         "frames": len(codes),
         "seconds": recording.seconds,
-        "clocks_per_frame": int(left[outputs - 1] - entered[0] + 1),
+        "clocks_per_frame": int(left[outputs - 1] - last_in[past] + inputs),
         "interval": int(np.diff(last_in).max()),
     }
-    assert first_out[0] - last_in[0] == bench.latency, "not the published latency"
+    assert first_out[0] - last_in[past] == bench.latency, "not the published latency"
     assert bench.facts["interval"] == bench.twin.interval, "slower than the network"
     await check(bench, *whole(codes), offer=0.6, take=0.6)
-    bench.finish(at_least=2 * len(codes) * outputs)
+    bench.finish(at_least=2 * (len(codes) - past) * outputs)
 
 
 @cocotb.test()
@@ -143,7 +152,7 @@ async def corners_and_random(dut):
     frames = np.concatenate([corners, random_frames(bench, 40)])
     for offer, take in ((1.0, 0.5), (0.5, 1.0), (0.5, 0.5), (1.0, 0.1)):
         await check(bench, *whole(frames), offer, take)
-    bench.finish(at_least=4 * len(frames) * bench.twin.outputs)
+    bench.finish(at_least=4 * (len(frames) - bench.twin.past) * bench.twin.outputs)
 
 
 @cocotb.test()
@@ -152,13 +161,14 @@ async def blocked(dut):
     bench = Bench(dut)
     # More frames than fit: each takes an interval, and as many are under way as that allows.
     count = 2 * (bench.twin.output_clocks[-1] + 1) // bench.twin.interval + 4
+    count += bench.twin.past
     clocks = 2 * count * (bench.twin.interval + bench.twin.inputs)
     frames = random_frames(bench, count)
     _, entered, _ = await check(bench, *whole(frames), blocked=clocks)
     early = np.count_nonzero(entered < clocks)
     assert early < len(entered), "the memory was never full"
     assert early >= bench.twin.inputs, "no frame entered"
-    bench.finish(at_least=len(frames) * bench.twin.outputs)
+    bench.finish(at_least=(count - bench.twin.past) * bench.twin.outputs)
 
 
 @cocotb.test()
@@ -203,6 +213,7 @@ async def axi_models(dut):
     source, sink = ends
     await ClockCycles(dut.clk, 3)
     dut.rst.value = 0
+    played, came = [np.zeros(0, dtype=np.int64)] * 2, 0
     for idle, blocked in ((0.0, 0.0), (0.5, 0.0), (0.0, 0.5), (0.5, 0.5), (0.1, 0.9)):
         for end, probability in zip(ends, (idle, blocked), strict=True):
             end.set_pause_generator(pauses(bench.rng, probability))
@@ -211,11 +222,14 @@ async def axi_models(dut):
         frames = np.split(data, np.flatnonzero(last)[:-1] + 1)
         for frame in frames:
             source.send_nowait(AxiStreamFrame([int(code) for code in frame]))
-        results, _, _ = bench.twin.process_stream(data, last)
-        for expected in results.reshape(-1, bench.twin.outputs):
+        # No reset is between them: frames of one are the past of those of the next.
+        played = [np.concatenate(both) for both in zip(played, (data, last), strict=True)]
+        results, _, _ = bench.twin.process_stream(*played)
+        for expected in results.reshape(-1, bench.twin.outputs)[came:]:
             got = await with_timeout(sink.recv(), 100, "us")
             codes = np.array(got.tdata)
             bench.compare("frame", codes - ((codes >> 15) << 16), expected)
+            came += 1
         await with_timeout(source.wait(), 100, "us")
         await ClockCycles(dut.clk, bench.latency + 100)
         assert sink.empty(), "a frame came that nobody sent"

@@ -1,11 +1,13 @@
 """scan_sequencer against its twin.
 
-Sweeps: three whole scans, every clock of them; another random code on the converter in each.
+Sweeps: three whole scans, every clock of them, or of long ones as many as 400000
+clocks hold; another random code on the converter in each.
 Drives: scans from the first reset on; then resets at random clocks; then one in each clock about
 that in which a code is taken.
-Checks: the address in every clock; samples, ``out_last`` and the clocks in which they stand; that a
-sample stays until the next.
-Does not prove: that an analogue multiplexer has settled when the code is taken.
+Checks: the address in every clock; samples, ``out_last`` and the clocks in which they stand; that
+a sample stays until the next.
+Does not prove: that an analogue multiplexer has settled when the code is taken; the end of a scan
+of more than 400000 clocks.
 """
 
 import cocotb
@@ -16,12 +18,14 @@ from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import INSTRUMENTS
 from tb.common.stimulus import random_resets
 
-CASES = INSTRUMENTS
+CASES = {"past-instrument": INSTRUMENTS["past-instrument"], **INSTRUMENTS}
 FAULTS = [
     (r"slot == 1", "slot == 0"),
     (r"clock == (\d+)", r"clock == \1 - 1"),
     (r"if \(rst == 1\) begin", "if (0) begin"),
-    (r"(0): selected = 0", r"\1: selected = 1"),
+    (r"(0): turn = 0", r"\1: turn = 1"),
+    (r"pausing = .*;", "pausing = 0;"),
+    (r"if \(pausing\)", "if (0)"),
     (r"if \(take\) begin", "if (1) begin"),
     (r"(out_last <= 0;\s+out_valid <= )0", r"\1take"),
     (r"out_last <= 0;", "out_last <= take && slot == 1;"),
@@ -29,6 +33,7 @@ FAULTS = [
 
 # Clocks from that in which a code is taken to a reset.
 ABOUT = range(-2, 4)
+MOST_CLOCKS = 400_000
 WATCH = ["address", "out_valid", "out_data", "out_last"]
 
 
@@ -63,7 +68,9 @@ async def check(bench, clocks, resets=None):
     bench.compare("kept data", kept, adc[stays], clock=left[stays])
     bench.visit("slot", count // twin.slot_clocks)
     steady = np.flatnonzero(since >= 1)
-    expected = np.array(twin.addresses)[(count[steady] - 1) % twin.scan_clocks // twin.slot_clocks]
+    slot = (count[steady] - 1) % twin.scan_clocks // twin.slot_clocks
+    # In the pause behind the slots the first sensor is selected.
+    expected = np.array([*twin.addresses, 0])[np.minimum(slot, len(twin.addresses))]
     address = recording.unsigned("address", rows[steady])
     bench.compare("address", address, expected, clock=since[steady])
     return recording
@@ -73,13 +80,15 @@ async def check(bench, clocks, resets=None):
 async def scans(dut):
     """The codes of whole scans, as the twin picks them."""
     bench = Bench(dut)
-    twin, count = bench.twin, 3
-    recording = await check(bench, count * twin.scan_clocks + 2)
+    twin = bench.twin
+    count = min(3, MOST_CLOCKS // twin.scan_clocks)
+    again = twin.slots * twin.slot_clocks
+    recording = await check(bench, count * twin.scan_clocks + again + 2)
     clocks = RESET_CLOCKS + np.arange(count * twin.scan_clocks)
     expected = twin.process(recording.signed("adc", clocks).reshape(count, -1))
     got = recording.signed("out_data", recording.rows("out_valid"))
-    bench.compare("frames", got, expected.ravel())
-    bench.finish(at_least=count * twin.slots)
+    bench.compare("frames", got[: expected.size], expected.ravel())
+    bench.finish(at_least=max(1, count) * twin.slots)
 
 
 @cocotb.test()
@@ -87,8 +96,8 @@ async def resets(dut):
     """The scan begins again after each reset."""
     bench = Bench(dut)
     scan = bench.twin.scan_clocks
-    clocks = 3 * scan + 200
-    await check(bench, clocks, random_resets(bench.rng, clocks, every=scan))
+    clocks = min(3 * scan, MOST_CLOCKS) + 200
+    await check(bench, clocks, random_resets(bench.rng, clocks, min(scan, MOST_CLOCKS // 3)))
     bench.finish(at_least=bench.twin.slots)
 
 
@@ -103,7 +112,7 @@ async def resets_about_a_sample(dut):
             # The scan begins in the clock after a reset.
             clock += 1 + int(sample) + offset
             at.append(clock)
-    resets = np.zeros(clock + twin.scan_clocks + 2, dtype=np.int64)
+    resets = np.zeros(clock + min(twin.scan_clocks, MOST_CLOCKS) + 2, dtype=np.int64)
     resets[at] = 1
     recording = await check(bench, len(resets), resets)
     found = recording.resets()

@@ -36,7 +36,7 @@ _STREAM_VARIABLES = """\
 
 _STREAM_CHECK = Template("""\
             if $taken then
-                if received < frames and place < outputs then
+                if received < $due and place < outputs then
                     if $data = to_signed(results(received * outputs + place), $data'length)
                     then
                         correct := correct + 1;
@@ -190,15 +190,20 @@ def _parallel_send(design: Network) -> str:
     )
 
 
-def _stream_check(taken: str, data: str, last: str) -> str:
-    return _STREAM_CHECK.substitute(taken=taken, data=data, last=last)
+def due(design: Network) -> str:
+    """How many frames of outputs come."""
+    return "(frames - past)" if design.past else "frames"
+
+
+def _stream_check(design: Network, taken: str, data: str, last: str) -> str:
+    return _STREAM_CHECK.substitute(taken=taken, data=data, last=last, due=due(design))
 
 
 GAPS = ("as close as the design takes them", "with gaps")
 STREAM = Style(
     _STREAM_VARIABLES,
     GAPS,
-    lambda design: _stream_check("out_valid = '1'", "out_data", "out_last"),
+    lambda design: _stream_check(design, "out_valid = '1'", "out_data", "out_last"),
     _stream_send,
 )
 AXIS = Style(
@@ -206,7 +211,7 @@ AXIS = Style(
     GAPS,
     lambda design: (
         _AXIS_CHECK
-        + _stream_check("taking and m_axis_tvalid = '1'", "m_axis_tdata", "m_axis_tlast")
+        + _stream_check(design, "taking and m_axis_tvalid = '1'", "m_axis_tdata", "m_axis_tlast")
     ),
     lambda design: _AXIS_SEND,
 )
@@ -218,7 +223,9 @@ CONVERTER = Style(
         "with a settled converter",
         "with codes that are right in the clock that takes them alone",
     ),
-    lambda design: _stream_check("out_valid = '1' and received < frames", "out_data", "out_last"),
+    lambda design: _stream_check(
+        design, f"out_valid = '1' and received < {due(design)}", "out_data", "out_last"
+    ),
     _converter_send,
 )
 

@@ -6,7 +6,7 @@ from string import Template
 
 from golden.networks.network import Network
 from hdl.export.handover.example import vhdl_map, vhdl_signals
-from hdl.export.handover.styles import STYLES
+from hdl.export.handover.styles import STYLES, due
 from hdl.export.ports import Port
 
 _TEXT = Template("""\
@@ -73,9 +73,9 @@ $refused$check
         procedure tell(how: string) is
         begin
             idle(settle);
-            report natural'image(matched) & " of " & natural'image(frames) & " frames match, "
+            report natural'image(matched) & " of " & natural'image($due) & " frames match, "
                 & how severity note;
-            complete := complete and matched = frames and received = frames and refused = 0;
+            complete := complete and matched = $due and received = $due and refused = 0;
             received := 0;
             matched := 0;
         end procedure tell;
@@ -154,5 +154,6 @@ def test_bench(scene: str, design: Network, ports: list[Port]) -> str:
         first=style.passes[0],
         second=style.passes[1],
         send=style.send(design),
+        due=due(design),
         load=_LOAD if design.image else "",
     )

@@ -19,7 +19,7 @@ package ${top}_vectors is
     constant inputs: positive := $inputs;
     constant outputs: positive := $outputs;
     constant frames: positive := $frames;
-
+$past
     type codes is array (natural range <>) of integer;
 $image
     -- One line a frame.
@@ -35,6 +35,11 @@ end package ${top}_vectors;
 """)
 
 
+_PAST = Template("""\
+    -- The first frames, of which no outputs come: those after them need them.
+    constant past: positive := $past;
+""")
+
 _IMAGE = Template("""
     -- The image that makes the hardware run this scene, as it is loaded.
     constant image: codes(0 to $last) := (
@@ -43,12 +48,15 @@ $bytes
 """)
 
 
-def vectors(scene: str, top: str, samples: Codes, results: Codes, image: bytes = b"") -> str:
+def vectors(
+    scene: str, top: str, samples: Codes, results: Codes, past: int = 0, image: bytes = b""
+) -> str:
     """Text of the package ``<top>_vectors``.
 
     Parameters
     ----------
-    samples, results : Codes, shape (frames, inputs), (frames, outputs)
+    samples, results : Codes, shape (frames, inputs), (frames - past, outputs)
+    past : int
     image : bytes
         What is loaded before the first frame; empty where nothing is.
     """
@@ -58,6 +66,7 @@ def vectors(scene: str, top: str, samples: Codes, results: Codes, image: bytes =
         inputs=samples.shape[1],
         outputs=results.shape[1],
         frames=len(samples),
+        past=_PAST.substitute(past=past) if past else "",
         last_sample=samples.size - 1,
         last_result=results.size - 1,
         samples=_table(samples),

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from golden.networks.network import Network
 from golden.scene import Scene
 from hdl.export.handover.constraints import constraints
@@ -41,9 +43,12 @@ def write_handover(
     texts[f"{top}_example{suffix}"] = example(name, top, ports, language)
     benches = []
     if language == "vhdl":
-        samples = scene.vectors().codes[: min(FRAMES, CLOCKS // design.interval)]
+        most = max(design.past + 1, min(FRAMES, CLOCKS // design.interval))
+        samples = np.concatenate(scene.vectors().recordings)[:most]
         benches = [f"{top}_vectors{suffix}", f"{top}_tb{suffix}"]
-        texts[benches[0]] = vectors(name, top, samples, design.process(samples), design.image)
+        texts[benches[0]] = vectors(
+            name, top, samples, design.process(samples), design.past, design.image
+        )
         texts[benches[1]] = test_bench(name, design, ports)
     description = (
         f"{scene.describe()} {scene.arrangement} network, {', '.join(scene.sensors)} to "

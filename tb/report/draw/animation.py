@@ -14,14 +14,12 @@ from tb.report.draw.drawing import (
     INK,
     Point,
     dot,
-    group,
-    identifier,
     line,
-    number,
     picture,
     text,
 )
 from tb.report.draw.load import FRAME, Beam, beam
+from tb.report.draw.steps import steps
 
 # Seconds for each position.
 STEP = 0.6
@@ -30,15 +28,6 @@ LEFT, RIGHT, TOP, BOTTOM = 38.0, 350.0, 42.0, 190.0
 # The zero of the bars, and the length of a bar of 1.
 ZERO, REACH = 262.0, 26.0
 TICK_MM, TICK_LOAD = 20, 0.2
-
-# A reader who asks for less motion, and paper, get the position in the middle alone.
-_STYLE = """\
-.{name}-step{{visibility:hidden;animation:{name}-show {total}s step-end infinite}}
-.{name}-still{{visibility:visible}}
-@keyframes {name}-show{{0%{{visibility:visible}}{end}%,100%{{visibility:hidden}}}}
-@media (prefers-reduced-motion:reduce){{.{name}-step{{animation:none}}}}
-@media print{{.{name}-step{{animation:none}}}}
-"""
 
 
 def animation(scene: Scene, frame: int = FRAME) -> str:
@@ -68,21 +57,11 @@ def animation(scene: Scene, frame: int = FRAME) -> str:
     others = [0, 2, 3]
     same = (known.targets[:, others] == known.targets[frame, others]).all(axis=1)
     rows = np.flatnonzero(same)
-    steps = [int(row) for row in rows[np.argsort(known.targets[rows, 1], kind="stable")]]
-    drawing = _Drawing(known, steps)
-    total, name = STEP * len(steps), identifier("animation", scene.name)
-    body = [
-        "<style>",
-        _STYLE.format(name=name, total=number(total), end=number(100 / len(steps))),
-        "</style>",
-        *drawing.axes(scene.sensors),
-    ]
-    for n, step in enumerate(steps):
-        still = f" {name}-still" if n == len(steps) // 2 else ""
-        # A start in the past: every step runs at once, each at its own point of the cycle.
-        delay = f"animation-delay:{number(STEP * n - total)}s"
-        body.append(group(drawing.step(step), class_=f"{name}-step{still}", style=delay))
-    title = f"A recorded load at {len(steps)} positions along the beam, scene {scene.name}"
+    places = [int(row) for row in rows[np.argsort(known.targets[rows, 1], kind="stable")]]
+    drawing = _Drawing(known, places)
+    moving = steps("animation", scene.name, STEP, [drawing.step(place) for place in places])
+    body = [*drawing.axes(scene.sensors), *moving]
+    title = f"A recorded load at {len(places)} positions along the beam, scene {scene.name}"
     return picture(title, (WIDTH, HEIGHT), body)
 
 

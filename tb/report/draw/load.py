@@ -131,7 +131,7 @@ def beam(scene: Scene) -> Beam:
     )
     return Beam(
         shown,
-        scene.twin().process(vectors.codes)[:, results],
+        scene.twin().core.process(vectors.codes)[:, results],
         vectors.targets[:, results],
         vectors.inputs,
         position,

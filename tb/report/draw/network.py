@@ -42,7 +42,8 @@ class Place:
 def network(scene: Scene) -> str:
     """Sensors at the left, one row a network, outputs at the right.
 
-    In a cascade a coloured line takes each output back to the networks behind it.
+    A sensor's line ends in an input for each of its samples that the network takes, the newest
+    frame's first. In a cascade a coloured line takes each output back to the networks behind it.
 
     Parameters
     ----------
@@ -74,16 +75,18 @@ def network(scene: Scene) -> str:
         top = places[-1].bottom + BELOW
     body = [text((left, 16), heading[0], 13, font_weight="bold")]
     body += [text((left, 17 + 15 * n), words) for n, words in enumerate(heading[1:], 1)]
+    taps = scene.window.taps
     for k, name in enumerate(scene.sensors):
-        at = 12 + ROW * k
+        at, last = 12 + ROW * k, max(n for n, tap in enumerate(taps) if tap.sensor == k)
         body.append(text((names, at + 4), name, text_anchor="end"))
-        body.append(line([(names + 4, at), (lanes[k], at), (lanes[k], places[-1].inputs[k][1])]))
+        body.append(line([(names + 4, at), (lanes[k], at), (lanes[k], places[-1].inputs[last][1])]))
     for n in range(len(fed)):
         (x, y), turn, lane = places[n].outputs[0], places[n].bottom + 8, lanes[sensors + n]
-        end = places[-1].inputs[sensors + n][1]
+        end = places[-1].inputs[len(taps) + n][1]
         body.append(line([(x, y), (x, turn), (lane, turn), (lane, end)], stroke=ACCENT))
+    own = [lanes[tap.sensor] for tap in taps] + lanes[sensors:]
     for place in places:
-        for (x, y), lane in zip(place.inputs, lanes, strict=False):
+        for (x, y), lane in zip(place.inputs, own, strict=False):
             colour = INK if lane in lanes[:sensors] else ACCENT
             body.append(line([(lane, y), (x, y)], stroke=colour))
             if place is not places[-1]:
@@ -106,7 +109,8 @@ def _heading(scene: Scene) -> list[str]:
         "multiple": f"{count} independent networks",
         "cascade": f"{count} networks in cascade",
     }
-    return [words[scene.arrangement], f"activation: {scene.activation_text}"]
+    past = [f"samples of so many frames before: {scene.window_text}"] if scene.window.past else []
+    return [words[scene.arrangement], f"activation: {scene.activation_text}", *past]
 
 
 def _place(shape: tuple[int, int, int], left: float, top: float) -> Place:

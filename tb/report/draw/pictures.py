@@ -15,6 +15,7 @@ from tb.report.draw.load import has_load
 from tb.report.draw.network import network
 from tb.report.draw.profile import profile
 from tb.report.draw.swing import COORDINATES, moves, swing
+from tb.report.draw.swing_animation import swing_animation
 from tb.report.draw.waveforms import waveforms
 from tb.report.measure.recording import record
 from tb.report.page.page import Picture
@@ -89,5 +90,13 @@ def pictures(scene: Scene) -> Iterator[Picture | Skipped]:
             "below each the difference.",
             wide=True,
         )
+        if not scene.window.plain:
+            yield Picture(
+                "swing_moves",
+                "The swing as it moves",
+                swing_animation(scene),
+                "Each step is a frame of the same run: where the mass is, and where the hardware "
+                "finds it, bit-true, with past samples and without.",
+            )
     else:
         yield Skipped("Motion", f"it needs the outputs {', '.join(COORDINATES)} with lengths")

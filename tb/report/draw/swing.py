@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 
+from golden.networks.mlp import Real
 from golden.physics.swing_data import RATE
 from golden.precision import SIGNAL
-from golden.scene import FOLDER, Scene
+from golden.scene import FOLDER, Scene, load_scene
 from golden.table import read_table
 from tb.report.draw.drawing import identifier
 from tb.report.draw.plot import plotted
@@ -19,6 +21,7 @@ RUN = FOLDER.parent / "data" / "swing-test-1.csv"
 COORDINATES = ("x", "y", "z")
 # A few swings: of more nobody could tell estimate and motion apart.
 SECONDS = 10.0
+WITHOUT, WITH = "without past samples", "with past samples"
 
 
 def moves(scene: Scene) -> bool:
@@ -26,8 +29,49 @@ def moves(scene: Scene) -> bool:
     return set(scene.outputs) == set(scene.length_mm) == set(COORDINATES) and not scene.scale
 
 
+@dataclass(frozen=True)
+class Followed:
+    """A stretch of a run and what a scene's hardware makes of it, in millimetres from code 0.
+
+    Attributes
+    ----------
+    time : float array, shape (frames,)
+        Seconds since release.
+    true, estimate : float arrays, shape (frames, 3)
+        x, y and z.
+    """
+
+    time: Real
+    true: Real
+    estimate: Real
+
+
+def follow(scene: Scene, run: Path, seconds: float) -> Followed:
+    """What the hardware of a scene makes of the first seconds of a run.
+
+    Raises
+    ------
+    FileNotFoundError, ValueError
+        See ``read_table`` and ``Scene.twin``.
+    """
+    count, past = round(seconds * RATE), scene.window.past
+    codes, _ = SIGNAL.quantise(read_table(run, scene.sensors)[:count], str(run))
+    actual = read_table(run, scene.outputs)[past:count]
+    found = SIGNAL.to_real(scene.twin().core.process(scene.window.frames(codes)))
+    at = [scene.outputs.index(name) for name in COORDINATES]
+    mm = np.array([scene.length_mm[name] / scene.full_scale[name] for name in COORDINATES])
+    return Followed(np.arange(past, count) / RATE, mm * actual[:, at], mm * found[:, at])
+
+
+def without_past(scene: Scene) -> Scene | None:
+    """The shipped scene of the same arrangement that sees one frame; none for one that does."""
+    return None if scene.window.plain else load_scene(f"swing-{scene.arrangement}")
+
+
 def swing(scene: Scene, run: Path = RUN) -> str:
     """True x, y and z against time, the bit-true estimates, and below each the difference.
+
+    Of a scene that sees past samples also the difference of the one that sees none.
 
     Parameters
     ----------
@@ -51,25 +95,25 @@ def swing(scene: Scene, run: Path = RUN) -> str:
             f"{scene.path}: swing: got outputs {', '.join(scene.outputs)}, with lengths of "
             f"{', '.join(scene.length_mm) or 'none'}, expected x, y and z, and length_mm of each"
         )
-    count = round(SECONDS * RATE)
-    codes, _ = SIGNAL.quantise(read_table(run, scene.sensors)[:count], str(run))
-    actual = read_table(run, scene.outputs)[:count]
-    found = SIGNAL.to_real(scene.twin().process(codes))
-    time = np.arange(len(codes)) / RATE
+    found, other = follow(scene, run, SECONDS), without_past(scene)
+    before = None if other is None else follow(other, run, SECONDS)
     with style():
         figure = Figure(figsize=(PLOT_INCHES[0], 2.4 * PLOT_INCHES[1]), layout="constrained")
         rows = figure.subplots(6, 1, sharex=True, height_ratios=[2, 1] * 3)
-        for name, trace, error in zip(COORDINATES, rows[::2], rows[1::2], strict=True):
-            column = scene.outputs.index(name)
-            mm = scene.length_mm[name] / scene.full_scale[name]
-            true, estimate = mm * actual[:, column], mm * found[:, column]
-            trace.plot(time, true, color="0.6", linewidth=2.4, label="true")
-            trace.plot(time, estimate, color="k", linewidth=0.7, label="bit-true estimate")
+        columns = zip(COORDINATES, found.true.T, found.estimate.T, strict=True)
+        for n, (name, true, estimate) in enumerate(columns):
+            trace, error = rows[2 * n : 2 * n + 2]
+            trace.plot(found.time, true, color="0.6", linewidth=2.4, label="true")
+            trace.plot(found.time, estimate, color="k", linewidth=0.7, label="bit-true estimate")
             trace.set_ylabel(f"{name}, mm")
-            error.plot(time, estimate - true, color="C3", linewidth=0.7)
+            if before is not None:
+                missed = before.estimate[:, n] - before.true[:, n]
+                error.plot(before.time, missed, color="C0", linewidth=0.5, label=WITHOUT)
+            error.plot(found.time, estimate - true, color="C3", linewidth=0.7, label=WITH)
             error.set_ylabel("error, mm")
         figure.align_ylabels()
-        rows[0].legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
+        lines = [line for axis in rows[: 2 if before else 1] for line in axis.lines]
+        rows[0].legend(handles=lines, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
         rows[-1].set_xlabel(f"time since release in {run.stem}, s; x, y, z count from code 0")
         title = f"Motion of the swing in {run.stem} and the estimates of scene {scene.name}"
         return plotted(figure, identifier("swing", scene.name), title)

@@ -28,7 +28,7 @@ def main() -> None:
     parser.add_argument("--frames", type=whole("FRAMES", 1, MOST_FRAMES), default=1_000_000)
     arguments = parser.parse_args()
     scene = load_scene(arguments.scene)
-    design = scene.twin()
+    design = scene.twin().core
     recorded = scene.vectors().codes
     frames = np.resize(recorded, (arguments.frames, recorded.shape[1]))
     design.process(recorded)  # fills the tables of activations, which later calls share

@@ -97,7 +97,7 @@ def _bound(sensors: Sequence[StrainSensor], targets: Real, sigma: Real, scale: R
 def bounds_of(scene: Scene, noises: Sequence[float]) -> dict[str, list[float]]:
     """Mean bounds, in percent, at each noise, of the outputs that a scene's readings hold in every
     row; none where its sensors are not those of the digit."""
-    if scene.data_path != RECORDED or scene.sensors != SENSORS:
+    if scene.data_paths != (RECORDED,) or scene.sensors != SENSORS:
         return {}
     table = read_table(RECORDED, [*SENSORS, *COLUMNS])
     rows = read_recorded(scene).numbers

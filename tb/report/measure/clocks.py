@@ -28,7 +28,7 @@ def clocks(_: int) -> Table:
         rows.append(
             [
                 scene.name,
-                scene.data_path.stem,
+                ", ".join(path.stem for path in scene.data_paths),
                 scene.arrangement,
                 scene.design,
                 scene.activation_text,

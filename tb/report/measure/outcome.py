@@ -37,7 +37,7 @@ class Outcome:
     numbers : int array, shape (rows,)
         Rows of the CSV, from 1 for the first below the header.
     readings : float array, shape (rows, sensors)
-        In the units of the sensors' columns.
+        In the units of the sensors' columns; the newest frame where there are past ones.
     targets, results : float arrays, shape (rows, outputs)
         What was recorded and what the hardware computes, in the units of the columns.
     errors, real : float arrays, shape (rows, outputs)
@@ -97,11 +97,11 @@ class Outcome:
 def outcome(scene: Scene) -> Outcome:
     """The networks' hardware on the recorded rows."""
     recorded, vectors = read_recorded(scene), scene.vectors()
-    codes = scene.twin().process(vectors.codes)
+    codes = scene.twin().core.process(vectors.codes)
     return Outcome(
         scene,
         recorded.numbers + 1,
-        recorded.inputs,
+        recorded.sensors,
         recorded.targets,
         scene.outputs_in_units(codes),
         vectors.percent_errors(SIGNAL.to_real(codes)),
@@ -123,12 +123,13 @@ def worst_rows(found: Outcome) -> Table:
             values = [*found.readings[row], *[found.groups[row]] * len(beside)]
             pair = (found.targets[row, c], found.results[row, c], found.errors[row, c])
             rows.append([output, int(found.numbers[row]), *map(float, (*values, *pair))])
+    files = [path.name for path in scene.data_paths]
     return Table(
         "worst_rows",
         ["output", "row", *scene.sensors, *beside, "recorded", "computed", "error %"],
         rows,
         f"The {WORST} rows with the largest bit-true errors of each output, and their readings. "
-        f"Row 1 of {scene.data_path.name} is the first below its header.",
+        f"Row 1 of {' and of '.join(files)} is the first below its header.",
     )
 
 

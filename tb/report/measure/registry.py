@@ -14,6 +14,7 @@ from tb.report.measure import (
     motions,
     networks,
     parallel,
+    past,
     physics,
     rbf,
     recalibration,
@@ -51,5 +52,6 @@ TABLES: dict[str, Callable[[int], Table]] = {
     "swing": physics.swing,
     "swing_damping": physics.swing_damping,
     "recordings": recordings.recordings,
+    "past": past.past,
     "stability": stability,
 }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 from golden.fingerprint import fingerprint, sources
@@ -12,6 +12,7 @@ from golden.scene import Scene
 from tb.common.results import stored_results
 from tb.common.tools import SIMULATORS, version
 from tb.report.draw.outcome import along_plot, disturbance_plots, predicted_plots
+from tb.report.draw.past import past_plots
 from tb.report.draw.pictures import draw
 from tb.report.measure import motions
 from tb.report.measure.costs import Costs, blocks, costs
@@ -34,6 +35,9 @@ class Drawable(Protocol):
     @property
     def sentence(self) -> str: ...
     def draw(self) -> str: ...
+
+
+Draw = Callable[[str, Sequence[Drawable]], list[Picture]]
 
 
 def content(scene: Scene, tell: Progress, full: bool = False) -> Page:
@@ -89,6 +93,7 @@ def content(scene: Scene, tell: Progress, full: bool = False) -> Page:
             text=["What the project has and this scene does not need is not built:"],
             points=summary.left_out(scene, design),
         ),
+        _limits(scene, moved, drawn, tell),
         _pictures(scene, drawing, tell),
         _resources(scene, design, cost),
     ]
@@ -100,6 +105,19 @@ def content(scene: Scene, tell: Progress, full: bool = False) -> Page:
         summary.errors(found, moved),
         summary.cost_table(scene, design, cost, compared=bool(scene.reference or moved)),
         [section for section in sections if section is not None],
+    )
+
+
+def _limits(scene: Scene, moved: Table | None, drawn: Draw, tell: Progress) -> Section | None:
+    """What past samples are worth, where a scene of the swing sees any."""
+    if moved is None or scene.window.plain:
+        return None
+    table = measured(tell, ["past"])["past"]
+    return Section(
+        "past",
+        "What limits it: past samples, noise, sampling rate",
+        pictures=drawn("past", past_plots(table)),
+        folded=[table],
     )
 
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from golden.physics.gauge_rig import load_rig
 from golden.scene import Scene
 from tb.report.draw import area, findings, tanh_words
+from tb.report.draw.past import past_plots
 from tb.report.draw.plots import Plot
 from tb.report.measure.activation_errors import thesis_figure
 from tb.report.measure.costs import with_activation_cells, with_network_cells
@@ -46,6 +47,7 @@ def sections(scene: Scene, state: str, draw: Draw, tell: Progress) -> list[Secti
         *findings.training_plots(tables),
         findings.robustness_plot(tables["robustness"]),
         *findings.swing_plots(tables),
+        *past_plots(tables["past"]),
         findings.damping_plot(tables),
         *findings.bound_plots(tables),
         findings.recalibration_plot(tables["recalibration"]),

@@ -78,7 +78,7 @@ def _motion_errors(scene: Scene, motions: Table) -> Table:
         "errors",
         ["output", "float %", "bit-true %", "thesis %"],
         rows,
-        "Equation 6.6 on the worse of two runs that the networks were not trained on. The thesis "
+        "Equation 6.6 on the worst of four runs that the networks were not trained on. The thesis "
         "measured on another rig (Table 6.2).",
     )
 
@@ -113,6 +113,8 @@ def cost_table(scene: Scene, design: Network, found: Costs | None, compared: boo
         )
         if compared:
             note += " Thesis: its Tables 5.1, 5.3 and 6.1, and the clock of its board."
+    if scene.front_end:
+        note = f"Front end: {scene.front_end.describe()}. {note}"
     if not compared:
         return Table("costs", ["what", "tactus"], [row[:2] for row in rows], note)
     return Table("costs", ["what", "tactus", "thesis"], rows, note)

@@ -75,16 +75,33 @@ def rails() -> Iterator[Row]:
     """The networks of every shipped scene with their sensors at the rails."""
     for name in scene_names():
         scene = load_scene(name)
-        network, inputs = scene.twin(), len(scene.sensors)
-        cases = {
-            "all sensors at rails or 0": _combinations((LOW, 0, HIGH), inputs),
-            "alternating rails": _alternating(inputs),
-        }
-        for case, frames in cases.items():
-            found = network.process(frames)
+        network = scene.twin()
+        for case, sent in _sent(scene).items():
+            found = network.process(sent)
+            frames = scene.window.frames(sent)
             off = largest(found - exact_network(network, scene.arrangement, frames))
             yield Row(name, case, EQUAL, "codes off", off, 0)
             yield Row(name, case, BOUNDED, "error in 2^-13", *_worst(scene, frames, found))
+
+
+def _sent(scene: Scene) -> dict[str, Codes]:
+    """Frames of the sensors by case; where there is a past, one after the other in time."""
+    inputs, past = len(scene.sensors), scene.window.past
+    if not past:
+        return {
+            "all sensors at rails or 0": _combinations((LOW, 0, HIGH), inputs),
+            "alternating rails": _alternating(inputs),
+        }
+    rng = np.random.default_rng(0)
+    drawn = rng.choice([LOW, 0, HIGH], (past + 500, inputs))
+    moving = rng.integers(LOW, HIGH + 1, (past + 500, inputs))
+    moving[:, 0] = HIGH
+    return {
+        "all sensors at rails or 0, now and before": drawn,
+        "alternating rails, from frame to frame": np.resize(_alternating(inputs), drawn.shape),
+        "rails in the past, 0 now": np.concatenate([drawn[:past], np.zeros_like(drawn[:past])]),
+        "a sensor that stopped at a rail": moving,
+    }
 
 
 def _worst(scene: Scene, frames: Codes, found: Codes) -> tuple[float, float]:
@@ -99,7 +116,7 @@ def _worst(scene: Scene, frames: Codes, found: Codes) -> tuple[float, float]:
         codes = seen(scene.arrangement, frames, columns[:i])
         given = found if scene.arrangement == "single" else columns[i]
         twin = scene.build(mlp, lean=False)
-        pairs += real_error(mlp, scene.precision, twin, codes, given, len(scene.sensors))
+        pairs += real_error(mlp, scene.precision, twin, codes, given, len(scene.inputs))
     return max(pairs, key=lambda pair: pair[0] / pair[1])
 
 

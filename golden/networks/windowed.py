@@ -1,0 +1,115 @@
+"""Windowed: a network that takes samples of past frames, too."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from golden.block import Block
+from golden.fixed import Codes
+from golden.flow import Carried, Flow
+from golden.layers.input_controller import InputController
+from golden.networks.network import Network
+from golden.precision import SIGNAL
+from golden.sensing.frame_window import FrameWindow
+from golden.window import Window
+
+
+@dataclass(frozen=True)
+class Windowed(Network):
+    """y = network(x now, x some frames before): a frame window in front of a network (ours).
+
+    Parameters
+    ----------
+    network : Network
+        One between two streams.
+    window : Window
+        Its samples.
+
+    Raises
+    ------
+    ValueError
+        For a network of other inputs, or one that is no stream or waits for an image.
+    """
+
+    block = "windowed"
+    network: Network
+    window: Window
+
+    def __post_init__(self) -> None:
+        taps = len(self.window.taps)
+        if self.network.inputs != taps:
+            raise ValueError(
+                f"{self.entity}: got a network of {self.network.inputs} inputs, expected {taps}, "
+                "the samples of the window"
+            )
+        if self.network.stream != "serial" or self.network.image or self.network.past:
+            raise ValueError(
+                f"{self.entity}: got {self.network.entity}, expected a network that takes a stream "
+                "of samples, without an image to be loaded and without a past"
+            )
+
+    @property
+    def frame_window(self) -> FrameWindow:
+        slots = self.network.input_controller.inputs - self.network.inputs
+        interval = self.network.interval
+        spacing = interval if interval > self.inputs else 0
+        return FrameWindow(SIGNAL, self.window, slots, spacing)
+
+    @property
+    def inputs(self) -> int:
+        return len(self.window.delays)
+
+    @property
+    def outputs(self) -> int:
+        return self.network.outputs
+
+    @property
+    def past(self) -> int:
+        return self.window.past
+
+    @property
+    def interval(self) -> int:
+        return self.frame_window.interval
+
+    @property
+    def output_clocks(self) -> tuple[int, ...]:
+        """Behind the frame that the frame window sends."""
+        window = self.frame_window
+        sent = window.latency + window.elements - 1
+        return tuple(sent + clocks for clocks in self.network.output_clocks)
+
+    @property
+    def latency(self) -> int:
+        return self.output_clocks[0]
+
+    @property
+    def input_controller(self) -> InputController:
+        """Judges frames as the frame window does; it is no part."""
+        return self.frame_window.input_controller
+
+    @property
+    def core(self) -> Network:
+        return self.network.core
+
+    def parts(self) -> tuple[Block, ...]:
+        return (self.frame_window, self.network)
+
+    def flow(self) -> Flow:
+        return Flow(
+            (
+                Carried(f"{self.inputs} x", SIGNAL),
+                self.frame_window,
+                Carried(f"{self.network.inputs} x, past and present", SIGNAL),
+                self.network,
+                Carried(f"{self.outputs} y", SIGNAL),
+            )
+        )
+
+    def left_out(self) -> list[str]:
+        texts = self.network.left_out()
+        if not self.frame_window.spacing:
+            texts.append(f"{self.frame_window.entity}: the counter that keeps frames apart")
+        return texts
+
+    def compute(self, frames: Codes) -> Codes:
+        return self.network.compute(self.frame_window.process(frames))

@@ -1,0 +1,152 @@
+"""Which samples of past frames a scene's networks take: ``data.window`` and ``data.recordings``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from os.path import normpath
+from pathlib import Path
+from typing import Any
+
+from golden.networks.designs import DESIGNS
+from golden.table import suggest
+from golden.window import Window
+
+# Frames: a ring of more is no small memory any more.
+MOST_PAST = 1 << 16
+
+
+def read_window(data: dict[str, Any], path: Path) -> Window:
+    """``data.window``, checked: one list of delays for all sensors, or one for some of them.
+
+    A sensor that a table does not name has its newest sample alone.
+
+    Raises
+    ------
+    ValueError
+        For an unknown sensor, and delays that are no ascending whole numbers from 0.
+    """
+    given, sensors = data["window"], data["sensors"]
+    if not isinstance(given, dict):
+        return Window((_delays(given, f"{path}: data.window"),) * len(sensors))
+    for name in given:
+        if name not in sensors:
+            raise ValueError(
+                f"{path}: data.window: {name!r} is no sensor, expected one of "
+                f"{', '.join(sensors)}{suggest(name, sensors)}"
+            )
+    return Window(
+        tuple(_delays(given.get(name, [0]), f"{path}: data.window.{name}") for name in sensors)
+    )
+
+
+def _delays(given: Any, place: str) -> tuple[int, ...]:
+    """The delays of one sensor."""
+    text = f"{place}: got {given!r}, expected"
+    if not isinstance(given, list) or not given or any(type(d) is not int for d in given):
+        raise ValueError(f"{text} whole numbers of frames, such as [0, 4, 8]")
+    for delay in given:
+        if not 0 <= delay <= MOST_PAST:
+            raise ValueError(f"{text} delays from 0 to {MOST_PAST}")
+    if any(a >= b for a, b in pairwise(given)):
+        raise ValueError(f"{text} ascending delays, each once")
+    return tuple(given)
+
+
+def tap_names(window: Window, sensors: Sequence[str]) -> tuple[str, ...]:
+    """What a reader calls the samples that a network takes."""
+    return tuple(
+        sensors[tap.sensor] + (f" {tap.delay} before" if tap.delay else "") for tap in window.taps
+    )
+
+
+def window_text(window: Window, sensors: Sequence[str]) -> str:
+    """The delays, as provenance and pages name them; nothing where there is no past."""
+    if window.plain:
+        return ""
+    texts = [" ".join(map(str, delays)) for delays in window.delays]
+    if len(set(texts)) == 1:
+        return texts[0]
+    return ", ".join(f"{name} {text}" for name, text in zip(sensors, texts, strict=True))
+
+
+def check_window(values: dict[str, dict[str, Any]], window: Window, path: Path) -> None:
+    """Refuse what does not go with samples of past frames.
+
+    Raises
+    ------
+    ValueError
+        For hardware that cannot, for rows that are left out, for rows or blocks that share their
+        samples with those of another part of the split, and for columns of one name.
+    """
+    data, training = values["data"], values["training"]
+    if window.plain:
+        return
+    taps = zip(tap_names(window, data["sensors"]), window.taps, strict=True)
+    columns = [*data["sensors"], *data["outputs"]]
+    for name in (name for name, tap in taps if tap.delay and name in columns):
+        raise ValueError(
+            f"{path}: data.window: {name!r} is a column and a past sample too, expected a column "
+            "of another name"
+        )
+    design = DESIGNS[values["hardware"]["design"]]
+    if design.stream != "serial":
+        serial = " or ".join(name for name, other in DESIGNS.items() if other.stream == "serial")
+        raise ValueError(
+            f"{path}: hardware.design: got {design.block!r} with a data.window, expected {serial}, "
+            "which take a stream of samples"
+        )
+    if values["hardware"]["reload"]:
+        raise ValueError(
+            f"{path}: hardware.reload: got true with a data.window, expected false: what keeps the "
+            "past is no part of an image"
+        )
+    if data["where"]:
+        raise ValueError(
+            f"{path}: data.where: got {data['where']!r} with a data.window, expected none: rows "
+            "that are left out are missing in the past of others; give data.recordings"
+        )
+    if training["split"] == "random":
+        raise ValueError(
+            f"{path}: training.split: got 'random' with a data.window, expected 'blocks' or "
+            "'groups': rows beside each other share their samples"
+        )
+    if training["split"] == "blocks" and training["block_rows"] <= window.past:
+        raise ValueError(
+            f"{path}: training.block_rows: got {training['block_rows']} with a data.window that "
+            f"reaches {window.past} frames back, expected more: the first {window.past} rows of a "
+            "block share samples with the block before, and are left out"
+        )
+
+
+def recordings(data: dict[str, Any], path: Path) -> list[str]:
+    """The names in ``data.file`` or ``data.recordings``, of which a scene has one.
+
+    ``data`` is the section as it is given: a key that is left out is not there.
+
+    Raises
+    ------
+    ValueError
+        For both or none, and for what are no different names.
+    """
+    file, several = data.get("file"), data.get("recordings")
+    if file is None and several is None:
+        raise ValueError(
+            f"{path}: data.file: missing, expected text, the name of a file, or several in "
+            "data.recordings"
+        )
+    if several is None and file is not None:
+        return [str(file)]
+    if file is not None:
+        raise ValueError(
+            f"{path}: data.recordings: got {several!r} beside data.file, expected one of both keys"
+        )
+    if (
+        not several
+        or any(type(n) is not str for n in several)
+        or len({*map(normpath, several)}) < len(several)
+    ):
+        raise ValueError(
+            f"{path}: data.recordings: got {several!r}, expected names of files, each once"
+        )
+    return list(several)

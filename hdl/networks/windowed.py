@@ -1,0 +1,73 @@
+"""Windowed: a network that takes samples of past frames, too."""
+
+from myhdl import block
+
+from golden.networks.windowed import Windowed
+from golden.precision import SIGNAL
+from hdl.common.lookup import hardware
+from hdl.common.signals import fixed, flag
+from hdl.sensing.frame_window import frame_window
+
+
+@block
+def windowed(
+    clk,
+    rst,
+    in_valid,
+    in_data,
+    in_last,
+    out_valid,
+    out_data,
+    out_last,
+    frame_error,
+    *,
+    spec: Windowed,
+):
+    """A frame of samples in, a frame of outputs of it and of past ones out.
+
+    Parameters
+    ----------
+    in_valid, in_data, in_last : bool, signed Fix(14,13), bool
+        One sample a clock at most; ``in_last`` with the last sensor of a scan.
+    out_valid, out_data, out_last : bool, signed Fix(14,13), bool
+        As those of the network.
+    frame_error : bool
+        One clock long for each frame of the wrong length, or that ends less than ``spec.interval``
+        clocks after the last good one; it yields no result and does not enter the past.
+    spec : Windowed
+
+    Notes
+    -----
+    Latency from the last sample to the first output: that of the frame window, the frame that it
+    sends, and that of the network. The first ``spec.past`` good frames after a reset yield no
+    outputs. Reset clears every flag and counter.
+    """
+    valid, data, last = flag(), fixed(SIGNAL), flag()
+    # Left open: the frame window sends no frame that the network refuses.
+    broken = flag()
+    return (
+        frame_window(
+            clk,
+            rst,
+            in_valid,
+            in_data,
+            in_last,
+            valid,
+            data,
+            last,
+            frame_error,
+            spec=spec.frame_window,
+        ),
+        hardware(spec.network)(
+            clk,
+            rst,
+            valid,
+            data,
+            last,
+            out_valid,
+            out_data,
+            out_last,
+            broken,
+            spec=spec.network,
+        ),
+    )

@@ -1,0 +1,178 @@
+"""Frame window: past frames kept, and the samples of them that a network takes."""
+
+import numpy as np
+from myhdl import Signal, always, always_comb, always_seq, block, intbv, modbv
+
+from golden.sensing.frame_window import FrameWindow
+from hdl.common.delay import delay
+from hdl.common.past import past_whole
+from hdl.common.rom import rom
+from hdl.common.signals import flag, unsigned
+
+
+@block
+def judge(clk, rst, in_valid, in_last, accept, good, broken, *, sensors: int, spacing: int):
+    """Which samples belong to frames, and how these end; as input_controller, at once."""
+    final = sensors - 1
+    count = unsigned(max(1, final.bit_length()))
+    dropping, complete, early = flag(), flag(), flag()
+    parts = []
+
+    if spacing > 1:
+        remaining = unsigned((spacing - 1).bit_length())
+
+        @always_comb
+        def compare():
+            early.next = remaining != 0
+
+        @always_seq(clk.posedge, reset=rst)
+        def tick():
+            if good:
+                remaining.next = spacing - 1
+            elif remaining != 0:
+                remaining.next = remaining - 1
+
+        @always_comb
+        def check():
+            good.next = accept and complete and in_last and not early
+
+        parts += [compare, tick, check]
+    else:
+
+        @always_comb
+        def check():
+            good.next = accept and complete and in_last
+
+        parts.append(check)
+
+    @always_comb
+    def look():
+        accept.next = in_valid and not dropping
+        complete.next = count == final
+
+    @always_comb
+    def refuse():
+        broken.next = accept and (complete or in_last) and not good
+
+    @always_seq(clk.posedge, reset=rst)
+    def step():
+        if accept:
+            if complete or in_last:
+                count.next = 0
+                dropping.next = not in_last
+            else:
+                count.next = count + 1
+        elif in_valid and in_last:
+            dropping.next = False
+
+    return parts, look, refuse, step
+
+
+@block
+def frame_window(
+    clk,
+    rst,
+    in_valid,
+    in_data,
+    in_last,
+    out_valid,
+    out_data,
+    out_last,
+    frame_error,
+    *,
+    spec: FrameWindow,
+):
+    """After each good frame the samples of it and of past ones that a network takes.
+
+    Parameters
+    ----------
+    in_valid, in_data, in_last : bool, signed ``spec.fmt``, bool
+        One sample a clock at most; ``in_last`` with the last sensor of a scan.
+    out_valid, out_data, out_last : bool, signed ``spec.fmt``, bool
+        The network's frame, an element a clock.
+    frame_error : bool
+        One clock long, one clock after the sample that breaks a frame: ``last`` too early or
+        missing, or a frame that ends less than ``spec.spacing`` clocks after the last good one.
+    spec : FrameWindow
+
+    Notes
+    -----
+    Latency from a frame's last sample to the first element: 3 clocks. The ring has one write and
+    one read port and no reset. A wrong frame is written too, in the place of the one that follows.
+    Reset clears flags, counters and the ring's addresses; nothing leaves until the past is whole.
+    """
+    words, final = spec.words, spec.elements - 1
+    ring = [Signal(intbv(0, min=spec.fmt.low, max=spec.fmt.high + 1)) for _ in range(words)]
+    # Where the next sample goes, and where the frame that comes began; both wrap.
+    place, start, read_addr = (Signal(modbv(0, min=0, max=words)) for _ in range(3))
+    offset = unsigned(spec.addr_width)
+    turn = unsigned(max(1, final.bit_length()))
+    accept, good, broken, sending, closing = (flag() for _ in range(5))
+    yields = flag() if spec.past else good
+    past = [past_whole(clk, rst, good, yields, past=spec.past)] if spec.past else []
+
+    @always(clk.posedge)
+    def write():
+        if accept:
+            ring[place].next = in_data
+
+    @always_seq(clk.posedge, reset=rst)
+    def advance():
+        if broken:
+            place.next = start
+        elif accept:
+            place.next = place + 1
+        if good:
+            start.next = place + 1
+        frame_error.next = broken
+
+    @always_seq(clk.posedge, reset=rst)
+    def send():
+        if yields:
+            sending.next = True
+            turn.next = 0
+        elif closing:
+            sending.next = False
+        elif sending:
+            turn.next = turn + 1
+
+    @always_comb
+    def close():
+        closing.next = sending and turn == final
+
+    @always(clk.posedge)
+    def find():
+        read_addr.next = start - offset
+
+    @always(clk.posedge)
+    def read():
+        out_data.next = ring[read_addr]
+
+    return (
+        judge(
+            clk,
+            rst,
+            in_valid,
+            in_last,
+            accept,
+            good,
+            broken,
+            sensors=spec.sensors,
+            spacing=spec.spacing,
+        ),
+        past,
+        write,
+        advance,
+        send,
+        close,
+        rom(
+            turn,
+            offset,
+            words=np.array(spec.offsets),
+            meanings=[f"sensor {tap.sensor}, {tap.delay} before" for tap in spec.window.taps],
+        ),
+        find,
+        read,
+        delay(clk, rst, sending, out_valid, clocks=2),
+        delay(clk, rst, closing, out_last, clocks=2),
+    )

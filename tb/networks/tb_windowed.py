@@ -1,0 +1,37 @@
+"""windowed, a network that takes samples of past frames too, against its twin.
+
+Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one
+sensor alone) in the past of others; frames that drive each hidden sum to its ends; 100 random
+frames; frames too short and too long among good ones.
+Drives: as close as the design takes frames, with random gaps, closer than it takes them, with
+resets in mid-frame, and with one reset at each clock of a frame, of a long one at many; after each
+reset a past anew.
+Checks: every output, ``out_last`` and ``frame_error`` bit for bit in its clock, and that nothing
+comes out in any other clock, none before the past is whole. Measures the clocks of a frame.
+Does not prove: anything about the accuracy of the network (the report of `make demo` does).
+"""
+
+from tb.common.network import (
+    corners_and_random,
+    recorded,
+    reset_at_every_clock,
+    resets_in_mid_frame,
+    wrong_lengths,
+)
+from tb.common.small import WINDOWS
+
+# Of delays of 64 frames the bench of frame_window makes sure, which has nothing else to simulate.
+CASES = {name: case for name, case in WINDOWS.items() if name != "long-past"}
+FAULTS = [
+    (r"\.in_valid\(valid\)", ".in_valid(in_valid)"),
+    (r"\.in_data\(data\)", ".in_data(in_data)"),
+    (r"\.frame_error\(broken\)", ".frame_error(frame_error)"),
+]
+
+__all__ = [
+    "corners_and_random",
+    "recorded",
+    "reset_at_every_clock",
+    "resets_in_mid_frame",
+    "wrong_lengths",
+]

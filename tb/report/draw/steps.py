@@ -1,0 +1,39 @@
+"""A picture that moves: steps one after the other, by a style alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from tb.report.draw.drawing import group, identifier, number
+
+# A reader who asks for less motion, and paper, get the step in the middle alone.
+_STYLE = """\
+.{name}-step{{visibility:hidden;animation:{name}-show {total}s step-end infinite}}
+.{name}-still{{visibility:visible}}
+@keyframes {name}-show{{0%{{visibility:visible}}{end}%,100%{{visibility:hidden}}}}
+@media (prefers-reduced-motion:reduce){{.{name}-step{{animation:none}}}}
+@media print{{.{name}-step{{animation:none}}}}
+"""
+
+
+def steps(kind: str, scene: str, seconds: float, bodies: Sequence[list[str]]) -> list[str]:
+    """Elements of which one step is seen at a time, again and again.
+
+    Parameters
+    ----------
+    kind, scene : str
+        Of the picture; see ``identifier``.
+    seconds : float
+        For each step.
+    bodies : sequence of list of str
+        The elements of each step.
+    """
+    total, name = seconds * len(bodies), identifier(kind, scene)
+    style = _STYLE.format(name=name, total=number(total), end=number(100 / len(bodies)))
+    body = ["<style>", style, "</style>"]
+    for n, step in enumerate(bodies):
+        still = f" {name}-still" if n == len(bodies) // 2 else ""
+        # A start in the past: every step runs at once, each at its own point of the cycle.
+        delay = f"animation-delay:{number(seconds * n - total)}s"
+        body.append(group(step, class_=f"{name}-step{still}", style=delay))
+    return body

@@ -1,0 +1,101 @@
+"""The swing as it moves, and where the hardware of a scene takes its mass to be."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from golden.networks.mlp import Real
+from golden.scene import Scene
+from tb.report.draw.drawing import ACCENT, FAINT, INK, Point, dot, line, picture, text
+from tb.report.draw.steps import steps
+from tb.report.draw.swing import RUN, Followed, follow, without_past
+
+# Seconds that are shown, and of a step: a swing takes about one and a half.
+FROM, UNTIL, STEP = 1.0, 5.0, 0.1
+WIDTH, HEIGHT = 360.0, 220.0
+# What a millimetre is: of y and z, and of the wobble x, which is small.
+ALONG, ACROSS = 0.52, 9.0
+# Where the mass hangs at rest, and the middle of the view from above.
+LEFT, REST, ABOVE = 180.0, 80.0, 170.0
+OTHER = "#c43b3b"
+
+
+def swing_animation(scene: Scene, run: Path = RUN) -> str:
+    """The mass from the side, y and z, and from above, x and y, true and as it was found.
+
+    Each step is a frame of a run that the networks were not trained on. No script: a style moves
+    it.
+
+    Parameters
+    ----------
+    scene : Scene
+        One that sees past samples of the swing; the scene without them is shown beside it.
+    run : Path
+        See ``swing``.
+
+    Returns
+    -------
+    str
+        One ``<svg>`` element.
+
+    Raises
+    ------
+    FileNotFoundError, ValueError
+        See ``follow``; also for a scene without a past.
+    """
+    other = without_past(scene)
+    if other is None:
+        raise ValueError(f"{scene.path}: swing: got no data.window, expected one")
+    found = follow(scene, run, UNTIL)
+    before = follow(other, run, UNTIL)
+    shown = [int(np.argmin(np.abs(found.time - t))) for t in np.arange(FROM, UNTIL, STEP)]
+    # Both end at the same frame.
+    skipped = len(before.time) - len(found.time)
+    bodies = [_step(found, n, before.estimate[n + skipped]) for n in shown]
+    title = f"The mass of the swing in {run.stem}, true and as scene {scene.name} finds it"
+    body = [*_still(), *steps("swing_animation", scene.name, STEP, bodies)]
+    return picture(title, (WIDTH, HEIGHT), body)
+
+
+def _side(place: Real) -> Point:
+    """y and z: from the side."""
+    return LEFT + ALONG * float(place[1]), REST - ALONG * float(place[2])
+
+
+def _above(place: Real) -> Point:
+    """y and x: from above."""
+    return LEFT + ALONG * float(place[1]), ABOVE - ACROSS / 2 * float(place[0])
+
+
+def _still() -> list[str]:
+    """What does not move."""
+    return [
+        dot((12, 12), 5, fill=ACCENT),
+        text((24, 16), "true"),
+        _ring((72, 12), INK),
+        text((84, 16), "with past samples"),
+        _ring((202, 12), OTHER),
+        text((214, 16), "without"),
+        text((8, 36), "from the side: y, z", 10),
+        text((8, ABOVE - 40), f"from above: y, and x {ACROSS / 2 / ALONG:.0f} times as large", 10),
+        line([(8, ABOVE), (WIDTH - 8, ABOVE)], stroke=FAINT, stroke_width=0.4),
+    ]
+
+
+def _ring(at: Point, colour: str) -> str:
+    return dot(at, 5, fill="none", stroke=colour, stroke_width=1.4)
+
+
+def _step(found: Followed, n: int, before: Real) -> list[str]:
+    """One frame."""
+    true, estimate = found.true[n], found.estimate[n]
+    body = [text((WIDTH - 8, 36), f"{found.time[n]:.2f} s", 10, text_anchor="end")]
+    for view in (_side, _above):
+        body += [
+            dot(view(true), 5, fill=ACCENT),
+            _ring(view(before), OTHER),
+            _ring(view(estimate), INK),
+        ]
+    return body

@@ -1,0 +1,175 @@
+"""frame_window against its twin.
+
+Sweeps: random frames and corner frames (rails, alternating rails, zeros, one sensor alone), three
+times as many as the ring holds, or once; frames of all lengths, one in three of them wrong; a reset
+at each clock of a frame and of what is sent after it.
+Drives: frames as close as the network takes them, closer, with gaps, and with resets at random
+clocks.
+Checks: every sample that leaves, ``out_last`` and ``frame_error`` bit for bit in their clocks, and
+that nothing leaves in any other clock: not before the past is whole, of no wrong frame, and none of
+its samples later.
+Does not prove: what stands in the slots behind the samples, which does not matter.
+"""
+
+import cocotb
+import numpy as np
+
+from tb.common.bench import Bench
+from tb.common.framing import random_lengths, scan, yielding
+from tb.common.small import WINDOWS
+from tb.common.stimulus import corner_frames, random_resets, spread
+
+CASES = WINDOWS
+FAULTS = [
+    (r"place <= start;", "place <= place;"),
+    (r"past_whole0_known == (\d+)", r"past_whole0_known == \1 - 1"),
+    (r"read_addr <= \(start - offset\)", "read_addr <= (place - offset)"),
+    (r"&& \(!judge0_early\)", "&& (!judge0_early || 1)"),
+    (r"judge0_dropping <= \(!in_last\)", "judge0_dropping <= 0"),
+    (r"(?s)(past_whole0_count.*?)if \(rst == 1\)", r"\1if (0)"),
+    (r"1: offset = \d+", "1: offset = 0"),
+    (r"turn == (\d+)", r"turn == \1 - 1"),
+    (r"if \(accept\) begin\s+ring", "if (good) begin ring"),
+]
+
+
+# About the clocks that a test plays.
+MOST_CLOCKS = 20_000
+
+
+async def check(bench, data, last, gap=0.0, pause=0, resets=None):
+    """Play samples; ``resets`` gives the reset column for a number of clocks."""
+    twin = bench.twin
+    items = {"in_data": data, "in_last": last}
+    tail = twin.latency + twin.elements + 3
+    drive = spread(bench.rng, items, "in_valid", gap, tail, pause=pause)
+    if resets is not None:
+        drive["rst"] = resets(len(drive["in_valid"]))
+    recording = await bench.play(drive, ["out_valid", "out_data", "out_last", "frame_error"])
+
+    rows, frames = scan(twin.input_controller, recording)
+    done = np.flatnonzero(frames.done)
+    samples = recording.signed("in_data", rows)
+    good = samples[done[:, np.newaxis] + np.arange(1 - twin.sensors, 1)]
+    started, ended = rows[done - twin.sensors + 1], rows[done]
+    kept, expected = yielding(recording, ended, good, twin.past, twin.process)
+    at = ended[kept, np.newaxis] + bench.latency + np.arange(twin.elements)
+    begun = np.repeat(started[kept], twin.elements).reshape(at.shape)
+    alive = recording.undisturbed(begun, at - 1)
+    bench.compare("clocks of out_valid", recording.rows("out_valid"), at[alive])
+    bench.compare("clocks of out_last", recording.rows("out_last"), at[:, -1][alive[:, -1]])
+    taps = slice(len(twin.window.taps))
+    left = alive[:, taps]
+    got = recording.signed("out_data", at[:, taps][left])
+    bench.compare("out_data", got, expected[left], clock=at[:, taps][left])
+    bench.compare("clocks of frame_error", recording.rows("frame_error"), rows[frames.error] + 1)
+    return frames, kept
+
+
+def whole(frames):
+    """Good frames as samples."""
+    last = np.zeros(frames.shape, dtype=np.int64)
+    last[:, -1] = 1
+    return frames.ravel(), last.ravel()
+
+
+def random_data(bench, count):
+    fmt = bench.twin.fmt
+    return bench.rng.integers(fmt.low, fmt.high + 1, count)
+
+
+def random_frames(bench, count):
+    return random_data(bench, count * bench.twin.sensors).reshape(count, -1)
+
+
+def enough(bench):
+    """Frames that fill the ring three times, or once where that takes long, behind a whole past."""
+    once = bench.twin.words // bench.twin.sensors
+    return bench.twin.past + 3 + min(3 * once, max(once, MOST_CLOCKS // bench.twin.interval))
+
+
+def closest(bench):
+    """Idle clocks before a frame, with which frames are as close as may be."""
+    return bench.twin.interval - bench.twin.sensors
+
+
+@cocotb.test()
+async def frames_in_time(dut):
+    """Rails and random codes in the past, as close as may be and with gaps."""
+    bench = Bench(dut)
+    twin = bench.twin
+    count = enough(bench)
+    for gap in (0.0, 0.3):
+        corners = bench.rng.choice(corner_frames(twin.fmt, twin.sensors), count)
+        at_random = bench.rng.random((count, 1)) < 0.5
+        data, last = whole(np.where(at_random, random_frames(bench, count), corners))
+        _, kept = await check(bench, data, last, gap, np.roll(last, 1) * closest(bench))
+        assert kept.sum() == count - twin.past, "not every frame was taken"
+    bench.finish(at_least=2 * twin.elements * (count - twin.past))
+
+
+@cocotb.test()
+async def wrong_frames(dut):
+    """Frames too short, too long and too close, none of which enters the past."""
+    bench = Bench(dut)
+    twin = bench.twin
+    for gap in (0.0, 0.3):
+        last = random_lengths(bench.rng, twin.sensors, 2 * twin.sensors * enough(bench))
+        # Of the right length, and yet too close, in one of four.
+        close = bench.rng.integers(0, closest(bench) + 1, len(last))
+        near = bench.rng.random(len(last)) < 0.25
+        pause = np.roll(last, 1) * np.where(near, close, closest(bench))
+        frames, kept = await check(bench, random_data(bench, len(last)), last, gap, pause)
+        assert frames.error.any(), "no wrong frame was driven"
+        assert kept.any(), "no past was ever whole"
+    bench.finish(at_least=twin.elements * len(kept) // 8)
+
+
+@cocotb.test()
+async def resets(dut):
+    """Resets at random clocks: the past begins anew."""
+    bench = Bench(dut)
+    twin = bench.twin
+    last = random_lengths(bench.rng, twin.sensors, 9 * twin.sensors * (twin.past + 9))
+    every = 3 * (twin.past + 2) * twin.interval
+    _, kept = await check(
+        bench,
+        random_data(bench, len(last)),
+        last,
+        gap=0.1,
+        pause=np.roll(last, 1) * closest(bench),
+        resets=lambda length: random_resets(bench.rng, length, every),
+    )
+    assert kept.any(), "no past was ever whole"
+    bench.finish(at_least=50)
+
+
+@cocotb.test()
+async def reset_at_every_clock(dut):
+    """A whole past, a reset at some clock of the frame or of what is sent, and a whole past again.
+
+    At every clock; of a long past at as many as there are clocks for.
+    """
+    bench = Bench(dut)
+    twin = bench.twin
+    each = (twin.past + 1) * twin.interval
+    sent = twin.latency + twin.elements + 2
+    after = twin.interval + sent
+    newest = after + twin.past * twin.interval
+    at = newest + np.arange(twin.interval + sent)
+    most = max(4, MOST_CLOCKS // 2 // (each + after))
+    if len(at) > most:
+        at = np.sort(bench.rng.choice(at, most, replace=False))
+    frames = random_frames(bench, len(at) * (twin.past + 1))
+    data, last = whole(frames)
+    pause = np.zeros((len(at), twin.past + 1, twin.sensors), dtype=np.int64)
+    pause[:, :, 0] = closest(bench)
+    pause[:, 0, 0] += after
+
+    def resets(clocks):
+        column = np.zeros(clocks, dtype=np.int64)
+        column[np.arange(len(at)) * (each + after) + at] = 1
+        return column
+
+    await check(bench, data, last, pause=pause.ravel(), resets=resets)
+    bench.finish(at_least=len(at))

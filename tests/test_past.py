@@ -1,0 +1,331 @@
+"""Networks that take past samples: what a scene says of them, and which rows it uses."""
+
+from __future__ import annotations
+
+import csv
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from refused import Desk
+
+from golden.disturbance import Disturbance
+from golden.errors import disturbed_rows, held_out_rows, scene_errors, told
+from golden.precision import SIGNAL
+from golden.recalibration.__main__ import main as recalibrate
+from golden.rig.check import data
+from golden.rig.predict import main as predict
+from golden.scene import Scene, load_scene, scene_names
+from golden.scene.vectors import read_recorded
+from golden.table import read_table, write_table
+from golden.training.__main__ import train_scene
+from golden.training.search import train
+from golden.training.split import Split, apart, split_of
+from golden.training.task import task_for
+from golden.window import Window
+from tb.common.cases import random_mlp
+
+WINDOW = Window(((0, 2, 3), (0,), (1, 5)))
+ROWS = (60, 47)
+COLUMNS = ("a", "b", "c", "y")
+SCENE = """
+[data]
+recordings = ["one.csv", "two.csv"]
+sensors = ["a", "b", "c"]
+outputs = ["y"]
+full_scale = { y = 1.0 }
+window = { a = [0, 2, 3], c = [1, 5] }
+
+[network]
+arrangement = "single"
+hidden = 3
+weights = "past.npz"
+
+[hardware]
+design = "engine"
+precision = "exact"
+
+[training]
+restarts = 1
+steps = 20
+split = "blocks"
+block_rows = 8
+"""
+
+
+@pytest.fixture
+def past(tmp_path: Path) -> Scene:
+    """Three sensors, of which two have a past, in two recordings; not trained yet."""
+    rng = np.random.default_rng(3)
+    for name, rows in zip(("one", "two"), ROWS, strict=True):
+        write_table(tmp_path / f"{name}.csv", COLUMNS, rng.uniform(-0.9, 0.9, (rows, 4)), 4)
+    path = tmp_path / "past.toml"
+    path.write_text(SCENE)
+    return load_scene(str(path))
+
+
+def edited(scene: Scene, old: str, new: str) -> Scene:
+    assert old in SCENE
+    scene.path.write_text(SCENE.replace(old, new))
+    return load_scene(str(scene.path))
+
+
+@pytest.fixture
+def trained(past: Scene, tmp_path: Path) -> Scene:
+    train_scene(past, tmp_path / "build", 1)
+    return load_scene(str(past.path))
+
+
+def test_inputs_are_the_samples_of_each_frame_and_of_those_before(past: Scene) -> None:
+    vectors, rows = past.vectors(), []
+    for path in past.data_paths:
+        a, b, c, _ = read_table(path, COLUMNS).T
+        rows += [[a[t], b[t], c[t - 1], a[t - 2], a[t - 3], c[t - 5]] for t in range(5, len(a))]
+    assert past.inputs == ("a", "b", "c 1 before", "a 2 before", "a 3 before", "c 5 before")
+    assert np.array_equal(vectors.inputs, rows)
+    assert np.array_equal(vectors.codes, SIGNAL.quantise(vectors.inputs)[0])
+    assert [codes.shape for codes in vectors.recordings] == [(rows, 3) for rows in ROWS]
+    for codes, path in zip(vectors.recordings, past.data_paths, strict=True):
+        assert np.array_equal(codes, SIGNAL.quantise(read_table(path, past.sensors))[0])
+    assert len(vectors.targets) == len(vectors.scale) == sum(ROWS) - 2 * 5
+    assert vectors.targets[ROWS[0] - 5, 0] == read_table(past.data_paths[1], ["y"])[5, 0]
+
+
+def test_rows_without_a_whole_past_are_counted(past: Scene) -> None:
+    recorded = read_recorded(past)
+    assert recorded.without_past == 10
+    assert recorded.numbers[[0, ROWS[0] - 6, ROWS[0] - 5]].tolist() == [5, ROWS[0] - 1, 5]
+    texts = [finding.text for finding in data(past)]
+    assert "97 rows; 10 without a whole past are not used" in texts
+    border = 97 - split_of(past).count
+    assert border
+    assert f"{border} rows share samples with rows of another part and are in none" in texts
+
+
+def test_a_window_of_one_changes_nothing(small_scene: Scene) -> None:
+    text = small_scene.path.read_text()
+    small_scene.path.write_text(text.replace("group_by", "window = [0]\ngroup_by"))
+    one = load_scene(str(small_scene.path))
+    assert one.window.plain
+    assert one.inputs == one.sensors
+    assert not one.window_text
+    assert np.array_equal(one.vectors().codes, small_scene.vectors().codes)
+    assert np.array_equal(*one.vectors().recordings, small_scene.vectors().codes)
+    assert one.twin() == small_scene.twin()
+
+
+def test_a_window_of_one_past_sample(past: Scene) -> None:
+    scene = edited(past, "window = { a = [0, 2, 3], c = [1, 5] }", "window = [4]")
+    one, two = (read_table(path, past.sensors)[:-4] for path in past.data_paths)
+    assert np.array_equal(scene.vectors().inputs, np.concatenate([one, two]))
+    assert scene.window_text == "4"
+
+
+@pytest.mark.parametrize("split", ["blocks", "groups"])
+def test_parts_share_no_sample(past: Scene, split: str) -> None:
+    if split == "groups":
+        for path in past.data_paths:
+            table = read_table(path, COLUMNS)
+            day = np.arange(len(table)) // 7
+            write_table(path, [*COLUMNS, "day"], np.column_stack([table, day]), 4)
+        new = 'split = "groups"\nsplit_by = ["day"]\n'
+        past = edited(past, 'split = "blocks"\nblock_rows = 8\n', new)
+    recorded, reach = read_recorded(past), past.window.past
+    for seed in range(8):
+        found = split_of(replace(past, training=replace(past.training, seed=seed)))
+        frames: list[set[tuple[int, int]]] = []
+        for rows in (found.training, found.validation, found.test):
+            ends = zip(recorded.runs[rows], recorded.numbers[rows], strict=True)
+            frames.append({(r, n - d) for r, n in ends for d in range(reach + 1)})
+        assert not (frames[0] & frames[1])
+        assert not (frames[0] & frames[2])
+        assert not (frames[1] & frames[2])
+        # No more is left out than at borders must be.
+        assert found.count >= 97 - reach * 15
+
+
+def test_a_part_of_which_nothing_is_left_is_refused() -> None:
+    rows = np.arange(12)
+    split = Split(rows[:4], rows[4:8], rows[8:])
+    kept = apart(split, np.zeros(12, int), 3)
+    assert [part.tolist() for part in (kept.training, kept.validation, kept.test)] == [
+        [0, 1, 2, 3],
+        [7],
+        [11],
+    ]
+    assert apart(split, rows // 4, 9).count == 12, "recordings of their own share nothing"
+    with pytest.raises(ValueError, match=r"no validation rows that share none .* more than 4 rows"):
+        apart(split, np.zeros(12, int), 4)
+
+
+def test_drift_is_one_for_all_samples_of_a_sensor(past: Scene) -> None:
+    own = [tap.sensor for tap in WINDOW.taps]
+    given = Disturbance(0.0, 0.1, 0.1).of(np.ones((1, 6)), np.random.default_rng(1), own)[0]
+    assert len(set(given.tolist())) == 3
+    assert all(len({v for v, s in zip(given, own, strict=True) if s == k}) == 1 for k in range(3))
+    vectors = past.vectors()
+    still = replace(past.training, disturbance=Disturbance(0.0, 0.0, 0.05))
+    task = task_for(replace(past, training=still), vectors, [])
+    moved = task.training.codes - np.resize(
+        vectors.codes[task.split.training], task.training.codes.shape
+    )
+    # a, 2 before and 3 before: to the rounding of codes, but where a code is at its end.
+    whole = (np.abs(task.training.codes) < 8190).all(axis=1)
+    assert np.abs(moved[whole, 0] - moved[whole, 3]).max() <= 1 < np.abs(moved[:, 0]).max()
+    assert np.abs(moved[whole, 0] - moved[whole, 1]).max() > 100
+
+
+def test_training_says_what_it_leaves_out_and_provenance_tells_the_window(
+    past: Scene, capfd: pytest.CaptureFixture, tmp_path: Path
+) -> None:
+    train_scene(past, tmp_path / "build", 1)
+    trained, said = load_scene(str(past.path)), capfd.readouterr().out
+    assert "97 rows; 10 more have no whole past and are not used" in said
+    stories = told(trained)
+    assert stories
+    assert stories[0]["data"] == "one.csv, two.csv"
+    assert stories[0]["window"] == "a 0 2 3, b 0, c 1 5"
+    rows = held_out_rows(trained)
+    assert rows is not None
+    assert rows.tolist() == split_of(trained).test.tolist()
+    other = edited(trained, "a = [0, 2, 3]", "a = [0, 2, 4]")
+    assert told(other) is None, "trained on other samples"
+
+
+def test_errors_are_of_the_rows_with_a_whole_past(trained: Scene) -> None:
+    vectors = trained.vectors()
+    errors = scene_errors(trained)["bit-true"][0]
+    results = SIGNAL.to_real(trained.twin().core.process(vectors.codes))
+    assert errors.mean == pytest.approx(np.abs(results - vectors.targets).mean() * 100)
+    assert np.array_equal(disturbed_rows(trained, Disturbance()), vectors.percent_errors(results))
+
+
+def test_predictions_of_rows_without_a_whole_past_are_empty(
+    trained: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
+) -> None:
+    source, to = trained.data_paths[0], tmp_path / "out.csv"
+    monkeypatch.setattr("sys.argv", ["predict", str(trained.path), str(source), str(to)])
+    predict()
+    assert "the first 5 of 60 rows have no whole past and no outputs" in capfd.readouterr().out
+    with to.open() as handle:
+        rows = list(csv.DictReader(handle))
+    assert len(rows) == 60
+    assert [(row["y_predicted"], row["outside"], row["reason"]) for row in rows[:5]] == [
+        ("", "1", "no whole past")
+    ] * 5
+    wanted = trained.twin().core.process(trained.vectors().codes[:55])[:, 0]
+    found = [float(row["y_predicted"]) for row in rows[5:]]
+    assert np.array_equal(np.round(np.array(found) * 8192), wanted)
+    write_table(source, COLUMNS, read_table(source, COLUMNS)[:5], 4)
+    with pytest.raises(ValueError, match=r"one.csv: got 5 rows, expected more than the 5 that"):
+        predict()
+
+
+def test_a_sensor_that_stops_moving_is_still_used(past: Scene) -> None:
+    """Half of a recording stands still: rows are alike there, and nothing is refused."""
+    path = past.data_paths[0]
+    table = read_table(path, COLUMNS)
+    table[30:, 0] = table[30, 0]
+    write_table(path, COLUMNS, table, 4)
+    scene = load_scene(str(past.path))
+    task = task_for(scene, scene.vectors(), [])
+    mlp = train(task, 3, 0)
+    assert np.isfinite(task.bit_true(mlp, task.recorded)).all()
+
+
+def test_the_digit_has_no_past() -> None:
+    for name in scene_names():
+        if name.startswith("digit"):
+            scene = load_scene(name)
+            assert scene.window.plain
+            assert scene.inputs == scene.sensors
+
+
+REFUSED = {
+    "window = []": "data.window: got [], expected whole numbers of frames, such as [0, 4, 8]",
+    "window = [0, 1.5]": "data.window: got [0, 1.5], expected whole numbers of frames",
+    "window = [true]": "data.window: got [True], expected whole numbers of frames",
+    "window = 4": "data.window: got 4, expected a list or a table",
+    "window = [0, -1]": "data.window: got [0, -1], expected delays from 0 to 65536",
+    "window = [0, 65537]": "data.window: got [0, 65537], expected delays from 0 to 65536",
+    "window = [4, 0]": "data.window: got [4, 0], expected ascending delays, each once",
+    "window = [0, 4, 4]": "data.window: got [0, 4, 4], expected ascending delays, each once",
+    "window = { x9 = [0] }": "data.window: 'x9' is no sensor, expected one of x0, x1, x2",
+    "window = { x0 = 3 }": "data.window.x0: got 3, expected whole numbers of frames",
+    "window = { x0 = [4, 0] }": "data.window.x0: got [4, 0], expected ascending delays",
+    "window = [0, 1]": "training.split: got 'random' with a data.window, expected 'blocks' or",
+    "window = [0, 1]\nwhere = { x0 = 1 }": "data.where: got {'x0': 1} with a data.window",
+}
+
+
+@pytest.mark.parametrize(("key", "message"), REFUSED.items(), ids=lambda text: text[:40])
+def test_a_window_is_refused(desk: Desk, key: str, message: str) -> None:
+    desk.edit('group_by = "y0"', key)
+    desk.refuses("bench", "mine.toml", says=message)
+
+
+FILES = {
+    'recordings = ["mine.csv"]\nfile = "mine.csv"': "data.recordings: got ['mine.csv'] beside data",
+    "recordings = []": "data.recordings: got [], expected names of files, each once",
+    "recordings = [5]": "data.recordings: got [5], expected names of files, each once",
+    'recordings = ["mine.csv", "./mine.csv"]': "expected names of files, each once",
+    'recordings = "mine.csv"': "data.recordings: got 'mine.csv', expected a list",
+    'recordings = [""]': "data.recordings: got '', expected the name of a file",
+    "": "data.file: missing, expected text, the name of a file, or several in data.recordings",
+}
+
+
+@pytest.mark.parametrize(("key", "message"), FILES.items(), ids=lambda text: text[:40])
+def test_recordings_are_refused(desk: Desk, key: str, message: str) -> None:
+    desk.edit('file = "mine.csv"', key)
+    desk.refuses("bench", "mine.toml", says=message)
+
+
+HARDWARE = {
+    ('design = "engine"', 'design = "parallel"'): "hardware.design: got 'parallel' with a data.win",
+    ('design = "engine"', 'design = "engine"\nreload = true'): "hardware.reload: got true with a d",
+    ("block_rows = 8", "block_rows = 5"): "training.block_rows: got 5 with a data.window that rea",
+    (
+        'outputs = ["y"]\nfull_scale = { y = 1.0 }',
+        'outputs = ["a 2 before"]',
+    ): "data.window: 'a 2 before' is a column and a",
+    ("c = [1, 5]", "c = [1, 47]"): "training.block_rows: got 8",
+}
+
+
+@pytest.mark.parametrize(("change", "message"), HARDWARE.items(), ids=lambda text: str(text)[:40])
+def test_what_does_not_go_with_a_window_is_refused(
+    past: Scene, change: tuple[str, str], message: str
+) -> None:
+    old, new = change
+    with pytest.raises(ValueError, match=re.escape(message)):
+        edited(past, old, new)
+
+
+@pytest.mark.parametrize("longest", [46, 47])
+def test_a_window_as_long_as_a_recording_is_refused(past: Scene, longest: int) -> None:
+    text = SCENE.replace("c = [1, 5]", f"c = [1, {longest}]").replace("= 8", "= 50")
+    past.path.write_text(text)
+    scene = load_scene(str(past.path))
+    if longest == 46:
+        assert len(scene.vectors().codes) == 60 + 47 - 2 * 46
+        return
+    message = r"two.csv: got 47 rows, expected more than the 47 that data.window of .* reaches back"
+    with pytest.raises(ValueError, match=message):
+        scene.vectors()
+
+
+def test_placements_are_no_past(past: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.argv", ["recalibrate", str(past.path)])
+    with pytest.raises(
+        ValueError, match=r"data.window: got one that reaches 5 frames back, expect"
+    ):
+        recalibrate()
+
+
+def test_the_bench_of_the_core_gets_what_the_network_takes(past: Scene) -> None:
+    """Six inputs of three sensors."""
+    mlp = random_mlp((6, 3, 1), 1.0, 1)
+    assert past.build(mlp).inputs == 6 == past.members[0].inputs

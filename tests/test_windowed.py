@@ -1,0 +1,148 @@
+"""The twins of frame_window and windowed: which frames yield what, and what is refused."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from golden.fixed import Fix
+from golden.instruments.readout import Readout
+from golden.networks.axis_network import AxisNetwork
+from golden.networks.network import CHUNK, Network
+from golden.networks.windowed import Windowed
+from golden.sensing.frame_window import FrameWindow
+from golden.window import Window
+from tb.common.cases import Case
+from tb.common.collected import CASES
+from tb.common.myhdl_simulation import simulate
+from tb.common.small import PAST, WINDOW
+
+FMT = Fix(14, 13)
+
+
+def block(window: Window, slots=0, spacing=100) -> FrameWindow:
+    return FrameWindow(FMT, window, slots, spacing)
+
+
+@pytest.fixture(scope="module")
+def past(tmp_path_factory) -> Windowed:
+    design = PAST.scene(tmp_path_factory.mktemp("past"), "past").twin()
+    assert isinstance(design, Windowed)
+    return design
+
+
+def random_frames(count: int, sensors: int) -> np.ndarray:
+    return np.random.default_rng(1).integers(FMT.low, FMT.high + 1, (count, sensors))
+
+
+def test_each_frame_is_followed_by_the_samples_of_its_window() -> None:
+    frames = np.arange(8 * 2).reshape(8, 2)
+    sent = block(Window(((0, 3), (1,)))).process(frames)
+    # By delay: the newest frame's first sensor, the second one frame before, the first three.
+    assert sent.tolist() == [[2 * t, 2 * t - 1, 2 * t - 6] for t in range(3, 8)]
+
+
+@pytest.mark.parametrize("count", [0, 1, 5])
+def test_nothing_leaves_before_the_past_is_whole(past: Windowed, count: int) -> None:
+    frames = random_frames(count, past.inputs)
+    assert past.frame_window.process(frames).shape == (0, 6)
+    assert past.process(frames).shape == (0, past.outputs)
+
+
+def test_the_network_takes_the_samples_of_the_window(past: Windowed) -> None:
+    frames = random_frames(40, past.inputs)
+    taps = WINDOW.frames(frames)
+    results = past.process(frames)
+    assert results.shape == (40 - past.past, past.outputs)
+    assert np.array_equal(results, past.network.process(taps))
+    assert past.core is past.network
+
+
+def test_frames_beyond_a_chunk_have_the_frames_before_it_as_their_past(past: Windowed) -> None:
+    frames = random_frames(CHUNK + 20, past.inputs)
+    expected = past.network.process(WINDOW.frames(frames))
+    assert np.array_equal(past.process(frames), expected)
+
+
+@pytest.mark.parametrize("around", [AxisNetwork, Readout])
+def test_what_stands_around_it_has_its_past(past: Windowed, around: type[Network]) -> None:
+    network = around(network=past)
+    frames = random_frames(30, past.inputs)
+    assert network.past == past.past
+    assert np.array_equal(network.process(frames), past.process(frames))
+
+
+def test_simulated_in_myhdl_it_equals_its_twin(past: Windowed) -> None:
+    """With every bound of every signal, while the ring goes round."""
+    frames = random_frames(past.frame_window.words, past.inputs)
+    results, _ = simulate(past, frames)
+    assert np.array_equal(results, past.process(frames))
+
+
+def test_frames_of_a_past_are_in_one_order(past: Windowed) -> None:
+    with pytest.raises(ValueError, match=r"got shape \(2, 9, 3\), expected \(frames, 3\)"):
+        past.process(np.zeros((2, 9, 3), dtype=np.int64))
+
+
+def test_outputs_come_behind_what_the_frame_window_sends(past: Windowed) -> None:
+    window = past.frame_window
+    assert window.elements == 6
+    assert past.latency == window.latency + 5 + past.network.latency
+    assert past.interval == past.network.interval
+    assert past.busy == 0
+
+
+@pytest.mark.parametrize(
+    ("window", "words"),
+    [
+        (Window(((1,),)), 4),
+        # 2 sensors, 7 past frames, the newest and the next are 18 words.
+        (Window(((0, 7), (0,))), 32),
+        # 16 words, of which one is read when another is written: one more is wanted.
+        (Window(((0, 2),) * 4), 32),
+        (Window(((0, 64),) * 3), 256),
+    ],
+)
+def test_the_ring_is_a_power_of_two_of_words(window: Window, words: int) -> None:
+    found = block(window)
+    assert found.words == words
+    assert max(found.offsets) <= words - found.sensors
+
+
+def test_frames_may_not_follow_faster_than_they_are_sent() -> None:
+    window = Window(((0, 1), (0, 1)))
+    assert block(window, slots=1, spacing=5).interval == 5
+    for slots, spacing in ((1, 4), (0, 0), (-1, 100)):
+        with pytest.raises(ValueError, match=f"frame_window: got slots={slots} and spacing="):
+            block(window, slots, spacing)
+
+
+def test_a_network_of_other_inputs_is_refused(past: Windowed) -> None:
+    with pytest.raises(ValueError, match="got a network of 6 inputs, expected 4"):
+        replace(past, window=Window(((0, 1), (0, 1))))
+    whole = Window(((0,),) * 3)
+    with pytest.raises(ValueError, match="windowed: got windowed, expected a network that takes"):
+        Windowed(past, whole)
+
+
+def test_networks_of_another_stream_are_refused(tmp_path) -> None:
+    for name in ("parallel", "rails-reload"):
+        network = CASES[name].scene(tmp_path, name).twin()
+        window = Window(((0,),) * network.inputs)
+        with pytest.raises(ValueError, match="expected a network that takes a stream of samples"):
+            Windowed(network, window)
+
+
+def test_an_instrument_leaves_its_engine_the_clocks_of_a_scan(tmp_path) -> None:
+    """The engine is as small as the rate allows, and takes the frames that are sent."""
+    case: Case = CASES["past-instrument"]
+    fast = case.scene(tmp_path, "fast").twin()
+    slow = replace(case, sections=case.sections.replace("900000", "20000"))
+    slow_twin = slow.scene(tmp_path, "slow").twin()
+    assert not fast.core.serial
+    assert slow_twin.core.serial
+    for twin in (fast, slow_twin):
+        assert twin.past == 2
+        assert twin.readout.interval <= twin.interval
