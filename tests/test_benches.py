@@ -27,7 +27,7 @@ NETWORKS = ("digit", "digit-parallel", "digit-single-thesis")
 LEFT = (
     *("deep-cascade", "slow-axis-cascade", "huge-exact", "wide-thesis", "pade-thesis"),
     *("other-profile", "deep-reload", "three-engine", "huge-engine"),
-    *("one-past", "few-past", "three-past", "serial-past", "axis-past"),
+    *("one-past", "few-past", "three-past", "serial-past", "axis-past", "drawn-past"),
 )
 
 

@@ -96,9 +96,13 @@ def pauses(bench, last, closest=False):
 
 
 def recorded_frames(bench):
-    """The recorded frames of the scene as they are sent, or as many as there are clocks for."""
-    frames = np.concatenate(bench.scene.vectors().recordings)
-    return frames[: bench.twin.past + MOST_RECORDED // bench.twin.interval]
+    """The recorded frames as they are sent, or as many as there are clocks for.
+
+    To a network inside a frame window the samples that this sends of them.
+    """
+    vectors, past = bench.scene.vectors(), bench.twin.past
+    frames = np.concatenate(vectors.recordings) if past else vectors.codes
+    return frames[: past + MOST_RECORDED // bench.twin.interval]
 
 
 def random_elements(bench, count):

@@ -67,9 +67,17 @@ DRAWN = {
     ),
 }
 PROFILES = DRAWN | {"profile": Case([(4, 3, 4)], "exact", sections=VISUALISATION)}
-# Of a cascade, outputs in another order, one of which is not drawn; a ramp that starts below 0; a
-# gain that is no whole number.
+# With samples of past frames; of a cascade, outputs in another order, one of which is not drawn; a
+# ramp that starts below 0; a gain that is no whole number.
 OTHER_PROFILES = PROFILES | {
+    "drawn-past": Case(
+        [(4, 2, 4)],
+        "exact",
+        activation="precise",
+        design="engine",
+        sections=f"{VISUALISATION}stop = 0.9\nstep = 0.3\n",
+        window=Window(((0, 3), (0, 1))),
+    ),
     "other-profile": Case(
         [(2, 1, 1), (3, 2, 1), (4, 1, 1), (5, 2, 1), (6, 1, 1)],
         "exact",
