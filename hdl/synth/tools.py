@@ -8,7 +8,7 @@ import subprocess
 import sys
 import sysconfig
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -41,9 +41,12 @@ def run_tool(name: str, arguments: list[str], folder: Path) -> str:
     return result.stdout + result.stderr
 
 
-def digest(verilog: Path) -> str:
-    """A digest of the code in the ``.v`` files of a folder, whatever their comments say."""
-    files = sorted(verilog.glob("*.v"))
+def digest(verilog: Path, names: Iterable[str] | None = None) -> str:
+    """A digest of the code in the ``.v`` files of a folder, whatever their comments say.
+
+    ``names`` are those of the files that count; all by default.
+    """
+    files = sorted(verilog.glob("*.v") if names is None else (verilog / name for name in names))
     return fingerprint([], *(f"{file.name}\n{_code(file.read_text())}" for file in files))
 
 
