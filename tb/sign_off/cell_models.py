@@ -27,7 +27,7 @@ def models_for(family: str, netlist: str) -> str:
         words = set(re.findall(r"\w+", found.pop())) & known.keys() - needed.keys()
         needed |= {name: known[name] for name in words}
         found += [known[name] for name in words]
-    return "\n".join(["`timescale 1ns / 1ps", *(needed[name] for name in sorted(needed))])
+    return "\n".join(["`timescale 1ns / 1ps", *(needed[name] for name in sorted(needed)), ""])
 
 
 @cache

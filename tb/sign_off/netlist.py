@@ -3,7 +3,8 @@
 The netlist is the one that ``make synth`` counts: of a Virtex-II and of Series 7 after
 ``synth_xilinx``, an entity with its parts; of an ECP5 after nextpnr has placed and routed the whole
 design. Icarus simulates it with the models of ``tb/sign_off/cell_models.py``, and the bench is the
-block's own: bit for bit, clock by clock.
+block's own: bit for bit, clock by clock. ``NETLIST=unknown`` is another netlist, of registers that
+begin unknown (``tb/sign_off/unknown.py``).
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from hdl.synth.cells import netlists
 from hdl.synth.timing import routed_netlist
 from tb.common.runner import Job
 from tb.sign_off.cell_models import models_for
+from tb.sign_off.unknown import UNKNOWN, with_unknowns
 
 # By what a user calls a family, what Yosys does.
 FAMILIES = {"virtex-2": "xc2v", "series-7": "xc7", "ecp5": "ecp5"}
@@ -30,7 +32,7 @@ MODELS = "models.v"
 
 
 def chosen(given: str, simulator: str | None = None) -> list[str]:
-    """The families that ``NETLIST=`` means: one by its name, or all of them.
+    """What ``NETLIST=`` means: a family by its name, all of them, or unknown registers.
 
     Raises
     ------
@@ -43,24 +45,24 @@ def chosen(given: str, simulator: str | None = None) -> list[str]:
         )
     if given == ALL:
         return list(FAMILIES)
-    if given not in FAMILIES:
-        known = [ALL, *FAMILIES]
+    if given not in (*FAMILIES, UNKNOWN):
+        known = [ALL, *FAMILIES, UNKNOWN]
         raise CommandError(
-            f"NETLIST={given}: no such family, expected one of {', '.join(known)}; "
-            f"{ALL} is all of them{suggest(given, known)}"
+            f"NETLIST={given}: no such netlist, expected one of {', '.join(known)}; "
+            f"{ALL} is every family's{suggest(given, known)}"
         )
     return [given]
 
 
 def on_cells(job: Job, family: str, top: str = "") -> Job:
-    """The same bench on the netlist of a family.
+    """The same bench on the netlist of a family, or on registers that are unknown.
 
     Parameters
     ----------
     job : Job
         On exported Verilog.
     family : str
-        Of ``FAMILIES``.
+        Of ``FAMILIES``, or ``UNKNOWN``.
     top : str
         The entity that is mapped, of which the job's is a part; by default the job's own. What is
         placed is always the job's own.
@@ -70,6 +72,8 @@ def on_cells(job: Job, family: str, top: str = "") -> Job:
     CommandError
         When it cannot be mapped or placed.
     """
+    if family == UNKNOWN:
+        return with_unknowns(job)
     found = cells_of(job, family, top)
     return with_text(job, family, {f"{name}.v": text for name, text in found.items()})
 
@@ -117,7 +121,7 @@ def on_cells_of(design: Network, jobs: Iterable[Job], families: Iterable[str]) -
     ]
     if not wanted:
         raise CommandError(f"NETLIST={ROUTED}: only {design.entity}, the whole design, is placed")
-    first = {family: job for job, family in wanted}
+    first = {family: job for job, family in wanted if family != UNKNOWN}
     with ThreadPoolExecutor() as pool:
         # Each family's tool runs once, side by side; what follows finds its answer.
         list(pool.map(lambda family: cells_of(first[family], family, design.entity), first))
