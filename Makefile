@@ -12,7 +12,7 @@ SITE ?= build/site
 # What a user may give. Recipes read it from the environment, as "$$SCENE", and never as text that
 # make puts in: so no character of it is special, neither to make, which would expand a $ on the
 # way, nor to the shell. Only whether it is given may be asked of make: $(if $(BLOCK),...).
-GIVEN := ALL BESIDE BLOCK CLUSTER CSV FRAMES FULL HARDWARE LINKS MACHINE ONLY OUTPUT OUTPUTS PYTHON RECORD RIG SCENE \
+GIVEN := ALL BESIDE BLOCK CLUSTER CSV FRAMES FULL HARDWARE LINKS MACHINE NETLIST ONLY OUTPUT OUTPUTS PYTHON RECORD RIG SCENE \
 	SEED SIM SITE TABLE TESTS TO VENV WAVES WHOLE
 literal = $(if $(value $(1)),$(eval override $(1) := $$(value $(1)))$(eval export $(1)))
 $(foreach name,$(GIVEN),$(call literal,$(name)))
@@ -31,6 +31,10 @@ help:
 	@echo "                                          the tests that other machines may change, as on each; WHOLE=1 all"
 	@echo "make sim     [BLOCK=] [SIM=ghdl|icarus] [SCENE=] [SEED=] [WAVES=1] [FRAMES=]"
 	@echo "                                          one bench, or every bench of the scene"
+	@echo "make sim     NETLIST=1|virtex-2|series-7|ecp5|unknown [BLOCK=] [SCENE=] [SEED=] [WAVES=1] [FRAMES=]"
+	@echo "                                          the same on the cells that they are mapped to, 1: of every family;"
+	@echo "                                          or on registers that are unknown until they are written;"
+	@echo "                                          RECORD=1: of every block, and of the engines' scenes, recorded"
 	@echo "make vhdl    [SCENE=]                     export to build/<scene>/vhdl"
 	@echo "make verilog [SCENE=]                     export to build/<scene>/verilog"
 	@echo "make scene   CSV=readings.csv OUTPUTS=a,b [TO=my-rig.toml]"
@@ -77,7 +81,9 @@ machines: $(READY) tools browser
 
 sim: $(READY)
 	@$(RUN) -m tb.sim "$$SCENE" --seed="$$SEED" \
-		$(if $(BLOCK),--block="$$BLOCK") $(if $(FRAMES),--frames="$$FRAMES") $(if $(SIM),--sim="$$SIM") $(if $(filter-out 0,$(WAVES)),--waves)
+		$(if $(BLOCK),--block="$$BLOCK") $(if $(FRAMES),--frames="$$FRAMES") $(if $(SIM),--sim="$$SIM") \
+		$(if $(NETLIST),--netlist="$$NETLIST") $(if $(filter-out 0,$(WAVES)),--waves) \
+		$(if $(filter-out 0,$(RECORD)),--record)
 
 vhdl verilog: $(READY)
 	@$(RUN) -m hdl.export "$$SCENE" $@

@@ -1,4 +1,8 @@
-"""``make sim``: the benches of one block, or of every block of a scene."""
+"""``make sim``: the benches of one block, or of every block of a scene.
+
+They run on the exported VHDL and Verilog, or on what ``--netlist`` names
+(``tb/sign_off/netlist.py``).
+"""
 
 from __future__ import annotations
 
@@ -11,6 +15,8 @@ from golden.progress import Progress
 from golden.scene import load_scene
 from tb.common.runner import FRAMES, SEED, Outcome, plan, run_jobs
 from tb.common.tools import SIMULATORS
+from tb.sign_off.netlist import FAMILIES, NETLISTS_RUN_IN, chosen, on_cells_of
+from tb.sign_off.netlist_record import record
 
 MOST_FRAMES = 1_000_000
 
@@ -20,7 +26,7 @@ def tell(outcome: Outcome, say: Callable[[str], None]) -> None:
     job = outcome.job
     verdict = "pass" if outcome.passed else "FAIL"
     say(
-        f"{verdict}  {job.simulator:6}  {job.entity:28} "
+        f"{verdict}  {job.runs_on:8}  {job.entity:28} "
         f"{outcome.compared:8} compared  {outcome.seconds:6.1f} s"
     )
     if not outcome.passed:
@@ -43,15 +49,24 @@ def main() -> int:
     parser.add_argument("--seed", type=whole("SEED", 0, MOST_SEED), default=SEED)
     parser.add_argument("--frames", type=whole("FRAMES", 1, MOST_FRAMES), default=FRAMES)
     parser.add_argument("--waves", action="store_true")
+    parser.add_argument("--netlist", help=f"1, unknown, or one of {', '.join(FAMILIES)}")
+    parser.add_argument("--record", action="store_true", help="with --netlist: every block's")
     arguments = parser.parse_args()
+    if arguments.record and arguments.netlist:
+        return conclude(record(arguments.netlist, arguments.block, tell))
+    scene = load_scene(arguments.scene)
+    families = chosen(arguments.netlist, arguments.sim) if arguments.netlist else []
+    simulators = [arguments.sim] if arguments.sim else SIMULATORS
     jobs = plan(
-        load_scene(arguments.scene),
-        [arguments.sim] if arguments.sim else SIMULATORS,
+        scene,
+        [NETLISTS_RUN_IN] if families else simulators,
         arguments.block,
         arguments.seed,
         arguments.waves,
         frames=arguments.frames,
     )
+    if families:
+        jobs = on_cells_of(scene.twin(), jobs, families)
     with Progress("simulating", len(jobs), "benches") as progress:
 
         def listen(outcome: Outcome) -> None:

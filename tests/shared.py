@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import fcntl
 import os
+import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 from golden.scene import Scene, load_scene
@@ -75,3 +77,12 @@ class Shared:
     def run(self, planned: list[Job]) -> list[Outcome]:
         """Run jobs, side by side where no other worker has the cores."""
         return run_jobs(planned, lambda _: None, AT_ONCE)
+
+
+def copied_job(job: Job, folder: Path) -> Job:
+    """The same bench on files of its own, which may be changed."""
+    copied = replace(job, build=folder)
+    for name in job.files:
+        (copied.hdl_folder / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(job.hdl_folder / name, copied.hdl_folder / name)
+    return copied

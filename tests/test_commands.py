@@ -92,6 +92,8 @@ def ready() -> None:
         (["sim", "BLOCK=engine", "SIM=modelsim"], "SIM=modelsim: no such simulator, expected"),
         (["sim", "BLOCK=engine", "SIM=icaru"], "did you mean 'icarus'?"),
         (["mutate", "BLOCK=engin"], "BLOCK=engin: no such block, did you mean 'engine'?"),
+        (["sim", "NETLIST=virtex"], "NETLIST=virtex: no such netlist, expected one of 1, virtex-2"),
+        (["sim", "NETLIST=1", "SIM=ghdl"], "netlists run in icarus alone"),
         (["sim", "FRAMES=0"], "FRAMES=0: expected a whole number, 1 to"),
         (["sim", "BLOCK=hybrid", "SEED=one"], "SEED=one: expected a whole number, 0 to"),
     ],

@@ -42,6 +42,7 @@ ARGUMENTS = {
     ),
     "BLOCK": ("--block=", "sim mutate"),
     "SIM": ("--sim=", "sim"),
+    "NETLIST": ("--netlist=", "sim"),
     "SEED": ("--seed=", "sim figures"),
     "FRAMES": ("--frames=", "sim bench"),
     "CLUSTER": ("--cluster=", "train"),

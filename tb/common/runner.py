@@ -41,6 +41,8 @@ FRAMES = 100
 class Job:
     """One entity under one simulator; all tests of its bench, or the one named ``test``.
 
+    It runs on the exported files, or on what ``form`` names: the cells of a family that these were
+    mapped to, say.
     With ``trace`` the bench writes down what it drove, saw and looked at.
     """
 
@@ -55,17 +57,23 @@ class Job:
     build: Path = BUILD
     frames: int = FRAMES
     test: str = ""
+    form: str = ""
     trace: bool = False
 
     @property
     def folder(self) -> Path:
         """Where it is built and logged."""
-        return self.build / self.scene.name / "sim" / self.simulator / self.entity
+        return self.build / self.scene.name / "sim" / self.runs_on / self.entity
+
+    @property
+    def runs_on(self) -> str:
+        """The form, or the simulator on whose exported files it runs."""
+        return self.form or self.simulator
 
     @property
     def hdl_folder(self) -> Path:
-        """The exported files that it runs on."""
-        return self.build / self.scene.name / language(self.simulator)
+        """The files that it runs on."""
+        return self.build / self.scene.name / (self.form or language(self.simulator))
 
     @property
     def trace_file(self) -> Path:
@@ -244,7 +252,8 @@ def run_job(job: Job) -> Outcome:
     with writing(job.folder):
         job.folder.mkdir(parents=True)
     result = job.folder / "compared.jsonl"
-    rerun = f"make sim BLOCK={job.block} SIM={job.simulator} SCENE={_scene_argument(job.scene)}"
+    how = f"NETLIST={job.form}" if job.form else f"SIM={job.simulator}"
+    rerun = f"make sim BLOCK={job.block} {how} SCENE={_scene_argument(job.scene)}"
     configuration = {
         "scene": str(job.scene.path.resolve()),
         "entity": job.entity,

@@ -1,0 +1,98 @@
+"""What nextpnr has placed and routed on an ECP5, as cells that can be simulated.
+
+nextpnr writes what it has made of the netlist: pads around it, carry chains in pairs, operands that
+come straight from a wire, and constants as the state of a pin that nothing drives.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from golden.cli import CommandError
+
+Cell = dict[str, Any]
+# A pin of a block that nothing drives is high, and low where it is inverted.
+IDLE = {None: "1", "INV": "0", "0": "0", "1": "1"}
+BLOCKS = ("DP16KD", "MULT18X18D")
+
+
+def simulated(netlist: dict[str, Any], top: str) -> dict[str, Any]:
+    """The module that nextpnr wrote, without pads and with every input of its cells driven.
+
+    Raises
+    ------
+    CommandError
+        For a kind of cell that is not known here.
+    """
+    (module,) = netlist["modules"].values()
+    cells: dict[str, Cell] = module["cells"]
+    renamed: dict[Any, Any] = {}
+    for name, cell in list(cells.items()):
+        if cell["type"] == "TRELLIS_IO":
+            _pad(cell, renamed)
+        elif cell["type"] == "DCCA":
+            renamed[_pin(cell, "CLKO")] = _pin(cell, "CLKI")
+        else:
+            _drive(name, cell)
+            continue
+        del cells[name]
+    for wires in (cell["connections"] for cell in cells.values()):
+        wires |= {port: [_final(bit, renamed) for bit in bits] for port, bits in wires.items()}
+    for port in module["ports"].values():
+        port["bits"] = [_final(bit, renamed) for bit in port["bits"]]
+    module["netnames"] = {}
+    return {**netlist, "modules": {top: module}}
+
+
+def _final(bit: Any, renamed: dict[Any, Any]) -> Any:
+    while bit in renamed:
+        bit = renamed[bit]
+    return bit
+
+
+def _pin(cell: Cell, port: str) -> Any:
+    """The bit at a port, if there is one."""
+    return next(iter(cell["connections"].get(port, [])), None)
+
+
+def _pad(cell: Cell, renamed: dict[Any, Any]) -> None:
+    """An input pad drives its wire; an output's wire is the port."""
+    if cell["parameters"]["DIR"] == "INPUT":
+        renamed[_pin(cell, "O")] = _pin(cell, "B")
+    else:
+        renamed[_pin(cell, "B")] = _pin(cell, "I")
+
+
+def _drive(name: str, cell: Cell) -> None:
+    """Constants at the pins that nothing drives; parameters that the cell's model has."""
+    kind, wires, parameters = cell["type"], cell["connections"], cell["parameters"]
+    if kind == "TRELLIS_FF":
+        if parameters.pop("SD").strip() == "0":
+            wires["DI"] = wires.pop("M")
+        _default(wires, {"LSR": "0", "CE": "1", "M": "0"})
+    elif kind == "TRELLIS_COMB":
+        parameters["IS_Z1"] = "1" if wires.get("FXA") else "0"
+        _default(wires, dict.fromkeys(("A", "B", "C", "D", "FCI", "F1", "FXA", "FXB", "M"), "1"))
+        _default(wires, dict.fromkeys(("WD", "WAD0", "WAD1", "WAD2", "WAD3", "WRE", "WCK"), "0"))
+        for port in ("DI0", "DI1"):
+            wires.pop(port, None)
+    elif kind in BLOCKS:
+        for port in [port for port, way in cell["port_directions"].items() if way == "input"]:
+            state = parameters.pop(f"{port}MUX", None)
+            state = None if state in (None, port) else state.strip()
+            if not wires.get(port):
+                wires[port] = [IDLE[state]]
+            elif state:
+                raise CommandError(f"{name}: {port}: got {state} of a wire, expected the wire")
+    else:
+        raise CommandError(f"{name}: got a {kind}, expected a cell that is known here")
+    cell["connections"] = {port: bits for port, bits in wires.items() if bits}
+    cell["port_directions"] = {
+        port: cell["port_directions"].get(port, "input") for port in cell["connections"]
+    }
+
+
+def _default(wires: dict[str, list[Any]], states: dict[str, str]) -> None:
+    for port, state in states.items():
+        if not wires.get(port):
+            wires[port] = [state]

@@ -1,0 +1,128 @@
+"""``make sim NETLIST=1``: benches on the cells that the exported Verilog is mapped to.
+
+The netlist is the one that ``make synth`` counts: of a Virtex-II and of Series 7 after
+``synth_xilinx``, an entity with its parts; of an ECP5 after nextpnr has placed and routed the whole
+design. Icarus simulates it with the models of ``tb/sign_off/cell_models.py``, and the bench is the
+block's own: bit for bit, clock by clock. ``NETLIST=unknown`` is another netlist, of registers that
+begin unknown (``tb/sign_off/unknown.py``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+from golden.cli import CommandError
+from golden.files import replace_file
+from golden.networks.network import Network
+from golden.table import suggest
+from hdl.synth.cells import netlists
+from hdl.synth.timing import routed_netlist
+from tb.common.runner import Job
+from tb.sign_off.cell_models import models_for
+from tb.sign_off.unknown import UNKNOWN, with_unknowns
+
+# By what a user calls a family, what Yosys does.
+FAMILIES = {"virtex-2": "xc2v", "series-7": "xc7", "ecp5": "ecp5"}
+ROUTED = "ecp5"
+ALL = "1"
+NETLISTS_RUN_IN = "icarus"
+MODELS = "models.v"
+
+
+def chosen(given: str, simulator: str | None = None) -> list[str]:
+    """What ``NETLIST=`` means: a family by its name, all of them, or unknown registers.
+
+    Raises
+    ------
+    CommandError
+        For anything else, and for another simulator than netlists run in.
+    """
+    if simulator not in (None, NETLISTS_RUN_IN):
+        raise CommandError(
+            f"SIM={simulator}: got NETLIST={given} too; netlists run in {NETLISTS_RUN_IN} alone"
+        )
+    if given == ALL:
+        return list(FAMILIES)
+    if given not in (*FAMILIES, UNKNOWN):
+        known = [ALL, *FAMILIES, UNKNOWN]
+        raise CommandError(
+            f"NETLIST={given}: no such netlist, expected one of {', '.join(known)}; "
+            f"{ALL} is every family's{suggest(given, known)}"
+        )
+    return [given]
+
+
+def on_cells(job: Job, family: str, top: str = "") -> Job:
+    """The same bench on the netlist of a family, or on registers that are unknown.
+
+    Parameters
+    ----------
+    job : Job
+        On exported Verilog.
+    family : str
+        Of ``FAMILIES``, or ``UNKNOWN``.
+    top : str
+        The entity that is mapped, of which the job's is a part; by default the job's own. What is
+        placed is always the job's own.
+
+    Raises
+    ------
+    CommandError
+        When it cannot be mapped or placed.
+    """
+    if family == UNKNOWN:
+        return with_unknowns(job)
+    found = cells_of(job, family, top)
+    return with_text(job, family, {f"{name}.v": text for name, text in found.items()})
+
+
+def cells_of(job: Job, family: str, top: str = "") -> dict[str, str]:
+    """The netlist of a job's entity and, where hierarchy is kept, of its parts: Verilog by name."""
+    if family == ROUTED:
+        design = job.scene.twin()
+        needed = job.scene.clock_mhz if job.entity == design.entity else 0.0
+        return {job.entity: routed_netlist(job.hdl_folder, job.entity, needed)}
+    found = netlists(job.hdl_folder, top or job.entity, FAMILIES[family])
+    return {name: found[name] for name in found if f"{name}.v" in job.files}
+
+
+def with_text(job: Job, family: str, files: dict[str, str]) -> Job:
+    """The bench on a netlist with the models of its cells, written beside the exported files.
+
+    Each entity has a folder of its own: what is placed is in one piece, and its parts are too.
+    """
+    changed = replace(job, form=family, files=tuple(f"{job.entity}/{name}" for name in files))
+    folder = changed.hdl_folder / job.entity
+    folder.mkdir(parents=True, exist_ok=True)
+    models = models_for(FAMILIES[family], "".join(files.values()))
+    for name, text in {**files, MODELS: models}.items():
+        with replace_file(folder / name) as temporary:
+            temporary.write_text(text, encoding="utf-8")
+    return replace(changed, files=(*changed.files, f"{job.entity}/{MODELS}"))
+
+
+def on_cells_of(design: Network, jobs: Iterable[Job], families: Iterable[str]) -> list[Job]:
+    """The benches of a design's entities on its netlists.
+
+    Only a whole design is placed: ``make synth`` places nothing else.
+
+    Raises
+    ------
+    CommandError
+        When it cannot be mapped or placed, or when nothing is left to run.
+    """
+    wanted = [
+        (job, family)
+        for job in jobs
+        for family in families
+        if family != ROUTED or job.entity == design.entity
+    ]
+    if not wanted:
+        raise CommandError(f"NETLIST={ROUTED}: only {design.entity}, the whole design, is placed")
+    first = {family: job for job, family in wanted if family != UNKNOWN}
+    with ThreadPoolExecutor() as pool:
+        # Each family's tool runs once, side by side; what follows finds its answer.
+        list(pool.map(lambda family: cells_of(first[family], family, design.entity), first))
+    return [on_cells(job, family, design.entity) for job, family in wanted]

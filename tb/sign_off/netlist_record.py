@@ -1,0 +1,159 @@
+"""What benches find on netlists, recorded: ``make sim NETLIST=1 RECORD=1``, ``NETLIST=unknown``.
+
+Of every block the first entity in the first case of its bench, and the entities of the scenes whose
+network is an engine. A bench that has passed is kept until its netlist or what it does changes.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from golden.files import read_kept, replace_file
+from golden.fingerprint import ROOT, fingerprint, sources
+from golden.progress import Progress
+from golden.scene import load_scene
+from hdl.synth.tools import digest
+from tb.common.collected import BENCHES
+from tb.common.runner import BUILD, Job, Outcome, jobs, prepare, run_job
+from tb.common.tools import version
+from tb.sign_off.netlist import FAMILIES, NETLISTS_RUN_IN, ROUTED, chosen, on_cells
+from tb.sign_off.record import write_record
+from tb.sign_off.subject import subject
+from tb.sign_off.unknown import UNKNOWN, Netlist
+
+KIND = "netlist"
+# Of all tests of a bench only this one, on an engine in these scenes, but for the first.
+SCENES = ("digit", "digit-load", "digit-multiple", "digit-reload", "digit-instrument")
+RECORDED = "recorded"
+STORE = BUILD / "netlist"
+Tell = Callable[[Outcome, Callable[[str], None]], None]
+
+
+def source_of(job: Job) -> str:
+    """A digest of an entity's exported Verilog and of its bench."""
+    bench = ROOT / "tb" / job.area / f"tb_{job.block}.py"
+    return fingerprint([bench], digest(job.hdl_folder, job.files))
+
+
+def run_kept(job: Job) -> Outcome:
+    """Run a bench on a netlist, unless it has passed on the same one."""
+    files = [job.hdl_folder / name for name in job.files]
+    bench = [*sources("golden"), *(ROOT / "tb" / "common").glob("*.py")]
+    bench += [ROOT / "tb" / job.area / f"tb_{job.block}.py", *job.scene.files]
+    facts = (job.entity, job.test, str(job.seed), str(job.frames), version(job.simulator))
+    path = STORE / f"{fingerprint([*files, *sorted(bench)], *facts)}.json"
+    found = read_kept(path)
+    if isinstance(found, dict):
+        return Outcome(job, True, found["compared"], found["seconds"], found["facts"])
+    outcome = run_job(job)
+    if outcome.passed:
+        kept = {name: getattr(outcome, name) for name in ("compared", "seconds", "facts")}
+        with replace_file(path) as temporary:
+            temporary.write_text(json.dumps(kept), encoding="utf-8")
+    return outcome
+
+
+@dataclass(frozen=True)
+class Entity:
+    """What is mapped and played: a job on Verilog, as a part of ``top``."""
+
+    job: Job
+    top: str
+    test: str = ""
+
+    def families(self) -> list[str]:
+        """Only a whole design is placed."""
+        whole = self.job.entity == self.job.scene.twin().entity
+        return [family for family in FAMILIES if whole or family != ROUTED]
+
+
+def entities(blocks: Collection[str], build: Path = BUILD) -> Iterator[Entity]:
+    """What is recorded of some blocks; an entity that several scenes have alike only once."""
+    seen = set()
+    for block in blocks:
+        job = subject(block, NETLISTS_RUN_IN, build)
+        seen.add(source_of(job))
+        yield Entity(job, job.entity)
+    for name in SCENES:
+        scene = load_scene(name)
+        prepare(scene, NETLISTS_RUN_IN, build)
+        for job in jobs(scene, NETLISTS_RUN_IN, build=build):
+            if job.block in blocks and source_of(job) not in seen:
+                seen.add(source_of(job))
+                some = job.block == "engine" and name != SCENES[0]
+                yield Entity(job, scene.twin().entity, RECORDED if some else "")
+
+
+def record_netlists(blocks: Collection[str], tell: Tell, build: Path = BUILD) -> list[Outcome]:
+    """Run and record what the families' netlists of some blocks do."""
+    outcomes = []
+    runs: dict[str, list[dict[str, Any]]] = {}
+    found = list(entities(blocks, build))
+    with Progress("simulating netlists of", len(found), "entities") as progress:
+        for entity in found:
+            job = entity.job
+            for family in entity.families():
+                mapped = replace(on_cells(job, family, entity.top), test=entity.test)
+                outcome = run_kept(mapped)
+                tell(outcome, progress.say)
+                outcomes.append(outcome)
+                runs.setdefault(job.block, []).append(
+                    {
+                        "scene": job.scene.name,
+                        "entity": job.entity,
+                        "family": family,
+                        "source": source_of(job),
+                        "tests": entity.test or "all",
+                        "compared": outcome.compared,
+                        "frames": outcome.facts.get("frames", 0),
+                        "passed": outcome.passed,
+                    }
+                )
+            progress.step(job.entity)
+    for block, lines in runs.items():
+        write_record(KIND, block, {"source": lines[0]["source"], "runs": lines})
+    return outcomes
+
+
+def record_unknown(block: str, build: Path = BUILD) -> Outcome:
+    """Run and record a block with unknown registers, and with one whose reset is left out.
+
+    The first of its registers that the bench cannot do without is the control: it says that the
+    bench sees a register that is not known.
+    """
+    job = subject(block, NETLISTS_RUN_IN, build)
+    netlist = Netlist(job)
+    outcome = run_kept(netlist.bench(job))
+    registers = netlist.registers()
+    reset = [register for register in registers if register.reset]
+    needed = (r.name for r in reset if not run_kept(netlist.bench(job, r)).passed)
+    facts = {
+        "source": source_of(job),
+        "scene": job.scene.name,
+        "entity": job.entity,
+        "compared": outcome.compared,
+        "passed": outcome.passed,
+        "reset": [register.name for register in reset],
+        "not reset": [register.name for register in registers if not register.reset],
+        "control": next(needed, ""),
+    }
+    write_record(UNKNOWN, block, facts)
+    return outcome
+
+
+def record(given: str, block: str | None, tell: Tell) -> list[Outcome]:
+    """What ``NETLIST=`` names, of a block or of all."""
+    blocks = [block] if block else list(BENCHES)
+    if chosen(given) != [UNKNOWN]:
+        return record_netlists(blocks, tell)
+    outcomes = []
+    with Progress("simulating unknown registers of", len(blocks), "blocks") as progress:
+        for name in blocks:
+            outcomes.append(record_unknown(name))
+            tell(outcomes[-1], progress.say)
+            progress.step(name)
+    return outcomes

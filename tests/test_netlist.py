@@ -1,0 +1,184 @@
+"""Benches on netlists and on unknown registers: that they find a fault, and what is recorded."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+from conftest import tiered
+from shared import Shared, copied_job
+
+from golden.cli import CommandError
+from tb.common.collected import BENCHES, CASES_OF
+from tb.common.runner import Job, run_job
+from tb.sign_off.netlist import FAMILIES, chosen, on_cells
+from tb.sign_off.netlist_record import SCENES, Entity, source_of
+from tb.sign_off.record import read_record
+from tb.sign_off.unknown import UNKNOWN, Netlist
+
+pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+
+# A memory, which is a block RAM, and what nextpnr needs a few seconds for.
+SMALL, SMALL_ROUTED = "exp_memory", "ramp"
+
+
+def job_of(shared: Shared, block: str) -> Job:
+    """The bench of a block's first entity in its first case."""
+    found = shared.jobs(CASES_OF[block][0], "icarus")
+    return next(job for job in reversed(found) if job.block == block)
+
+
+@pytest.mark.parametrize(
+    "case",
+    tiered(
+        [(SMALL, "virtex-2"), (SMALL, "series-7"), (SMALL_ROUTED, "ecp5")],
+        [(b, family) for b in BENCHES if b != SMALL for family in ("virtex-2", "series-7")]
+        + [("engine", "ecp5"), ("hybrid", "ecp5")],
+    ),
+    ids="-".join,
+)
+def test_a_netlist_does_what_the_twin_does(shared: Shared, case: tuple[str, str]) -> None:
+    block, family = case
+    job = on_cells(job_of(shared, block), family)
+    assert f"make sim BLOCK={block} NETLIST={family} " in run_and_read(job)
+
+
+def run_and_read(job: Job) -> str:
+    """The log of a bench that passes."""
+    outcome = run_job(job)
+    assert outcome.passed, outcome.complaint()
+    return outcome.log.read_text()
+
+
+@pytest.mark.parametrize(
+    "fault",
+    tiered(
+        [("abs_unit", "virtex-2", r"(LUT\d #\(\s*\.INIT\(\d+'h)([0-9a-f]+)")],
+        [
+            ("abs_unit", "series-7", r"(LUT\d #\(\s*\.INIT\(\d+'h)([0-9a-f]+)"),
+            (SMALL, "virtex-2", r"(\.INIT_00\(256'h[0-9a-f]*?)([0-9a-f])(?=\))"),
+            (SMALL, "series-7", r"(\.INIT_00\(256'h[0-9a-f]*?)([0-9a-f])(?=\))"),
+            (SMALL_ROUTED, "ecp5", r"(\.INITVAL\(16'h)([0-9a-f]+)"),
+        ],
+    ),
+    ids=lambda fault: f"{fault[0]}-{fault[1]}",
+)
+def test_a_bit_of_a_cell_that_is_wrong_turns_the_bench_red(
+    shared: Shared, tmp_path: Path, fault: tuple[str, str, str]
+) -> None:
+    block, family, pattern = fault
+    job = copied_job(on_cells(job_of(shared, block), family), tmp_path)
+    file = job.hdl_folder / job.files[0]
+
+    def flip(found: re.Match[str]) -> str:
+        return f"{found[1]}{int(found[2], 16) ^ 1:0{len(found[2])}x}"
+
+    text, count = re.subn(pattern, flip, file.read_text(), count=1)
+    assert count
+    file.write_text(text)
+    outcome = run_job(job)
+    assert not outcome.passed
+    assert re.search(r" FAIL=[1-9]", outcome.log.read_text())
+
+
+def test_one_is_every_family() -> None:
+    assert chosen("1") == list(FAMILIES)
+    assert chosen("ecp5") == ["ecp5"]
+    with pytest.raises(CommandError, match=r"NETLIST=2: no such netlist, expected one of 1, virt"):
+        chosen("2")
+    with pytest.raises(CommandError, match="netlists run in icarus alone"):
+        chosen("1", "ghdl")
+
+
+@pytest.mark.parametrize("block", tiered(["abs_unit"], [b for b in BENCHES if b != "abs_unit"]))
+def test_nothing_that_is_valid_hangs_on_an_unknown_register(shared: Shared, block: str) -> None:
+    assert run_and_read(on_cells(job_of(shared, block), UNKNOWN))
+
+
+@pytest.mark.parametrize(
+    "block",
+    tiered(
+        ["abs_unit", "frame_check"],
+        [b for b in BENCHES if b not in ("abs_unit", "frame_check")],
+    ),
+)
+def test_a_register_that_is_not_reset_is_found(shared: Shared, tmp_path: Path, block: str) -> None:
+    """The recorded one; where there is none, none of the block's registers is reset."""
+    job = copied_job(job_of(shared, block), tmp_path)
+    netlist = Netlist(job)
+    reset = {register.name: register for register in netlist.registers() if register.reset}
+    control = read_record(UNKNOWN, block)["control"]
+    assert (control in reset) == bool(reset)
+    if control:
+        outcome = run_job(netlist.bench(job, reset[control]))
+        assert not outcome.passed
+        assert re.search(r" FAIL=[1-9]", outcome.log.read_text())
+
+
+def test_an_unknown_condition_gives_what_both_branches_agree_on(
+    shared: Shared, tmp_path: Path
+) -> None:
+    """Where the exported Verilog takes the else branch."""
+    job = copied_job(job_of(shared, "abs_unit"), tmp_path)
+    file = job.hdl_folder / job.files[0]
+    file.write_text(
+        """module abs_unit(input clk, input rst, input in, output reg same, output reg other);
+  reg never;
+  always @(posedge clk) begin
+    never <= never;
+    if (rst) same <= 0; else if (never) same <= in; else same <= in;
+    if (rst) other <= 0; else if (never) other <= ~in; else other <= in;
+  end
+endmodule
+"""
+    )
+    netlist = Netlist(job)
+    assert {r.name: r.reset for r in netlist.registers()} == {
+        "never": False,
+        "same": True,
+        "other": True,
+    }
+    bench = """module bench;
+  reg clk = 0, rst = 1; wire same, other;
+  abs_unit dut(clk, rst, 1'b1, same, other);
+  always #1 clk = ~clk;
+  initial begin
+    #2 $display("%b%b", same, other); rst = 0; #2 $display("%b%b", same, other); $finish;
+  end
+endmodule
+"""
+    texts = {"plain": file.read_text(), "unknown": netlist.verilog()}
+    assert {name: played(tmp_path, text + bench) for name, text in texts.items()} == {
+        "plain": ["00", "11"],
+        "unknown": ["00", "1x"],
+    }
+
+
+def played(folder: Path, text: str) -> list[str]:
+    """What some Verilog prints."""
+    (folder / "text.v").write_text(text)
+    for command in (["iverilog", "-g2012", "-o", "text", "text.v"], ["vvp", "-n", "text"]):
+        result = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True)
+    return result.stdout.split()
+
+
+@pytest.mark.parametrize("block", BENCHES)
+def test_the_records_are_of_this_source(shared: Shared, block: str) -> None:
+    job = job_of(shared, block)
+    unknown = read_record(UNKNOWN, block)
+    again = f"run: make sim NETLIST=unknown RECORD=1 BLOCK={block}"
+    assert (unknown["source"], unknown["passed"]) == (source_of(job), True), again
+
+    runs = read_record("netlist", block)["runs"]
+    again = f"run: make sim NETLIST=1 RECORD=1 BLOCK={block}"
+    assert all(run["passed"] and run["compared"] for run in runs), again
+    sources = {(run["scene"], run["entity"], run["family"]): run["source"] for run in runs}
+    recorded = {source for (_, _, family), source in sources.items() if family == "virtex-2"}
+    jobs = [job, *(j for s in SCENES for j in shared.jobs(s, "icarus") if j.block == block)]
+    assert {source_of(job) for job in jobs} == recorded, again
+    for job in jobs:
+        wanted = set(Entity(job, "").families())
+        found = {family for (_, _, family), source in sources.items() if source == source_of(job)}
+        assert found == wanted, again
