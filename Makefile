@@ -19,7 +19,7 @@ RUN := "$$VENV/bin/python"
 # A target by a name of its own: the path of the environment may hold what is special in one of make's.
 READY := ready
 
-.PHONY: help demo test machines sim vhdl verilog scene check train recalibrate predict network image bench listing activations figures sensors lean synth report docs pages lint clean tools browser ready
+.PHONY: help demo test machines sim vhdl verilog scene check train recalibrate predict network image bench listing activations figures sensors lean synth prove report docs pages lint clean tools browser ready
 
 help:
 	@echo "make demo    [SCENE=] [FULL=1]            a scene end to end: simulate, export, table of errors"
@@ -50,6 +50,7 @@ help:
 	@echo "make sensors [RIG=my-beam.toml]           where gauges on a beam should sit, with picture and table"
 	@echo "make lean    [SCENE=] [BESIDE=other]      what a scene leaves out, and what that saves"
 	@echo "make synth   [SCENE=] [RECORD=1]          cells of every block, clock, both beside the thesis; budget"
+	@echo "make prove   [BLOCK=] [RECORD=1]          what is proved of every block, and that broken copies refute it"
 	@echo "make report  [SCENE=] [FULL=1]            errors, what noise does, what was verified, pictures: one HTML file"
 	@echo "                                          FULL=1: the errors and costs of every approximation too"
 	@echo "make docs    [LINKS=1]                    the documentation as a site; LINKS=1 follows links to others"
@@ -118,6 +119,9 @@ lean: $(READY)
 
 synth: $(READY)
 	@$(RUN) -m hdl.synth "$$SCENE" $(if $(filter-out 0,$(RECORD)),--record)
+
+prove: $(READY)
+	@$(RUN) -m tb.sign_off.prove $(if $(BLOCK),--block="$$BLOCK") $(if $(filter-out 0,$(RECORD)),--record)
 
 report: $(READY) tools
 	@$(RUN) -m tb.report "$$SCENE" $(if $(filter-out 0,$(FULL)),--full)

@@ -58,6 +58,7 @@ SIMULATED = Rest(
         "test_handover.py::test_every_recorded_frame_matches",
         "test_handover.py::test_the_examples_compile",
         "test_lean.py::test_the_savings_are_those_of_two_builds",
+        "test_proofs.py",
         "test_report.py",
         "test_synth.py::test_the_command",
         "test_synth.py::test_the_recorded_cells_are_those_that_yosys_finds",

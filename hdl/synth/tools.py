@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import subprocess
 import sys
 import sysconfig
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -20,30 +21,37 @@ from golden.fingerprint import fingerprint
 STORE = Path("build") / "synth"
 
 
-def run_tool(name: str, arguments: list[str], folder: Path) -> str:
+def run_tool(name: str, arguments: list[str], folder: Path, failing: bool = False) -> str:
     """Run ``yowasp-<name>`` in ``folder``, the only one that it sees; what it said.
+
+    With ``failing`` that it fails is an answer, too.
 
     Raises
     ------
     CommandError
         When it is not installed or fails.
     """
-    path = shutil.which(f"yowasp-{name}", path=sysconfig.get_path("scripts"))
+    scripts = sysconfig.get_path("scripts")
+    path = shutil.which(f"yowasp-{name}", path=scripts)
     if not path:
         raise CommandError(
             f"not installed: yowasp-{name}; run: {sys.executable} -m pip install yowasp-{name}"
         )
     command = [path, *arguments]
-    result = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-    if result.returncode:
+    # The solver that it starts is installed beside it.
+    environment = {**os.environ, "PATH": f"{scripts}{os.pathsep}{os.environ.get('PATH', '')}"}
+    result = subprocess.run(
+        command, cwd=folder, env=environment, capture_output=True, text=True, check=False
+    )
+    if result.returncode and not failing:
         last = (result.stdout + result.stderr).strip().splitlines()[-5:]
         raise CommandError(f"yowasp-{name}: {' '.join(last)}")
     return result.stdout + result.stderr
 
 
-def digest(verilog: Path) -> str:
-    """A digest of the code in the ``.v`` files of a folder, whatever their comments say."""
-    files = sorted(verilog.glob("*.v"))
+def digest(verilog: Path, names: Iterable[str] | None = None) -> str:
+    """A digest of the code in the ``.v`` files of a folder, or in some, without its comments."""
+    files = sorted(verilog.glob("*.v") if names is None else map(verilog.joinpath, names))
     return fingerprint([], *(f"{file.name}\n{_code(file.read_text())}" for file in files))
 
 

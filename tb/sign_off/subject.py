@@ -12,8 +12,12 @@ from tb.common.collected import BENCHES, CASES, CASES_OF
 from tb.common.runner import BUILD, Job, jobs, plan, prepare
 
 
-def subject(block: str, simulator: str = "icarus", build: Path = BUILD) -> Job:
-    """The first entity of a block in the first case of its bench, exported into ``build``.
+def subject(
+    block: str, simulator: str = "icarus", build: Path = BUILD, case: str | None = None
+) -> Job:
+    """The first entity of a block in a case, the first of its bench if none is named.
+
+    It is exported into ``build``.
 
     Raises
     ------
@@ -22,7 +26,7 @@ def subject(block: str, simulator: str = "icarus", build: Path = BUILD) -> Job:
     """
     if block not in BENCHES:
         raise CommandError(f"BLOCK={block}: no such block{suggest(block, sorted(BENCHES))}")
-    return first(_case_jobs(CASES_OF[block][0], simulator, build), block)
+    return first(_case_jobs(case or CASES_OF[block][0], simulator, build), block)
 
 
 def subjects_of(scene: str, block: str | None = None, simulator: str = "icarus") -> list[Job]:

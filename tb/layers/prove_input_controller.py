@@ -1,0 +1,73 @@
+"""What is proved of input_controller, whatever drives it."""
+
+from tb.sign_off.properties import Property
+from tb.sign_off.watch import ago, frames
+
+# Frames whose least distance is more than their length.
+ALSO = ("drawn",)
+
+
+def properties(twin):
+    watch = frames(twin.inputs, twin.spacing)
+    helps = [
+        "place == count",
+        "skipping == dropping",
+        f"place < {twin.inputs}",
+        "!skipping || place == 0",
+    ]
+    helps += ["closed == remaining"] if twin.spacing else ["closed == 0"]
+    least = "" if not twin.spacing else f" or comes within {twin.spacing} clocks of a good one"
+    shared = {"watch": watch, "helps": tuple(helps)}
+    return [
+        Property(
+            name="frame_error",
+            sentence=f"frame_error is high for just one clock for each frame that has not "
+            f"{twin.inputs} samples{least}, one clock after the sample that gives it away.",
+            states=("frame_error == wrong_ago[0]",),
+            reached=("frame_error", "skipping && in_valid"),
+            refuted_by=(
+                (r"&& \(!done\)", "&& (!in_last)"),
+                (r"in_valid && \(!dropping\)", "in_valid"),
+                (r"dropping <= \(!in_last\)", "dropping <= 0"),
+            ),
+            **(shared | {"watch": watch + ago("wrong_ago", "wrong", 1)}),
+        ),
+        Property(
+            name="good frames only",
+            sentence=f"capture and out_valid are high 3 and {twin.latency} clocks after the last "
+            "sample of a good frame and in no other clock; a reset between ends them.",
+            states=("capture == good_ago[2]", f"out_valid == good_ago[{twin.latency - 1}]"),
+            reached=("out_valid",),
+            refuted_by=(
+                (r"accept && complete && in_last", "accept && complete"),
+                (r"delay3_taps\[0\] <= done", "delay3_taps[0] <= complete"),
+                (r"rst == 1", "0"),
+            ),
+            induction=twin.latency + 2,
+            clocks=12,
+            **(shared | {"watch": watch + ago("good_ago", "good", twin.latency)}),
+        ),
+        Property(
+            name="every sample once",
+            sentence="Each sample of a frame not yet known to be wrong is asked for by its place, "
+            "and added two clocks later; preset comes with the first of a frame alone.",
+            states=(
+                "!taken || addr == place",
+                "accumulate == taken_ago[1]",
+                "preset == first_ago[1]",
+            ),
+            reached=("preset", "accumulate && !preset"),
+            refuted_by=(
+                (r"accept && \(count == 0\)", "accept"),
+                (r"count <= \(count \+ 1\)", "count <= count"),
+            ),
+            **(
+                shared
+                | {
+                    "watch": watch
+                    + ago("taken_ago", "taken", 2)
+                    + ago("first_ago", "taken && place == 0", 2)
+                }
+            ),
+        ),
+    ]

@@ -1,0 +1,216 @@
+"""``python -m tb.sign_off.prove``: what is proved of each block, and that broken ones are refuted.
+
+Of each property three things are asked: that it holds, in every clock after reset whatever drives
+the block, or to a stated depth where no induction closes; that what it is about can happen at all;
+that every broken copy of the block refutes it. Answers are kept by content in ``build/synth``. A
+property that does not hold leaves a counterexample in ``build/prove/<block>``. With ``--record``
+what was proved is recorded beside the benches; without, a record of something else is an error.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import tempfile
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from golden.cli import CommandError, run
+from golden.files import replace_file
+from golden.fingerprint import fingerprint
+from golden.table import suggest
+from hdl.synth.tools import digest
+from tb.common.collected import CASES_OF
+from tb.common.runner import BUILD, Job
+from tb.sign_off.properties import PROOFS, Property, proof_file, properties_of
+from tb.sign_off.record import read_record, write_record
+from tb.sign_off.solver import Answer, prove, reach, refute
+from tb.sign_off.subject import subject
+
+KIND = "proof"
+
+
+@dataclass(frozen=True)
+class Result:
+    """What was found of a property."""
+
+    job: Job
+    item: Property
+    answer: Answer
+    reached: Answer
+    refuted: tuple[Answer, ...]
+
+    @property
+    def faults(self) -> list[str]:
+        """Why the property is not proved, or the proof cannot fail."""
+        found = []
+        if not self.answer.holds:
+            found.append(self.answer.failed)
+        if not self.reached.holds:
+            found.append(f"{self.reached.failed} is not reached in {self.reached.depth} clocks")
+        for (pattern, text), answer in zip(self.item.refuted_by, self.refuted, strict=True):
+            if answer.holds:
+                found.append(f"{pattern} as {text} does not refute it")
+        return found
+
+    def line(self) -> str:
+        """What to print of it."""
+        if self.faults:
+            return "; ".join(self.faults)
+        if self.item.induction:
+            how = f"proved by induction over {self.answer.depth} clocks"
+        else:
+            how = f"holds for {self.answer.depth} clocks from reset"
+        return f"{how}, {len(self.refuted)} broken copies refuted"
+
+    def facts(self) -> dict[str, Any]:
+        """What to record of it."""
+        return {**_stated(self.job, self.item), "depth": self.answer.depth}
+
+
+def _stated(job: Job, item: Property) -> dict[str, Any]:
+    """What is known of a property before it is proved."""
+    return {
+        "entity": job.entity,
+        "name": item.name,
+        "sentence": item.sentence,
+        "assumes": list(item.assumes),
+        "free": list(item.free),
+        "method": "induction" if item.induction else "depth from reset",
+        "refuted_by": len(item.refuted_by),
+    }
+
+
+def _exported(block: str, case: str) -> Job:
+    return subject(block, case=case)
+
+
+def settle(job: Job, item: Property, folder: Path) -> Result:
+    """Ask all that there is to ask of a property."""
+    return Result(
+        job,
+        item,
+        prove(job, item, folder / "sound"),
+        reach(job, item, folder / "reach") if item.reached else Answer(True, 0),
+        tuple(
+            refute(job, item, fault, folder / f"fault{n}")
+            for n, fault in enumerate(item.refuted_by)
+        ),
+    )
+
+
+def source_of(planned: list[Job]) -> str:
+    """A digest of the exported Verilog of entities and their parts."""
+    return fingerprint([], *(digest(job.hdl_folder, job.files) for job in planned))
+
+
+def command(block: str) -> str:
+    """What writes the record of a block."""
+    return f"make prove BLOCK={block} RECORD=1"
+
+
+def entities(block: str, export: Callable[[str, str], Job] = _exported) -> list[Job]:
+    """What stands for a block: its first entity in the first case of its bench, and in others.
+
+    Parameters
+    ----------
+    block : str
+    export : callable
+        From block and case to the entity.
+    """
+    also: tuple[str, ...] = getattr(PROOFS[block], "ALSO", ())
+    return [export(block, case) for case in (CASES_OF[block][0], *also)]
+
+
+def check_record(planned: list[Job]) -> list[str]:
+    """How the record of a block differs from its entities and from its file of properties."""
+    block = planned[0].block
+    try:
+        found = read_record(KIND, block)
+    except FileNotFoundError as error:
+        return [f"{error}; run: {command(block)}"]
+    stale = []
+    if found["source"] != source_of(planned):
+        stale.append("is of another source")
+    recorded = [
+        {key: value for key, value in entry.items() if key != "depth"}
+        for entry in found["properties"]
+    ]
+    here = [_stated(job, item) for job in planned for item in properties_of(job)]
+    if recorded != here:
+        stale.append(f"has other properties than {proof_file(block).name}")
+    return [f"{block}: the record of proofs {fault}; run: {command(block)}" for fault in stale]
+
+
+def blocks_to_prove(block: str | None) -> list[str]:
+    """One block, or all that have properties.
+
+    Raises
+    ------
+    CommandError
+        For a block without any.
+    """
+    if block is None:
+        return sorted(PROOFS)
+    if block not in PROOFS:
+        raise CommandError(f"BLOCK={block}: no properties of it{suggest(block, sorted(PROOFS))}")
+    return [block]
+
+
+def prove_blocks(blocks: list[str], record: bool) -> bool:
+    """Prove, print a line for each property, and whether all is as it should be."""
+    planned = {block: entities(block) for block in blocks}
+    items = [(job, i) for jobs in planned.values() for job in jobs for i in properties_of(job)]
+    results: dict[str, list[Result]] = {block: [] for block in blocks}
+    with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        folders = [Path(name) / str(n) for n in range(len(items))]
+        for result in pool.map(settle, *zip(*items, strict=True), folders):
+            print(f"{result.job.entity:28} {result.item.name:24} {result.line()}", flush=True)
+            results[result.job.block].append(result)
+            if not result.answer.holds:
+                print(f"{'':28} counterexample: {_keep_trace(result)}")
+    sound = True
+    for block, found in results.items():
+        faults = any(result.faults for result in found)
+        if record and not faults:
+            write_record(
+                KIND,
+                block,
+                {
+                    "source": source_of(planned[block]),
+                    "solver": f"z3 {version('z3-solver')}",
+                    "properties": [result.facts() for result in found],
+                },
+            )
+        stale = [] if faults else check_record(planned[block])
+        for line in stale:
+            print(line)
+        sound = sound and not faults and not stale
+    return sound
+
+
+def _keep_trace(result: Result) -> Path:
+    """Where the counterexample stands from now on."""
+    name = f"{result.job.entity}-{result.item.name.replace(' ', '-')}.vcd"
+    trace = BUILD / "prove" / name
+    with replace_file(trace) as temporary:
+        temporary.write_text(result.answer.trace, encoding="utf-8")
+    return trace
+
+
+def main() -> int:
+    """Run as ``python -m tb.sign_off.prove``."""
+    parser = argparse.ArgumentParser(prog="make prove", description=__doc__)
+    parser.add_argument("--block")
+    parser.add_argument("--record", action="store_true")
+    arguments = parser.parse_args()
+    return 0 if prove_blocks(blocks_to_prove(arguments.block), arguments.record) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

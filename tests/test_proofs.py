@@ -1,0 +1,135 @@
+"""What is proved of blocks: that proofs are recorded, that they can fail, and that some succeed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from conftest import tiered
+from shared import Shared
+
+from golden.cli import CommandError
+from tb.common.collected import BENCHES
+from tb.common.runner import Job
+from tb.sign_off import record
+from tb.sign_off.properties import PROOFS, Property, properties_of
+from tb.sign_off.prove import blocks_to_prove, check_record, command, entities, settle
+from tb.sign_off.solver import prove
+
+pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+
+# Proved in every run; make prove does all.
+QUICK = ("output_collector",)
+
+
+@pytest.fixture
+def export(shared: Shared) -> Callable[[str, str], Job]:
+    """From block and case to the first entity of the block, exported once a run."""
+
+    def first(block: str, case: str) -> Job:
+        return next(job for job in reversed(shared.jobs(case, "icarus")) if job.block == block)
+
+    return first
+
+
+@pytest.fixture
+def rows(export: Callable[[str, str], Job]) -> Job:
+    """A block with few registers."""
+    return entities("output_controller", export)[0]
+
+
+def property_with(**changes: object) -> Property:
+    sound = Property("bound", "It counts to two.", ("count <= 2",), ((r"count \+ 1", "count + 3"),))
+    return replace(sound, **changes)
+
+
+def test_properties_are_of_blocks() -> None:
+    assert set(PROOFS) <= set(BENCHES)
+
+
+@pytest.mark.parametrize("block", PROOFS)
+def test_the_record_is_of_this_source(export: Callable[[str, str], Job], block: str) -> None:
+    assert check_record(entities(block, export)) == []
+
+
+@pytest.mark.parametrize("block", PROOFS)
+def test_every_property_can_fail(export: Callable[[str, str], Job], block: str) -> None:
+    for job in entities(block, export):
+        items = properties_of(job)
+        assert len({item.name for item in items}) == len(items)
+        assert all(item.refuted_by for item in items)
+
+
+@pytest.mark.parametrize("block", tiered(QUICK, [b for b in PROOFS if b not in QUICK]))
+def test_proved_and_refuted(export: Callable[[str, str], Job], tmp_path: Path, block: str) -> None:
+    for job in entities(block, export):
+        for item in properties_of(job):
+            assert settle(job, item, tmp_path / "work").faults == [], item.name
+
+
+def test_what_is_false_is_refuted_with_a_trace(rows: Job, tmp_path: Path) -> None:
+    answer = prove(rows, property_with(states=("count <= 1",)), tmp_path)
+    assert not answer.holds
+    assert answer.failed == "REFUTED at clock 3: states_0"
+    assert "$var" in answer.trace
+
+
+def test_what_no_induction_shows_is_no_proof(rows: Job, tmp_path: Path) -> None:
+    """A register that never counts that far, which takes more clocks than the induction has."""
+    watch = "reg [7:0] far = 0; always @(posedge clk) far <= rst || far == 4 ? 0 : far + 1;"
+    item = property_with(states=("far != 100",), watch=watch)
+    assert "no induction over 3 clocks" in prove(rows, item, tmp_path).failed
+    assert prove(rows, replace(item, induction=0), tmp_path).holds
+    assert prove(rows, replace(item, helps=("far <= 4",)), tmp_path).holds
+
+
+def test_a_contradiction_proves_nothing(rows: Job, tmp_path: Path) -> None:
+    item = property_with(assumes={"never": "0"})
+    assert "contradicts itself" in prove(rows, item, tmp_path).failed
+
+
+@pytest.mark.parametrize(
+    ("changes", "fault"),
+    [
+        ({"reached": ("count == 3",)}, "reached_0 is not reached in 20 clocks"),
+        ({"refuted_by": ((r"in_valid", "(!in_valid)"),)}, "does not refute it"),
+        ({"states": ("count <= 1",)}, "REFUTED"),
+    ],
+)
+def test_a_proof_that_means_nothing_is_a_fault(
+    rows: Job, tmp_path: Path, changes: dict, fault: str
+) -> None:
+    assert fault in "; ".join(settle(rows, property_with(**changes), tmp_path).faults)
+
+
+def test_a_free_signal_takes_any_value(rows: Job, tmp_path: Path) -> None:
+    assert not prove(rows, property_with(free=("count",)), tmp_path).holds
+    with pytest.raises(CommandError, match="nothing"):
+        prove(rows, property_with(free=("nothing",)), tmp_path)
+
+
+def test_a_pattern_that_is_nowhere_is_an_error(rows: Job, tmp_path: Path) -> None:
+    with pytest.raises(CommandError, match="changes nothing"):
+        settle(rows, property_with(refuted_by=(("nowhere", ""),)), tmp_path)
+
+
+def test_a_stale_record_names_the_command(
+    rows: Job, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = record.read_record("proof", "output_controller")
+    monkeypatch.setattr(record, "RECORDS", tmp_path)
+    (missing,) = check_record([rows])
+    record.write_record("proof", "output_controller", {**found, "source": "other"})
+    (stale,) = check_record([rows])
+    record.write_record("proof", "output_controller", {**found, "properties": []})
+    (lacking,) = check_record([rows])
+    assert "another source" in stale
+    assert "other properties than prove_output_controller.py" in lacking
+    assert all(command("output_controller") in text for text in (missing, stale, lacking))
+
+
+def test_a_block_without_properties_is_named() -> None:
+    with pytest.raises(CommandError, match="did you mean 'output_controller'"):
+        blocks_to_prove("output_controler")
