@@ -10,6 +10,7 @@ solution, for there is no loop without a register.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from itertools import count, islice
 from typing import Any
@@ -46,10 +47,26 @@ class Side:
             self._check_clock(name, cell)
             wires = cell["connections"]
             self.next |= dict(zip(wires["Q"], wires["D"], strict=True))
-        self.driven: set[Bit] = set()
         for name, cell in self.gates.items():
             _check_gate(name, cell)
-            self.driven.update(cell["connections"]["Y"])
+        self.driven = {bit for cell in self.gates.values() for bit in cell["connections"]["Y"]}
+        self._check_drivers(registers)
+
+    def _check_drivers(self, registers: dict[str, Any]) -> None:
+        """Every wire has one driver."""
+        drivers: Counter[Bit] = Counter()
+        for port in self.ports.values():
+            if port["direction"] == "input":
+                drivers.update(port["bits"])
+        for cell in (*self.gates.values(), *self.parts.values(), *registers.values()):
+            for port, bits in cell["connections"].items():
+                if cell["port_directions"][port] == "output":
+                    drivers.update(bits)
+        read = {bit for bit in (*self._bits(), *self.next.values()) if isinstance(bit, int)}
+        for bit in sorted(read | drivers.keys()):
+            if drivers[bit] != 1:
+                names = ", ".join(name for (name, _), other in self.names.items() if other == bit)
+                raise UncutError(f"{names or bit}: got {drivers[bit]} drivers, expected 1")
 
     def _check_clock(self, name: str, cell: dict[str, Any]) -> None:
         got = cell["connections"]["CLK"], int(cell["parameters"]["CLK_POLARITY"], 2)

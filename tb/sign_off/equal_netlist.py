@@ -133,6 +133,13 @@ def _member(name: str) -> str:
     return name.rpartition(".")[2].lstrip("$\\")
 
 
+def list_lengths(text: str) -> dict[str, int]:
+    """How many elements the signals have that are arrays, of an entity that MyHDL wrote."""
+    ends = dict(re.findall(r"type (\w+) is array\(0 to (\d+)\)", text))
+    signals = re.findall(r"signal (\w+): (t_array_\w+);", text)
+    return {name: int(ends[kind]) + 1 for name, kind in signals}
+
+
 def to_verilog(module: Module, lists: dict[str, int]) -> str:
     """The Verilog of a netlist.
 

@@ -17,7 +17,7 @@ from tb.sign_off.equal_cut import UncutError, cut_alike
 # Processes to gates and registers, nothing merged and no undefined bit made use of. What cannot be
 # reached is left out, or a branch that assigns nothing would count as an undefined bit.
 PLAIN = (
-    "proc -norom; opt_muxtree; opt_clean; check -assert; "
+    "proc -norom; opt_muxtree; opt_clean; "
     "select -assert-none t:$dlatch t:$adlatch t:$adff t:$dffsr; "
     "memory_collect; memory_map; opt_muxtree; opt_clean; dffunmap; opt_clean"
 )
