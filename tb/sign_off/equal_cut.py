@@ -1,0 +1,182 @@
+"""Two netlists of one entity, cut at the registers and signals that both name alike.
+
+A cut wire becomes an input of what reads it and an output of what drives it; a register becomes an
+input, what it holds, and an output, what it holds next; so does each instance of a part. What is
+left of either netlist has neither registers nor parts, and the same ports as what is left of the
+other. If all outputs of both are the same function, then both entities, started with equal
+registers, do the same for ever: each wire of one solves the equations of the other, which have one
+solution, for there is no loop without a register.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from itertools import count, islice
+from typing import Any
+
+# A bit of a netlist that Yosys writes: the number of a wire, or a constant.
+Bit = int | str
+Netlist = dict[str, Any]
+# One bit of a wire, by its name in the source.
+Name = tuple[str, int]
+
+
+class UncutError(ValueError):
+    """Two netlists that cannot be cut alike, such as at a register that only one has."""
+
+
+class Side:
+    """One of both netlists: which bits have which names, and what drives them."""
+
+    def __init__(self, netlist: Netlist) -> None:
+        self.ports: dict[str, Any] = netlist["ports"]
+        self.names: dict[Name, Bit] = {}
+        for name, wire in sorted(netlist["netnames"].items()):
+            if "init" in wire["attributes"]:
+                raise UncutError(f"{name}: got an initial value, expected none")
+            if not wire["hide_name"]:
+                self.names |= {(name, place): bit for place, bit in enumerate(wire["bits"])}
+        cells: dict[str, Any] = netlist["cells"]
+        self.parts = {name: c for name, c in cells.items() if not c["type"].startswith("$")}
+        registers = {name: c for name, c in cells.items() if c["type"] == "$dff"}
+        self.gates = {n: c for n, c in cells.items() if n not in self.parts and n not in registers}
+        # What each bit of a register holds next.
+        self.next: dict[Bit, Bit] = {}
+        for name, cell in registers.items():
+            self._check_clock(name, cell)
+            wires = cell["connections"]
+            self.next |= dict(zip(wires["Q"], wires["D"], strict=True))
+        for name, cell in self.gates.items():
+            _check_gate(name, cell)
+        self.driven = {bit for cell in self.gates.values() for bit in cell["connections"]["Y"]}
+        self._check_drivers(registers)
+
+    def _check_drivers(self, registers: dict[str, Any]) -> None:
+        """Every wire has one driver."""
+        drivers: Counter[Bit] = Counter()
+        for port in self.ports.values():
+            if port["direction"] == "input":
+                drivers.update(port["bits"])
+        for cell in (*self.gates.values(), *self.parts.values(), *registers.values()):
+            for port, bits in cell["connections"].items():
+                if cell["port_directions"][port] == "output":
+                    drivers.update(bits)
+        read = {bit for bit in (*self._bits(), *self.next.values()) if isinstance(bit, int)}
+        for bit in sorted(read | drivers.keys()):
+            if drivers[bit] != 1:
+                names = ", ".join(name for (name, _), other in self.names.items() if other == bit)
+                raise UncutError(f"{names or bit}: got {drivers[bit]} drivers, expected 1")
+
+    def _check_clock(self, name: str, cell: dict[str, Any]) -> None:
+        got = cell["connections"]["CLK"], int(cell["parameters"]["CLK_POLARITY"], 2)
+        if got != (self.ports["clk"]["bits"], 1):
+            raise UncutError(f"{name}: got clock and edge {got}, expected the rising edge of clk")
+
+    def unknown(self) -> int:
+        """How many bits of its gates and ports are undefined."""
+        return sum(bit == "x" for bit in self._bits())
+
+    def cut(self, places: dict[Name, Bit], before: int, after: int) -> Netlist:
+        """What is left: no register, no part, but ports in their place.
+
+        Undefined bits become inputs too, of both netlists: ``before`` of the other stand before
+        them, ``after`` after them.
+        """
+        wires = [bit for bit in places.values() if bit in self.driven]
+        fresh = count(1 + max((bit for bit in self._bits() if isinstance(bit, int)), default=0))
+        instead: dict[Bit, Bit] = dict(zip(wires, fresh, strict=False))
+        unknown: list[Bit] = []
+
+        def read(bits: list[Bit]) -> list[Bit]:
+            return [_unknown() if bit == "x" else instead.get(bit, bit) for bit in bits]
+
+        def _unknown() -> Bit:
+            unknown.append(next(fresh))
+            return unknown[-1]
+
+        ports = {
+            name: {"direction": port["direction"], "bits": read(port["bits"])}
+            for name, port in self.ports.items()
+        }
+        for name, part in self.parts.items():
+            for port, bits in part["connections"].items():
+                inward = part["port_directions"][port] == "input"
+                direction = "output" if inward else "input"
+                ports[f"{name}.{port}"] = {"direction": direction, "bits": read(bits)}
+        for (name, _), bit in places.items():
+            held = ports.setdefault(f"{name}:held", {"direction": "input", "bits": []})
+            held["bits"] += read([bit])
+            made = ports.setdefault(f"{name}:made", {"direction": "output", "bits": []})
+            made["bits"] += read([self.next[bit]]) if bit in self.next else [bit]
+        cells = {
+            name: cell
+            | {
+                "connections": {
+                    port: bits if port == "Y" else read(bits)
+                    for port, bits in cell["connections"].items()
+                }
+            }
+            for name, cell in self.gates.items()
+        }
+        if before or after or unknown:
+            bits = [*islice(fresh, before), *unknown, *islice(fresh, after)]
+            ports["undefined"] = {"direction": "input", "bits": bits}
+        return {"ports": ports, "cells": cells, "netnames": {}}
+
+    def _bits(self) -> Iterator[Bit]:
+        for port in self.ports.values():
+            yield from port["bits"]
+        for cell in (*self.gates.values(), *self.parts.values()):
+            for bits in cell["connections"].values():
+                yield from bits
+        yield from self.next
+
+
+def _check_gate(name: str, cell: dict[str, Any]) -> None:
+    outputs = [port for port, way in cell["port_directions"].items() if way == "output"]
+    if outputs != ["Y"]:
+        raise UncutError(f"{name}: got {cell['type']}, expected a gate without memory")
+
+
+def cut_alike(gold: Netlist, gate: Netlist, signals: bool = True) -> tuple[Netlist, Netlist, int]:
+    """What is left of both netlists, and how many bits of registers were cut.
+
+    Parameters
+    ----------
+    gold, gate : dict
+        As Yosys writes them, of gates as wide as words, with plain registers.
+    signals : bool
+        Whether to cut at the signals too that both name, or at registers and parts alone.
+
+    Raises
+    ------
+    UncutError
+        Where they differ in ports, parts or registers, or hold what is not understood.
+    """
+    sides = Side(gold), Side(gate)
+    parts = [{name: part["type"] for name, part in side.parts.items()} for side in sides]
+    if parts[0] != parts[1]:
+        raise UncutError(f"parts: got {parts[1]}, expected {parts[0]}")
+    places: tuple[dict[Name, Bit], dict[Name, Bit]] = {}, {}
+    taken: tuple[set[Bit], set[Bit]] = set(), set()
+    for name in sorted(sides[0].names.keys() & sides[1].names.keys()):
+        bits = [side.names[name] for side in sides]
+        held = [bit in side.next for bit, side in zip(bits, sides, strict=True)]
+        made = [signals and bit in side.driven for bit, side in zip(bits, sides, strict=True)]
+        if not (all(held) or all(made)) or bits[0] in taken[0] or bits[1] in taken[1]:
+            continue
+        for n, bit in enumerate(bits):
+            places[n][name] = bit
+            taken[n].add(bit)
+    for side, cut, whose in zip(sides, taken, ("Verilog", "VHDL"), strict=True):
+        left = side.next.keys() - cut
+        alone = sorted({name for (name, _), bit in side.names.items() if bit in left})
+        if left:
+            raise UncutError(f"{len(left)} register bits of the {whose} alone: {', '.join(alone)}")
+    unknown = [side.unknown() for side in sides]
+    return (
+        sides[0].cut(places[0], 0, unknown[1]),
+        sides[1].cut(places[1], unknown[0], 0),
+        len(sides[0].next),
+    )
