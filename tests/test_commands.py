@@ -91,7 +91,7 @@ def ready() -> None:
         (["sim", "BLOCK=engin"], "did you mean 'engine'?"),
         (["sim", "BLOCK=engine", "SIM=modelsim"], "SIM=modelsim: no such simulator, expected"),
         (["sim", "BLOCK=engine", "SIM=icaru"], "did you mean 'icarus'?"),
-        (["mutate", "BLOCK=engin"], "BLOCK=engin: no such block, did you mean 'engine'?"),
+        (["mutate", "BLOCK=engin"], "BLOCK=engin: no such block; did you mean 'engine'?"),
         (["sim", "FRAMES=0"], "FRAMES=0: expected a whole number, 1 to"),
         (["sim", "BLOCK=hybrid", "SEED=one"], "SEED=one: expected a whole number, 0 to"),
     ],

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.block import Block
+from golden.border import Border, State
 from golden.engine.pipeline import Pipeline
 from golden.layers.input_controller import FrameScan
 from golden.port import CLOCKED, Port, Unsigned, given, taken
@@ -68,6 +69,15 @@ class FrameCheck(Block):
             given("write_addr", "where it goes", Unsigned(self.addr_width), "addr_width"),
             given("frame_error", "one clock long, one clock after the sample that breaks a frame"),
         )
+
+    @property
+    def borders(self) -> tuple[Border, ...]:
+        free = self.busy + self.pipeline.free
+        return (Border("far enough apart", "clocks from a good frame to the next sample", free),)
+
+    @property
+    def states(self) -> tuple[State, ...]:
+        return (State("samples before", range(self.inputs)), State("dropping", range(2)))
 
     @property
     def latency(self) -> int:

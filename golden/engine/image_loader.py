@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from golden.block import Block
+from golden.border import State
 from golden.engine.image import BEFORE_LAST, CHECK_BYTES, LAST_ADDR, WORD_BYTES
 from golden.engine.program import WORD_WIDTH
 from golden.fixed import Codes
@@ -28,6 +29,8 @@ class Loading:
     good : list of (int, int, list of int)
         For each image that passes its check the clock of its last byte, what its header says of
         the samples of a frame, and its words.
+    before : int64 array
+        Bytes of the image that were taken before.
     """
 
     halt: NDArray[np.bool_]
@@ -36,6 +39,7 @@ class Loading:
     write_addr: Codes
     word: Codes
     good: list[tuple[int, int, list[int]]]
+    before: Codes
 
 
 @dataclass(frozen=True)
@@ -84,6 +88,14 @@ class ImageLoader(Block):
         )
 
     @property
+    def states(self) -> tuple[State, ...]:
+        words = 1 << self.program_addr_width
+        return (
+            State("bytes before, at most two words", range(2 * WORD_BYTES + 1)),
+            State("last address written", range(words - 1, words)),
+        )
+
+    @property
     def latency(self) -> int:
         return 0
 
@@ -102,11 +114,11 @@ class ImageLoader(Block):
         columns = [np.asarray(c).tolist() for c in (load_valid, load_data, load_last, busy, reset)]
         count = len(columns[0])
         halt, error, write = (np.zeros(count, dtype=bool) for _ in range(3))
-        write_addr, word = (np.zeros(count, dtype=np.int64) for _ in range(2))
+        write_addr, word, before = (np.zeros(count, dtype=np.int64) for _ in range(3))
         good = []
         received, whole, failed = bytearray(), False, False
         for t, (valid, data, last, waits, clears) in enumerate(zip(*columns, strict=True)):
-            error[t] = failed
+            error[t], before[t] = failed, len(received)
             taken_now = valid and not waits
             halt[t] = taken_now or not whole
             if taken_now:
@@ -125,7 +137,7 @@ class ImageLoader(Block):
             if clears:
                 received.clear()
                 whole = failed = False
-        return Loading(halt, error, write, write_addr, word, good)
+        return Loading(halt, error, write, write_addr, word, good, before)
 
     def judge(self, received: bytes) -> tuple[int, list[int]] | None:
         """What the header says of the samples, and the words; None for an image that is not good.

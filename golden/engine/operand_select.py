@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.block import Block
+from golden.border import Border
 from golden.engine.formats import DROPPED
 from golden.engine.graph import Kind
 from golden.engine.operand_memory import WORD
@@ -44,6 +45,10 @@ class OperandSelect(Block):
     @property
     def latency(self) -> int:
         return 1 + self.registers
+
+    @property
+    def borders(self) -> tuple[Border, ...]:
+        return (Border("negative", "word", 0),)
 
     def process(self, word: ArrayLike, kind: ArrayLike) -> Codes:
         """The operand of each word and kind."""

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from golden.border import State
 from golden.engine.program import WORD_WIDTH
-from golden.engine.program_words import ProgramWords, Stepped, later, stepped
+from golden.engine.program_words import ProgramWords, Stepped, counters, later
 from golden.fixed import Codes
 from golden.port import Port, Unsigned, given, taken
 
@@ -42,12 +43,17 @@ class ProgramMemory(ProgramWords, Stepped):
         self, start: ArrayLike, run: ArrayLike, finish: ArrayLike, reset: ArrayLike
     ) -> Codes:
         """The word at the counter of each clock, from a clock in which it stands."""
-        contents, counter, found = self.contents, self.begin, []
-        columns = (np.asarray(c, dtype=bool).tolist() for c in (start, run, finish, reset))
-        for starts, runs, ends, resets in zip(*columns, strict=True):
-            found.append(contents[counter])
-            counter = stepped(counter, self.begin, len(contents), starts or runs, resets or ends)
-        return np.array(found, dtype=np.int64)
+        return np.array(self.contents, dtype=np.int64)[self.counter(start, run, finish, reset)]
+
+    @property
+    def states(self) -> tuple[State, ...]:
+        return (State("counter", range(len(self.contents))),)
+
+    def counter(
+        self, start: ArrayLike, run: ArrayLike, finish: ArrayLike, reset: ArrayLike
+    ) -> Codes:
+        """The counter of each clock, from a clock in which it stands."""
+        return counters(self.begin, len(self.contents), start, run, finish, reset)
 
     def look_up(self, segment: ArrayLike, look_up: ArrayLike) -> Codes:
         """The word of the table for each segment, 0 where none is asked for."""

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from golden.border import State
 from golden.engine.program import WORD_WIDTH
-from golden.engine.program_words import Stepped, later, stepped
+from golden.engine.program_words import Stepped, counters, later
 from golden.fixed import Codes
 from golden.port import Port, Unsigned, given, taken
 
@@ -72,6 +73,16 @@ class ProgramRam(Stepped):
             given("table_word", f"that of the table, {later(self.look_up_latency)}", word),
         )
 
+    @property
+    def states(self) -> tuple[State, ...]:
+        return (State("counter", range(1 << self.addr_width)),)
+
+    def counter(
+        self, start: ArrayLike, run: ArrayLike, finish: ArrayLike, reset: ArrayLike
+    ) -> Codes:
+        """The counter of each clock, from a clock in which it stands."""
+        return counters(self.begin, 1 << self.addr_width, start, run, finish, reset)
+
     def process(
         self,
         start: ArrayLike,
@@ -89,17 +100,15 @@ class ProgramRam(Stepped):
         -1 is a word that was never written.
         """
         memory = [-1] * (1 << self.addr_width)
-        counter = self.begin
         fetched: list[int] = []
         found: list[int] = []
+        counter = self.counter(start, run, finish, reset)
         columns = [
-            np.asarray(c).tolist()
-            for c in (start, run, finish, segment, look_up, write, write_addr, data, reset)
+            np.asarray(c).tolist() for c in (counter, segment, look_up, write, write_addr, data)
         ]
-        for starts, runs, ends, low, looks, writes, to, word, resets in zip(*columns, strict=True):
-            fetched.append(fetched[-1] if writes and fetched else memory[counter])
+        for here, low, looks, writes, to, word in zip(*columns, strict=True):
+            fetched.append(fetched[-1] if writes and fetched else memory[here])
             found.append(memory[low] if looks and not writes else 0)
             if writes:
                 memory[to] = word
-            counter = stepped(counter, self.begin, len(memory), starts or runs, resets or ends)
         return np.array(fetched, dtype=np.int64), np.array(found, dtype=np.int64)

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from golden.block import Block
+from golden.fixed import Codes
 from golden.port import CLOCKED, Port, Unsigned, taken
 
 
@@ -82,17 +86,24 @@ class Stepped(Block):
         return 1 + 2 * self.registers
 
 
-def stepped(counter: int, begin: int, span: int, moves: bool, stops: bool) -> int:
-    """The counter in the next clock.
+def counters(
+    begin: int,
+    words: int,
+    start: ArrayLike,
+    run: ArrayLike,
+    finish: ArrayLike,
+    reset: ArrayLike,
+) -> Codes:
+    """The counter of each clock, from a clock in which it stands at ``begin``.
 
-    Parameters
-    ----------
-    counter, begin, span : int
-        Where it is, where the program begins, and the words of the memory.
-    moves, stops : bool
-        ``start`` or ``run``, and ``finish`` or reset.
+    Behind the last of the memory's words comes its first.
     """
-    return (counter + 1) % span if moves and not stops else begin
+    counter, found = begin, []
+    columns = (np.asarray(c, dtype=bool).tolist() for c in (start, run, finish, reset))
+    for starts, runs, ends, resets in zip(*columns, strict=True):
+        found.append(counter)
+        counter = (counter + 1) % words if (starts or runs) and not (resets or ends) else begin
+    return np.array(found, dtype=np.int64)
 
 
 def later(clocks: int) -> str:

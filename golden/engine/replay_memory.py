@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from golden.border import State
 from golden.engine.fields import get
 from golden.engine.formats import SAMPLE_SHIFT, WIDTH
 from golden.engine.program import WORD_WIDTH
@@ -61,17 +62,29 @@ class ReplayMemory(ProgramWords):
     def facts(self) -> tuple[str, ...]:
         return (f"{CLEAR} planes",)
 
+    @property
+    def states(self) -> tuple[State, ...]:
+        ends = self.begin, self.begin + len(self.words)
+        return (State("place", range(*ends)), State("plane", range(CLEAR + 1)))
+
     def process(
         self, run: ArrayLike, finish: ArrayLike, reset: ArrayLike
     ) -> tuple[Codes, Codes, Codes]:
         """Word, plane and first of each clock, from one in which the first word stands."""
+        place, plane, first = self.places(run, finish, reset)
+        return np.array(self.contents, dtype=np.int64)[place], 1 << plane, first
+
+    def places(
+        self, run: ArrayLike, finish: ArrayLike, reset: ArrayLike
+    ) -> tuple[Codes, Codes, Codes]:
+        """The place of each clock's word, the number of its plane, and first."""
         contents = self.contents
         here = base = following = self.begin
         plane, first = CLEAR, True
         found = []
         columns = (np.asarray(c, dtype=bool).tolist() for c in (run, finish, reset))
         for runs, finishes, resets in zip(*columns, strict=True):
-            found.append((contents[here], 1 << plane, first))
+            found.append((here, plane, first))
             first = self._ends(contents[here], plane)
             behind = (here + 1) % len(contents)
             here = base if first else behind

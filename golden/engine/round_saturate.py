@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.block import Block
+from golden.border import Border
 from golden.engine.formats import DROPPED, SAMPLE_SHIFT
 from golden.engine.operand_memory import WORD
 from golden.fixed import Codes, Fix
@@ -46,6 +47,13 @@ class RoundSaturate(Block):
     @property
     def latency(self) -> int:
         return 1
+
+    @property
+    def borders(self) -> tuple[Border, ...]:
+        return (
+            Border("saturates below", "sum", WORD.low << DROPPED),
+            Border("saturates above", "sum", (WORD.high + 1) << DROPPED),
+        )
 
     def process(self, run: ArrayLike, acc: ArrayLike, sample: ArrayLike) -> Codes:
         """The word of each sum or sample."""

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.block import Block
+from golden.border import Border
 from golden.engine.formats import HIDDEN
 from golden.fixed import Codes
 from golden.port import CLOCK, Port, Unsigned, given, taken
@@ -60,6 +61,15 @@ class TableAddress(Block):
     @property
     def latency(self) -> int:
         return 1
+
+    @property
+    def borders(self) -> tuple[Border, ...]:
+        found = [Border("negative", "q", 0)]
+        width = self.segment_width
+        for n in range(1, self.segments):
+            found.append(Border(f"segment {n} above", "q", n << width))
+            found.append(Border(f"segment {n} below", "q", -(n << width)))
+        return tuple(found)
 
     def process(self, q: ArrayLike) -> Codes:
         """The segment of each code.

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from golden.block import Block
+from golden.border import Border, State
 from golden.fixed import Codes
 from golden.port import CLOCKED, Port, Unsigned, given, taken
 
@@ -101,7 +102,7 @@ class InputController(Block):
             given(
                 "addr",
                 "position of the sample in its frame, in the same clock",
-                Unsigned(self.addr_width),
+                Unsigned(self.addr_width, last=self.inputs - 1),
                 "addr_width",
             ),
             given("preset", "two clocks after the first sample of a frame"),
@@ -109,6 +110,19 @@ class InputController(Block):
             given("capture", "three clocks after the last sample of a good frame"),
             given("out_valid", "four clocks after it: the nodes hold the sums of the frame"),
             given("frame_error", "one clock long, one clock after the sample that breaks a frame"),
+        )
+
+    @property
+    def borders(self) -> tuple[Border, ...]:
+        if not self.spacing:
+            return ()
+        return (Border("far enough apart", "clocks from frame to frame", self.spacing),)
+
+    @property
+    def states(self) -> tuple[State, ...]:
+        return (
+            State("samples before, in a frame that is taken", range(self.inputs)),
+            State("dropping", range(2)),
         )
 
     @property

@@ -89,7 +89,7 @@ class InputIntegral(WeightedSum):
             taken(
                 "addr",
                 "position of the sample in its frame, in the same clock",
-                Unsigned(self.addr_width),
+                Unsigned(self.addr_width, last=self.inputs - 1),
                 "addr_width",
             ),
             *node.controls,

@@ -76,6 +76,19 @@ class InputNode(WeightedSum):
         )
 
     @property
+    def unreachable(self) -> dict[str, str]:
+        why = f"with it the sum leaves its {self.acc_width} bits"
+        ends = self.coeff_fmt.low, self.coeff_fmt.high
+        most = 1 << (self.acc_width - 1)
+        found = {}
+        for end in ends:
+            if abs(end * self.in_fmt.low) >> self.product_shift >= most:
+                found[f"weight={end}"] = why
+            if abs(end) << self.bias_shift >= most:
+                found[f"bias={end}"] = why
+        return found
+
+    @property
     def latency(self) -> int:
         # Operands, product, accumulator, output.
         return 4

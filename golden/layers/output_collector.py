@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from numpy.typing import ArrayLike
 
 from golden.block import Block
+from golden.border import State
 from golden.fixed import Codes, Fix
 from golden.port import CLOCKED, Port, given, group, taken
 
@@ -57,6 +58,10 @@ class OutputCollector(Block):
             given("out_data", "result, in the order of the networks", self.fmt, "fmt"),
             given("out_last", "it is the last of the frame"),
         )
+
+    @property
+    def states(self) -> tuple[State, ...]:
+        return (State("results still to leave", range(self.outputs + 1)),)
 
     @property
     def latency(self) -> int:

@@ -58,7 +58,7 @@ class OutputController(Block):
             given(
                 "addr",
                 "row of weights, 0 in the clock of `in_valid`, then one row a clock",
-                Unsigned(self.addr_width),
+                Unsigned(self.addr_width, last=self.outputs - 1),
                 "addr_width",
             ),
             given("out_valid", "`addr` names a row"),

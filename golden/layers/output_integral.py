@@ -66,7 +66,7 @@ class OutputIntegral(WeightedSum):
             taken(
                 "in_addr",
                 "row, 0 to outputs - 1",
-                Unsigned(self.addr_width),
+                Unsigned(self.addr_width, last=self.outputs - 1),
                 "addr_width",
             ),
             *group(r, self.hidden),

@@ -108,6 +108,10 @@ class Parallel(Design):
         return len(self.output_neurons)
 
     @property
+    def unreachable(self) -> dict[str, str]:
+        return {} if self.interval > 1 else {"frame_error=1": "a frame a clock is never too close"}
+
+    @property
     def interval(self) -> int:
         return max(self.min_interval, *(activation.interval for activation in self.activations))
 

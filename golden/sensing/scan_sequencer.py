@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.block import Block
+from golden.border import State
 from golden.fixed import Codes, Fix
 from golden.port import CLOCKED, Port, Unsigned, given, taken
 
@@ -127,6 +128,17 @@ class ScanSequencer(Block):
             given("out_data", "sample, which stays until the next", self.fmt, "fmt"),
             given("out_last", "it is the last of the frame"),
         )
+
+    @property
+    def states(self) -> tuple[State, ...]:
+        return (State("slot", range(1 << self.slot_width)),)
+
+    @property
+    def unreachable(self) -> dict[str, str]:
+        return {
+            f"address={n}": f"there are {self.inputs} sensors"
+            for n in range(self.inputs, 1 << self.address_width)
+        }
 
     @property
     def latency(self) -> int:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.block import Block
+from golden.border import State
 from golden.fixed import Codes, Fix
 from golden.port import CLOCKED, Port, given, taken
 
@@ -62,6 +63,10 @@ class StreamMultiplexer(Block):
             ),
             given("out_last", "it is the last element of the frame"),
         )
+
+    @property
+    def states(self) -> tuple[State, ...]:
+        return (State("elements before, at most one beyond the slot", range(self.slot + 2)),)
 
     @property
     def latency(self) -> int:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.block import Block
-from golden.border import Border
+from golden.border import Border, border_among
 from golden.fixed import Codes, check_unsigned
 from golden.port import CLOCKED, Port, Unsigned, given, taken
 
@@ -109,7 +109,18 @@ class Divider(Block):
 
     @property
     def borders(self) -> tuple[Border, ...]:
-        return (Border("saturates", "quotient", 1 << self.out_width),)
+        return (border_among("saturates", "quotient", 1 << self.out_width, self.about_border[2]),)
+
+    @property
+    def about_border(self) -> tuple[Codes, Codes, Codes]:
+        """For every width the two distances between which the quotient saturates, and quotients."""
+        widths = np.arange(1, 1 << self.width_width, dtype=np.int64)
+        step = self.gain << (self.out_frac - self.gain_frac)
+        first = -(-(widths << self.out_width) // step)
+        distances, width = np.concatenate([first - 1, first]), np.tile(widths, 2)
+        there = distances < 1 << self.distance_width
+        distances, width = distances[there], width[there]
+        return distances, width, self.quotient(distances, width)
 
     def quantities(self, *inputs: Codes) -> dict[str, Codes]:
         return {"quotient": self.quotient(*inputs)}

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.block import Block
+from golden.border import Border, State
 from golden.fixed import Codes, Fix, Overflow, Rounding, requantise
 from golden.flow import Carried, Flow
 from golden.networks.mlp import Real
@@ -32,6 +33,8 @@ WORD = 17
 # t below 4 and t**P below 16: exp(-16) is a thousandth of an LSB of Fix(14,13).
 T_FRAC, POWER_FRAC = 15, 13
 ADDR_WIDTH = 10
+
+ENDS = (("begins", "lowest"), ("ends", "highest"))
 
 # Difference and magnitude.
 DISTANCE_CLOCKS = 2
@@ -99,6 +102,26 @@ class LoadProfile(Block):
             given("out_y", "f(i_p), which stays until the next point", self.fmt, "fmt"),
             given("out_last", "it is the last point of the ramp, for this clock"),
         )
+
+    @property
+    def borders(self) -> tuple[Border, ...]:
+        first, last = (int(p) for p in self.ramp.process()[[0, -1]])
+        lowest, top = (f"the ramp {what} with the {end} code" for what, end in ENDS)
+        return (
+            Border("triangle", "shape", self.shape_threshold + 1),
+            Border("width not below 0", "width", 0),
+            # 0 counts as 1.
+            Border("wider than the narrowest", "width", 2),
+            Border("load not below 0", "load", 0),
+            Border("on the ramp", "position", first, 1, lowest if first == self.fmt.low else ""),
+            Border(
+                "behind the ramp", "position", last + 1, 1, top if last == self.fmt.high else ""
+            ),
+        )
+
+    @property
+    def states(self) -> tuple[State, ...]:
+        return (State("point", range(self.ramp.points)),)
 
     @property
     def latency(self) -> int:

@@ -85,6 +85,11 @@ class PowerFold(Block):
         )
 
     @property
+    def unreachable(self) -> dict[str, str]:
+        others = {0, *range(self.max_power + 1, 1 << self.power_width)}
+        return {f"in_power={n}": f"P is 1 to {self.max_power}" for n in sorted(others)}
+
+    @property
     def latency(self) -> int:
         return self.interval
 

@@ -9,6 +9,7 @@ from fractions import Fraction
 import numpy as np
 
 from golden.block import Block
+from golden.border import State
 from golden.fixed import Codes, Fix
 from golden.port import CLOCKED, Port, given, taken
 
@@ -101,6 +102,10 @@ class Ramp(Block):
     @property
     def data_flags(self) -> frozenset[str]:
         return frozenset({"out_last"})
+
+    @property
+    def states(self) -> tuple[State, ...]:
+        return (State("position", range(self.points)),)
 
     @property
     def latency(self) -> int:

@@ -20,6 +20,7 @@ from cocotb.handle import LogicObject, _GPISetAction
 from cocotb.triggers import Timer
 
 from golden.block import walk
+from golden.border import State
 from golden.scene import load_scene
 from tb.common.coverage import Coverage
 
@@ -166,9 +167,11 @@ class Bench:
         """Count values of a quantity on either side of its borders; see ``Block.borders``."""
         self.coverage.meet(quantity, np.asarray(values))
 
-    def visit(self, name: str, values: np.ndarray) -> None:
-        """Count the values that a state took; see ``Block.states``."""
-        self.coverage.visit(name, np.asarray(values))
+    def visit(self, state: State | str, values: np.ndarray) -> None:
+        """Count the values that a state took: one that the twin names, or one of the timeline."""
+        if isinstance(state, str):
+            state = next(known for known in self.twin.states if known.name == state)
+        self.coverage.visit(state, values)
 
     def compare(self, name: str, got: np.ndarray, expected: np.ndarray, **context: np.ndarray):
         """Bit-exact comparison; a mismatch names everything that is needed to find it."""

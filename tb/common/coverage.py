@@ -8,6 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from golden.block import Block
+from golden.border import State
 from golden.fixed import Fix
 from golden.port import Port
 
@@ -38,7 +39,6 @@ class Coverage:
 
     def __init__(self, twin: Block) -> None:
         self.borders = twin.borders
-        self.states = {state.name: state for state in twin.states}
         self.ports = {port.name: port for port in twin.ports}
         self.counts: Counts = {}
 
@@ -52,16 +52,11 @@ class Coverage:
                 found = {"below": int(below), "from": int(above)}
                 add(self.counts, {"borders": {border.name: found}})
 
-    def visit(self, name: str, values: np.ndarray) -> None:
-        """Count the values that a state took."""
-        wanted = set(self.states[name].values)
-        numbers, counts = np.unique(values, return_counts=True)
-        found = {
-            str(number): int(count)
-            for number, count in zip(numbers, counts, strict=True)
-            if number in wanted
-        }
-        add(self.counts, {"states": {name: found}})
+    def visit(self, state: State, values: np.ndarray) -> None:
+        """Count the values that a state took, with 0 for those that it did not."""
+        met = Counter(np.asarray(values).tolist())
+        found = {str(value): met[value] for value in state.values}
+        add(self.counts, {"states": {state.name: found}})
 
     def stood(self, port: str, words: Iterable[str]) -> None:
         """Count the values that stood on a port."""
@@ -99,7 +94,8 @@ def values_of(port: Port) -> list[int]:
 def missing(twin: Block, counts: Counts) -> list[str]:
     """What the twin names and no test met; what it declares unreachable is not missing.
 
-    The ends of numbers that come out hang on the weights: they are counted, not asked for.
+    Both ends of signed inputs are asked for; those of other wide ports hang on constants and are
+    counted alone.
     """
     found = []
     for border in twin.borders:
@@ -107,15 +103,12 @@ def missing(twin: Block, counts: Counts) -> list[str]:
         for side, where in (("below", border.at - 1), ("from", border.at)):
             if not border.unreachable and not met.get(side):
                 found.append(f"border {border.name}: nothing at {where}")
-    for state in twin.states:
-        met = counts.get("states", {}).get(state.name, {})
-        found += [
-            f"state {state.name}: never {value}"
-            for value in state.values
-            if not met.get(str(value))
-        ]
+    states = {state.name: dict.fromkeys(map(str, state.values), 0) for state in twin.states}
+    for name, met in (states | counts.get("states", {})).items():
+        found += [f"state {name}: never {value}" for value, count in met.items() if not count]
     for port in twin.ports:
-        if port.name == "clk" or (port.direction == "out" and port.width > SMALL):
+        ends = port.direction == "in" and port.signed
+        if port.name == "clk" or (port.width > SMALL and not ends):
             continue
         met = counts.get("ports", {}).get(port.name, {})
         found += [

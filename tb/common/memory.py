@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from golden.border import State
 from tb.common.bench import RESET_CLOCKS, Bench
 
 
@@ -14,6 +15,7 @@ async def check_memory(bench: Bench):
     recording = await bench.play({"addr": addresses}, ["word"])
     rows = np.arange(RESET_CLOCKS, recording.clocks - bench.latency)
     seen = recording.unsigned("addr", rows)
+    bench.visit(State("address", range(size)), seen)
     got = recording.unsigned("word", rows + bench.latency)
     bench.compare("word", got, bench.twin.process(seen), addr=seen)
     bench.finish(at_least=size + 200 - bench.latency)

@@ -26,7 +26,7 @@ from golden.scene import Scene, load_scene, scene_names, scene_path
 from golden.table import suggest
 from hdl.export.exporter import MANIFEST, ORDER
 from tb.common.bench import CONFIGURATION
-from tb.common.coverage import Counts, add
+from tb.common.coverage import Counts, add, missing
 from tb.common.simulate import Run, analyse, simulate
 from tb.common.tools import SIMULATORS, check_simulator, language
 
@@ -284,8 +284,19 @@ def run_job(job: Job) -> Outcome:
     for line in lines:
         add(coverage, line.pop("coverage"))
     facts = {key: value for line in lines for key, value in line.items()} | {"coverage": coverage}
+    if sound and not job.test:
+        sound = _covered(job, coverage)
     # A run that compared nothing proves nothing, whatever its tests say.
     return Outcome(job, sound and compared > 0, compared, seconds, facts)
+
+
+def _covered(job: Job, coverage: Counts) -> bool:
+    """Whether the tests of a bench met all that the twin names; what they did not is logged."""
+    twin = next(block for block in walk(job.scene.twin()) if block.entity == job.entity)
+    lacking = missing(twin, coverage)
+    with (job.folder / "log.txt").open("a", encoding="utf-8") as log:
+        log.writelines(f"Error: {job.entity}: not driven: {what}\n" for what in lacking)
+    return not lacking
 
 
 def _scene_argument(scene: Scene) -> str:

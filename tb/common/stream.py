@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from golden.border import State
 from tb.common.bench import Bench, Recording
 from tb.common.stimulus import random_resets, spread
 
@@ -19,7 +20,7 @@ async def check_stream(
     outputs: dict[str, Callable],
     twin: Callable,
     gap: float = 0.0,
-    resets: bool = False,
+    resets: bool | np.ndarray = False,
     interval: int = 1,
     pause: np.ndarray | None = None,
 ):
@@ -36,8 +37,9 @@ async def check_stream(
         ``outputs``.
     gap : float
         Probability of an idle clock before each item.
-    resets : bool
-        Reset now and then: an item whose way through the block meets a reset must vanish.
+    resets : bool or int array
+        Reset now and then, or in these clocks: an item whose way through the block meets a reset
+        must vanish.
     interval : int
         Least clocks from one item to the next; one that is followed earlier must vanish.
     pause : int array, optional
@@ -46,12 +48,21 @@ async def check_stream(
     tail = bench.latency + 4
     idle = interval - 1 if pause is None else pause
     drive = spread(bench.rng, items, "in_valid", gap, tail, pause=idle)
-    if resets:
+    if isinstance(resets, np.ndarray):
+        drive["rst"] = np.zeros(len(drive["in_valid"]), dtype=np.int64)
+        drive["rst"][resets] = 1
+    elif resets:
         every = 40 * interval
         drive["rst"] = random_resets(bench.rng, len(drive["in_valid"]), every)
     recording = await bench.play(drive, ["out_valid", *outputs])
     entered = recording.rows("in_valid")
-    followed = np.diff(entered, append=recording.clocks + interval) < interval
+    gaps = np.diff(entered, append=recording.clocks + interval)
+    followed = gaps < interval
+    if followed.any():
+        bench.visit(State("clocks to an item that comes early", range(1, interval)), gaps)
+    if len(at := recording.resets()):
+        next_reset = np.append(at, -1)[np.searchsorted(at, entered)]
+        bench.visit(State("clocks to a reset", range(bench.latency)), next_reset - entered)
     kept = entered[recording.undisturbed(entered, entered + bench.latency - 1) & ~followed]
     seen = {port: read(recording, port, kept) for port, read in inputs.items()}
     for quantity, values in bench.twin.quantities(*seen.values()).items():
@@ -73,11 +84,23 @@ async def check_gaps_and_resets(
     twin: Callable,
     interval: int = 1,
 ):
-    """2000 of the items in random order, with idle clocks and resets between them."""
+    """2000 of the items in random order, with idle clocks and resets between them.
+
+    Then a reset at each clock of an item's way.
+    """
     order = bench.rng.integers(0, len(next(iter(items.values()))), 2000)
     chosen = {name: values[order] for name, values in items.items()}
     await check_stream(
         bench, chosen, inputs, outputs, twin, gap=0.3, resets=True, interval=interval
+    )
+    # An item, a reset so many clocks after it, and in the next clock another item.
+    every = np.arange(bench.latency + 1)
+    pairs = {name: values[: 2 * len(every)] for name, values in chosen.items()}
+    room = bench.latency + interval
+    pause = np.stack([np.full(len(every), room), every], axis=1).ravel()
+    at = np.cumsum(pause + 1)[0::2] - 1 + every
+    await check_stream(
+        bench, pairs, inputs, outputs, twin, resets=at, interval=interval, pause=pause
     )
     bench.finish(at_least=1000)
 

@@ -53,7 +53,11 @@ async def check(bench, gap, apart, resets):
     """Play frames; ``apart`` is the most idle clocks before each."""
     twin, rng = bench.twin, bench.rng
     last = random_lengths(rng, twin.inputs, SAMPLES)
-    pause = np.roll(last, 1) * rng.integers(0, apart + 1, len(last))
+    (border,) = twin.borders
+    # Of four frames one comes about as early as it may.
+    about = border.at - 1 + rng.integers(-2, 3, len(last))
+    idle = np.where(rng.random(len(last)) < 1 / 4, about, rng.integers(0, apart + 1, len(last)))
+    pause = np.roll(last, 1) * idle
     drive = spread(rng, {"in_last": last}, "in_valid", gap, tail=twin.busy + 6, pause=pause)
     length = len(drive["in_valid"])
     every = 3 * (twin.busy + twin.inputs)
@@ -63,7 +67,15 @@ async def check(bench, gap, apart, resets):
     recording = await bench.play(drive, ["start", "run", "write", "write_addr", "frame_error"])
 
     rows, frames = scan(twin, recording)
+    bench.visit("dropping", ~frames.accept)
+    bench.visit("samples before", frames.addr[frames.accept & ~frames.error])
     ends = rows[frames.done]
+    # From a good frame to the sample that opens the next, with no reset between.
+    last_rows = recording.rows("in_last")
+    opening = rows[np.concatenate([[False], np.isin(rows[:-1], last_rows)])]
+    good = np.append(0, ends)[np.searchsorted(ends, opening)]
+    near = (good > 0) & recording.undisturbed(good, opening)
+    bench.meet("clocks from a good frame to the next sample", (opening - good)[near])
     # A frame is computed up to ``finish``, or to a reset, or to the end of the recording.
     stops = np.sort(np.concatenate([recording.resets(), [recording.clocks - 1]]))
     until = np.minimum(ends + twin.busy, stops[np.searchsorted(stops, ends)])

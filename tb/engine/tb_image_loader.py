@@ -94,6 +94,9 @@ async def check(bench, drive):
         ("image_error", loading.image_error),
     ):
         bench.compare(name, recording.unsigned(name, rows), expected, clock=rows)
+    before, last = bench.twin.states
+    bench.visit(before, np.minimum(loading.before, before.values[-1]))
+    bench.visit(last, loading.write_addr[loading.write])
     written = rows[loading.write]
     bench.compare("clocks of write", recording.rows("write"), written)
     for name in ("write_addr", "word"):

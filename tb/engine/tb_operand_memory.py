@@ -11,6 +11,7 @@ Does not prove: what a word is before it is written.
 import cocotb
 import numpy as np
 
+from golden.border import State
 from golden.engine.operand_memory import WORD
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import ENGINES
@@ -32,10 +33,12 @@ async def writes_and_reads(dut):
     every = np.arange(size)
     count = 4000
     to = rng.integers(0, size, count)
+    data = rng.integers(WORD.low, WORD.high + 1, size + count)
+    data[::50], data[1::50] = WORD.low, WORD.high
     drive = {
         "write": np.concatenate([np.ones(size), rng.random(count) < 2 / 3]),
         "write_addr": np.concatenate([every, to]),
-        "data": rng.integers(WORD.low, WORD.high + 1, size + count),
+        "data": data,
         "read_addr": np.concatenate(
             [every, np.where(rng.random(count) < 1 / 3, to, rng.integers(0, size, count))]
         ),
@@ -45,6 +48,8 @@ async def writes_and_reads(dut):
     names = ("write", "write_addr", "read_addr")
     write, write_addr, read_addr = (recording.unsigned(name, rows) for name in names)
     expected = bench.twin.process(write, write_addr, recording.signed("data", rows), read_addr)
+    bench.visit(State("address written", range(size)), write_addr[write == 1])
+    bench.visit(State("address read", range(size)), read_addr)
     # While every address is written for the first time nothing is known yet.
     known = slice(size, None)
     got = recording.signed("word", rows[known] + bench.latency)

@@ -37,6 +37,7 @@ async def kinds(dut):
     recording = await bench.play({"word": words, "kind": kinds}, ["operand"])
     rows = np.arange(RESET_CLOCKS, recording.clocks - bench.latency)
     seen = recording.signed("word", rows), recording.unsigned("kind", rows)
+    bench.meet("word", seen[0])
     got = recording.signed("operand", rows + bench.latency)
     bench.compare("operand", got, bench.twin.process(*seen), word=seen[0], kind=seen[1])
     bench.finish(at_least=16384)

@@ -37,6 +37,7 @@ async def check(bench, start, run, finish, resets):
     # From the last clock of the initial reset on the counter stands.
     rows = np.arange(RESET_CLOCKS, recording.clocks - twin.look_up_latency)
     flags = [recording.unsigned(name, rows) for name in ("start", "run", "finish", "rst")]
+    bench.visit("counter", twin.counter(*flags))
     got = recording.unsigned("word", rows + bench.latency)
     bench.compare("word", got, twin.process(*flags), clock=rows)
     seen = [recording.unsigned(name, rows) for name in ("segment", "look_up")]

@@ -63,6 +63,8 @@ async def check(bench, run, finish, write, resets):
         "rst",
     )
     read = [recording.unsigned(name, rows) for name in names]
+    flags = dict(zip(names, read, strict=True))
+    bench.visit("counter", twin.counter(*(flags[n] for n in ("start", "run", "finish", "rst"))))
     latencies = {"word": twin.latency, "table_word": twin.look_up_latency}
     for (name, clocks), expected in zip(latencies.items(), twin.process(*read), strict=True):
         at = rows[expected >= 0]

@@ -40,6 +40,8 @@ async def check(bench, run, finish, resets):
     # After the initial reset the program's first word stands.
     rows = np.arange(RESET_CLOCKS, recording.clocks - bench.latency)
     flags = [recording.unsigned(name, rows) for name in ("run", "finish", "rst")]
+    for name, values in zip(("place", "plane"), twin.places(*flags)[:2], strict=True):
+        bench.visit(name, values)
     for name, expected in zip(("word", "plane", "first"), twin.process(*flags), strict=True):
         bench.compare(name, recording.unsigned(name, rows), expected, clock=rows)
     seen = [recording.unsigned(name, rows) for name in ("segment", "look_up")]

@@ -57,5 +57,6 @@ async def sums_and_samples(dut):
     seen = recording.signed("acc", rows), recording.signed("sample", rows)
     got = recording.signed("word", rows + bench.latency)
     expected = bench.twin.process(flags, *seen)
+    bench.meet("sum", seen[0][flags])
     bench.compare("word", got, expected, run=flags, acc=seen[0], sample=seen[1])
     bench.finish(at_least=16384)

@@ -35,6 +35,7 @@ async def segments(dut):
         recording = await bench.play(drive, ["addr"])
         rows = np.arange(RESET_CLOCKS, recording.clocks - bench.latency)
         seen = recording.signed("q", rows)
+        bench.meet("q", seen)
         got = recording.unsigned("addr", rows + bench.latency)
         bench.compare("addr", got, bench.twin.process(seen), q=seen)
     bench.finish(at_least=len(codes))

@@ -4,9 +4,9 @@ Sweeps: recorded frames, then random codes in every clock; as many scans as ten 
 hold, which with a counter of 12 bits are two.
 Drives: the code of the selected sensor in the clocks in which it is taken, random codes in all
 others; random codes with resets.
-Checks: outputs, held outputs and every point of the profile bit for bit in their clocks.
-Does not prove: frames of wrong lengths, which the sequencer does not make (tb_readout drives them);
-the address (tb_scan_sequencer).
+Checks: the address; outputs, held outputs and every point of the profile bit for bit in their
+clocks.
+Does not prove: frames of wrong lengths, which the sequencer does not make (tb_readout drives them).
 """
 
 import cocotb
@@ -25,7 +25,7 @@ FAULTS = [
 ]
 
 CLOCKS = 10_000
-WATCH = ["out_valid", "out_data", "out_last"]
+WATCH = ["address", "out_valid", "out_data", "out_last"]
 
 
 def scans_that_fit(bench):
@@ -33,8 +33,10 @@ def scans_that_fit(bench):
 
 
 def random_codes(bench, clocks):
-    fmt = bench.twin.scan_sequencer.fmt
-    return bench.rng.integers(fmt.low, fmt.high + 1, clocks)
+    """Of eight codes one is an end."""
+    fmt, rng = bench.twin.scan_sequencer.fmt, bench.rng
+    codes = rng.integers(fmt.low, fmt.high + 1, clocks)
+    return np.where(rng.random(clocks) < 1 / 8, rng.choice([fmt.low, fmt.high], clocks), codes)
 
 
 async def check(bench, codes, resets=None):
@@ -56,6 +58,13 @@ async def check(bench, codes, resets=None):
     starts = ends - final
     taken = starts[:, np.newaxis] + scan.sample_clocks[: scan.inputs]
     frames = recording.signed("adc", taken.ravel()).reshape(taken.shape)
+    # One clock later than the slot begins; in the first after a reset it is that of before.
+    steady = np.flatnonzero(
+        np.isin(rows - 1, marks, invert=True) & np.isin(rows, marks, invert=True)
+    )
+    address = recording.unsigned("address", rows[steady])
+    expected = np.array(scan.addresses)[(count[steady] - 1) % scan.scan_clocks // scan.slot_clocks]
+    bench.compare("address", address, expected, clock=rows[steady])
     check_outputs(bench, recording, starts, ends, frames)
     readout.check_held(bench, recording)
     if shown.load_profile:

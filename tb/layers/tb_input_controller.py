@@ -33,6 +33,15 @@ async def check(bench, gap, resets):
     recording = await bench.play(drive, OUTPUTS)
     rows, frames = scan(bench.twin, recording)
     accepted = rows[frames.accept]
+    position, dropping = (state.name for state in bench.twin.states)
+    bench.visit(position, frames.addr[frames.accept])
+    bench.visit(dropping, ~frames.accept)
+    # From a good frame to the end of the next that is whole, with no reset between.
+    whole = rows[(frames.addr == bench.twin.inputs - 1) & np.isin(rows, recording.rows("in_last"))]
+    good = rows[frames.done]
+    before = np.append(0, good)[np.searchsorted(good, whole)]
+    alive = (before > 0) & recording.undisturbed(before, whole)
+    bench.meet("clocks from frame to frame", (whole - before)[alive])
     opening = rows[frames.accept & (frames.addr == 0)]
     done = rows[frames.done]
     addr = recording.unsigned("addr", accepted)

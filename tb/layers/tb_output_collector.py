@@ -38,6 +38,9 @@ async def check(bench, gap, resets):
     rows = entered[:, np.newaxis] + bench.latency + np.arange(outputs)
     alive = recording.undisturbed(np.repeat(entered, outputs), (rows - 1).ravel())
     expected_rows = rows.ravel()[alive]
+    remaining = np.zeros(recording.clocks, dtype=np.int64)
+    remaining[expected_rows] = np.tile(np.arange(outputs, 0, -1), len(entered))[alive]
+    bench.visit("results still to leave", remaining)
     bench.compare("clocks of out_valid", recording.rows("out_valid"), expected_rows)
     got = recording.signed("out_data", expected_rows)
     bench.compare("out_data", got, twin.process(seen)[alive], clock=expected_rows)

@@ -11,6 +11,7 @@ prevents.
 import cocotb
 import numpy as np
 
+from golden.border import State
 from tb.common.bench import Bench
 from tb.common.small import FOLDED
 from tb.common.stimulus import LONG_IDLE, random_resets
@@ -44,6 +45,9 @@ async def check(bench, gap, resets):
     addr = bench.twin.process(len(entered)).ravel()[alive]
     bench.compare("clocks of out_valid", recording.rows("out_valid"), expected_rows)
     bench.compare("addr", recording.unsigned("addr", expected_rows), addr, clock=expected_rows)
+    if resets:
+        met = np.isin(expected_rows, recording.resets())
+        bench.visit(State("reset in a row", range(1, outputs)), addr[met])
     last = expected_rows[addr == outputs - 1]
     bench.compare("clocks of out_last", recording.rows("out_last"), last)
     bench.finish(at_least=500)

@@ -104,7 +104,10 @@ def whole(frames):
 
 
 def random_data(bench, count):
-    return bench.rng.integers(TDATA.low, TDATA.high + 1, count)
+    """Of eight codes one is an end."""
+    codes = bench.rng.integers(TDATA.low, TDATA.high + 1, count)
+    ends = bench.rng.choice([TDATA.low, TDATA.high], count)
+    return np.where(bench.rng.random(count) < 1 / 8, ends, codes)
 
 
 def random_frames(bench, count):

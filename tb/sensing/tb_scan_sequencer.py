@@ -11,6 +11,7 @@ Does not prove: that an analogue multiplexer has settled when the code is taken.
 import cocotb
 import numpy as np
 
+from golden.border import State
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import INSTRUMENTS
 from tb.common.stimulus import random_resets
@@ -26,6 +27,8 @@ FAULTS = [
     (r"out_last <= 0;", "out_last <= take && slot == 1;"),
 ]
 
+# Clocks from that in which a code is taken to a reset.
+ABOUT = range(-2, 4)
 WATCH = ["address", "out_valid", "out_data", "out_last"]
 
 
@@ -33,6 +36,9 @@ async def check(bench, clocks, resets=None):
     """Play clocks with a column of resets."""
     twin = bench.twin
     codes = bench.rng.integers(twin.fmt.low, twin.fmt.high + 1, clocks)
+    # Both ends among the codes that are taken.
+    rails = [twin.fmt.low, twin.fmt.high]
+    codes = np.where(bench.rng.random(clocks) < 1 / 4, bench.rng.choice(rails, clocks), codes)
     drive = {"adc": codes}
     if resets is not None:
         drive["rst"] = resets
@@ -55,6 +61,7 @@ async def check(bench, clocks, resets=None):
     stays = np.flatnonzero(recording.undisturbed(left[:-1], left[1:] - 1))
     kept = recording.signed("out_data", left[stays + 1] - 1)
     bench.compare("kept data", kept, adc[stays], clock=left[stays])
+    bench.visit("slot", count // twin.slot_clocks)
     steady = np.flatnonzero(since >= 1)
     expected = np.array(twin.addresses)[(count[steady] - 1) % twin.scan_clocks // twin.slot_clocks]
     address = recording.unsigned("address", rows[steady])
@@ -92,11 +99,15 @@ async def resets_about_a_sample(dut):
     twin = bench.twin
     at, clock = [], 0
     for sample in (twin.sample_clocks[0], twin.sample_clocks[-1]):
-        for offset in range(-2, 4):
+        for offset in ABOUT:
             # The scan begins in the clock after a reset.
             clock += 1 + int(sample) + offset
             at.append(clock)
     resets = np.zeros(clock + twin.scan_clocks + 2, dtype=np.int64)
     resets[at] = 1
-    await check(bench, len(resets), resets)
+    recording = await check(bench, len(resets), resets)
+    found = recording.resets()
+    since = np.diff(found, prepend=RESET_CLOCKS - 1) - 1
+    for sample in (twin.sample_clocks[0], twin.sample_clocks[-1]):
+        bench.visit(State("reset, in clocks from a sample", ABOUT), since - int(sample))
     bench.finish(at_least=twin.slots)

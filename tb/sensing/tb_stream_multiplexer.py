@@ -54,6 +54,12 @@ async def check(bench, gap, resets):
             for part in (since == epoch for epoch in np.unique(since))
         ]
     )
+    # Where each frame begins: behind a reset, or the last element of the frame before.
+    new = np.concatenate([[True], ends[:-1] | (np.diff(since) > 0)])
+    index = np.arange(len(rows))
+    position = index - np.maximum.accumulate(np.where(new, index, 0))
+    (state,) = twin.states
+    bench.visit(state, np.minimum(position, twin.slot + 1))
     left = recording.rows("out_valid")
     bench.compare("clocks of out_valid", left, rows + 1)
     bench.compare("out_data", recording.signed("out_data", left), expected, in_data=data)

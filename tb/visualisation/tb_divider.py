@@ -42,8 +42,17 @@ def pairs(bench):
     # distance * gain / width = 2 ** integer bits: the first quotient that saturates.
     border = (widths << (twin.out_width - twin.out_frac + twin.gain_frac)) // twin.gain
     near = border + rng.integers(-1, 3, 400)
-    distances = [grid[0].ravel(), np.clip(near, 0, most), rng.integers(0, most + 1, 2000)]
-    every = [grid[1].ravel(), widths, rng.integers(0, widest + 1, 2000)]
+    about, at, quotients = twin.about_border
+    closest = np.argsort(np.abs(quotients - (1 << twin.out_width)), kind="stable")
+    closest = np.concatenate(
+        [
+            closest[beyond[closest]][:20]
+            for beyond in (quotients >> twin.out_width > 0, quotients >> twin.out_width == 0)
+        ]
+    )
+    distances = [grid[0].ravel(), np.clip(near, 0, most), about[closest]]
+    distances.append(rng.integers(0, most + 1, 2000))
+    every = [grid[1].ravel(), widths, at[closest], rng.integers(0, widest + 1, 2000)]
     return {"in_distance": np.concatenate(distances), "in_width": np.concatenate(every)}
 
 

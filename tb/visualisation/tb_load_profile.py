@@ -45,11 +45,11 @@ def extremes(bench):
     """Every pair of extremes of two results; the others are a wide load that the ramp meets."""
     fmt, threshold = bench.twin.fmt, bench.twin.shape_threshold
     positions = bench.twin.ramp.process()
-    middle = int(positions[len(positions) // 2])
-    before = max(fmt.low, int(positions[0]) - 1)
+    middle, first, last = (int(positions[n]) for n in (len(positions) // 2, 0, -1))
+    before, behind = max(fmt.low, first - 1), min(fmt.high, last + 1)
     values = [
         [fmt.low, -1, 0, 1, fmt.high],
-        [fmt.low, before, middle, fmt.high],
+        [fmt.low, before, first, middle, last, behind, fmt.high],
         [fmt.low, -1, 0, 1, 2, 40, fmt.high],
         [fmt.low, threshold, threshold + 1, fmt.high],
     ]
@@ -80,7 +80,14 @@ async def check(bench, frames, pause, resets=None):
     recording = await bench.play(drive, OUTPUTS)
     entered = recording.rows("in_valid")
     seen = np.stack([recording.signed(name, entered) for name in INPUTS], axis=-1)
-    return check_profile(bench, recording, "out", entered, seen, bench.latency, bench.twin.process)
+    drawn = check_profile(bench, recording, "out", entered, seen, bench.latency, bench.twin.process)
+    for name, codes in zip(("load", "position", "width", "shape"), seen[drawn].T, strict=True):
+        bench.meet(name, codes)
+    # The points of a frame come in order.
+    index = np.arange(len(drawn))
+    opens = np.diff(drawn, prepend=-1) != 0
+    bench.visit("point", index - np.maximum.accumulate(np.where(opens, index, 0)))
+    return drawn
 
 
 async def check_each(bench, frames):

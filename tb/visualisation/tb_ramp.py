@@ -37,6 +37,7 @@ async def check(bench, chance, resets=False):
     number = (np.arange(len(asked)) - first) % bench.twin.points
     expected, last = bench.twin.process()[number], number == bench.twin.points - 1
 
+    bench.visit("position", number)
     left = recording.rows("out_valid")
     bench.compare("clocks of the positions", left, asked + bench.latency)
     # What is asked for in the clock of a reset is not valid, but changes the data.

@@ -1,0 +1,127 @@
+"""What the bench of each block has met of what its twin names: borders, states, values of ports.
+
+    make coverage [BLOCK=input_node]
+
+runs the benches on Icarus, each on the entity that stands for its block, and records how often each
+side of every border, every state and every value was met. A bench that leaves one out fails, here
+as everywhere; the record shows by how much it does not.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from golden.block import Block, walk
+from golden.cli import CommandError, run
+from golden.fingerprint import fingerprint
+from golden.progress import Progress
+from hdl.synth.tools import digest
+from tb.common.collected import BENCHES
+from tb.common.runner import ROOT, Job, run_job, run_jobs
+from tb.sign_off.record import write_record
+from tb.sign_off.subject import subject
+
+KIND = "coverage"
+
+
+def twin_of(job: Job) -> Block:
+    """The twin of a job's entity."""
+    return next(block for block in walk(job.scene.twin()) if block.entity == job.entity)
+
+
+def bench_files(block: str) -> list[Path]:
+    """The bench of a block and every file of ``tb`` that it imports, directly or through others."""
+    found: set[Path] = set()
+    waiting = [Path(str(BENCHES[block].__file__))]
+    while waiting:
+        path = waiting.pop()
+        if path in found:
+            continue
+        found.add(path)
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and str(node.module).startswith("tb."):
+                waiting += _modules(str(node.module), [alias.name for alias in node.names])
+    return sorted(found)
+
+
+def _modules(module: str, names: list[str]) -> list[Path]:
+    """The files that an import reads: a module's own, or of a package those of its modules."""
+    path = ROOT.joinpath(*module.split("."))
+    if path.is_dir():
+        return [path / f"{name}.py" for name in names if (path / f"{name}.py").is_file()]
+    return [path.with_suffix(".py")]
+
+
+def source(job: Job) -> str:
+    """A digest of what the counts are of: the entity's exported files, and the bench's text."""
+    with tempfile.TemporaryDirectory() as folder:
+        for name in job.files:
+            if name.endswith(".v"):
+                (Path(folder) / name).write_bytes((job.hdl_folder / name).read_bytes())
+        code = digest(Path(folder))
+    texts = (path.read_text(encoding="utf-8") for path in bench_files(job.block))
+    return fingerprint([], code, *texts)
+
+
+def summary(job: Job, counts: dict[str, dict[str, dict[str, int]]]) -> dict[str, Any]:
+    """What is recorded of the counts of a bench."""
+    twin = twin_of(job)
+    states = counts.get("states", {})
+    met = counts.get("borders", {})
+    return {
+        "source": source(job),
+        "entity": job.entity,
+        "scene": job.scene.name,
+        "seed": job.seed,
+        "borders": {
+            border.name: {
+                "of": border.quantity,
+                "at": border.at,
+                **(
+                    {"unreachable": border.unreachable}
+                    if border.unreachable
+                    else {"within": border.within, **met[border.name]}
+                ),
+            }
+            for border in twin.borders
+        },
+        "states": {
+            name: {"values": len(found), "fewest": min(found.values())}
+            for name, found in sorted(states.items())
+            if found
+        },
+        "ports": counts.get("ports", {}),
+        "unreachable": twin.unreachable,
+    }
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="make coverage", description=__doc__)
+    parser.add_argument("--block")
+    arguments = parser.parse_args()
+    jobs = [subject(block) for block in ([arguments.block] if arguments.block else BENCHES)]
+    with Progress("coverage", len(jobs), "benches") as progress:
+        outcomes = run_jobs(jobs, lambda outcome: progress.step(outcome.job.entity), work=run_job)
+    failed = [outcome for outcome in outcomes if not outcome.passed]
+    for outcome in outcomes:
+        if outcome.passed:
+            facts = summary(outcome.job, outcome.facts["coverage"])
+            write_record(KIND, outcome.job.block, facts)
+            missed = sum("unreachable" in border for border in facts["borders"].values())
+            print(
+                f"{outcome.job.block:20} {len(facts['borders']) - missed:4} borders, {missed:3} "
+                f"unreachable, {sum(s['values'] for s in facts['states'].values()):5} states, "
+                f"{sum(len(v) for v in facts['ports'].values()):5} values of ports"
+            )
+    if failed:
+        raise CommandError("\n".join(f"{o.job.block}: {o.complaint()}" for o in failed))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

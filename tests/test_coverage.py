@@ -1,0 +1,137 @@
+"""Records of what the benches met: of every block, of this source, and nothing left out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from shared import Shared
+
+from golden.activation.abs_unit import AbsUnit
+from golden.block import Block
+from golden.border import Border, State, border_among
+from golden.port import Unsigned, given, taken
+from tb.common.collected import BENCHES, CASES_OF
+from tb.common.coverage import Coverage, add, missing
+from tb.common.runner import Job, run_job
+from tb.sign_off.coverage import KIND, bench_files, source
+from tb.sign_off.record import read_record
+from tb.sign_off.subject import first
+
+AGAIN = "run: make coverage BLOCK={}"
+
+pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+
+
+def job_of(shared: Shared, block: str) -> Job:
+    return first(shared.jobs(CASES_OF[block][0], "icarus"), block)
+
+
+@pytest.mark.parametrize("block", BENCHES)
+def test_the_record_is_of_this_source(shared: Shared, block: str) -> None:
+    assert read_record(KIND, block)["source"] == source(job_of(shared, block)), AGAIN.format(block)
+
+
+@pytest.mark.parametrize("block", BENCHES)
+def test_the_record_leaves_nothing_out(block: str) -> None:
+    """What was recorded was met, or has a reason."""
+    record = read_record(KIND, block)
+    for name, border in record["borders"].items():
+        assert border.get("unreachable") or (border["below"] and border["from"]), name
+    for name, state in record["states"].items():
+        assert state["fewest"], name
+
+
+def test_another_source_is_noticed(shared: Shared, tmp_path: Path) -> None:
+    job = job_of(shared, "abs_unit")
+    changed = replace(job, build=tmp_path)
+    changed.hdl_folder.mkdir(parents=True)
+    for name in job.files:
+        text = (job.hdl_folder / name).read_text()
+        (changed.hdl_folder / name).write_text(text.replace("8191", "8190").replace("131071", "1"))
+    assert source(changed) != source(job)
+
+
+def test_the_bench_and_what_it_imports_are_part_of_the_source() -> None:
+    names = {path.name for path in bench_files("pade")}
+    assert {"tb_pade.py", "bench.py", "stream.py", "stimulus.py", "coverage.py"} <= names
+    assert "tb_lut.py" not in names
+
+
+class Counter(Block):
+    """A block with one border, one state and ports of each kind."""
+
+    block = "counter"
+
+    @property
+    def borders(self) -> tuple[Border, ...]:
+        return (
+            Border("full", "count", 5),
+            Border("over", "count", 50, unreachable="it stops at 7"),
+        )
+
+    @property
+    def states(self) -> tuple[State, ...]:
+        return (State("count", range(3)),)
+
+    @property
+    def ports(self):
+        return (taken("in_valid", ""), given("addr", "", Unsigned(2, last=2)))
+
+    @property
+    def unreachable(self) -> dict[str, str]:
+        return {"addr=1": "it is skipped"}
+
+
+def test_what_is_not_met_is_named() -> None:
+    coverage = Coverage(Counter())
+    coverage.meet("count", np.array([4, 4, 6]))
+    coverage.visit(State("count", range(3)), np.array([0, 2, 2, 9]))
+    coverage.stood("in_valid", ["1", "1", "X"])
+    coverage.stood("addr", ["00", "11", "UU"])
+    assert missing(Counter(), coverage.counts) == [
+        "border full: nothing at 5",
+        "state count: never 1",
+        "port in_valid: never 0",
+        "port addr: never 2",
+    ]
+    more = Coverage(Counter())
+    more.meet("count", np.array([5]))
+    more.visit(State("count", range(3)), np.array([1]))
+    more.stood("in_valid", ["0"])
+    more.stood("addr", ["10"])
+    add(coverage.counts, more.counts)
+    assert missing(Counter(), coverage.counts) == []
+    assert coverage.counts["borders"]["full"] == {"below": 2, "from": 1}
+    assert coverage.counts["ports"]["addr"] == {"0": 1, "1": 0, "2": 1}
+
+
+def test_a_border_among_the_values_that_there_are() -> None:
+    values = np.array([-3, 2, 9, 12])
+    assert border_among("a", "b", 8, values).within == 6
+    assert border_among("a", "b", 9, values).within == 7
+    assert "-3 to 12" in border_among("a", "b", 13, values).unreachable
+
+
+def test_a_border_that_is_not_met_fails_the_bench(shared: Shared, tmp_path, monkeypatch) -> None:
+    """The twin names one more border than the bench knows of."""
+    block = job_of(shared, "abs_unit")
+    known = AbsUnit.borders.fget
+    more = property(lambda unit: (*known(unit), Border("another", "code", 10**6)))
+    monkeypatch.setattr(AbsUnit, "borders", more)
+    outcome = run_job(replace(block, build=_copy(block, tmp_path)))
+    assert not outcome.passed
+    assert (
+        outcome.complaint()
+        == f"Error: {block.entity}: not driven: border another: nothing at 999999"
+    )
+
+
+def _copy(job: Job, folder: Path) -> Path:
+    copied = replace(job, build=folder)
+    copied.hdl_folder.mkdir(parents=True)
+    for name in job.files:
+        (copied.hdl_folder / name).write_bytes((job.hdl_folder / name).read_bytes())
+    return folder
