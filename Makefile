@@ -21,11 +21,7 @@ RUN := "$$VENV/bin/python"
 # A target by a name of its own: the path of the environment may hold what is special in one of make's.
 READY := ready
 
-<<<<<<< HEAD
-.PHONY: help demo test machines sim vhdl verilog scene check train recalibrate predict network image bench listing activations figures sensors lean synth mutate report docs pages lint clean tools browser ready
-=======
-.PHONY: help demo test machines sim vhdl verilog scene check train recalibrate predict network image bench listing activations figures sensors lean synth coverage report docs pages lint clean tools browser ready
->>>>>>> holes
+.PHONY: help demo test machines sim vhdl verilog scene check train recalibrate predict network image bench listing activations figures sensors lean synth mutate coverage report docs pages lint clean tools browser ready
 
 help:
 	@echo "make demo    [SCENE=] [FULL=1]            a scene end to end: simulate, export, table of errors"
@@ -56,11 +52,8 @@ help:
 	@echo "make sensors [RIG=my-beam.toml]           where gauges on a beam should sit, with picture and table"
 	@echo "make lean    [SCENE=] [BESIDE=other]      what a scene leaves out, and what that saves"
 	@echo "make synth   [SCENE=] [RECORD=1]          cells of every block, clock, both beside the thesis; budget"
-<<<<<<< HEAD
 	@echo "make mutate  [BLOCK=] [SCENE=]            how many faults put into a block its bench finds; without SCENE= recorded"
-=======
 	@echo "make coverage [BLOCK=]                    what each bench meets of the borders and states of its block, recorded"
->>>>>>> holes
 	@echo "make report  [SCENE=] [FULL=1]            errors, what noise does, what was verified, pictures: one HTML file"
 	@echo "                                          FULL=1: the errors and costs of every approximation too"
 	@echo "make docs    [LINKS=1]                    the documentation as a site; LINKS=1 follows links to others"
@@ -130,13 +123,11 @@ lean: $(READY)
 synth: $(READY)
 	@$(RUN) -m hdl.synth "$$SCENE" $(if $(filter-out 0,$(RECORD)),--record)
 
-<<<<<<< HEAD
 mutate: $(READY) tools
 	@$(RUN) -m tb.sign_off.mutate $(if $(BLOCK),--block="$$BLOCK") $(if $(SCENE_GIVEN),--scene="$$SCENE")
-=======
+
 coverage: $(READY)
 	@$(RUN) -m tb.sign_off.coverage $(if $(BLOCK),--block="$$BLOCK")
->>>>>>> holes
 
 report: $(READY) tools
 	@$(RUN) -m tb.report "$$SCENE" $(if $(filter-out 0,$(FULL)),--full)

@@ -39,12 +39,6 @@ def proved(
     return [answers[n] for n in sorted(answers)]
 
 
-def _write(module: Netlist, path: Path) -> list[str]:
-    """Write a module; the commands that read it."""
-    path.write_text(json.dumps({"creator": "tactus", "modules": {"top": module}}), encoding="utf-8")
-    return ["design -reset", f"read_json {path.name}", "hierarchy -top top"]
-
-
 def _within_a_clock(flat: Flat, numbers: list[int], folder: Path) -> list[int]:
     """Those of which it cannot be shown."""
     prepared = [
