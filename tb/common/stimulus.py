@@ -166,3 +166,57 @@ def with_past(window: Window, rows: np.ndarray, rng: np.random.Generator) -> np.
     for column, tap in enumerate(window.taps):
         frames[:, window.past - tap.delay, tap.sensor] = rows[:, column]
     return frames.reshape(-1, len(window.delays))
+
+
+def rounding_frames(
+    rng: np.random.Generator,
+    layer: WeightedSum,
+    rows: Sequence[Sequence[int]],
+    biases: Sequence[int],
+    factors: Sequence[int] | None = None,
+    count: int = 20,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Frames whose exact sums are the last that round to a result, or the first of the next.
+
+    A sum that is wrong in its least bit is wrong in its result there, and hardly anywhere else. The
+    results are at random, and those that differ in one bit from the largest or the least.
+
+    Parameters
+    ----------
+    count : int
+        Random results for each row of weights.
+
+    Returns
+    -------
+    frames : int array, shape (frames, inputs)
+    of_row : int array
+        The row of weights that each is for.
+    """
+    fmt, shift = layer.out_fmt, layer.out_shift
+    weights = np.array(rows)
+    chosen = np.ones(len(rows), dtype=np.int64) if factors is None else np.array(factors)
+    starts = np.array(biases) << layer.bias_shift
+    ends = (weights[..., np.newaxis] * [layer.in_fmt.low, layer.in_fmt.high]) >> layer.product_shift
+    low, high = (
+        np.clip(((starts + side.sum(axis=1)) * chosen) >> shift, fmt.low, fmt.high)
+        for side in (ends.min(axis=2), ends.max(axis=2))
+    )
+    pairs = [
+        (row, int(result))
+        for row in range(len(rows))
+        for result in rng.integers(low[row], high[row] + 1, count)
+    ]
+    for end in (fmt.low, fmt.high):
+        for result in end ^ (1 << np.arange(fmt.width - 1)):
+            able = np.flatnonzero((low <= result) & (result <= high))
+            pairs += [(int(row), int(result)) for row in able[:1]]
+    found, of_row = [], []
+    for row, result in pairs:
+        at = -(-((result << shift) - ((1 << shift) >> 1)) // int(chosen[row]))
+        for target, above in ((at - 1, False), (at, True)):
+            frame = layer.closest(weights[row], int(starts[row]), target, above, rng)
+            if frame is not None:
+                found.append(frame)
+                of_row.append(row)
+    width = len(rows[0])
+    return np.array(found, dtype=np.int64).reshape(-1, width), np.array(of_row, dtype=np.int64)

@@ -13,7 +13,7 @@ import numpy as np
 from tb.common.bench import Bench
 from tb.common.frames import captured_rows, node_timeline
 from tb.common.small import PARTS
-from tb.common.stimulus import border_frames, corner_frames, extreme_frames
+from tb.common.stimulus import border_frames, corner_frames, extreme_frames, rounding_frames
 
 CASES = PARTS
 FAULTS = [
@@ -29,7 +29,8 @@ async def frames(dut):
     ends = extreme_frames(fmt, bench.twin.weights)
     twin = bench.twin
     borders, _ = border_frames(bench.rng, twin, twin.weights, twin.biases)
-    driven = np.concatenate([corner_frames(fmt, inputs), ends, borders, random])
+    rounding, _ = rounding_frames(bench.rng, twin, twin.weights, twin.biases)
+    driven = np.concatenate([corner_frames(fmt, inputs), ends, borders, rounding, random])
     addr = np.tile(np.arange(inputs), (len(driven), 1))
     ports = [f"out_q_{j}" for j in range(bench.twin.hidden)]
     for gap in (0.0, 0.4):

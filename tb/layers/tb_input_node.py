@@ -3,7 +3,8 @@
 Sweeps: with the weights of every node that the design has, corner frames (rails, alternating rails,
 zeros, one sensor alone) and the frames that drive the sum to its ends; 500 random frames, each with
 weights and a bias of its own; with the weights of every node, and with ten of those at random,
-frames on either side of where the sum saturates.
+frames on either side of where the sum saturates, and where it rounds to another result; frames that
+bring the sum to the ends of the accumulator.
 Drives: samples and weights with the controls as CONTROLLER 1 makes them, back to back and with
 gaps; a bias only where ``preset`` asks for it, and something else in other clocks.
 Checks: the held sum of every frame bit for bit, from the clock after ``capture`` to the next one.
@@ -18,7 +19,7 @@ from golden.layers.input_integral import InputIntegral
 from tb.common.bench import Bench
 from tb.common.frames import captured_rows, node_timeline
 from tb.common.small import PARTS
-from tb.common.stimulus import border_frames, corner_frames, extreme_frames
+from tb.common.stimulus import border_frames, corner_frames, extreme_frames, rounding_frames
 
 CASES = PARTS
 FAULTS = [
@@ -66,6 +67,27 @@ def end_coefficients(bench, inputs):
     return frames, found, np.array(biases, dtype=np.int64)
 
 
+def fine(bench, rows):
+    """The same weights, but that the last makes steps of one: sums of every value are reached."""
+    return [[*row[:-1], 1 << bench.twin.product_shift] for row in rows]
+
+
+def accumulator_ends(bench, inputs):
+    """Frames whose sums are those at the ends of the accumulator, or as close as weights allow."""
+    twin, coeff = bench.twin, bench.twin.coeff_fmt
+    row = np.array(fine(bench, [[coeff.high] * inputs])[0])
+    parts = []
+    for sample, above in ((twin.in_fmt.high, False), (twin.in_fmt.low, True)):
+        end = (-1 if above else 1) << (twin.acc_width - 1)
+        rest = end - int(((row[:-1] * sample) >> twin.product_shift).sum())
+        bias = int(np.clip(rest >> twin.bias_shift, coeff.low, coeff.high))
+        for target in (end + 1, end) if above else (end - 2, end - 1):
+            parts.append(
+                (twin.closest(row, bias << twin.bias_shift, target, above, bench.rng), row, bias)
+            )
+    return tuple(map(np.array, zip(*parts, strict=True)))
+
+
 def stimuli(bench, layer):
     """Frames, and the weights and bias of each."""
     fmt, inputs = bench.twin.in_fmt, layer.inputs
@@ -80,6 +102,10 @@ def stimuli(bench, layer):
     offsets = [*layer.biases, *biases[:RANDOM_BORDERS].tolist()]
     frames, chosen = border_frames(bench.rng, bench.twin, rows, offsets)
     parts.append((frames, np.array(rows)[chosen], np.array(offsets)[chosen]))
+    rows = fine(bench, rows)
+    frames, chosen = rounding_frames(bench.rng, bench.twin, rows, offsets, count=5)
+    parts.append((frames, np.array(rows)[chosen], np.array(offsets)[chosen]))
+    parts.append(accumulator_ends(bench, inputs))
     parts.append(end_coefficients(bench, inputs))
     return tuple(np.concatenate(column) for column in zip(*parts, strict=True))
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from tb.common.bench import Bench
 from tb.common.small import PARALLEL
-from tb.common.stimulus import border_frames, corner_frames, extreme_frames
+from tb.common.stimulus import border_frames, corner_frames, extreme_frames, rounding_frames
 
 CASES = PARALLEL
 FAULTS = [
@@ -33,7 +33,8 @@ async def frames(dut):
     random = bench.rng.integers(fmt.low, fmt.high + 1, (1000 + latency, inputs))
     ends = extreme_frames(fmt, [twin.weights])
     borders, _ = border_frames(bench.rng, twin, [twin.weights], [twin.bias], [twin.factor or 1])
-    driven = np.concatenate([corner_frames(fmt, inputs), ends, borders, random])
+    rounding, _ = rounding_frames(bench.rng, twin, [twin.weights], [twin.bias], [twin.factor or 1])
+    driven = np.concatenate([corner_frames(fmt, inputs), ends, borders, rounding, random])
     ports = [f"in_data_{k}" for k in range(inputs)]
     recording = await bench.play(dict(zip(ports, driven.T, strict=True)), ["out_data"])
     # From the first row after the initial ones; by then the bias is in its register.

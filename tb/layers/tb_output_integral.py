@@ -13,7 +13,7 @@ import numpy as np
 
 from tb.common.bench import Bench
 from tb.common.small import FOLDED
-from tb.common.stimulus import border_frames, corner_frames, extreme_frames
+from tb.common.stimulus import border_frames, corner_frames, extreme_frames, rounding_frames
 from tb.common.stream import SIGNED, UNSIGNED, check_stream
 
 CASES = FOLDED
@@ -61,7 +61,8 @@ def activations(bench, count):
     ends = extreme_frames(fmt, bench.twin.weights)
     twin = bench.twin
     borders, _ = border_frames(bench.rng, twin, twin.weights, twin.biases, twin.factors)
-    return np.concatenate([corner_frames(fmt, twin.hidden), ends, borders, random])
+    rounding, _ = rounding_frames(bench.rng, twin, twin.weights, twin.biases, twin.factors)
+    return np.concatenate([corner_frames(fmt, twin.hidden), ends, borders, rounding, random])
 
 
 @cocotb.test()

@@ -29,7 +29,7 @@ def make_mutants(files: list[str], entity: str, count: int, seed: int, folder: P
     that they are in the source, so that each bit of their words is mutated like a bit of logic.
     """
     script = (
-        f"read_verilog {' '.join(files)}; hierarchy -top {entity}; proc -norom; opt; "
+        f"read_verilog {' '.join(files)}; hierarchy -top {entity}; proc -norom; opt; wreduce; opt; "
         "memory_collect; write_rtlil base.il; write_json base.json; "
         f"mutate -list {SPARE * count} -seed {seed} -module {entity} -o mutants.txt"
     )

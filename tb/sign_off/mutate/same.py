@@ -17,7 +17,6 @@ from hdl.synth.tools import run_tool
 from tb.sign_off.mutate.flat import Flat, Netlist, flatten
 
 SAME, OTHER, OPEN = "same", "other", "open"
-PROVED = "SAT proof finished - no model found: SUCCESS!"
 CONFLICTS, CLOCKS = 20_000, 60
 ANSWERS = {"snl_UNSAT": SAME, "snl_SAT": OTHER, "snl_UNK": OPEN}
 # Yosys gives ABC something to work on; the files it reads have nothing to do with that.
@@ -40,49 +39,55 @@ def proved(
     return [answers[n] for n in sorted(answers)]
 
 
-def _write(module: Netlist, path: Path) -> list[str]:
-    """Write a module; the commands that read it."""
-    path.write_text(json.dumps({"creator": "tactus", "modules": {"top": module}}), encoding="utf-8")
-    return ["design -reset", f"read_json {path.name}", "hierarchy -top top"]
-
-
-def _run(lines: list[str], folder: Path) -> str:
-    (folder / "same.ys").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    return run_tool("yosys", ["-s", "same.ys"], folder)
-
-
 def _within_a_clock(flat: Flat, numbers: list[int], folder: Path) -> list[int]:
     """Those of which it cannot be shown."""
-    lines = []
-    for number in numbers:
-        lines += _write(flat.within_a_clock(number), folder / f"within{number}.json")
-        lines += ["opt", f"log mutant {number}", "sat -prove trigger 0 top"]
-    said = _run(lines, folder).split("\nmutant ")[1:]
-    return [n for n, text in zip(numbers, said, strict=True) if PROVED not in text]
+    prepared = [
+        _write(flat.within_a_clock(n), folder, f"within{n}", ["opt", "techmap", "opt"])
+        for n in numbers
+    ]
+    work = f"strash;fraig,-C,1000;write_aiger,{{0}}.left.aig;dsat,-C,{CONFLICTS}"
+    verdicts = _ask(prepared, [f"within{n}" for n in numbers], work, folder)
+    return [n for n, verdict in zip(numbers, verdicts, strict=True) if verdict != SAME]
 
 
 def _over_clocks(
     flat: Flat, numbers: list[int], folder: Path, masks: dict[str, str]
 ) -> list[tuple[int, str]]:
     """What can be shown of each."""
+    steps = ["opt", "memory_map", "setundef -init -zero", "opt -full", "techmap", "opt"]
+    steps += ["dffunmap", "simplemap"]
+    prepared = [_write(flat.over_clocks(n, masks), folder, f"over{n}", steps) for n in numbers]
+    work = f"scorr;write_aiger,{{0}}.left.aig;pdr,-C,{CONFLICTS},-F,{CLOCKS}"
+    names = [f"over{n}" for n in numbers]
+    return list(zip(numbers, _ask(prepared, names, work, folder), strict=True))
+
+
+def _write(module: Netlist, folder: Path, name: str, steps: list[str]) -> list[str]:
+    """Write a module; the commands that make an AIG of it."""
+    text = json.dumps({"creator": "tactus", "modules": {"top": module}})
+    (folder / f"{name}.json").write_text(text, encoding="utf-8")
+    read = ["design -reset", f"read_json {name}.json", "hierarchy -top top"]
+    return [*read, *steps, "aigmap", "opt_clean", f"write_aiger {name}.aig"]
+
+
+def _ask(prepared: list[list[str]], names: list[str], work: str, folder: Path) -> list[str]:
+    """Whether ``trigger`` can rise in each AIG; ``work`` is what ABC does with it."""
+    if not names:
+        return []
+    asked = [f"read_aiger,{n}.aig;{work.format(n)};write_status,{n}.txt" for n in names]
     (folder / "nothing.v").write_text(NOTHING, encoding="utf-8")
-    found = []
-    for number in numbers:
-        lines = _write(flat.over_clocks(number, masks), folder / "over.json")
-        lines += ["opt", "memory_map", "setundef -init -zero", "opt -full", "techmap", "opt"]
-        lines += ["dffunmap", "simplemap", "aigmap", "opt_clean", "write_aiger over.aig"]
-        work = f"read_aiger,over.aig;scorr;write_aiger,left.aig;pdr,-C,{CONFLICTS},-F,{CLOCKS}"
-        lines += ["design -reset", "read_verilog nothing.v", "simplemap"]
-        lines += [f"abc -script +backup;{work};write_status,status.txt;restore;strash;map"]
-        _run(lines, folder)
-        found.append((number, _verdict(folder)))
-    return found
+    lines = [line for part in prepared for line in part]
+    lines += ["design -reset", "read_verilog nothing.v", "simplemap"]
+    lines += [f"abc -script +backup;{';'.join(asked)};restore;strash;map"]
+    (folder / "same.ys").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    run_tool("yosys", ["-q", "-s", "same.ys"], folder)
+    return [_verdict(folder, name) for name in names]
 
 
-def _verdict(folder: Path) -> str:
-    """From what is left of the netlist, where that never rises, or from pdr."""
-    lines = (folder / "left.aig").read_bytes().split(b"\n")
+def _verdict(folder: Path, name: str) -> str:
+    """From what is left of the netlist, where that never rises, or from the last that was done."""
+    lines = (folder / f"{name}.left.aig").read_bytes().split(b"\n")
     latches = int(lines[0].split()[3])
     if lines[1 + latches] == b"0":
         return SAME
-    return ANSWERS[(folder / "status.txt").read_text(encoding="utf-8").split()[0]]
+    return ANSWERS[(folder / f"{name}.txt").read_text(encoding="utf-8").split()[0]]
