@@ -31,6 +31,7 @@ from golden.metrics import millimetres
 from golden.scene import Scene, thesis_figures
 from golden.scene.ranges import ranges
 from golden.scene.vectors import warn_outside
+from golden.training.split import unused_text
 from tb.common.results import simulate
 from tb.common.runner import ready_scene
 from tb.common.tools import SIMULATORS, language, simulator_versions
@@ -119,6 +120,7 @@ def report(scene: Scene, results: dict[str, Any]) -> str:
         f"{scene.precision.name} precision",
         f"errors in % on {len(vectors.codes)} recorded frames; 'largest' is the largest mean over "
         "the positions",
+        *textwrap.wrap(unused_text(scene), 100),
         *textwrap.wrap(f"held-out frames: {held_out_text(scene)}", 100),
         "'noise' is the mean with so much noise on every reading, in its unit",
         "",
@@ -127,7 +129,7 @@ def report(scene: Scene, results: dict[str, Any]) -> str:
         *length_lines(scene),
         *clock_lines(scene, clocks, interval),
         *(f"{design.entity:25} {fact}" for fact in design.facts()),
-        f"samples saturated         {vectors.saturated} of {vectors.codes.size}",
+        f"samples saturated         {vectors.saturated} of {vectors.samples}",
         *ranges(scene),
         *(f"left out                  {text}" for text in scene.twin().left_out()),
         "",

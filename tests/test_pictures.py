@@ -382,6 +382,12 @@ def test_an_engine_is_recorded_with_its_image_loaded(build: Path) -> None:
     assert counting(ports, "engine, frame out", "out_data") == expected.tolist()
 
 
+def test_a_frame_is_recorded_behind_its_past(build: Path) -> None:
+    scene = load_scene("swing-window")
+    found = counting(record(scene, 3, build), "windowed, frame out", "out_data")
+    assert found == scene.twin().core.process(scene.vectors().codes[3]).tolist()
+
+
 AREA = (
     *("scene", "data", "outputs", "design"),
     *("largest %", "clocks a frame", "LUT", "multiplier"),

@@ -168,6 +168,11 @@ class Vectors:
     saturated: int
     outside: tuple[str, ...]
 
+    @property
+    def samples(self) -> int:
+        """Samples of the recordings."""
+        return sum(codes.size for codes in self.recordings)
+
     def percent_errors(self, results: Real) -> Real:
         """Equation 3.16 for results, shape (rows, outputs), as signals: errors in percent."""
         return 100 * np.abs(self.targets - results) / self.scale

@@ -25,7 +25,7 @@ from golden.rig.check import before_training
 from golden.rig.finding import refuse
 from golden.scene import Scene, load_scene
 from golden.scene.trained_scale import story
-from golden.scene.vectors import read_recorded, warn_outside
+from golden.scene.vectors import warn_outside
 from golden.training.scaling import scaled
 from golden.training.search import (
     Result,
@@ -33,7 +33,7 @@ from golden.training.search import (
     search,
     signed_errors,
 )
-from golden.training.split import split_of, split_story
+from golden.training.split import split_story, unused_text
 from golden.training.stages import Stages
 from golden.training.task import Task
 
@@ -101,7 +101,9 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
     check_targets(scene.weights_paths)
     scene = scaled(scene)
     warn_outside(scene)
-    tell_rows(scene)
+    unused = unused_text(scene)
+    if unused:
+        print(f"{len(scene.vectors().codes)} rows; {unused}")
     settings = scene.training
     versions = (np.__version__, scipy.__version__, platform.python_version())
     state = fingerprint([*sources("golden"), scene.path, *scene.data_paths], *versions)
@@ -156,16 +158,6 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
     for member in scene.members:
         print(f"wrote {member.weights_path} and {provenance_path(member.weights_path).name}")
     print(f"{time.monotonic() - started:.0f} s")
-
-
-def tell_rows(scene: Scene) -> None:
-    """Say which rows are not used, where networks see past samples."""
-    if scene.window.plain:
-        return
-    without, used = read_recorded(scene).without_past, len(scene.vectors().codes)
-    print(f"{used} rows; {without} more have no whole past and are not used")
-    border = used - split_of(scene).count
-    print(f"{border} rows share samples with rows of another part of the split and are in none")
 
 
 def errors_of(task: Task, mlp: Mlp, part: str) -> dict[str, Any]:

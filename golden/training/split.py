@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden.networks.mlp import Real
+from golden.scene.vectors import read_recorded
 from golden.table import read_table, rows_where
 
 if TYPE_CHECKING:
@@ -108,6 +109,18 @@ def split_story(scene: Scene) -> dict[str, str | int]:
         "split_by": ", ".join(settings.split_by),
         "block_rows": settings.block_rows if settings.split == "blocks" else 0,
     }
+
+
+def unused_text(scene: Scene) -> str:
+    """Which recorded rows are not used, where networks see past samples; nothing elsewhere."""
+    if scene.window.plain:
+        return ""
+    without = read_recorded(scene).without_past
+    border = len(scene.vectors().codes) - split_of(scene).count
+    return (
+        f"{without} more have no whole past and are not used; {border} share samples with rows of "
+        "another part of the split and are in none"
+    )
 
 
 def _columns(scene: Scene) -> tuple[Numbers, Real]:

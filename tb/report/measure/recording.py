@@ -25,6 +25,8 @@ from tb.report.draw.waveforms import Port
 
 # Clocks before the first element and behind the last output.
 BEFORE, BEHIND = 1, 2
+# Values of input ports, and for how many clocks they stand there.
+Held = tuple[dict[str, int], int]
 MEMBER = ("in_valid", "in_data", "in_last", "out_valid", "out_data")
 
 
@@ -45,7 +47,7 @@ def record(scene: Scene, frame: int = 0, build: Path = BUILD) -> list[Port]:
     scene : Scene
         One whose design takes a stream of samples, or all of them at once.
     frame : int
-        Row of the scene's recorded vectors.
+        Row of the scene's recorded vectors, of the first recording where there are several.
     build : Path
         Where the export is, or goes.
 
@@ -63,15 +65,19 @@ def record(scene: Scene, frame: int = 0, build: Path = BUILD) -> list[Port]:
             f"{scene.path}: waveforms: got the design {design.entity}, whose frames have pauses "
             "of any length, expected a network or a readout"
         )
-    codes = scene.vectors().codes
-    if not 0 <= frame < len(codes):
-        raise ValueError(f"{scene.path}: frame: got {frame}, expected 0 to {len(codes) - 1}")
+    codes, past = scene.vectors().recordings[0].tolist(), design.past
+    last = len(codes) - past - 1
+    if not 0 <= frame <= last:
+        raise ValueError(f"{scene.path}: frame: got {frame}, expected 0 to {last}")
+    *before, shown = codes[frame : frame + past + 1]
     export(scene, "verilog", build)
     folder = build / scene.name / "verilog"
     watched = list(_watched(scene, design, folder))
-    drive = _drive(design, [int(code) for code in codes[frame]])
+    drive = _drive(design, shown)
+    # Neither the image nor the frames of the past are shown.
+    hidden = [*_loading(design.image), *(step for each in before for step in _passed(design, each))]
     paths = [port.path for port in watched]
-    rows = _simulate(folder, design.entity, _loading(design.image), drive, paths)
+    rows = _simulate(folder, design.entity, hidden, drive, paths)
     columns = list(zip(*rows, strict=True))
     return [_port(port, bits) for port, bits in zip(watched, columns, strict=True)]
 
@@ -92,13 +98,20 @@ def _drive(design: Network, samples: list[int]) -> list[dict[str, int]]:
     return [idle] * BEFORE + busy + [idle] * (design.output_clocks[-1] + BEHIND)
 
 
-def _loading(image: bytes) -> list[dict[str, int]]:
-    """The input ports while an image is loaded, in clocks that are not recorded."""
+def _loading(image: bytes) -> list[Held]:
+    """The input ports while an image is loaded."""
     busy = [
         {"load_valid": 1, "load_data": byte, "load_last": int(n == len(image))}
         for n, byte in enumerate(image, 1)
     ]
-    return busy and [*busy, dict.fromkeys(busy[0], 0)]
+    return [(values, 1) for values in [*busy, *(dict.fromkeys(first, 0) for first in busy[:1])]]
+
+
+def _passed(design: Network, samples: list[int]) -> list[Held]:
+    """The input ports during a frame of the past, and until the next."""
+    busy = [values for values in _drive(design, samples) if values["in_valid"]]
+    idle = dict.fromkeys(busy[0], 0)
+    return [*((values, 1) for values in busy), (idle, design.interval)]
 
 
 def _watched(scene: Scene, design: Network, folder: Path) -> Iterator[Watched]:
@@ -136,20 +149,21 @@ def _instance(folder: Path, parent: str, entity: str) -> str:
 def _simulate(
     folder: Path,
     top: str,
-    loading: list[dict[str, int]],
+    hidden: list[Held],
     drive: list[dict[str, int]],
     watched: list[str],
 ) -> list[list[str]]:
     """One row a clock of ``drive``: the watched signals as bits, just before its rising edge."""
     ports = {port.name: port for port in read_ports(_text(folder, top), "verilog")}
-    inputs = ["clk", "rst", *(loading[0] if loading else ()), *drive[0]]
+    given = [*(values for values, _ in hidden), drive[0]]
+    inputs = dict.fromkeys(["clk", "rst", *(name for values in given for name in values)])
     regs = [f"    reg {ports[name].verilog}{name} = 0;" for name in inputs]
     wires = ", ".join(f".{name}({name})" for name in inputs)
     show = f'$display("{" ".join(["row", *["%b"] * len(watched)])}", {", ".join(watched)});'
     tick = ["#5;", "clk = 1;", "#5;", "clk = 0;"]
     play = ["rst = 1;", *tick, *tick, "rst = 0;"]
-    for values in loading:
-        play += [*_set(values), *tick]
+    for values, clocks in hidden:
+        play += [*_set(values), f"repeat ({clocks}) begin", *tick, "end"]
     for values in drive:
         play += [*_set(values), tick[0], show, *tick[1:]]
     lines = ["`timescale 1ns/1ps", "module recorder;", *regs, f"    {top} dut({wires});"]

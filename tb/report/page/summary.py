@@ -9,6 +9,7 @@ from golden.block import walk
 from golden.errors import UNKNOWN, held_out_means, held_out_text, scene_errors
 from golden.networks.network import Network
 from golden.scene import Scene, thesis_figures
+from golden.training.split import unused_text
 from hdl.synth.timing import DEVICE_NAME
 from tb.common.runner import ROOT
 from tb.report.draw.findings import number, rows_of
@@ -22,14 +23,14 @@ def built(scene: Scene, design: Network) -> list[str]:
     """What the scene is, in sentences."""
     entities = list(walk(design))
     blocks = {part.block for part in entities}
-    vectors = scene.vectors()
+    vectors, unused = scene.vectors(), unused_text(scene)
     return [
         f"From {', '.join(scene.sensors)} to {', '.join(scene.outputs)}: {scene.arrangement} "
         f"network {scene.describe()} (inputs, hidden nodes, outputs), {scene.design}, activation "
         f"{scene.activation_text}, {scene.precision.name} precision. Top entity {design.entity}, "
         f"{len(entities)} entities of {len(blocks)} blocks, exported as VHDL-93 and as Verilog.",
-        f"{len(vectors.codes)} recorded frames; {vectors.saturated} of {vectors.codes.size} "
-        "samples saturated.",
+        f"{len(vectors.codes)} recorded frames; {vectors.saturated} of {vectors.samples} "
+        f"samples saturated.{f' Of further rows, {unused}.' if unused else ''}",
     ]
 
 
