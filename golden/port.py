@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from golden.fixed import Fix
 
@@ -23,7 +23,7 @@ class Unsigned:
 
     width: int
     frac: int | None = None
-    last: int = -1
+    last: int = field(default=-1, compare=False)
 
     def __post_init__(self) -> None:
         if self.last < 0:

@@ -11,7 +11,7 @@ from shared import Shared
 
 from golden.activation.abs_unit import AbsUnit
 from golden.block import Block
-from golden.border import Border, State, border_among
+from golden.border import Border, State
 from golden.port import Unsigned, given, taken
 from tb.common.collected import BENCHES, CASES_OF
 from tb.common.coverage import Coverage, add, missing
@@ -52,6 +52,13 @@ def test_another_source_is_noticed(shared: Shared, tmp_path: Path) -> None:
         text = (job.hdl_folder / name).read_text()
         (changed.hdl_folder / name).write_text(text.replace("8191", "8190").replace("131071", "1"))
     assert source(changed) != source(job)
+
+
+def test_another_border_is_another_source(shared: Shared, monkeypatch) -> None:
+    job = job_of(shared, "abs_unit")
+    before = source(job)
+    monkeypatch.setattr(AbsUnit, "borders", property(lambda _: (Border("another", "code", 3),)))
+    assert source(job) != before
 
 
 def test_the_bench_and_what_it_imports_are_part_of_the_source() -> None:
@@ -106,13 +113,6 @@ def test_what_is_not_met_is_named() -> None:
     assert missing(Counter(), coverage.counts) == []
     assert coverage.counts["borders"]["full"] == {"below": 2, "from": 1}
     assert coverage.counts["ports"]["addr"] == {"0": 1, "1": 0, "2": 1}
-
-
-def test_a_border_among_the_values_that_there_are() -> None:
-    values = np.array([-3, 2, 9, 12])
-    assert border_among("a", "b", 8, values).within == 6
-    assert border_among("a", "b", 9, values).within == 7
-    assert "-3 to 12" in border_among("a", "b", 13, values).unreachable
 
 
 def test_a_border_that_is_not_met_fails_the_bench(shared: Shared, tmp_path, monkeypatch) -> None:

@@ -52,10 +52,13 @@ class TableAddress(Block):
 
     @property
     def ports(self) -> tuple[Port, ...]:
+        # Where no sum lies beyond, the bits of any code make an address.
+        last = self.segments - 1 if self.beyond else (1 << self.addr_width) - 1
+        addr = Unsigned(self.addr_width, last=last)
         return (
             CLOCK,
             taken("q", "a hidden sum", HIDDEN),
-            given("addr", "its segment, one clock later", Unsigned(self.addr_width), "addr_width"),
+            given("addr", "its segment, one clock later", addr, "addr_width"),
         )
 
     @property

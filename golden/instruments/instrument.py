@@ -91,6 +91,10 @@ class Instrument(Network):
         )
 
     @property
+    def unreachable(self) -> dict[str, str]:
+        return self.scan_sequencer.unreachable
+
+    @property
     def latency(self) -> int:
         return self.scan_sequencer.latency + self.readout.latency
 

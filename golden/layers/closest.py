@@ -23,7 +23,7 @@ def closest(
     """Samples with ``start + sum((w x) >> shift)`` as close to ``target`` as is found.
 
     With two weights or fewer that are not 0, none is closer; with more, a search over two samples
-    at a time, all of whose pairs are tried, ends at the first that is the target.
+    at a time, all of whose pairs are tried, ends at the first sum than which none is closer.
 
     Parameters
     ----------
@@ -48,6 +48,9 @@ def closest(
     row = np.asarray(weights, dtype=np.int64)
     places = np.flatnonzero(row)
     codes = np.arange(fmt.low, fmt.high + 1)
+    # Whole products differ by multiples of this, so that no sum is closer than ``least``.
+    step = 1 if shift else max(1, int(np.gcd.reduce(row)))
+    least = (start - target if above else target - start) % step
     best, found = None, None
     for _ in range(CHOICES if len(places) > 2 else 1):
         frame = _others(fmt, row, start, shift, target, rng)
@@ -65,7 +68,7 @@ def closest(
         for n, at in ((1, at_first), (0, at_second)):
             if len(pair) > n:
                 found[pair[n]] = codes[at]
-        if not best:
+        if best == least:
             break
     return found
 
@@ -73,9 +76,12 @@ def closest(
 def _closest_pair(
     first: Codes, second: Codes, need: int, above: bool, rng: np.random.Generator
 ) -> tuple[int | None, int, int]:
-    """By how much the closest sum of two terms misses, and the places of the terms."""
-    order = np.argsort(second, kind="stable")
-    rising = second[order]
+    """By how much the closest sum of two terms misses, and the places of the terms.
+
+    Terms rise or fall from place to place.
+    """
+    falls = second[0] > second[-1]
+    rising = second[::-1] if falls else second
     rest = need - first
     if above:
         at = np.searchsorted(rising, rest, side="left")
@@ -86,7 +92,8 @@ def _closest_pair(
         return None, 0, 0
     gaps = np.abs(rising[at[valid]] - rest[valid])
     chosen = valid[rng.choice(np.flatnonzero(gaps == gaps.min()))]
-    return int(gaps.min()), int(chosen), int(order[at[chosen]])
+    place = int(at[chosen])
+    return int(gaps.min()), int(chosen), len(second) - 1 - place if falls else place
 
 
 def _others(

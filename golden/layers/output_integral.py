@@ -76,6 +76,10 @@ class OutputIntegral(WeightedSum):
         )
 
     @property
+    def unreachable(self) -> dict[str, str]:
+        return {} if self.outputs > 1 else {"in_last=0": "a frame has one row, its last"}
+
+    @property
     def latency(self) -> int:
         # Operands, product, adder tree, product with the factor, rounding.
         return 2 + tree_depth(self.hidden + 1) + (self.factors is not None) + 1

@@ -116,6 +116,12 @@ class ScanSequencer(Block):
         idle = (1 << self.slot_width) - self.slots
         return tuple(n % self.inputs for n in range(self.slots)) + (0,) * idle
 
+    def address_at(self, clocks: ArrayLike) -> Codes:
+        """The sensor that is selected so many clocks after the begin of a scan."""
+        turns = np.asarray(clocks) % self.scan_clocks // self.slot_clocks
+        in_pause = [0]
+        return np.array([*self.addresses, *in_pause])[np.minimum(turns, len(self.addresses))]
+
     @property
     def sample_clocks(self) -> Codes:
         """Clocks of a scan in which a code is taken, in order."""

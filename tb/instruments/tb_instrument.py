@@ -63,7 +63,7 @@ async def check(bench, codes, resets=None):
         np.isin(rows - 1, marks, invert=True) & np.isin(rows, marks, invert=True)
     )
     address = recording.unsigned("address", rows[steady])
-    expected = np.array(scan.addresses)[(count[steady] - 1) % scan.scan_clocks // scan.slot_clocks]
+    expected = scan.address_at(count[steady] - 1)
     bench.compare("address", address, expected, clock=rows[steady])
     check_outputs(bench, recording, starts, ends, frames)
     readout.check_held(bench, recording)

@@ -2,7 +2,7 @@
 
 Sweeps: with the weights of every node that the design has, corner frames (rails, alternating rails,
 zeros, one sensor alone) and the frames that drive the sum to its ends; 500 random frames, each with
-weights and a bias of its own; with the weights of every node, and with ten of those at random,
+weights and a bias of its own; with the weights of every node, and with the largest at random,
 frames on either side of where the sum saturates, and where it rounds to another result; frames that
 bring the sum to the ends of the accumulator.
 Drives: samples and weights with the controls as CONTROLLER 1 makes them, back to back and with
@@ -32,7 +32,6 @@ FAULTS = [
     (r"kept < \(-131072\)", "kept < (-131073)"),
 ]
 RANDOM = 500
-RANDOM_BORDERS = 10
 
 
 def random_coefficients(bench, inputs):
@@ -97,9 +96,11 @@ def stimuli(bench, layer):
         frames = np.concatenate([corner_frames(fmt, inputs), extreme_frames(fmt, [row])])
         count = len(frames)
         parts.append((frames, np.tile(row, (count, 1)), np.full(count, bias)))
-    # The weights of no node need reach what the accumulator holds.
-    rows = [*map(list, layer.weights), *weights[:RANDOM_BORDERS].tolist()]
-    offsets = [*layer.biases, *biases[:RANDOM_BORDERS].tolist()]
+    # The weights of the nodes need not reach what the accumulator holds; these do.
+    reach = (np.abs(weights * fmt.low) >> bench.twin.product_shift).sum(axis=1)
+    widest = int(np.argmax(reach))
+    rows = [*map(list, layer.weights), weights[widest].tolist()]
+    offsets = [*layer.biases, int(biases[widest])]
     frames, chosen = border_frames(bench.rng, bench.twin, rows, offsets)
     parts.append((frames, np.array(rows)[chosen], np.array(offsets)[chosen]))
     rows = fine(bench, rows)

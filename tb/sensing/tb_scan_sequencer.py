@@ -68,9 +68,7 @@ async def check(bench, clocks, resets=None):
     bench.compare("kept data", kept, adc[stays], clock=left[stays])
     bench.visit("slot", count // twin.slot_clocks)
     steady = np.flatnonzero(since >= 1)
-    slot = (count[steady] - 1) % twin.scan_clocks // twin.slot_clocks
-    # In the pause behind the slots the first sensor is selected.
-    expected = np.array([*twin.addresses, 0])[np.minimum(slot, len(twin.addresses))]
+    expected = twin.address_at(count[steady] - 1)
     address = recording.unsigned("address", rows[steady])
     bench.compare("address", address, expected, clock=since[steady])
     return recording

@@ -13,6 +13,7 @@ import argparse
 import ast
 import sys
 import tempfile
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ from golden.fingerprint import fingerprint
 from golden.progress import Progress
 from hdl.synth.tools import digest
 from tb.common.collected import BENCHES
+from tb.common.coverage import values_of
 from tb.common.runner import ROOT, Job, run_job, run_jobs
 from tb.sign_off.record import write_record
 from tb.sign_off.subject import subject
@@ -43,10 +45,18 @@ def bench_files(block: str) -> list[Path]:
         if path in found:
             continue
         found.add(path)
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.ImportFrom) and str(node.module).startswith("tb."):
-                waiting += _modules(str(node.module), [alias.name for alias in node.names])
+        waiting += _imported(path)
     return sorted(found)
+
+
+@cache
+def _imported(path: Path) -> list[Path]:
+    """The files of ``tb`` that a file imports."""
+    found: list[Path] = []
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and str(node.module).startswith("tb."):
+            found += _modules(str(node.module), [alias.name for alias in node.names])
+    return found
 
 
 def _modules(module: str, names: list[str]) -> list[Path]:
@@ -58,14 +68,19 @@ def _modules(module: str, names: list[str]) -> list[Path]:
 
 
 def source(job: Job) -> str:
-    """A digest of what the counts are of: the entity's exported files, and the bench's text."""
+    """A digest of what the counts are of: the entity's exported files, the bench's text, and what
+    the twin names.
+    """
     with tempfile.TemporaryDirectory() as folder:
         for name in job.files:
             if name.endswith(".v"):
                 (Path(folder) / name).write_bytes((job.hdl_folder / name).read_bytes())
         code = digest(Path(folder))
     texts = (path.read_text(encoding="utf-8") for path in bench_files(job.block))
-    return fingerprint([], code, *texts)
+    twin = twin_of(job)
+    named = [f"{border}" for border in twin.borders] + [f"{state}" for state in twin.states]
+    named += [f"{port.name} {values_of(port)}" for port in twin.ports]
+    return fingerprint([], code, *texts, *named, f"{twin.unreachable}")
 
 
 def summary(job: Job, counts: dict[str, dict[str, dict[str, int]]]) -> dict[str, Any]:

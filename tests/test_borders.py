@@ -1,0 +1,95 @@
+"""Borders that the twins publish, and the samples that reach them."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from golden.border import border_among
+from golden.fixed import Fix, Rounding, cut
+from golden.layers.closest import closest
+from golden.layers.neuron import Neuron
+
+SMALL = Fix(4, 3)
+CODES = range(SMALL.low, SMALL.high + 1)
+WEIGHT = st.integers(-15, 15)
+
+
+def total(weights: list[int], frame, start: int, shift: int) -> int:
+    return start + sum((w * int(x)) >> shift for w, x in zip(weights, frame, strict=True))
+
+
+@given(
+    st.lists(WEIGHT, min_size=1, max_size=2),
+    st.integers(-50, 50),
+    st.integers(0, 3),
+    st.integers(-300, 300),
+    st.booleans(),
+)
+def test_of_two_weights_none_is_closer(weights, start, shift, target, above) -> None:
+    sums = [total(weights, frame, start, shift) for frame in product(CODES, repeat=len(weights))]
+    side = [s for s in sums if (s >= target if above else s <= target)]
+    row = np.array(weights)
+    found = closest(SMALL, row, start, shift, target, above, np.random.default_rng(0))
+    if not any(weights):
+        return
+    if not side:
+        assert found is None
+    else:
+        assert found is not None
+        best = min(side) if above else max(side)
+        assert total(weights, found, start, shift) == best
+
+
+@pytest.mark.parametrize("shift", [0, 13])
+@pytest.mark.parametrize("above", [False, True])
+def test_of_many_weights_the_sum_is_the_target(shift: int, above: bool) -> None:
+    rng = np.random.default_rng(1)
+    fmt = Fix(14, 13)
+    weights = rng.integers(-8191, 8192, 5)
+    reach = int((np.abs(weights).sum() * 8191) >> shift)
+    for target in (reach // 2, -reach // 3, 17):
+        found = closest(fmt, weights, 5, shift, target, above, rng)
+        assert found is not None
+        assert total(weights.tolist(), found, 5, shift) == target
+
+
+def test_even_weights_stop_at_the_closest_sum() -> None:
+    weights = np.array([4, 6, 10])
+    found = closest(Fix(14, 13), weights, 1, 0, 100, True, np.random.default_rng(0))
+    assert found is not None
+    assert total([4, 6, 10], found, 1, 0) == 101
+
+
+def test_a_sum_saturates_from_its_border_on() -> None:
+    neuron = Neuron(SMALL, Fix(6, 3), SMALL, 0, (9, -11, 7), 3)
+    low, high = neuron.ends
+    kept = cut(np.array([low - 1, low, high - 1, high]), neuron.out_shift, Rounding.ROUND)
+    assert kept.tolist() == [SMALL.low - 1, SMALL.low, SMALL.high, SMALL.high + 1]
+    below, above = neuron.borders
+    assert (below.at, above.at) == (low, high)
+    assert not below.unreachable
+    assert not above.unreachable
+
+
+def test_a_sum_that_is_too_small_names_its_range() -> None:
+    neuron = Neuron(SMALL, Fix(6, 3), SMALL, 0, (1, 1, 1), 0)
+    assert [border.unreachable for border in neuron.borders] == ["the sum is -24 to 21"] * 2
+
+
+def test_a_factor_moves_the_border() -> None:
+    """Of sums that are multiplied by 5 the least that saturates."""
+    neuron = Neuron(SMALL, Fix(6, 3), SMALL, 3, (9, -11, 7), 3, factor=5)
+    at = neuron.borders[1].at
+    assert 5 * at > SMALL.high >= 5 * (at - 1)
+
+
+def test_a_border_among_the_values_that_there_are() -> None:
+    values = np.array([-3, 2, 9, 12])
+    assert border_among("a", "b", 8, values).within == 6
+    assert border_among("a", "b", 9, values).within == 7
+    assert "-3 to 12" in border_among("a", "b", 13, values).unreachable
