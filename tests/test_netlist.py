@@ -14,14 +14,20 @@ from golden.cli import CommandError
 from tb.common.collected import BENCHES, CASES_OF
 from tb.common.runner import Job, run_job
 from tb.sign_off.netlist import FAMILIES, chosen, on_cells
-from tb.sign_off.netlist_record import SCENES, Entity, source_of
-from tb.sign_off.record import read_record
+from tb.sign_off.netlist_record import KIND, SCENES, Entity, source_of
+from tb.sign_off.record import read_record, record_path
 from tb.sign_off.unknown import UNKNOWN, Netlist
+from tb.sign_off.unknown_proof import clocks_to_prove
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
 # A memory, which is a block RAM, and what nextpnr needs a few seconds for.
 SMALL, SMALL_ROUTED = "exp_memory", "ramp"
+
+
+def recorded_blocks(kind: str) -> list[str]:
+    """The blocks of which something is recorded."""
+    return [block for block in BENCHES if record_path(kind, block).is_file()]
 
 
 def job_of(shared: Shared, block: str) -> Job:
@@ -99,10 +105,7 @@ def test_nothing_that_is_valid_hangs_on_an_unknown_register(shared: Shared, bloc
 
 @pytest.mark.parametrize(
     "block",
-    tiered(
-        ["abs_unit", "frame_check"],
-        [b for b in BENCHES if b not in ("abs_unit", "frame_check")],
-    ),
+    tiered(["abs_unit"], [b for b in recorded_blocks(UNKNOWN) if b != "abs_unit"]),
 )
 def test_a_register_that_is_not_reset_is_found(shared: Shared, tmp_path: Path, block: str) -> None:
     """The recorded one; where there is none, none of the block's registers is reset."""
@@ -115,6 +118,21 @@ def test_a_register_that_is_not_reset_is_found(shared: Shared, tmp_path: Path, b
         outcome = run_job(netlist.bench(job, reset[control]))
         assert not outcome.passed
         assert re.search(r" FAIL=[1-9]", outcome.log.read_text())
+
+
+@pytest.mark.parametrize(
+    "block",
+    tiered(["abs_unit"], [b for b in recorded_blocks(UNKNOWN) if b != "abs_unit"]),
+)
+def test_what_is_proved_of_unknown_registers(shared: Shared, block: str) -> None:
+    """As recorded; and not where the register is not reset that the bench needs."""
+    found = read_record(UNKNOWN, block)
+    netlist = Netlist(job_of(shared, block))
+    reset = {register.name: register for register in netlist.registers() if register.reset}
+    if reset:
+        assert clocks_to_prove(netlist) == found["proved over clocks"]
+    if found["control"]:
+        assert clocks_to_prove(netlist, reset[found["control"]]) is None
 
 
 def test_an_unknown_condition_gives_what_both_branches_agree_on(
@@ -164,21 +182,29 @@ def played(folder: Path, text: str) -> list[str]:
     return result.stdout.split()
 
 
-@pytest.mark.parametrize("block", BENCHES)
-def test_the_records_are_of_this_source(shared: Shared, block: str) -> None:
-    job = job_of(shared, block)
-    unknown = read_record(UNKNOWN, block)
+@pytest.mark.parametrize("block", recorded_blocks(UNKNOWN))
+def test_the_record_of_unknown_registers_is_of_this_source(shared: Shared, block: str) -> None:
+    found = read_record(UNKNOWN, block)
     again = f"run: make sim NETLIST=unknown RECORD=1 BLOCK={block}"
-    assert (unknown["source"], unknown["passed"]) == (source_of(job), True), again
+    assert (found["source"], found["passed"]) == (source_of(job_of(shared, block)), True), again
+    assert bool(found["control"]) == bool(found["reset"])
+    assert found["control proved over clocks"] is None
 
-    runs = read_record("netlist", block)["runs"]
+
+@pytest.mark.parametrize("block", recorded_blocks(KIND))
+def test_the_record_of_netlists_is_of_this_source(shared: Shared, block: str) -> None:
+    runs = read_record(KIND, block)["runs"]
     again = f"run: make sim NETLIST=1 RECORD=1 BLOCK={block}"
     assert all(run["passed"] and run["compared"] for run in runs), again
-    sources = {(run["scene"], run["entity"], run["family"]): run["source"] for run in runs}
-    recorded = {source for (_, _, family), source in sources.items() if family == "virtex-2"}
-    jobs = [job, *(j for s in SCENES for j in shared.jobs(s, "icarus") if j.block == block)]
-    assert {source_of(job) for job in jobs} == recorded, again
-    for job in jobs:
-        wanted = set(Entity(job, "").families())
-        found = {family for (_, _, family), source in sources.items() if source == source_of(job)}
-        assert found == wanted, again
+    found: dict[str, set[str]] = {}
+    for run in runs:
+        found.setdefault(run["source"], set()).add(run["family"])
+    jobs = [job_of(shared, block)]
+    jobs += [job for name in SCENES for job in shared.jobs(name, "icarus") if job.block == block]
+    assert found == {source_of(job): set(Entity(job, "").families()) for job in jobs}, again
+
+
+@pytest.mark.all_only
+@pytest.mark.parametrize("kind", [KIND, UNKNOWN])
+def test_every_block_is_recorded(kind: str) -> None:
+    assert recorded_blocks(kind) == list(BENCHES)

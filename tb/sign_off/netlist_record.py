@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from golden.block import walk
 from golden.files import read_kept, replace_file
 from golden.fingerprint import ROOT, fingerprint, sources
 from golden.progress import Progress
@@ -24,6 +25,7 @@ from tb.sign_off.netlist import FAMILIES, NETLISTS_RUN_IN, ROUTED, chosen, on_ce
 from tb.sign_off.record import write_record
 from tb.sign_off.subject import subject
 from tb.sign_off.unknown import UNKNOWN, Netlist
+from tb.sign_off.unknown_proof import clocks_to_prove
 
 KIND = "netlist"
 # Of all tests of a bench only this one, on an engine in these scenes, but for the first.
@@ -80,6 +82,8 @@ def entities(blocks: Collection[str], build: Path = BUILD) -> Iterator[Entity]:
         yield Entity(job, job.entity)
     for name in SCENES:
         scene = load_scene(name)
+        if not any(part.block in blocks for part in walk(scene.twin())):
+            continue
         prepare(scene, NETLISTS_RUN_IN, build)
         for job in jobs(scene, NETLISTS_RUN_IN, build=build):
             if job.block in blocks and source_of(job) not in seen:
@@ -130,8 +134,9 @@ def record_unknown(block: str, build: Path = BUILD) -> Outcome:
     outcome = run_kept(netlist.bench(job))
     registers = netlist.registers()
     reset = [register for register in registers if register.reset]
-    needed = (r.name for r in reset if not run_kept(netlist.bench(job, r)).passed)
+    control = next((r for r in reset if not run_kept(netlist.bench(job, r)).passed), None)
     facts = {
+        "proved over clocks": clocks_to_prove(netlist) if reset else None,
         "source": source_of(job),
         "scene": job.scene.name,
         "entity": job.entity,
@@ -139,7 +144,8 @@ def record_unknown(block: str, build: Path = BUILD) -> Outcome:
         "passed": outcome.passed,
         "reset": [register.name for register in reset],
         "not reset": [register.name for register in registers if not register.reset],
-        "control": next(needed, ""),
+        "control": control.name if control else "",
+        "control proved over clocks": clocks_to_prove(netlist, control) if control else None,
     }
     write_record(UNKNOWN, block, facts)
     return outcome

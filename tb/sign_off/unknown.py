@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from golden.block import walk
 from golden.cli import CommandError
 from golden.files import replace_file
 from hdl.synth.tools import run_tool
@@ -62,6 +63,7 @@ class Netlist:
 
     def __init__(self, job: Job) -> None:
         self.top = job.entity
+        self.twin = next(part for part in walk(job.scene.twin()) if part.entity == job.entity)
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
             for file in job.files:
@@ -116,10 +118,11 @@ class Netlist:
             found.setdefault((names[bit], self.is_reset(bit)), []).append(bit)
         return [Register(name, tuple(bits), reset) for (name, reset), bits in sorted(found.items())]
 
-    def verilog(self, unreset: Register | None = None) -> str:
+    def verilog(self, unreset: Register | None = None, held: str = "") -> str:
         """The module in which what reset gives no value is unknown in each clock of reset.
 
-        ``unreset`` is a register whose reset is left out.
+        ``unreset`` is a register whose reset is left out; ``held`` names another output, of all
+        other registers that are reset.
         """
         netlist = deepcopy(self.netlist)
         cells = netlist["modules"][self.top]["cells"]
@@ -133,6 +136,10 @@ class Netlist:
                 data = cells[name]["connections"]["D"]
                 cells[f"$unknown{free}"] = multiplexer(data[n], "x", self.rst, free)
                 data[n] = free
+        if held:
+            bits = [bit for bit in self.flip_flops if self.is_reset(bit) and bit not in lost]
+            ports = netlist["modules"][self.top]["ports"]
+            ports[held] = {"direction": "output", "bits": bits or ["0"]}
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
             (folder / "n.json").write_text(json.dumps(netlist), encoding="utf-8")

@@ -1,0 +1,102 @@
+"""A proof, for every input, that nothing valid hangs on an unknown register.
+
+The netlist of ``tb/sign_off/unknown.py`` in Yosys' ``sat``, which reckons with unknown bits as a
+simulator of four states does. Once there has been a clock of reset, and whatever comes in:
+
+- a flag is known, and so is every register that is reset;
+- data that go with a flag are known in each clock in which the flag is high.
+
+Shown by induction over as many clocks as it takes, from every state of the registers. Each unknown
+bit stands for itself, whatever it has in common with others: what is proved holds, and what holds
+may be out of reach.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from golden.cli import CommandError
+from hdl.synth.tools import run_tool
+from tb.sign_off.unknown import Netlist, Register
+
+# A flag, and how the outputs begin that are data where it is high.
+VALID = {"out_valid": "out_", "m_axis_tvalid": "m_axis_t"}
+# More than any pipeline has. A bound in clocks and not in seconds: the same on every machine.
+MOST_CLOCKS = 16
+# Bits of registers; larger blocks take minutes, and their parts are proved.
+MOST_BITS = 700
+HELD = "what_reset_gives_a_value"
+
+
+def outputs(netlist: Netlist) -> tuple[list[str], dict[str, list[str]]]:
+    """The flags, and by flag its data; what is neither is not said to be known."""
+    ports = [port for port in netlist.twin.ports if port.direction == "out"]
+    data = {
+        flag: [port.name for port in ports if port.name.startswith(prefix) and port.name != flag]
+        for flag, prefix in VALID.items()
+        if flag in {port.name for port in ports}
+    }
+    behind = {name for found in data.values() for name in found}
+    flags = [port.name for port in ports if not port.width and port.name not in behind]
+    return flags, {flag: found for flag, found in data.items() if found}
+
+
+def clocks_to_prove(netlist: Netlist, unreset: Register | None = None) -> int | None:
+    """Over how many clocks the induction goes; None where it does not close, or is not tried.
+
+    ``unreset`` is a register whose reset is left out.
+    """
+    if len(netlist.flip_flops) > MOST_BITS:
+        return None
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        text = netlist.verilog(unreset, HELD) + watch(netlist, unreset)
+        (folder / "watch.v").write_text(text, encoding="utf-8")
+        script = (
+            "read_verilog watch.v; hierarchy -top watch; proc -noopt; flatten; opt_clean; "
+            f"sat -verify -tempinduct -maxsteps {MOST_CLOCKS} -set-init-undef -set-def-inputs "
+            "-enable_undef -prove wrong 0 watch"
+        )
+        try:
+            said = run_tool("yosys", ["-p", script], folder)
+        except CommandError as error:
+            if "proof did fail" in str(error):
+                return None
+            raise
+    return said.count("[induction step ")
+
+
+def watch(netlist: Netlist, unreset: Register | None = None) -> str:
+    """A module around the netlist whose output is 1 where something is unknown that must not be."""
+    ports: dict[str, dict[str, Any]] = netlist.module["ports"]
+    flags, data = outputs(netlist)
+    lines = []
+    for name, port in ports.items():
+        kind = port["direction"] if port["direction"] == "input" else "wire"
+        lines.append(f"  {kind} [{len(port['bits']) - 1}:0] {name};")
+    lost = unreset.bits if unreset else ()
+    held = sum(netlist.is_reset(bit) and bit not in lost for bit in netlist.flip_flops)
+    unknown = [_unknown(name) for name in (*flags, HELD)]
+    unknown += [f"({flag} & {_unknown(*found)})" for flag, found in data.items()]
+    inputs = [name for name, port in ports.items() if port["direction"] == "input"]
+    wires = ", ".join(f".{name}({name})" for name in (*ports, HELD))
+    return "\n".join(
+        [
+            f"module watch({', '.join(inputs)}, wrong);",
+            *lines,
+            f"  wire [{max(held, 1) - 1}:0] {HELD};",
+            "  output wrong;",
+            f"  {netlist.top} entity({wires});",
+            "  reg after = 0;",
+            "  always @(posedge clk) after <= after | rst;",
+            f"  assign wrong = after & ({' | '.join(unknown)});",
+            "endmodule",
+        ]
+    )
+
+
+def _unknown(*names: str) -> str:
+    """Whether a bit of some nets is unknown: only then is their parity."""
+    return f"((^{{{', '.join(names)}}}) === 1'bx)"
