@@ -31,7 +31,8 @@ from hdl.export.exporter import ORDER
 from hdl.synth.tools import digest
 from tb.common.collected import BENCHES, FAULTS
 from tb.common.runner import Job, jobs
-from tb.sign_off.equal_netlist import Module, list_lengths, synthesise, to_verilog
+from tb.sign_off.equal_gates import Module, synthesise
+from tb.sign_off.equal_netlist import list_lengths, to_verilog
 from tb.sign_off.equal_proof import EQUAL, compare
 from tb.sign_off.record import read_record, write_record
 from tb.sign_off.subject import subject
@@ -90,10 +91,9 @@ class Result:
         if self.complaints:
             return f"VHDL and Verilog: {'; '.join(self.complaints)}"
         bits = sum(answer["registers"] for answer in self.answers.values())
-        count = len(self.answers)
         return (
-            f"VHDL equals Verilog: {count} {'entity' if count == 1 else 'entities'}, {bits} bits of "
-            f"registers, {len(self.faults)} faults differ"
+            f"VHDL equals Verilog, {len(self.answers) - 1} parts too, {bits} bits of registers; "
+            f"{len(self.faults)} faults differ"
         )
 
     def facts(self) -> dict[str, Any]:
@@ -143,7 +143,9 @@ def _faulty(pair: Pair, pattern: str) -> str:
         source = (job.hdl_folder / f"{other.entity}.v").read_text(encoding="utf-8")
         if other.block == job.block and re.search(pattern, source):
             return other.entity
-    raise ValueError(f"tb_{job.block}.py: FAULTS: {pattern} is in no {job.block} of {job.scene.name}")
+    raise ValueError(
+        f"tb_{job.block}.py: FAULTS: {pattern} is in no {job.block} of {job.scene.name}"
+    )
 
 
 def settle(pairs: Iterable[Pair]) -> Iterator[Result]:

@@ -37,10 +37,14 @@ class Side:
                 raise UncutError(f"{name}: got an initial value, expected none")
             if not wire["hide_name"]:
                 self.names |= {(name, place): bit for place, bit in enumerate(wire["bits"])}
-        cells: dict[str, Any] = netlist["cells"]
+        cells: dict[str, Any] = dict(netlist["cells"])
+        self.fresh = count(1 + _highest(netlist))
+        for name in [name for name, cell in cells.items() if cell["type"] == "$mem_v2"]:
+            cells |= self._memory(name, cells[name])
         self.parts = {name: c for name, c in cells.items() if not c["type"].startswith("$")}
         registers = {name: c for name, c in cells.items() if c["type"] == "$dff"}
-        self.gates = {n: c for n, c in cells.items() if n not in self.parts and n not in registers}
+        apart = self.parts.keys() | registers.keys()
+        self.gates = {name: cell for name, cell in cells.items() if name not in apart}
         # What each bit of a register holds next.
         self.next: dict[Bit, Bit] = {}
         for name, cell in registers.items():
@@ -73,26 +77,20 @@ class Side:
         if got != (self.ports["clk"]["bits"], 1):
             raise UncutError(f"{name}: got clock and edge {got}, expected the rising edge of clk")
 
-    def unknown(self) -> int:
-        """How many bits of its gates and ports are undefined."""
-        return sum(bit == "x" for bit in self._bits())
+    def cut(self, places: dict[Name, Bit]) -> tuple[Netlist, list[Bit]]:
+        """What is left: no register, no part, but ports in their place; and undefined bits.
 
-    def cut(self, places: dict[Name, Bit], before: int, after: int) -> Netlist:
-        """What is left: no register, no part, but ports in their place.
-
-        Undefined bits become inputs too, of both netlists: ``before`` of the other stand before
-        them, ``after`` after them.
+        Each undefined bit becomes a wire without driver.
         """
         wires = [bit for bit in places.values() if bit in self.driven]
-        fresh = count(1 + max((bit for bit in self._bits() if isinstance(bit, int)), default=0))
-        instead: dict[Bit, Bit] = dict(zip(wires, fresh, strict=False))
+        instead: dict[Bit, Bit] = dict(zip(wires, self.fresh, strict=False))
         unknown: list[Bit] = []
 
         def read(bits: list[Bit]) -> list[Bit]:
             return [_unknown() if bit == "x" else instead.get(bit, bit) for bit in bits]
 
         def _unknown() -> Bit:
-            unknown.append(next(fresh))
+            unknown.append(next(self.fresh))
             return unknown[-1]
 
         ports = {
@@ -119,10 +117,50 @@ class Side:
             }
             for name, cell in self.gates.items()
         }
-        if before or after or unknown:
-            bits = [*islice(fresh, before), *unknown, *islice(fresh, after)]
-            ports["undefined"] = {"direction": "input", "bits": bits}
-        return {"ports": ports, "cells": cells, "netnames": {}}
+        return {"ports": ports, "cells": cells, "netnames": {}}, unknown
+
+    def _memory(self, name: str, cell: dict[str, Any]) -> dict[str, Any]:
+        """A memory as a part that has its reads and writes as ports.
+
+        What is written nowhere does not count, so gates hide it.
+        """
+        facts, wires = cell["parameters"], cell["connections"]
+        reads, writes, width, depth, size = (
+            int(facts[key], 2) for key in ("RD_PORTS", "WR_PORTS", "WIDTH", "ABITS", "SIZE")
+        )
+        clocks = [self.ports["clk"]["bits"][0]] * writes
+        edges = int(facts["WR_CLK_ENABLE"], 2) & int(facts["WR_CLK_POLARITY"], 2)
+        if int(facts["RD_CLK_ENABLE"], 2) or wires["WR_CLK"] != clocks or edges + 1 != 1 << writes:
+            raise UncutError(f"{name}: a memory, expected writes at the rising edge of clk alone")
+        if set(facts["INIT"]) != {"x"}:
+            raise UncutError(f"{name}: a memory, got a content, expected none")
+        ports: dict[str, list[Bit]] = {}
+        gates: dict[str, Any] = {}
+
+        def gate(kind: str, *operands: list[Bit]) -> list[Bit]:
+            wide = 1 if kind == "$reduce_or" else len(operands[0])
+            out: list[Bit] = list(islice(self.fresh, wide))
+            gates[f"{name}$gate{out[0]}"] = _gate(kind, operands, out)
+            return out
+
+        for n in range(reads):
+            ports[f"read{n}"] = wires["RD_ADDR"][n * depth : (n + 1) * depth]
+            ports[f"got{n}"] = wires["RD_DATA"][n * width : (n + 1) * width]
+        for n in range(writes):
+            enable = wires["WR_EN"][n * width : (n + 1) * width]
+            ports[f"enable{n}"] = enable
+            data = wires["WR_DATA"][n * width : (n + 1) * width]
+            ports[f"data{n}"] = gate("$and", data, enable)
+            place = wires["WR_ADDR"][n * depth : (n + 1) * depth]
+            ports[f"place{n}"] = gate("$and", place, gate("$reduce_or", enable) * depth)
+        part = {
+            "type": f"memory of {size} words of {width} bits",
+            "connections": ports,
+            "port_directions": {
+                port: "output" if port.startswith("got") else "input" for port in ports
+            },
+        }
+        return {name: part, **gates}
 
     def _bits(self) -> Iterator[Bit]:
         for port in self.ports.values():
@@ -131,6 +169,28 @@ class Side:
             for bits in cell["connections"].values():
                 yield from bits
         yield from self.next
+
+
+def _highest(netlist: Netlist) -> int:
+    """The highest number of a wire."""
+    wires = [wire["bits"] for wire in netlist["netnames"].values()]
+    return max((bit for bits in wires for bit in bits if isinstance(bit, int)), default=0)
+
+
+def _gate(kind: str, operands: tuple[list[Bit], ...], out: list[Bit]) -> dict[str, Any]:
+    """A gate without signs as Yosys writes it."""
+    parameters = {"Y_WIDTH": f"{len(out):032b}"}
+    for port, bits in zip("AB", operands, strict=False):
+        parameters |= {f"{port}_WIDTH": f"{len(bits):032b}", f"{port}_SIGNED": f"{0:032b}"}
+    ports = "AB"[: len(operands)]
+    return {
+        "hide_name": 1,
+        "type": kind,
+        "parameters": parameters,
+        "attributes": {},
+        "port_directions": {**dict.fromkeys(ports, "input"), "Y": "output"},
+        "connections": {**dict(zip(ports, operands, strict=True)), "Y": out},
+    }
 
 
 def _check_gate(name: str, cell: dict[str, Any]) -> None:
@@ -161,22 +221,32 @@ def cut_alike(gold: Netlist, gate: Netlist, signals: bool = True) -> tuple[Netli
     places: tuple[dict[Name, Bit], dict[Name, Bit]] = {}, {}
     taken: tuple[set[Bit], set[Bit]] = set(), set()
     for name in sorted(sides[0].names.keys() & sides[1].names.keys()):
-        bits = [side.names[name] for side in sides]
-        held = [bit in side.next for bit, side in zip(bits, sides, strict=True)]
-        made = [signals and bit in side.driven for bit, side in zip(bits, sides, strict=True)]
-        if not (all(held) or all(made)) or bits[0] in taken[0] or bits[1] in taken[1]:
+        pair = [side.names[name] for side in sides]
+        held = [bit in side.next for bit, side in zip(pair, sides, strict=True)]
+        made = [signals and bit in side.driven for bit, side in zip(pair, sides, strict=True)]
+        if not (all(held) or all(made)) or pair[0] in taken[0] or pair[1] in taken[1]:
             continue
-        for n, bit in enumerate(bits):
+        for n, bit in enumerate(pair):
             places[n][name] = bit
             taken[n].add(bit)
     for side, cut, whose in zip(sides, taken, ("Verilog", "VHDL"), strict=True):
-        left = side.next.keys() - cut
-        alone = sorted({name for (name, _), bit in side.names.items() if bit in left})
-        if left:
-            raise UncutError(f"{len(left)} register bits of the {whose} alone: {', '.join(alone)}")
-    unknown = [side.unknown() for side in sides]
-    return (
-        sides[0].cut(places[0], 0, unknown[1]),
-        sides[1].cut(places[1], unknown[0], 0),
-        len(sides[0].next),
-    )
+        alone = side.next.keys() - cut
+        if alone:
+            names = sorted({name for (name, _), bit in side.names.items() if bit in alone})
+            raise UncutError(f"{len(alone)} register bits of the {whose} alone: {', '.join(names)}")
+    left = [side.cut(cut) for side, cut in zip(sides, places, strict=True)]
+    # Whatever undefined bits are, both must be the same: so these become inputs, of both.
+    extra = [len(unknown) for _, unknown in left]
+    if any(extra):
+        for (netlist, unknown), side, before in zip(left, sides, (0, extra[0]), strict=True):
+            bits: list[Bit] = [*islice(side.fresh, before), *unknown]
+            bits += islice(side.fresh, sum(extra) - len(bits))
+            netlist["ports"]["undefined"] = {"direction": "input", "bits": bits}
+    ports = [
+        {name: (port["direction"], len(port["bits"])) for name, port in netlist["ports"].items()}
+        for netlist, _ in left
+    ]
+    if ports[0] != ports[1]:
+        names = ", ".join(sorted(name for name, _ in ports[0].items() ^ ports[1].items()))
+        raise UncutError(f"ports of one alone: {names}")
+    return left[0][0], left[1][0], len(sides[0].next)

@@ -1,136 +1,17 @@
 """The netlist that GHDL's synthesis makes of VHDL, as Verilog that Yosys and Icarus read.
 
-GHDL 2.0 also prints Verilog itself, with faults: a choice by ``case`` loses its ``when others``, an
-arithmetic shift becomes a logical one. Its netlist has neither. So the netlist is read here, as
-``--out=dump`` prints it, and each gate becomes one line; a gate, a wire or a line that is not known
-is an error. No gate is left out, merged or guessed.
+Each gate becomes one line; a gate that is not known is an error. One thing is mended: GHDL 2.0 cuts
+a number to the width of what it is compared with, so that ``slot < 2`` of one bit is ``slot < 0``,
+though it prints the whole number. Here both are compared as numbers, as numeric_std does.
 """
 
 from __future__ import annotations
 
 import re
-import subprocess
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
-from pathlib import Path
+from collections.abc import Callable, Iterator
 
-from golden.cli import CommandError
-
-# Wires that VHDL does not name; no name in MyHDL's text begins so.
-UNNAMED = "ghdl_"
-_MODULE = re.compile(r"  module \{m\d+\} \\(\w+)")
-_INSTANCE = re.compile(r"    instance ([\\%]\w+)\{i\d+\}: ([$\\]\w+)")
-_PORT = re.compile(r"    (input|output) \\(\w+)(?:\[(\d+):0\])?;")
-_INPUT = re.compile(r"      input (\S+)\{p\d+\} <- \S+\{n(\d+)w(\d+)\}")
-_OUTPUT = re.compile(r" (\S+)\{n(\d+)w(\d+)\}")
-
-
-@dataclass(frozen=True)
-class Net:
-    """A wire by its number, and how many bits it has."""
-
-    number: int
-    width: int
-
-    def __str__(self) -> str:
-        return f"{UNNAMED}{self.number}"
-
-
-@dataclass
-class Gate:
-    """One instance of a netlist; ``kind`` is ``$add`` and such, or the name of an entity."""
-
-    name: str
-    kind: str
-    parameters: list[int] = field(default_factory=list)
-    inputs: dict[str, Net] = field(default_factory=dict)
-    outputs: dict[str, Net] = field(default_factory=dict)
-
-
-@dataclass
-class Module:
-    """The netlist of one entity."""
-
-    name: str
-    # Direction and width by name.
-    ports: dict[str, tuple[str, int]] = field(default_factory=dict)
-    gates: list[Gate] = field(default_factory=list)
-
-    def children(self) -> set[str]:
-        """The entities that it instantiates."""
-        return {gate.kind for gate in self.gates[1:] if not gate.kind.startswith("$")}
-
-
-def synthesise(files: Sequence[Path], top: str, folder: Path) -> dict[str, Module]:
-    """GHDL's netlist of every entity that ``top`` needs.
-
-    Parameters
-    ----------
-    files : sequence of Path
-        VHDL in compile order.
-    top : str
-    folder : Path
-        Where GHDL keeps its library.
-
-    Raises
-    ------
-    CommandError
-        With GHDL's message, when it refuses the files.
-    """
-    command = ["ghdl", "--synth", "--std=93", f"--workdir={folder}", "--out=dump", "-dm"]
-    command += [*map(str, files), "-e", top]
-    result = subprocess.run(command, capture_output=True, text=True, check=False)
-    if result.returncode:
-        raise CommandError(f"{top}: ghdl --synth: {result.stderr.strip()}")
-    return read_dump(result.stdout)
-
-
-def read_dump(text: str) -> dict[str, Module]:
-    """The netlists in what GHDL printed, by entity.
-
-    Raises
-    ------
-    ValueError
-        For a line that is not known.
-    """
-    modules: dict[str, Module] = {}
-    module: Module | None = None
-    for line in text.splitlines():
-        found = _MODULE.fullmatch(line)
-        if found:
-            module = modules.setdefault(found[1], Module(found[1]))
-        elif line.startswith("  module ") or line.startswith("  instance "):
-            module = None
-        elif module is not None:
-            _read_line(module, line)
-    return modules
-
-
-def _read_line(module: Module, line: str) -> None:
-    words = line.split()
-    if words[0] in ("#", "connect"):
-        return
-    port, instance, source = (form.fullmatch(line) for form in (_PORT, _INSTANCE, _INPUT))
-    if port:
-        module.ports[port[2]] = (port[1], int(port[3] or 0) + 1)
-    elif instance:
-        kind = instance[2].removeprefix("\\")
-        module.gates.append(Gate(instance[1].removeprefix("\\"), kind))
-    elif source:
-        name = _member(source[1])
-        module.gates[-1].inputs[name] = Net(int(source[2]), int(source[3]))
-    elif words[0] == "outputs":
-        for found in _OUTPUT.finditer(line):
-            module.gates[-1].outputs[_member(found[1])] = Net(int(found[2]), int(found[3]))
-    elif words[0] == "parameters":
-        module.gates[-1].parameters = [int(word.partition("=")[2] or word) for word in words[1:]]
-    else:
-        raise ValueError(f"{module.name}: GHDL's netlist: got {line.strip()!r}, expected a gate")
-
-
-def _member(name: str) -> str:
-    r"""``data`` of ``%467.$data`` or of ``\u_cascade_0.\data``."""
-    return name.rpartition(".")[2].lstrip("$\\")
+from tb.sign_off.equal_gates import UNNAMED, Gate, Module, Net, constant, wire_range
+from tb.sign_off.equal_memory import split_memories, write_memory
 
 
 def list_lengths(text: str) -> dict[str, int]:
@@ -173,6 +54,7 @@ class _Writer:
                 raise ValueError(f"{module.name}: {gate.name}: {UNNAMED} begins unnamed wires")
             if gate.kind == "$signal":
                 self.names[gate.outputs["o"]] = gate.name
+        self.memories, self.gates = split_memories(self.gates, lists)
         # What drives a signal or a port, and has no name, is called after it: so registers keep
         # the names that they have in both languages.
         for gate in self.gates:
@@ -185,22 +67,34 @@ class _Writer:
         """The whole module."""
         lines = [f"module {self.module.name} ({', '.join(self.module.ports)});"]
         for name, (direction, width) in self.module.ports.items():
-            lines.append(f"{direction} {_range(width) if width > 1 else ''}{name};")
+            lines.append(f"{direction} {wire_range(width) if width > 1 else ''}{name};")
+        made = [
+            net for gate in self.gates if gate.kind != "$posedge" for net in gate.outputs.values()
+        ]
+        read = [access.data for memory in self.memories for access in memory.reads]
         declared = set(self.own.outputs)
-        for gate in self.gates:
-            for net in gate.outputs.values():
-                name = self.name(net)
-                if gate.kind == "$posedge" or name in declared:
-                    continue
+        for net in (*made, *read):
+            name = self.name(net)
+            if name not in declared:
                 declared.add(name)
                 scalar = net.width == 1 and name in self.module.ports
                 word = "reg" if self.is_register(net) else "wire"
-                lines.append(f"{word} {'' if scalar else _range(net.width)}{name};")
+                lines.append(f"{word} {'' if scalar else wire_range(self.width(net))}{name};")
         for gate in self.gates:
             lines += self.statements(gate)
+        for memory in self.memories:
+            lines += write_memory(memory, self.name, self.clock)
         for port, net in self.own.inputs.items():
             lines += self.alias(port, net)
         return "\n".join([*lines, "endmodule", ""])
+
+    def width(self, net: Net) -> int:
+        """How wide a wire is; wider than GHDL has it, where its number needs that."""
+        gate = self.maker.get(net)
+        if gate is None or not gate.kind.startswith("$const_"):
+            return net.width
+        value = constant(gate)
+        return max(net.width, value.bit_length() + (gate.kind == "$const_SB32" and value < 0))
 
     def is_register(self, net: Net) -> bool:
         """Whether a wire is assigned in a process."""
@@ -240,13 +134,25 @@ class _Writer:
             lines = self.alias(gate.name, gate.inputs["i"])
             if gate.name in self.lists and self.maker[gate.inputs["i"]].kind != "$dff":
                 lines += [
-                    f"wire {_range(1 + high - low)}{name} = {gate.name}[{high}:{low}];"
+                    f"wire {wire_range(1 + high - low)}{name} = {gate.name}[{high}:{low}];"
                     for name, high, low in self.elements(gate.name, out.width)
                 ]
             return lines
+        if gate.kind.startswith("$const_"):
+            width = self.width(out)
+            value = constant(gate) & ((1 << width) - 1)
+            return [f"assign {self.name(out)} = {width}'h{value:x};"]
         if gate.kind not in GATES:
             raise ValueError(f"{self.module.name}: {gate.name}: got gate {gate.kind}, not known")
+        if any(self.width(net) > net.width for net in gate.inputs.values()):
+            self.check_numbers(gate)
         return [f"assign {self.name(out)} = {GATES[gate.kind](gate, inputs, out.width)};"]
+
+    def check_numbers(self, gate: Gate) -> None:
+        """A number that does not fit its wire may be compared, as one without a sign."""
+        signs = {self.maker[net].kind for net in gate.inputs.values() if net in self.maker}
+        if gate.kind not in UNSIGNED or "$const_SB32" in signs:
+            raise ValueError(f"{self.module.name}: {gate.name}: {gate.kind}: a number is too wide")
 
     def register(self, gate: Gate) -> list[str]:
         """A register, or one for each element of a list of signals."""
@@ -258,7 +164,7 @@ class _Writer:
         lines = []
         elements = list(self.elements(name, net.width))
         for element, high, low in elements:
-            lines.append(f"reg {_range(1 + high - low)}{element};")
+            lines.append(f"reg {wire_range(1 + high - low)}{element};")
             lines.append(f"{edge} {element} <= {data}[{high}:{low}];")
         return [*lines, f"assign {name} = {{{', '.join(element for element, *_ in elements)}}};"]
 
@@ -269,32 +175,6 @@ class _Writer:
         for n in range(count):
             low = (count - 1 - n) * each
             yield f"\\{name}[{n}] ", low + each - 1, low
-
-
-def constant(gate: Gate) -> int:
-    """The bits of a constant as a number.
-
-    Raises
-    ------
-    ValueError
-        For a gate that is none, or one with bits that are neither 0 nor 1.
-    """
-    width = next(iter(gate.outputs.values())).width
-    if gate.kind == "$const_SB32":
-        (value,) = gate.parameters
-        return (value - ((value >> 31) << 32)) & ((1 << width) - 1)
-    if gate.kind in ("$const_UB32", "$const_bit"):
-        # The rightmost 32 bits come first.
-        return sum(word << 32 * n for n, word in enumerate(gate.parameters))
-    raise ValueError(f"{gate.name}: got gate {gate.kind}, expected a constant of 0 and 1")
-
-
-def _range(width: int) -> str:
-    return f"[{width - 1}:0] "
-
-
-def _constant(gate: Gate, _: dict[str, str], width: int) -> str:
-    return f"{width}'h{constant(gate):x}"
 
 
 def _choose(gate: Gate, wires: dict[str, str], _: int) -> str:
@@ -315,17 +195,17 @@ def _choose(gate: Gate, wires: dict[str, str], _: int) -> str:
     return f"|{select} ? {among(0, len(choices) - 1)} : {default}"
 
 
-def _two(operator: str, signed: bool = False) -> "Writing":
+def _two(operator: str, signed: bool = False) -> Writing:
     """Of two operands of the result's width, or of each other's."""
     form = "$signed({0}) {2} $signed({1})" if signed else "{0} {2} {1}"
     return lambda gate, wires, _: form.format(wires["a"], wires["b"], operator)
 
 
 def _extended(gate: Gate, wires: dict[str, str], width: int) -> str:
-    more = width - gate.inputs["i"].width
-    top = f"{wires['i']}[{gate.inputs['i'].width - 1}]" if gate.inputs["i"].width > 1 else wires["i"]
-    bit = top if gate.kind == "$sextend" else "1'b0"
-    return f"{{{{{more}{{{bit}}}}}, {wires['i']}}}" if more else wires["i"]
+    wire, given = wires["i"], gate.inputs["i"].width
+    sign = f"{wire}[{given - 1}]" if given > 1 else wire
+    bit = sign if gate.kind == "$sextend" else "1'b0"
+    return f"{{{{{width - given}{{{bit}}}}}, {wire}}}" if width > given else wire
 
 
 def _part(gate: Gate, wires: dict[str, str], width: int) -> str:
@@ -343,9 +223,6 @@ def _joined(_: Gate, wires: dict[str, str], __: int) -> str:
 Writing = Callable[[Gate, dict[str, str], int], str]
 # What the output of a gate is.
 GATES: dict[str, Writing] = {
-    "$const_UB32": _constant,
-    "$const_SB32": _constant,
-    "$const_bit": _constant,
     "$not": lambda gate, wires, width: f"~{wires['i']}",
     "$neg": lambda gate, wires, width: f"-{wires['i']}",
     "$and": _two("&"),
@@ -383,3 +260,5 @@ GATES: dict[str, Writing] = {
     "$concat4": _joined,
     "$concatn": _joined,
 }
+# Comparisons of numbers without a sign.
+UNSIGNED = {"$eq", "$ne", "$ult", "$ule", "$ugt", "$uge"}
