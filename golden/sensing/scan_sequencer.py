@@ -120,7 +120,9 @@ class ScanSequencer(Block):
         """The sensor that is selected so many clocks after the begin of a scan."""
         turns = np.asarray(clocks) % self.scan_clocks // self.slot_clocks
         in_pause = [0]
-        return np.array([*self.addresses, *in_pause])[np.minimum(turns, len(self.addresses))]
+        found = np.array([*self.addresses, *in_pause])
+        at: Codes = found[np.minimum(turns, len(self.addresses))]
+        return at
 
     @property
     def sample_clocks(self) -> Codes:

@@ -11,7 +11,7 @@ from golden.cli import run
 from tb.common.collected import BENCHES
 from tb.common.runner import Job
 from tb.sign_off.mutate.score import score
-from tb.sign_off.record import write_record
+from tb.sign_off.record import read_record, record_path, write_record
 from tb.sign_off.subject import subject, subjects_of
 
 KIND = "mutation"
@@ -30,24 +30,29 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="make mutate", description=__doc__)
     parser.add_argument("--block")
     parser.add_argument("--scene", help="a scene's entities, nothing is recorded")
+    parser.add_argument("--all", action="store_true", help="what is recorded is found anew, too")
     arguments = parser.parse_args()
     if arguments.scene:
         planned = subjects_of(arguments.scene, arguments.block)
     else:
         planned = [subject(block) for block in ([arguments.block] if arguments.block else BENCHES)]
     for job in planned:
-        show(job, record=not arguments.scene)
+        recorded = not arguments.scene and record_path(KIND, job.block).exists()
+        before = read_record(KIND, job.block) if recorded and not arguments.all else None
+        facts = show(job, before)
+        if not arguments.scene:
+            write_record(KIND, job.block, facts)
     return 0
 
 
-def show(job: Job, record: bool) -> None:
+def show(job: Job, before: dict[str, Any] | None) -> dict[str, Any]:
+    """Find the score of an entity, and print it."""
     started = time.monotonic()
-    facts = score(job, tell=lambda text: print(f"{job.block}: {text}", flush=True))
+    facts = score(job, before=before, tell=lambda text: print(f"{job.block}: {text}", flush=True))
     print(f"{line(job.block, facts)}  {time.monotonic() - started:5.0f} s", flush=True)
     for one in facts["survivors"]:
         print(f"    {one['where']}  {one['what']}  {one['explained']}")
-    if record:
-        write_record(KIND, job.block, facts)
+    return facts
 
 
 if __name__ == "__main__":

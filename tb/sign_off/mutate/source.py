@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import shutil
 import tempfile
+from functools import cache
 from pathlib import Path
 
 from golden.fingerprint import fingerprint
@@ -31,15 +32,21 @@ def bench(area: str, block: str) -> str:
     waiting = [f"tb.{area}.tb_{block}"]
     while waiting:
         name = waiting.pop()
-        path = ROOT.joinpath(*name.split(".")).with_suffix(".py")
-        if name in found or name in ELSEWHERE or not path.exists():
-            continue
-        tree = ast.parse(path.read_text(encoding="utf-8"))
-        waiting += [
-            node.module for node in tree.body if isinstance(node, ast.ImportFrom) and node.module
-        ]
-        found[name] = _code(tree)
+        if name not in found:
+            found[name], imported = _module(name)
+            waiting += imported
     return "\n".join(f"{name}\n{found[name]}" for name in sorted(found))
+
+
+@cache
+def _module(name: str) -> tuple[str, list[str]]:
+    """The code of a module of ``tb``, and what it imports; of any other module nothing."""
+    path = ROOT.joinpath(*name.split(".")).with_suffix(".py")
+    if not name.startswith("tb.") or name in ELSEWHERE or not path.exists():
+        return "", []
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    imported = [n.module for n in tree.body if isinstance(n, ast.ImportFrom) and n.module]
+    return _code(tree), imported
 
 
 def _code(tree: ast.Module) -> str:
