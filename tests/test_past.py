@@ -182,7 +182,7 @@ def test_training_says_what_it_leaves_out_and_provenance_tells_the_window(
 ) -> None:
     train_scene(past, tmp_path / "build", 1)
     trained, said = load_scene(str(past.path)), capfd.readouterr().out
-    assert "97 rows; 10 more have no whole past and are not used; 40 share samples" in said
+    assert "97 rows; 10 further rows have no whole past and are not used; 40 share samples" in said
     stories = told(trained)
     assert stories
     assert stories[0]["data"] == "one.csv, two.csv"

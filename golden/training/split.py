@@ -118,8 +118,8 @@ def unused_text(scene: Scene) -> str:
     without = read_recorded(scene).without_past
     border = len(scene.vectors().codes) - split_of(scene).count
     return (
-        f"{without} more have no whole past and are not used; {border} share samples with rows of "
-        "another part of the split and are in none"
+        f"{without} further rows have no whole past and are not used; {border} share samples with "
+        "rows of another part of the split and are in none"
     )
 
 

@@ -30,7 +30,7 @@ def built(scene: Scene, design: Network) -> list[str]:
         f"{scene.activation_text}, {scene.precision.name} precision. Top entity {design.entity}, "
         f"{len(entities)} entities of {len(blocks)} blocks, exported as VHDL-93 and as Verilog.",
         f"{len(vectors.codes)} recorded frames; {vectors.saturated} of {vectors.samples} "
-        f"samples saturated.{f' Of further rows, {unused}.' if unused else ''}",
+        f"samples saturated.{f' {unused}.' if unused else ''}",
     ]
 
 
