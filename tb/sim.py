@@ -10,7 +10,7 @@ import argparse
 import sys
 from collections.abc import Callable
 
-from golden.cli import MOST_SEED, run, whole
+from golden.cli import MOST_SEED, CommandError, run, whole
 from golden.progress import Progress
 from golden.scene import load_scene
 from tb.common.runner import FRAMES, SEED, Outcome, plan, run_jobs
@@ -52,7 +52,9 @@ def main() -> int:
     parser.add_argument("--netlist", help=f"1, unknown, or one of {', '.join(FAMILIES)}")
     parser.add_argument("--record", action="store_true", help="with --netlist: every block's")
     arguments = parser.parse_args()
-    if arguments.record and arguments.netlist:
+    if arguments.record:
+        if not arguments.netlist:
+            raise CommandError("RECORD=1: got no NETLIST, expected 1 or unknown, which is recorded")
         return conclude(record(arguments.netlist, arguments.block, tell))
     scene = load_scene(arguments.scene)
     families = chosen(arguments.netlist, arguments.sim) if arguments.netlist else []

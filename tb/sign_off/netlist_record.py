@@ -7,28 +7,31 @@ network is an engine. A bench that has passed is kept until its netlist or what 
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable, Collection, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from golden.block import walk
+from golden.cli import CommandError
 from golden.files import read_kept, replace_file
 from golden.fingerprint import ROOT, fingerprint, sources
 from golden.progress import Progress
 from golden.scene import load_scene
 from hdl.synth.tools import digest
 from tb.common.collected import BENCHES
-from tb.common.runner import BUILD, Job, Outcome, jobs, prepare, run_job
+from tb.common.runner import BUILD, Job, Outcome, jobs, prepare, run_job, run_jobs
 from tb.common.tools import version
-from tb.sign_off.netlist import FAMILIES, NETLISTS_RUN_IN, ROUTED, chosen, on_cells
+from tb.sign_off.netlist import ALL, FAMILIES, NETLISTS_RUN_IN, ROUTED, chosen, on_cells
 from tb.sign_off.record import write_record
 from tb.sign_off.subject import subject
 from tb.sign_off.unknown import UNKNOWN, Netlist
 from tb.sign_off.unknown_proof import clocks_to_prove
 
 KIND = "netlist"
-# Of all tests of a bench only this one, on an engine in these scenes, but for the first.
+# Scenes whose network is an engine. The first one's plays all tests of its bench, the others' one.
 SCENES = ("digit", "digit-load", "digit-multiple", "digit-reload", "digit-instrument")
 RECORDED = "recorded"
 STORE = BUILD / "netlist"
@@ -94,42 +97,45 @@ def entities(blocks: Collection[str], build: Path = BUILD) -> Iterator[Entity]:
 
 def record_netlists(blocks: Collection[str], tell: Tell, build: Path = BUILD) -> list[Outcome]:
     """Run and record what the families' netlists of some blocks do."""
-    outcomes = []
     runs: dict[str, list[dict[str, Any]]] = {}
-    found = list(entities(blocks, build))
-    with Progress("simulating netlists of", len(found), "entities") as progress:
-        for entity in found:
-            job = entity.job
-            for family in entity.families():
-                mapped = replace(on_cells(job, family, entity.top), test=entity.test)
-                outcome = run_kept(mapped)
-                tell(outcome, progress.say)
-                outcomes.append(outcome)
-                runs.setdefault(job.block, []).append(
-                    {
-                        "scene": job.scene.name,
-                        "entity": job.entity,
-                        "family": family,
-                        "source": source_of(job),
-                        "tests": entity.test or "all",
-                        "compared": outcome.compared,
-                        "frames": outcome.facts.get("frames", 0),
-                        "passed": outcome.passed,
-                    }
-                )
-            progress.step(job.entity)
+    outcomes = []
+    pairs = [(entity, family) for entity in entities(blocks, build) for family in entity.families()]
+    with (
+        ThreadPoolExecutor(os.cpu_count()) as pool,
+        Progress("simulating", len(pairs), "netlists") as progress,
+    ):
+        for (entity, family), outcome in zip(pairs, pool.map(_run, pairs), strict=True):
+            tell(outcome, progress.say)
+            progress.step(entity.job.entity)
+            outcomes.append(outcome)
+            runs.setdefault(entity.job.block, []).append(
+                {
+                    "scene": entity.job.scene.name,
+                    "entity": entity.job.entity,
+                    "family": family,
+                    "source": source_of(entity.job),
+                    "tests": entity.test or "all",
+                    "compared": outcome.compared,
+                    "frames": outcome.facts.get("frames", 0),
+                    "passed": outcome.passed,
+                }
+            )
     for block, lines in runs.items():
         write_record(KIND, block, {"source": lines[0]["source"], "runs": lines})
     return outcomes
 
 
-def record_unknown(block: str, build: Path = BUILD) -> Outcome:
+def _run(pair: tuple[Entity, str]) -> Outcome:
+    entity, family = pair
+    return run_kept(replace(on_cells(entity.job, family, entity.top), test=entity.test))
+
+
+def record_unknown(job: Job) -> Outcome:
     """Run and record a block with unknown registers, and with one whose reset is left out.
 
     The first of its registers that the bench cannot do without is the control: it says that the
     bench sees a register that is not known.
     """
-    job = subject(block, NETLISTS_RUN_IN, build)
     netlist = Netlist(job)
     outcome = run_kept(netlist.bench(job))
     registers = netlist.registers()
@@ -147,19 +153,28 @@ def record_unknown(block: str, build: Path = BUILD) -> Outcome:
         "control": control.name if control else "",
         "control proved over clocks": clocks_to_prove(netlist, control) if control else None,
     }
-    write_record(UNKNOWN, block, facts)
+    write_record(UNKNOWN, job.block, facts)
     return outcome
 
 
 def record(given: str, block: str | None, tell: Tell) -> list[Outcome]:
-    """What ``NETLIST=`` names, of a block or of all."""
+    """What ``NETLIST=`` names, of a block or of all.
+
+    Raises
+    ------
+    CommandError
+        For one family alone, and for a block that has no bench.
+    """
     blocks = [block] if block else list(BENCHES)
-    if chosen(given) != [UNKNOWN]:
+    if chosen(given) == list(FAMILIES):
         return record_netlists(blocks, tell)
-    outcomes = []
-    with Progress("simulating unknown registers of", len(blocks), "blocks") as progress:
-        for name in blocks:
-            outcomes.append(record_unknown(name))
-            tell(outcomes[-1], progress.say)
-            progress.step(name)
-    return outcomes
+    if given != UNKNOWN:
+        raise CommandError(f"NETLIST={given}: RECORD=1 records every family: NETLIST={ALL}")
+    subjects = [subject(name, NETLISTS_RUN_IN) for name in blocks]
+    with Progress("simulating unknown registers of", len(subjects), "blocks") as progress:
+
+        def listen(outcome: Outcome) -> None:
+            tell(outcome, progress.say)
+            progress.step(outcome.job.block)
+
+        return run_jobs(subjects, listen, work=record_unknown)
