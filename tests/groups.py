@@ -52,6 +52,7 @@ SIMULATED = Rest(
         "test_benches.py",
         "test_benches_can_fail.py",
         "test_cells.py",
+        "test_equal.py",
         "test_export.py::test_ghdl_accepts_every_file_in_the_listed_order",
         "test_export.py::test_vhdl_synthesises_without_a_latch",
         "test_handover.py::test_a_fault_in_an_entity_fails",

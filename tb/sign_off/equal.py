@@ -124,16 +124,21 @@ def _netlists(folder: Path) -> dict[str, Module]:
         return synthesise(files, files[-1].stem, Path(work))
 
 
+def netlist_of(pair: Pair, entity: str) -> str:
+    """GHDL's netlist of an entity of a pair's scene, as Verilog."""
+    text = (pair.vhdl.hdl_folder / f"{entity}.vhd").read_text(encoding="utf-8")
+    return to_verilog(_netlists(pair.vhdl.hdl_folder)[entity], list_lengths(text))
+
+
 def ask(pair: Pair, entity: str, fault: tuple[str, str] | None = None) -> dict[str, Any]:
     """Compare an entity of a pair's scene, or its VHDL with a faulty copy of its Verilog."""
-    verilog, vhdl = pair.verilog.hdl_folder, pair.vhdl.hdl_folder
-    module = _netlists(vhdl)[entity]
-    lengths = list_lengths((vhdl / f"{entity}.vhd").read_text(encoding="utf-8"))
-    text = (verilog / f"{entity}.v").read_text(encoding="utf-8")
+    folder = pair.verilog.hdl_folder
+    text = (folder / f"{entity}.v").read_text(encoding="utf-8")
     if fault:
         text = re.sub(*fault, text, count=1)
-    parts = [verilog / f"{part}.v" for part in sorted(module.children())]
-    return compare(entity, text, to_verilog(module, lengths), parts)
+    parts = sorted(_netlists(pair.vhdl.hdl_folder)[entity].children())
+    files = [folder / f"{part}.v" for part in parts]
+    return compare(entity, text, netlist_of(pair, entity), files)
 
 
 def _faulty(pair: Pair, pattern: str) -> str:

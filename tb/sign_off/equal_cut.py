@@ -1,10 +1,11 @@
 """Two netlists of one entity, cut at the registers and signals that both name alike.
 
 A cut wire becomes an input of what reads it and an output of what drives it; a register becomes an
-input, what it holds, and an output, what it holds next; so does each instance of a part. What is
-left of either netlist has neither registers nor parts, and the same ports as what is left of the
-other. If all outputs of both are the same function, then both entities, started with equal
-registers, do the same for ever: each wire of one solves the equations of the other, which have one
+input, what it holds, and an output, what it holds next; so does each instance of a part, and each
+memory, of which what is read at equal places counts as equal, beyond its end too. What is left of
+either netlist has neither registers nor parts, and the same ports as what is left of the other. If
+all outputs of both are the same function, then both entities, started with equal registers and
+memories, do the same for ever: the wires of one solve the equations of the other, which have one
 solution, for there is no loop without a register.
 """
 
@@ -247,6 +248,6 @@ def cut_alike(gold: Netlist, gate: Netlist, signals: bool = True) -> tuple[Netli
         for netlist, _ in left
     ]
     if ports[0] != ports[1]:
-        names = ", ".join(sorted(name for name, _ in ports[0].items() ^ ports[1].items()))
-        raise UncutError(f"ports of one alone: {names}")
+        odd = sorted({name for name, _ in ports[0].items() ^ ports[1].items()})
+        raise UncutError(f"ports of one alone: {', '.join(odd)}")
     return left[0][0], left[1][0], len(sides[0].next)

@@ -2,9 +2,10 @@
 
 Of each property three things are asked: that it holds, in every clock after reset whatever drives
 the block, or to a stated depth where no induction closes; that what it is about can happen at all;
-that every broken copy of the block refutes it. Answers are kept by content in ``build/synth``. A
-property that does not hold leaves a counterexample in ``build/prove/<block>``. With ``--record``
-what was proved is recorded beside the benches; without, a record of something else is an error.
+that every broken copy of the block refutes it. Then the VHDL is proved to be the same function as
+the Verilog (``tb.sign_off.equal``). Answers are kept by content in ``build/synth``. A property that
+does not hold leaves a counterexample in ``build/prove/<block>``. With ``--record`` what was proved
+is recorded beside the benches; without, a record of something else is an error.
 """
 
 from __future__ import annotations
@@ -25,8 +26,9 @@ from golden.files import replace_file
 from golden.fingerprint import fingerprint
 from golden.table import suggest
 from hdl.synth.tools import digest
-from tb.common.collected import CASES_OF
+from tb.common.collected import BENCHES, CASES_OF
 from tb.common.runner import BUILD, Job
+from tb.sign_off.equal import prove_equal
 from tb.sign_off.properties import PROOFS, Property, proof_file, properties_of
 from tb.sign_off.record import read_record, write_record
 from tb.sign_off.solver import Answer, prove, reach, refute
@@ -148,17 +150,17 @@ def check_record(planned: list[Job]) -> list[str]:
 
 
 def blocks_to_prove(block: str | None) -> list[str]:
-    """One block, or all that have properties.
+    """One block, or all.
 
     Raises
     ------
     CommandError
-        For a block without any.
+        For a block that there is not.
     """
     if block is None:
-        return sorted(PROOFS)
-    if block not in PROOFS:
-        raise CommandError(f"BLOCK={block}: no properties of it{suggest(block, sorted(PROOFS))}")
+        return sorted(BENCHES)
+    if block not in BENCHES:
+        raise CommandError(f"BLOCK={block}: no such block{suggest(block, sorted(BENCHES))}")
     return [block]
 
 
@@ -209,7 +211,10 @@ def main() -> int:
     parser.add_argument("--block")
     parser.add_argument("--record", action="store_true")
     arguments = parser.parse_args()
-    return 0 if prove_blocks(blocks_to_prove(arguments.block), arguments.record) else 1
+    blocks = blocks_to_prove(arguments.block)
+    proved = prove_blocks([block for block in blocks if block in PROOFS], arguments.record)
+    equal = prove_equal(blocks, arguments.record)
+    return 0 if proved and equal else 1
 
 
 if __name__ == "__main__":

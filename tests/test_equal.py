@@ -1,0 +1,194 @@
+"""VHDL is the same function as Verilog: recorded for every block, and the proof can fail."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from conftest import tiered
+from shared import Shared
+
+from golden.cli import CommandError
+from tb.common.collected import BENCHES, CASES_OF
+from tb.common.runner import Job, run_job
+from tb.sign_off import equal, record
+from tb.sign_off.equal import Pair, check_record, command, netlist_of, settle
+from tb.sign_off.equal_gates import synthesise
+from tb.sign_off.equal_netlist import list_lengths, to_verilog
+from tb.sign_off.equal_proof import DIFFERENT, EQUAL, compare
+
+pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+
+# Compared in every run; make prove does all.
+QUICK = ("output_controller",)
+# Its netlist of the VHDL goes through its bench in every run: a table, flags and registers.
+PLAYED = ("comparator_bank",)
+
+
+@pytest.fixture
+def pair(shared: Shared) -> Callable[[str], Pair]:
+    """From a block to what stands for it, exported once a run."""
+
+    def both(block: str) -> Pair:
+        case = CASES_OF[block][0]
+
+        def first(simulator: str) -> Job:
+            return next(j for j in reversed(shared.jobs(case, simulator)) if j.block == block)
+
+        return Pair(first("icarus"), first("ghdl"))
+
+    return both
+
+
+@pytest.mark.parametrize("block", BENCHES)
+def test_the_record_is_of_this_source(pair: Callable[[str], Pair], block: str) -> None:
+    assert check_record(pair(block)) == []
+
+
+@pytest.mark.parametrize("block", tiered(QUICK, [b for b in BENCHES if b not in QUICK]))
+def test_equal_and_faults_differ(pair: Callable[[str], Pair], block: str) -> None:
+    (result,) = settle([pair(block)])
+    assert result.complaints == []
+    facts = record.read_record(equal.KIND, block)
+    assert {**facts, "yosys": ""} == {**result.facts(), "yosys": ""}
+
+
+@pytest.mark.parametrize("block", tiered(PLAYED, [b for b in BENCHES if b not in PLAYED]))
+def test_the_netlist_of_the_vhdl_passes_the_bench(
+    pair: Callable[[str], Pair], tmp_path: Path, block: str
+) -> None:
+    """What is read of GHDL's netlist is what its simulator does: the same bench is green."""
+    both = pair(block)
+    job = replace(both.verilog, build=tmp_path)
+    shutil.copytree(both.verilog.hdl_folder, job.hdl_folder)
+    for entity in both.entities:
+        text = f"`timescale 1ns/10ps\n{netlist_of(both, entity)}"
+        (job.hdl_folder / f"{entity}.v").write_text(text)
+    outcome = run_job(job)
+    assert outcome.passed, outcome.complaint()
+
+
+def test_a_record_of_another_source_is_stale(
+    pair: Callable[[str], Pair], tmp_path: Path, monkeypatch
+) -> None:
+    both = pair("output_controller")
+    facts = record.read_record(equal.KIND, "output_controller")
+    monkeypatch.setattr(record, "RECORDS", tmp_path)
+    (complaint,) = check_record(both)
+    assert complaint.endswith(command("output_controller"))
+    record.write_record(equal.KIND, "output_controller", {**facts, "source": "another"})
+    (complaint,) = check_record(both)
+    assert "is of another source" in complaint
+    assert complaint.endswith(command("output_controller"))
+
+
+# Entity by its ports, what it holds and what it does, in both languages; x is signed, u is not.
+VHDL = """library IEEE;
+use IEEE.std_logic_1164.all;
+use IEEE.numeric_std.all;
+entity small is
+    port (clk: in std_logic; x: in signed(7 downto 0); u: in unsigned(0 downto 0);
+          write: in std_logic; y: out signed(7 downto 0));
+end entity small;
+architecture rtl of small is
+    signal kept: signed(7 downto 0);
+    type t_array_memory is array(0 to 5) of signed(7 downto 0);
+    signal memory: t_array_memory;
+    signal addr: unsigned(2 downto 0);
+begin
+    addr <= unsigned(x(2 downto 0));
+    y <= kept;
+    process (clk) is begin
+        if rising_edge(clk) then
+            {vhdl}
+        end if;
+    end process;
+end architecture rtl;
+"""
+VERILOG = """module small (input clk, input signed [7:0] x, input [0:0] u, input write,
+              output signed [7:0] y);
+reg signed [7:0] kept;
+reg signed [7:0] memory [0:5];
+wire [2:0] addr = x[2:0];
+assign y = kept;
+always @(posedge clk) begin
+    {verilog}
+end
+endmodule
+"""
+# What VHDL means in Verilog, and what it would be with a mistake, most of them GHDL's own.
+MEANT = {
+    "default of a choice": (
+        "case to_integer(addr) is when 0 => kept <= x; when others => kept <= -x; end case;",
+        "case (addr) 0: kept <= x; default: kept <= -x; endcase",
+        "case (addr) 0: kept <= x; endcase",
+    ),
+    "arithmetic shift": (
+        "kept <= shift_right(x, 3);",
+        "kept <= x >>> 3;",
+        "kept <= x >> 3;",
+    ),
+    "number wider than its wire": (
+        "if u < 2 then kept <= x; end if;",
+        "if (u < 2) kept <= x;",
+        "if (u < 0) kept <= x;",
+    ),
+    "product with a sign": (
+        "kept <= resize(shift_right(x * x(3 downto 0), 4), 8);",
+        "kept <= ({{4{x[7]}}, x} * {{8{x[3]}}, x[3:0]}) >> 4;",
+        "kept <= ({{4{x[7]}}, x} * {8'b0, x[3:0]}) >> 4;",
+    ),
+    "read or write": (
+        "if write = '1' then memory(to_integer(addr)) <= x;"
+        " else kept <= memory(to_integer(addr)); end if;",
+        "if (write) memory[addr] <= x; else kept <= memory[addr];",
+        "if (write) begin memory[addr] <= x; kept <= memory[addr]; end",
+    ),
+}
+
+
+def small(tmp_path: Path, vhdl: str) -> str:
+    """GHDL's netlist of the small entity as Verilog."""
+    text = VHDL.replace("{vhdl}", vhdl)
+    (tmp_path / "small.vhd").write_text(text)
+    module = synthesise([tmp_path / "small.vhd"], "small", tmp_path)["small"]
+    return to_verilog(module, list_lengths(text))
+
+
+@pytest.mark.parametrize("what", MEANT)
+def test_meant_by_the_standard_and_not_as_ghdl_prints_it(tmp_path: Path, what: str) -> None:
+    vhdl, right, wrong = MEANT[what]
+    gate = small(tmp_path, vhdl)
+    for text, result in ((right, EQUAL), (wrong, DIFFERENT)):
+        gold = VERILOG.replace("{verilog}", text)
+        assert compare("small", gold, gate, [])["result"] == result, text
+
+
+def test_a_mistake_of_ghdl_that_is_not_mended_is_found(tmp_path: Path) -> None:
+    """It swaps number and signal; no block has such a difference (tests/test_myhdl_rules.py)."""
+    gate = small(tmp_path, "kept <= 100 - x;")
+    gold = VERILOG.replace("{verilog}", "kept <= 100 - x;")
+    assert compare("small", gold, gate, [])["result"] == DIFFERENT
+
+
+def test_registers_of_one_language_alone_are_named(tmp_path: Path) -> None:
+    gold = VERILOG.replace("{verilog}", "other <= x; kept <= other;")
+    gold = gold.replace("assign y", "reg signed [7:0] other; assign y")
+    answer = compare("small", gold, small(tmp_path, "kept <= x;"), [])
+    assert answer["result"] == DIFFERENT
+    assert re.search("8 register bits of the Verilog alone: other", answer["where"][0])
+
+
+def test_vhdl_that_ghdl_refuses_is_an_error(tmp_path: Path) -> None:
+    with pytest.raises(CommandError, match=r"^small: ghdl --synth: "):
+        small(tmp_path, "kept <= x and;")
+
+
+def test_a_latch_is_an_error(tmp_path: Path) -> None:
+    gold = VERILOG.replace("assign y", "reg l; always @* if (write) l = u; assign y")
+    with pytest.raises(CommandError, match="dlatch"):
+        compare("small", gold.replace("{verilog}", "kept <= l;"), small(tmp_path, "kept <= x;"), [])
