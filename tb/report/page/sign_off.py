@@ -52,8 +52,7 @@ def proof(record: Record) -> str:
 
 
 def _property(one: Record) -> str:
-    clocks = f"{one['depth']} clock{'s' if one['depth'] > 1 else ''}"
-    method = f"{one['method']} over {clocks}" if one["depth"] else one["method"]
+    method = f"{one['method']} over {_clocks(one['depth'])}" if one["depth"] else one["method"]
     facts = [f"`{one['entity']}`", method, *(f"assumes: {text}" for text in one["assumes"])]
     if one["free"]:
         facts.append(f"whatever {', '.join(f'`{name}`' for name in one['free'])} may be")
@@ -76,10 +75,44 @@ def coverage(record: Record) -> str:
     return "\n".join([f"{text}; nothing can meet:", *(f"  - {n}: {w}" for n, w in closed.items())])
 
 
+def equivalence(record: Record) -> str:
+    """How VHDL and Verilog were proved to be the same."""
+    text = f"`{record['entity']}`: {record['method']}"
+    if record["parts"]:
+        text += f", given {len(record['parts'])} parts that are equal themselves"
+    return f"{text}; {record['faults']} faults put into the Verilog differ"
+
+
+def netlist(record: Record) -> str:
+    """Which netlists the bench ran on."""
+    return "; ".join(
+        f"{one['family']}: `{one['entity']}` of {one['scene']}, {one['compared']} values"
+        + (f" of {one['frames']} frames" if one["frames"] else "")
+        for one in record["runs"]
+    )
+
+
+def unknown(record: Record) -> str:
+    """What was found with registers that hold nothing known."""
+    text = (
+        f"`{record['entity']}`: {record['compared']} values, {len(record['not reset'])} registers"
+    )
+    text += f" that no reset clears, {len(record['reset'])} that it does"
+    clocks = record["proved over clocks"]
+    return text + (f"; proved by induction over {_clocks(clocks)}" if clocks else "")
+
+
+def _clocks(count: int) -> str:
+    return f"{count} clock{'s' if count > 1 else ''}"
+
+
 # By kind of record: what a datasheet calls it, the command, and what it says.
 KINDS: dict[str, tuple[str, str, Callable[[Record], str]]] = {
     "mutation": ("Mutants", "make mutate BLOCK={}", mutation),
-    "coverage": ("Coverage", "python -m tb.sign_off.coverage --block={}", coverage),
+    "coverage": ("Coverage", "make coverage BLOCK={}", coverage),
+    "equivalence": ("VHDL is Verilog", "make prove BLOCK={}", equivalence),
+    "netlist": ("Netlist", "make sim BLOCK={} NETLIST=1", netlist),
+    "unknown": ("Unknown registers", "make sim BLOCK={} NETLIST=unknown", unknown),
     "proof": ("Proved", "make prove BLOCK={}", proof),
 }
 
@@ -97,13 +130,14 @@ def sheet(block: str) -> str:
 def overview() -> str:
     """A line a block."""
     lines = [
-        "| block | mutants | found | the same | score | properties | borders |",
-        "|---|---|---|---|---|---|---|",
+        "| block | mutants | found | the same | score | properties | borders | VHDL is Verilog "
+        "| netlists | unknown registers |",
+        "|" + "---|" * 10,
     ]
     for block in sorted(BENCHES):
-        mutants, proofs, met = (
+        mutants, proofs, met, equal, mapped, unreset = (
             read_record(kind, block) if record_path(kind, block).exists() else {}
-            for kind in ("mutation", "proof", "coverage")
+            for kind in ("mutation", "proof", "coverage", "equivalence", "netlist", "unknown")
         )
         row = [
             f"[{block}](blocks/{block}.md#sign-off)",
@@ -111,6 +145,9 @@ def overview() -> str:
             percent(mutants) if mutants else "",
             len(proofs.get("properties", [])) or "",
             sum("unreachable" not in border for border in met.get("borders", {}).values()) or "",
+            equal.get("method", "").partition(",")[0],
+            ", ".join(sorted({one["family"] for one in mapped.get("runs", [])})),
+            len(unreset["not reset"]) if unreset else "",
         ]
         lines.append(f"| {' | '.join(map(str, row))} |")
     return "\n".join(lines)
