@@ -53,7 +53,11 @@ def proof(record: Record) -> str:
 
 def _property(one: Record) -> str:
     method = f"{one['method']} over {_clocks(one['depth'])}" if one["depth"] else one["method"]
-    facts = [f"`{one['entity']}`", method, *(f"assumes: {text}" for text in one["assumes"])]
+    facts = [
+        f"`{one['entity']}`",
+        method,
+        *(f"assumes: {text.rstrip('.')}" for text in one["assumes"]),
+    ]
     if one["free"]:
         facts.append(f"whatever {', '.join(f'`{name}`' for name in one['free'])} may be")
     return f"{one['sentence']} ({'; '.join(facts)})"
@@ -80,7 +84,7 @@ def equivalence(record: Record) -> str:
     text = f"`{record['entity']}`: {record['method']}"
     if record["parts"]:
         text += f", given {len(record['parts'])} parts that are equal themselves"
-    return f"{text}; {record['faults']} faults put into the Verilog differ"
+    return f"{text}; broken copies that differ: {record['faults']}"
 
 
 def netlist(record: Record) -> str:
