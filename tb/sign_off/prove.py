@@ -78,6 +78,7 @@ class Result:
 def _stated(job: Job, item: Property) -> dict[str, Any]:
     """What is known of a property before it is proved."""
     return {
+        "case": job.scene.name,
         "entity": job.entity,
         "name": item.name,
         "sentence": item.sentence,
@@ -172,10 +173,11 @@ def prove_blocks(blocks: list[str], record: bool) -> bool:
     with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         folders = [Path(name) / str(n) for n in range(len(items))]
         for result in pool.map(settle, *zip(*items, strict=True), folders):
-            print(f"{result.job.entity:28} {result.item.name:24} {result.line()}", flush=True)
+            of = f"{result.job.entity} of {result.job.scene.name}"
+            print(f"{of:44} {result.item.name:24} {result.line()}", flush=True)
             results[result.job.block].append(result)
             if not result.answer.holds:
-                print(f"{'':28} counterexample: {_keep_trace(result)}")
+                print(f"{'':44} counterexample: {_keep_trace(result)}")
     sound = True
     for block, found in results.items():
         faults = any(result.faults for result in found)

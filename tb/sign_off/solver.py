@@ -133,6 +133,8 @@ def formulas(entity: str, item: Property, folder: Path, helped: bool = True) -> 
                 *(f"cutpoint w:{name}" for name in item.free),
                 # What no property asks for need not be understood by the solver.
                 "delete -output w:*",
+                "opt_clean -purge",
+                "memory_map",
                 "async2sync",
                 "dffunmap",
                 "opt_clean -purge",

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import re
+from typing import Any
+
 from golden.block import Block
+from golden.networks.network import Network
 from tb.sign_off.properties import Property
 
 
@@ -52,29 +56,102 @@ def pipeline(
     )
 
 
-def frames(inputs: int, spacing: int = 0) -> str:
+def frames(
+    inputs: int, spacing: int = 0, valid: str = "in_valid", last: str = "in_last", name: str = ""
+) -> str:
     """What docs/streams.md says of frames, clock by clock.
 
     ``taken``: the sample belongs to a frame that is not yet known to be wrong; ``good``: it makes a
     frame whole; ``wrong``: it gives a frame away, ``spacing`` clocks from the last good one where
-    there is a least distance.
+    there is a least distance. These are the signals, each with ``name`` in front.
     """
-    return f"""
-        reg [15:0] place = 0;
-        reg skipping = 0;
-        reg [15:0] closed = 0;
-        wire taken = in_valid && !skipping;
-        wire final_place = place == {inputs - 1};
-        wire good = taken && final_place && in_last && closed == 0;
-        wire wrong = taken && (final_place || in_last) && !good;
+    text = f"""
+        reg [15:0] @place = 0;
+        reg @skipping = 0;
+        reg [15:0] @closed = 0;
+        wire @taken = {valid} && !@skipping;
+        wire @final_place = @place == {inputs - 1};
+        wire @good = @taken && @final_place && {last} && @closed == 0;
+        wire @wrong = @taken && (@final_place || {last}) && !@good;
         always @(posedge clk) begin
-            if (taken) place <= final_place || in_last ? 0 : place + 1;
-            if (in_valid) skipping <= !in_last && (skipping || final_place);
-            closed <= good ? {max(spacing - 1, 0)} : closed == 0 ? 0 : closed - 1;
+            if (@taken) @place <= @final_place || {last} ? 0 : @place + 1;
+            if ({valid}) @skipping <= !{last} && (@skipping || @final_place);
+            @closed <= @good ? {max(spacing - 1, 0)} : @closed == 0 ? 0 : @closed - 1;
             if (rst) begin
-                place <= 0;
-                skipping <= 0;
-                closed <= 0;
+                @place <= 0;
+                @skipping <= 0;
+                @closed <= 0;
             end
         end
     """
+    return re.sub(r"@(?=[a-z])", name, text)
+
+
+def results(outputs: int, begin: str) -> str:
+    """``left``: outputs still to come, this one included; the first of a frame is at ``begin``."""
+    return f"""
+        reg [15:0] due = 0;
+        wire [15:0] left = {begin} ? {outputs} : due;
+        always @(posedge clk) due <= rst || left == 0 ? 0 : left - 1;
+    """
+
+
+def network(
+    twin: Network,
+    controller: str,
+    wrong: tuple[tuple[str, str], ...],
+    good: tuple[tuple[str, str], ...],
+    helps: tuple[str, ...] = (),
+    watch: str = "",
+) -> list[Property]:
+    """What every network with a stream does with frames.
+
+    Parameters
+    ----------
+    twin : Network
+    controller : str
+        The instance that judges frames.
+    wrong, good : tuple
+        Broken copies, which refute what is said of wrong frames and of good ones.
+    helps, watch
+        See ``Property``.
+    """
+    judge: Any = twin.input_controller
+    inputs, spacing = judge.inputs, judge.spacing
+    late, outputs = twin.latency, twin.outputs
+    helps = (
+        f"place == {controller}.count",
+        f"skipping == {controller}.dropping",
+        f"place < {inputs}",
+        "!skipping || place == 0",
+        f"closed == {f'{controller}.remaining' if spacing else '0'}",
+        *helps,
+    )
+    told = frames(inputs, spacing) + watch
+    least = f" or come within {spacing} clocks of a good one" if spacing else ""
+    return [
+        Property(
+            name="frame_error",
+            sentence=f"frame_error is high for just one clock for each frame that has not {inputs} "
+            f"elements{least}, one clock after the element that gives it away.",
+            states=("frame_error == wrong_ago[0]",),
+            watch=told + ago("wrong_ago", "wrong", 1),
+            helps=helps,
+            reached=("frame_error", "skipping && in_valid"),
+            refuted_by=wrong,
+            clocks=12,
+        ),
+        Property(
+            name="outputs of good frames",
+            sentence=f"A good frame, and nothing else, yields {outputs} outputs, in clocks "
+            f"{late} to {late + outputs - 1} after its last element, the last of them with "
+            "out_last. A wrong frame yields none, and no frame does that began before a reset.",
+            states=("out_valid == (left != 0)", "out_last == (left == 1)"),
+            watch=told + ago("good_ago", "good", late) + results(outputs, f"good_ago[{late - 1}]"),
+            helps=helps,
+            reached=("out_last", "left == 1 && good"),
+            refuted_by=good,
+            clocks=late + outputs + inputs + 2,
+            induction=late + outputs + 1,
+        ),
+    ]

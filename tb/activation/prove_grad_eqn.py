@@ -1,0 +1,16 @@
+"""What is proved of grad_eqn, whatever drives it."""
+
+from tb.sign_off.watch import pipeline
+
+
+def properties(twin):
+    return [
+        pipeline(
+            twin,
+            (
+                (r"delay0_taps\[0\] <= in_valid", "delay0_taps[0] <= (in_valid || delay0_taps[0])"),
+                (r"out_valid <= delay0_taps\[\(2 - 1\)\]", "out_valid <= delay0_taps[0]"),
+                (r"delay0_taps\[1\] <= 0;", ""),
+            ),
+        ),
+    ]

@@ -1,0 +1,15 @@
+"""What is proved of gradient, whatever drives it."""
+
+from tb.sign_off.watch import pipeline
+
+
+def properties(twin):
+    return [
+        pipeline(
+            twin,
+            (
+                (r"\.in_valid\(sum_valid\)", ".in_valid(addr_valid)"),
+                (r"\.in_valid\(mag_valid\)", ".in_valid(mag_valid && !negative)"),
+            ),
+        ),
+    ]

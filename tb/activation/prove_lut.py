@@ -1,0 +1,15 @@
+"""What is proved of lut, whatever drives it."""
+
+from tb.sign_off.watch import pipeline
+
+
+def properties(twin):
+    return [
+        pipeline(
+            twin,
+            (
+                (r"word_valid <= segment_valid", "word_valid <= mag_valid"),
+                (r"rst == 1", "0"),
+            ),
+        ),
+    ]

@@ -1,0 +1,15 @@
+"""What is proved of polynomial, whatever drives it."""
+
+from tb.sign_off.watch import pipeline
+
+
+def properties(twin):
+    return [
+        pipeline(
+            twin,
+            (
+                (r"result_valid <= delay2_taps\[\(1 - 1\)\]", "result_valid <= segment_valid"),
+                (r"rst == 1", "0"),
+            ),
+        ),
+    ]

@@ -1,0 +1,15 @@
+"""What is proved of precise, whatever drives it."""
+
+from tb.sign_off.watch import pipeline
+
+
+def properties(twin):
+    return [
+        pipeline(
+            twin,
+            (
+                (r"sum_valid <= delay1_taps\[\(4 - 1\)\]", "sum_valid <= delay1_taps[2]"),
+                (r"delay1_taps\[2\] <= 0;", ""),
+            ),
+        ),
+    ]

@@ -1,0 +1,105 @@
+"""What is proved of frame_check, whatever comes on its stream and whenever results are ready."""
+
+from tb.sign_off.properties import Property
+from tb.sign_off.watch import ago
+
+
+def properties(twin):
+    top = (1 << twin.addr_width) - 1
+    watch = f"""
+        reg [15:0] place = 0;
+        reg skipping = 0, computing = 0;
+        wire taken = in_valid && !computing && !skipping;
+        wire is_good = taken && place == {twin.inputs - 1} && in_last;
+        wire wrong = in_valid && !skipping
+            && (computing || (in_last != (place == {twin.inputs - 1})));
+        always @(posedge clk) begin
+            if (taken) place <= is_good || wrong ? 0 : place + 1;
+            if (in_valid) skipping <= !in_last && (skipping || wrong);
+            computing <= is_good || (computing && !finish);
+            if (rst) begin
+                place <= 0;
+                skipping <= 0;
+                computing <= 0;
+            end
+        end
+    """
+    assumes = {
+        "Results come, and the last output leaves, only while a frame is computed.": "run || "
+        "!(store || finish)",
+        "The last output is no result that goes back to the memory.": "!(store && finish)",
+    }
+    helps = (
+        "running == computing",
+        "dropping == skipping",
+        f"place < {twin.inputs}",
+        "!computing || place == 0",
+        f"computing || addr == (place == 0 ? {top} : place - 1)",
+    )
+    common = {"assumes": assumes, "helps": helps}
+    return [
+        Property(
+            name="frame_error",
+            sentence=f"frame_error is high for just one clock for each frame that has not "
+            f"{twin.inputs} samples or begins while another is computed, one clock after the "
+            "sample that gives it away.",
+            states=("frame_error == wrong_ago[0]",),
+            watch=watch + ago("wrong_ago", "wrong", 1),
+            reached=("frame_error", "skipping && in_valid"),
+            refuted_by=(
+                (r"in_valid && busy && \(!dropping\)", "in_valid && busy"),
+                (r"complete != in_last", "complete && !in_last"),
+            ),
+            **common,
+        ),
+        Property(
+            name="good frames only",
+            sentence="A good frame, and nothing else, starts the program, which runs until the "
+            "last output leaves or a reset comes.",
+            states=("start == is_good", "run == computing"),
+            watch=watch,
+            reached=("start", "run && in_valid"),
+            refuted_by=(
+                (r"accept && complete && in_last", "accept && complete"),
+                (r"\(!busy\) && \(!dropping\)", "(!busy)"),
+                (r"rst == 1\) begin\s+running", "0) begin running"),
+            ),
+            **common,
+        ),
+        Property(
+            name="operands in order",
+            sentence="Each sample that is taken goes to the operand memory one clock later, the "
+            f"first of a frame to address 0, and results behind the samples: but for {top}, where "
+            "nothing is kept, no address is written twice for a frame.",
+            states=(
+                "write == wrote_ago[0]",
+                f"!write || write_addr == expected || (broke_ago[0] && write_addr == {top})",
+            ),
+            watch=watch
+            + ago("wrote_ago", "taken || store", 1)
+            + ago("broke_ago", "taken && wrong", 1)
+            + f"""
+                // Operands of this frame so far, and the address of the one before.
+                reg [{twin.addr_width - 1}:0] operands = 0;
+                reg [{twin.addr_width - 1}:0] expected;
+                always @(posedge clk) begin
+                    expected <= operands;
+                    if (taken || store) operands <= wrong && taken ? 0 : operands + 1;
+                    if (rst || finish) operands <= 0;
+                end
+            """,
+            reached=("write && write_addr == 3",),
+            refuted_by=(
+                (r"addr <= \(addr \+ 1\)", "addr <= (addr + 2)"),
+                (r"write <= \(accept \|\| store\)", "write <= accept"),
+                (r"finish \|\| broken", "finish"),
+            ),
+            assumes=assumes,
+            helps=(
+                *helps,
+                f"addr == ((operands + {top}) & {top})",
+                "computing || operands == place",
+                "!write || expected == addr || broke_ago[0]",
+            ),
+        ),
+    ]

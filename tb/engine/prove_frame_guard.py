@@ -1,0 +1,127 @@
+"""What is proved of frame_guard, whatever comes on its stream and whenever images are loaded."""
+
+from tb.sign_off.properties import Property
+from tb.sign_off.watch import ago
+
+
+def properties(twin):
+    top = (1 << twin.addr_width) - 1
+    watch = f"""
+        // The frame on the stream: samples of it so far, and whether it can still be good.
+        reg [15:0] place = 0;
+        reg inside = 0, spoiled = 0, computing = 0;
+        wire [15:0] length = {{9'b0, before_last}} + 2 & {top};
+        wire ends_here = place + 1 == (length == 0 ? {top + 1} : length);
+        wire fits = in_valid && !spoiled && !computing && !halt;
+        wire is_good = fits && ends_here && in_last;
+        wire is_wrong = !spoiled
+            && (in_valid ? computing || halt || ends_here != in_last : inside && halt);
+        always @(posedge clk) begin
+            if (in_valid) inside <= !in_last;
+            if (in_valid) place <= in_last || is_wrong || spoiled ? 0 : place + 1;
+            else if (is_wrong) place <= 0;
+            if (in_valid) spoiled <= !in_last && (spoiled || is_wrong);
+            else if (is_wrong) spoiled <= 1;
+            computing <= is_good || (computing && !finish);
+            if (rst) begin
+                place <= 0;
+                inside <= 0;
+                spoiled <= 0;
+                computing <= 0;
+            end
+        end
+        reg [{twin.addr_width - 1}:0] was_before_last;
+        reg was_halted = 1;
+        always @(posedge clk) begin
+            was_before_last <= before_last;
+            was_halted <= halt || rst;
+        end
+    """
+    assumes = {
+        "Results come, and the last output leaves, only while a frame is computed.": "run || "
+        "!(store || finish)",
+        "The last output is no result that goes back to the memory.": "!(store && finish)",
+        "halt never comes while a frame is computed.": "!(halt && run)",
+        "before_last changes only while halt is high.": "was_halted || "
+        "before_last == was_before_last",
+    }
+    helps = (
+        "running == computing",
+        "dropping == spoiled",
+        "started == inside",
+        "!spoiled || inside",
+        "!computing || (place == 0 && !inside) || spoiled",
+        "!(spoiled || computing || !inside) || place == 0",
+        "!inside || spoiled || place != 0",
+        f"place <= {top}",
+        f"place == 0 || was_halted || place < (length == 0 ? {top + 1} : length) ",
+        f"computing || addr == ((place + {top}) & {top})",
+    )
+    common = {"assumes": assumes, "helps": helps}
+    return [
+        Property(
+            name="frame_error",
+            sentence="frame_error is high for just one clock for each frame that is not of the "
+            "length that the image names, begins while another is computed, or has a clock with "
+            "halt from its first sample to its last: one clock after what breaks it.",
+            states=("frame_error == wrong_ago[0]",),
+            watch=watch + ago("wrong_ago", "is_wrong", 1),
+            reached=("frame_error", "spoiled && in_valid", "inside && halt && !spoiled"),
+            refuted_by=(
+                (r"in_valid && closed", "in_valid && closed && in_last"),
+                (r"halt && \(in_valid \|\| started\)", "halt && in_valid"),
+                (r"dropping <= 1'b1", "dropping <= 1'b0"),
+                (r"complete != in_last", "complete && !in_last"),
+            ),
+            **common,
+        ),
+        Property(
+            name="good frames only",
+            sentence="The program starts with the last sample of a good frame, in a clock without "
+            "halt, and in no other; it runs until the last output leaves or a reset comes.",
+            states=("start == is_good", "run == computing", "busy == run", "!(start && halt)"),
+            watch=watch,
+            reached=("start", "run && in_valid"),
+            refuted_by=(
+                (r"accept && complete && in_last", "accept && complete"),
+                (r"closed \|\| halt \|\| dropping", "closed || dropping"),
+                (r"closed \|\| halt \|\| dropping", "closed || halt"),
+                (r"broken \|\| halt", "broken"),
+            ),
+            **common,
+        ),
+        Property(
+            name="operands in order",
+            sentence="Each sample that is taken, and each result, goes to the operand memory one "
+            "clock later, the first of a frame to address 0, each other behind the one before.",
+            states=(
+                "write == wrote_ago[0]",
+                f"!write || write_addr == expected || (broke_ago[0] && write_addr == {top})",
+            ),
+            watch=watch
+            + ago("wrote_ago", "fits || store", 1)
+            + ago("broke_ago", "is_wrong", 1)
+            + f"""
+                // Operands of this frame so far, and the address of the one before.
+                reg [{twin.addr_width - 1}:0] operands = 0;
+                reg [{twin.addr_width - 1}:0] expected;
+                always @(posedge clk) begin
+                    expected <= operands;
+                    if (fits || store) operands <= operands + 1;
+                    if (rst || finish || is_wrong && !computing || halt) operands <= 0;
+                end
+            """,
+            reached=("write && write_addr == 3",),
+            refuted_by=(
+                (r"addr <= \(addr \+ 1\)", "addr <= (addr + 2)"),
+                (r"write <= \(accept \|\| store\)", "write <= accept"),
+                (r"finish \|\| broken", "finish"),
+            ),
+            assumes=assumes,
+            helps=(
+                *helps,
+                f"addr == ((operands + {top}) & {top})",
+                "!write || expected == addr || broke_ago[0]",
+            ),
+        ),
+    ]
