@@ -18,6 +18,9 @@ from tb.common.stimulus import corner_frames, extreme_frames, random_resets, spr
 WATCH = ["out_valid", "out_data", "out_last", "frame_error"]
 # About the clocks that a test plays; designs that take hundreds for a frame get fewer frames.
 MOST_CLOCKS = 100_000
+# Clocks that random frames may take, where they are more than asked for: a hidden sum is seldom so
+# small that its least bit shows.
+MORE_CLOCKS = 5_000
 # Frames that are played with gaps too, random and recorded ones.
 MOST_WITH_GAPS = 100
 MOST_RECORDED_WITH_GAPS = 200
@@ -135,12 +138,13 @@ async def corners_and_random(dut):
     """Corner frames, frames that drive hidden sums to their ends, and random ones."""
     bench = Bench(dut)
     inputs = bench.twin.inputs
-    random = random_elements(bench, bench.frames * inputs).reshape(-1, inputs)
+    most = affordable(bench, bench.frames)
+    many = max(most, MORE_CLOCKS // bench.twin.interval)
+    random = random_elements(bench, many * inputs).reshape(-1, inputs)
     designs = [part for part in walk(bench.twin) if isinstance(part, Design)]
     rows = [row[:inputs] for design in designs for row in design.hidden_weights]
     ends = extreme_frames(SIGNAL, rows)
-    most = affordable(bench, bench.frames)
-    for gap, count in ((0.0, most), (0.4, min(most, MOST_WITH_GAPS))):
+    for gap, count in ((0.0, many), (0.4, min(most, MOST_WITH_GAPS))):
         frames = np.concatenate([corner_frames(SIGNAL, inputs), ends, random[:count]])
         elements, last = whole_frames(bench, frames)
         await check(bench, elements, last, gap, pause=pauses(bench, last, closest=True))
