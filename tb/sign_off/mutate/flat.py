@@ -66,13 +66,19 @@ class Flat:
         return self._product(number, ends, STATE)
 
     def over_clocks(self, number: int, masks: dict[str, str]) -> Netlist:
-        """A mutant's ``trigger``: an output differs. By ``masks`` some count only with a flag."""
+        """A mutant's ``trigger``: an output differs, after a first clock of reset.
+
+        By ``masks`` some outputs count only with a flag.
+        """
         outputs = self.outputs()
         ends = [
             (bits, outputs[masks[name]][0] if name in masks else None)
             for name, bits in outputs.items()
         ]
-        return self._product(number, ends, ())
+        product = self._product(number, ends, ())
+        if "rst" in self.ports:
+            _reset_first(product, self.ports["clk"]["bits"], self.ports["rst"]["bits"])
+        return product
 
     def _product(self, number: int, ends: list[End], shared: tuple[str, ...]) -> Netlist:
         """Both netlists up to cells of the ``shared`` kinds, whose outputs are inputs here."""
@@ -141,6 +147,28 @@ class Flat:
                 needed.add(name)
                 waiting += bits_of(self.cells[name], "input")
         return needed, sorted(inputs)
+
+
+def _reset_first(product: Netlist, clock: list[Bit], reset: list[Bit]) -> None:
+    """In the first clock a product is reset, whatever comes in, and its trigger does not count."""
+    cells, ports = product["cells"], product["ports"]
+    found = ports["trigger"]["bits"]
+    started, begins, forced, trigger = (found[0] + n for n in range(1, 5))
+    for name, cell in cells.items():
+        cells[name] = _renamed(cell, {reset[0]: forced})
+    cells["started"] = {
+        "hide_name": 0,
+        "type": "$dff",
+        "parameters": {"CLK_POLARITY": "1", "WIDTH": "1"},
+        "attributes": {},
+        "port_directions": {"CLK": "input", "D": "input", "Q": "output"},
+        "connections": {"CLK": clock, "D": ["1"], "Q": [started]},
+    }
+    cells["begins"] = _cell("$not", begins, [started])
+    cells["forced"] = _cell("$or", forced, reset, [begins])
+    cells["counts"] = _cell("$and", trigger, found, [started])
+    ports["given"]["bits"] = sorted({*ports["given"]["bits"], *clock, *reset})
+    ports["trigger"]["bits"] = [trigger]
 
 
 def bits_of(cell: Netlist, direction: str) -> list[Bit]:

@@ -44,5 +44,10 @@ def keep(answer: object, kind: str, *facts: str) -> None:
 
 
 def _path(kind: str, facts: tuple[str, ...]) -> Path:
-    scripts = [Path(__file__).parent / name for name in SCRIPTS[kind]]
-    return STORE / f"{fingerprint(scripts, kind, *facts)}.json"
+    return STORE / f"{fingerprint(scripts(kind), kind, *facts)}.json"
+
+
+def scripts(*kinds: str) -> list[Path]:
+    """The files of this package that answers of some kinds come from, or of all."""
+    names = {name for kind in kinds or SCRIPTS for name in SCRIPTS[kind]}
+    return [Path(__file__).parent / name for name in sorted(names)]

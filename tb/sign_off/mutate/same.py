@@ -1,11 +1,12 @@
 """Whether a mutant that no bench finds computes what the sound netlist does, by proof.
 
 First within a clock: the same outputs and the same next state, from every state. Where that does
-not hold, over clocks: from registers that are 0 the same outputs for ever, whatever comes in, data
-compared where its flag says that it counts. That is done by ABC, which Yosys has inside: signals
-that are the same are found by induction (scorr), the rest by property-directed reachability (pdr),
-which also finds inputs that tell the two apart. Both are bounded by conflicts and clocks and not by
-time, so that every machine finds the same.
+not hold, over clocks: from registers that are 0 and a clock of reset on, the same outputs for
+ever, data compared where its flag says that it counts. That is done by ABC, which Yosys has
+inside: signals that are the same are found by induction (scorr), the rest by property-directed
+reachability (pdr), which also finds inputs that tell the two apart. All are bounded by conflicts
+and clocks, but the last by time as well: a slower machine may leave open what this one proves, and
+score less.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from hdl.synth.tools import run_tool
 from tb.sign_off.mutate.flat import Flat, Netlist, flatten
 
 SAME, OTHER, OPEN = "same", "other", "open"
-CONFLICTS, CLOCKS = 20_000, 60
+CONFLICTS, CLOCKS, SECONDS = 20_000, 40, 20
 ANSWERS = {"snl_UNSAT": SAME, "snl_SAT": OTHER, "snl_UNK": OPEN}
 # Yosys gives ABC something to work on; the files it reads have nothing to do with that.
 NOTHING = "module nothing(input a, b, output y); assign y = a & b; endmodule\n"
@@ -54,10 +55,11 @@ def _over_clocks(
     flat: Flat, numbers: list[int], folder: Path, masks: dict[str, str]
 ) -> list[tuple[int, str]]:
     """What can be shown of each."""
-    steps = ["opt", "memory_map", "setundef -init -zero", "opt -full", "techmap", "opt"]
+    zero = "setundef -init -zero"
+    steps = [zero, "opt", "memory_map", zero, "opt -full", "techmap", "opt"]
     steps += ["dffunmap", "simplemap"]
     prepared = [_write(flat.over_clocks(n, masks), folder, f"over{n}", steps) for n in numbers]
-    work = f"scorr;write_aiger,{{0}}.left.aig;pdr,-C,{CONFLICTS},-F,{CLOCKS}"
+    work = f"scorr,-F,2;write_aiger,{{0}}.left.aig;pdr,-C,{CONFLICTS},-F,{CLOCKS},-T,{SECONDS}"
     names = [f"over{n}" for n in numbers]
     return list(zip(numbers, _ask(prepared, names, work, folder), strict=True))
 
@@ -67,7 +69,7 @@ def _write(module: Netlist, folder: Path, name: str, steps: list[str]) -> list[s
     text = json.dumps({"creator": "tactus", "modules": {"top": module}})
     (folder / f"{name}.json").write_text(text, encoding="utf-8")
     read = ["design -reset", f"read_json {name}.json", "hierarchy -top top"]
-    return [*read, *steps, "aigmap", "opt_clean", f"write_aiger {name}.aig"]
+    return [*read, *steps, "setundef -zero", "aigmap", "opt_clean", f"write_aiger {name}.aig"]
 
 
 def _ask(prepared: list[list[str]], names: list[str], work: str, folder: Path) -> list[str]:

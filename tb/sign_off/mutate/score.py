@@ -26,7 +26,7 @@ from golden.fingerprint import fingerprint
 from hdl.synth.tools import digest as digest_of
 from tb.common.runner import Job, run_job
 from tb.sign_off.mutate.explained import explain
-from tb.sign_off.mutate.kept import keep, kept, known
+from tb.sign_off.mutate.kept import keep, kept, known, scripts
 from tb.sign_off.mutate.mutants import make_mutants, write_netlists
 from tb.sign_off.mutate.replay import Trace, ports_of, replay, write_bench, write_trace
 from tb.sign_off.mutate.same import OTHER, SAME, proved
@@ -124,9 +124,9 @@ def score(
     with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor(os.cpu_count()) as pool:
         subject = prepare(job, Path(name), count, seed)
         trace = record_trace(subject)
-        digest = fingerprint([], subject.key, trace.digest, *subject.mutants)
+        digest = fingerprint(scripts(), subject.key, trace.digest, *subject.mutants)
         tell(f"{len(subject.mutants)} mutants, {trace.rows} clocks")
-        if before and before["digest"] == digest:
+        if before and before.get("digest") == digest:
             found = before
         else:
             found = _found(subject, trace, seed, pool, tell)
