@@ -1,7 +1,7 @@
 # The front door: every job is a target. `make` alone lists them.
 
 # make mutate takes no scene unless one is given.
-ONE_SCENE := $(filter-out undefined,$(origin SCENE))
+SCENE_CHOSEN := $(filter-out undefined,$(origin SCENE))
 SCENE ?= digit
 RIG ?= digit
 SEED ?= 1
@@ -134,7 +134,7 @@ prove: $(READY)
 	@$(RUN) -m tb.sign_off.prove $(if $(BLOCK),--block="$$BLOCK") $(if $(filter-out 0,$(RECORD)),--record)
 
 mutate: $(READY) tools
-	@$(RUN) -m tb.sign_off.mutate $(if $(BLOCK),--block="$$BLOCK") $(if $(ONE_SCENE),--scene="$$SCENE") $(if $(filter-out 0,$(ALL)),--all)
+	@$(RUN) -m tb.sign_off.mutate $(if $(BLOCK),--block="$$BLOCK") $(if $(SCENE_CHOSEN),--scene="$$SCENE") $(if $(filter-out 0,$(ALL)),--all)
 
 coverage: $(READY)
 	@$(RUN) -m tb.sign_off.coverage $(if $(BLOCK),--block="$$BLOCK")

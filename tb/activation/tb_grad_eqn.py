@@ -1,6 +1,7 @@
 """grad_eqn against its twin.
 
-Sweeps: for every segment of the neuron 1000 random magnitudes of the segment and its two ends.
+Sweeps: for every segment of the neuron 1000 random magnitudes of the segment and its two ends, and
+magnitudes on either side of 100 places where the result changes.
 Drives: back to back, then in random order with gaps and resets.
 Checks: the result bit for bit, and its clock.
 Does not prove: combinations of magnitude and constants that no segment of the scene can meet.
@@ -21,6 +22,7 @@ FAULTS = [
 
 INPUTS = {"in_mag": UNSIGNED, "in_coeff": UNSIGNED, "in_intercept": UNSIGNED}
 OUTPUTS = {"out_data": UNSIGNED}
+STEPS = 100
 
 
 def operands(bench):
@@ -32,6 +34,10 @@ def operands(bench):
     for n, (coeff, intercept) in enumerate(zip(table.coeffs, table.intercepts, strict=True)):
         low, high = ends[n] + 1, ends[n + 1]
         mags = np.concatenate([[low, high], bench.rng.integers(low, high + 1, 1000)])
+        every = np.arange(low, high + 1)
+        steps = every[:-1][np.diff(bench.twin.process(every, coeff, intercept)) != 0]
+        steps = bench.rng.permutation(steps)[:STEPS]
+        mags = np.concatenate([mags, steps, steps + 1])
         columns["in_mag"].append(mags)
         columns["in_coeff"].append(np.full(len(mags), coeff))
         columns["in_intercept"].append(np.full(len(mags), intercept))

@@ -109,9 +109,10 @@ class Flat:
         for name in needed:
             cells[name] = _renamed(self.cells[name], sound)
             if name in twice:
-                cells[f"other.{name}"] = _renamed(
-                    self.cells[name], sound | {control: "1"} | changed
-                )
+                copy = _renamed(self.cells[name], sound | {control: "1"} | changed)
+                if "MEMID" in copy["parameters"]:
+                    copy["parameters"] = copy["parameters"] | {"MEMID": f"\\other.{name}"}
+                cells[f"other.{name}"] = copy
         trigger = next(new)
         cells["any"] = _cell("$reduce_or", trigger, differ or ["0"])
         ports = {

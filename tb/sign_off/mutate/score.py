@@ -131,6 +131,7 @@ def score(
         else:
             found = _found(subject, trace, seed, pool, tell)
     survivors = [one | {"explained": explain(job.block, one["what"])} for one in found["survivors"]]
+    excused = sum(bool(one["explained"]) for one in survivors)
     return found | {
         "source": of,
         "digest": digest,
@@ -139,8 +140,8 @@ def score(
         "seed": seed,
         "clocks": trace.rows,
         "mutants": len(subject.mutants),
-        "score": round(found["killed"] / max(1, len(subject.mutants) - found["same"]), 4),
-        "explained": sum(bool(one["explained"]) for one in survivors),
+        "score": round(found["killed"] / max(1, len(subject.mutants) - found["same"] - excused), 4),
+        "explained": excused,
         "survivors": survivors,
     }
 
