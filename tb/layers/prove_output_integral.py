@@ -1,5 +1,7 @@
 """What is proved of output_integral, whatever drives it."""
 
+from tb.sign_off.properties import Property
+from tb.sign_off.tree import tree
 from tb.sign_off.watch import pipeline
 
 
@@ -13,5 +15,107 @@ def properties(twin):
                 (r"out_valid <= delay2_taps\[\(5 - 1\)\]", "out_valid <= delay2_taps[3]"),
             ),
             last="in_last",
+        ),
+        *no_overflow(twin),
+    ]
+
+
+def no_overflow(twin):
+    """Products within what the twin says of them, and sums of such products."""
+    low, high = twin.in_fmt.low, twin.in_fmt.high
+    terms = [*(f"weigh{n}_term" for n in range(twin.hidden)), "bias"]
+    registers = tree(terms, "total")
+    # A row reaches the products two clocks later, and a level of the tree every clock from there.
+    clocks = 2 + registers[-1].clock
+    rows = [f"reg [{twin.addr_width - 1}:0] row_{n};" for n in range(1, clocks + 1)]
+    rows += [
+        f"always @(posedge clk) row_{n} <= {f'row_{n - 1}' if n > 1 else 'in_addr'};"
+        for n in range(1, clocks + 1)
+    ]
+    watch = "\n".join(rows)
+    valid_row = {f"Rows are 0 to {twin.outputs - 1}.": f"in_addr < {twin.outputs}"}
+
+    def ends(term, row):
+        """The least and the largest value of a term."""
+        if term == twin.hidden:
+            return (twin.biases[row] << twin.bias_shift,) * 2
+        return sorted((twin.weights[row][term] * r) >> twin.product_shift for r in (low, high))
+
+    def within(name, members, clock):
+        """Whatever the row was, the signal is a sum of terms of that row."""
+        bounds = [
+            (sum(ends(t, row)[0] for t in members), sum(ends(t, row)[1] for t in members))
+            for row in range(twin.outputs)
+        ]
+        return " && ".join(
+            f"(row_{clock} != {row} || ($signed({name}) >= 64'sd0 + ({least}) "
+            f"&& $signed({name}) <= 64'sd0 + ({most})))"
+            for row, (least, most) in enumerate(bounds)
+        )
+
+    products = {
+        f"{name} is what its weight and an activation can give": within(name, (n,), 2)
+        for n, name in enumerate(terms)
+    }
+    sums = [within(r.name, r.terms, 2 + r.clock) for r in registers]
+    counted = f"""
+        reg [3:0] clocks = 0;
+        always @(posedge clk) if (clocks != {clocks}) clocks <= clocks + 1;
+    """
+    fetched = [
+        f"clocks < 1 || row_1 != {row} || $signed({name}) == {code}"
+        for row in range(twin.outputs)
+        for name, code in (
+            *((f"weigh{n}_weight", code) for n, code in enumerate(twin.weights[row])),
+            ("bias_term0_bias", twin.biases[row]),
+        )
+    ]
+    exact = []
+    for r in registers:
+        added = " + ".join(f"64'sd0 + {name}" for name in r.added)
+        watch += f"\nreg signed [63:0] whole_{r.name};"
+        watch += f"\nalways @(posedge clk) whole_{r.name} <= {added};"
+        exact.append(f"$signed({r.name}) == whole_{r.name}")
+    return [
+        Property(
+            name="products",
+            sentence="Each product, and the bias, is one that the twin's weight of its row and an "
+            "activation can give.",
+            states=tuple(f"clocks < 2 || ({text})" for text in products.values()),
+            watch=watch + counted,
+            assumes=valid_row,
+            helps=(f"clocks <= {clocks}", f"clocks < 1 || row_1 < {twin.outputs}", *fetched),
+            reached=("clocks == 2",),
+            refuted_by=(
+                (r"0: weigh0_word = ", "0: weigh0_word = 100000 + "),
+                (r"bias_term0_wide << 13", "bias_term0_wide << 12"),
+            ),
+            clocks=4,
+        ),
+        Property(
+            name="no overflow",
+            sentence="No sum of the adder tree loses a bit, and the whole sum stays within what "
+            "the twin says of its row, whatever the products are.",
+            states=(
+                *(f"!settled || {text}" for text in exact),
+                f"!settled || ({sums[-1]})",
+            ),
+            watch=watch + counted + f"wire settled = clocks == {clocks};",
+            assumes={**products, **valid_row},
+            helps=(
+                f"clocks <= {clocks}",
+                *(f"clocks < {n} || row_{n} < {twin.outputs}" for n in range(1, clocks + 1)),
+                *(f"clocks < {2 + r.clock} || ({s})" for r, s in zip(registers, sums, strict=True)),
+            ),
+            free=tuple(terms),
+            reached=("settled",),
+            refuted_by=(
+                (r"signed \[31:0\] total", "signed [30:0] total"),
+                (
+                    r"signed \[31:0\] adder_tree0_add_pair0_total",
+                    "signed [29:0] adder_tree0_add_pair0_total",
+                ),
+            ),
+            clocks=clocks + 2,
         ),
     ]

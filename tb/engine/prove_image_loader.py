@@ -1,0 +1,140 @@
+"""What is proved of image_loader, whatever bytes come.
+
+Words are counted here as the header names them, and the check is computed bit by bit.
+"""
+
+from golden.engine.image import WORD_BYTES
+from golden.engine.program import WORD_WIDTH
+from tb.sign_off.properties import Property
+
+# x^16 + x^12 + x^5 + 1, without its highest power.
+POLYNOMIAL = "16'h1021"
+
+
+def properties(twin):
+    addr, samples = twin.program_addr_width, twin.operand_addr_width
+    bits = "\n".join(
+        f"sum = {{sum[14:0], 1'b0}} ^ (sum[15] ^ load_data[{n}] ? {POLYNOMIAL} : 16'h0);"
+        for n in reversed(range(8))
+    )
+    last_part = WORD_BYTES - 1
+    watch = f"""
+        wire byte_taken = load_valid && !busy;
+        // Whole words of this image so far, the header among them, and bytes of the next.
+        reg [15:0] count = 0;
+        reg [2:0] part = 0;
+        reg [31:0] before;
+        wire [39:0] together = {{before, load_data}};
+        reg [39:0] header;
+        reg [15:0] sum_before = {twin.check_start};
+        reg [15:0] sum;
+        reg image_is_good = 0, image_failed = 0;
+        always @* begin
+            sum = sum_before;
+            {bits}
+        end
+        wire [15:0] named = header[{addr - 1}:0] + 1;
+        wire inside = count != 0 && count <= named;
+        wire ends_good = count != 0 && count == named + 1 && part == 1 && sum == 0;
+        always @(posedge clk) begin
+            if (byte_taken) begin
+                before <= together;
+                sum_before <= load_last ? {twin.check_start} : sum;
+                part <= load_last || part == {last_part} ? 0 : part + 1;
+                if (load_last) count <= 0;
+                else if (part == {last_part} && count != 1000) count <= count + 1;
+                if (part == {last_part} && count == 0) header <= together;
+                image_is_good <= load_last && ends_good;
+                if (load_last) image_failed <= !ends_good;
+            end
+            if (rst) begin
+                sum_before <= {twin.check_start};
+                count <= 0;
+                part <= 0;
+                image_is_good <= 0;
+                image_failed <= 0;
+            end
+        end
+    """
+    helps = (
+        "check == sum_before",
+        "whole == image_is_good",
+        "failed == image_failed",
+        "place == part",
+        f"part <= {last_part} && count <= 1000",
+        # The header, the words, the check, and too much.
+        "count != 0 || (!headed && !ended)",
+        f"!inside || (headed && !ended && addr == ((named - count) & {(1 << addr) - 1}))",
+        "count == 0 || count != named + 1 || (headed && ended)",
+        "count == 0 || count <= named + 1 || (!headed && ended)",
+        "held == before[27:0]",
+        f"count == 0 || count > named + 1 || samples == header[{17 + samples}:18]",
+    )
+    # Both may be anything, but the same.
+    same = {"Before the first byte something is held.": "after_reset || held == before[27:0]"}
+    return [
+        Property(
+            name="good images only",
+            sentence="halt ends with the last byte of an image that has all of its words, no byte "
+            "more, and the right check, and begins with the first byte of the next; no other "
+            "image ends it, and image_error says so.",
+            states=("halt == (byte_taken || !image_is_good)", "image_error == image_failed"),
+            watch=watch,
+            helps=helps,
+            assumes=same,
+            reached=("count == 2 && byte_taken",),
+            refuted_by=(
+                (r"check\[8-1:0\] == 0\)", "1'b1)"),
+                (r"headed && ended && \(place == 1\)", "headed && ended"),
+                (r"whole <= \(load_last && good\)", "whole <= good"),
+                (r"accept \|\| \(!whole\)", "!whole"),
+            ),
+            clocks=14,
+        ),
+        Property(
+            name="words in order",
+            sentence="Each word that the header names is written once, with its last byte, from "
+            "the last address to address 0; nothing else is, and nothing while busy.",
+            states=(
+                f"write == (byte_taken && inside && part == {last_part})",
+                f"!write || write_addr == ((named - count) & {(1 << addr) - 1})",
+                f"!write || word == together[{WORD_WIDTH - 1}:0]",
+                "!busy || !(write || load_ready)",
+            ),
+            watch=watch,
+            helps=helps,
+            assumes=same,
+            reached=("write",),
+            refuted_by=(
+                (r"addr <= gathered\[9-1:0\]", "addr <= gathered[10-1:1]"),
+                (r"full && headed && \(!ended\)", "full && (!ended)"),
+                (r"load_valid && \(!busy\)", "load_valid"),
+                (r"held <= gathered\[28-1:0\]", "held <= {gathered[27:1], 1'b0}"),
+            ),
+            clocks=11,
+        ),
+        Property(
+            name="length stays",
+            sentence="The samples of a frame are those of the header when an image is found good, "
+            "and change in no clock without halt.",
+            states=(f"!ends_good || before_last == header[{17 + samples}:18]", "steady"),
+            watch=watch
+            + f"""
+                reg [{samples - 1}:0] was;
+                reg may_change = 1;
+                always @(posedge clk) begin
+                    was <= before_last;
+                    may_change <= halt || rst;
+                end
+                wire steady = may_change || before_last == was;
+            """,
+            helps=helps,
+            assumes=same,
+            reached=("count == 1",),
+            refuted_by=(
+                (r"samples <= gathered", "samples <= held"),
+                (r"before_last = samples", "before_last = (samples ^ load_data)"),
+            ),
+            clocks=13,
+        ),
+    ]

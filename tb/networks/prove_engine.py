@@ -1,0 +1,158 @@
+"""What is proved of engine: with a program that can be loaded, and with one that is built in.
+
+What data paths compute takes no part: a program has no branches, so that its clocks are the same
+for every frame.
+"""
+
+from tb.sign_off.properties import Property
+
+# A program that is built in; the first case is one that is loaded.
+ALSO = ("rails-engine",)
+
+
+def properties(twin):
+    return loaded() if twin.loaded else built_in(twin)
+
+
+def loaded():
+    """Of an engine that takes images, whatever they hold."""
+    return [
+        Property(
+            name="no half image",
+            sentence="A frame starts, and is computed, only while the last image that came was "
+            "whole and had the right check, and no byte of another has been taken since: the "
+            "program memory is never written from the start of a frame to its last output.",
+            states=(
+                "!(start || run) || u_image_loader_0.whole",
+                "!(start || run) || !(halt || put || u_image_loader_0.accept)",
+            ),
+            helps=("busy == run",),
+            # Whatever program the memory holds, and whatever the check of an image is.
+            free=("word", "u_image_loader_0.check"),
+            reached=("start",),
+            refuted_by=(
+                (r"(?s)(frame_guard u_frame_guard_0 .*?\.halt)\(halt\)", r"\1(1'b0)"),
+                (r"\.busy\(busy\)", ".busy(1'b0)"),
+                (r"accept \|\| \(!whole\)", "!whole"),
+            ),
+            clocks=18,
+        ),
+    ]
+
+
+def built_in(twin):
+    """Of an engine whose program is known: it has no branches, so every clock of it is."""
+    program, inputs = twin.program, twin.inputs
+    at = program.pipeline
+    begin, words = len(program.table), len(program.words)
+    stores = [n + at.mark for n, step in enumerate(program.instructions) if step.store]
+    # Of a clock after the last sample: operands that the memory holds by then.
+    written = [
+        inputs - (clock < 2) + sum(n + 4 <= clock for n in stores) for clock in range(twin.busy + 2)
+    ]
+    held, held_next = (
+        " : ".join(
+            [*(f"since == {n - ahead} ? {c}" for n, c in enumerate(written) if n >= ahead), last]
+        )
+        for ahead, last in ((0, "0"), (1, str(written[-1])))
+    )
+    outputs = " || ".join(f"since == {clock}" for clock in twin.output_clocks)
+    watch = f"""
+        // Clocks since the last sample of a frame that is computed; 0: there is none.
+        reg [15:0] since = 0;
+        reg [15:0] place = 0;
+        reg skipping = 0;
+        wire taken = in_valid && since == 0 && !skipping;
+        wire is_good = taken && place == {inputs - 1} && in_last;
+        wire is_wrong = in_valid && !skipping
+            && (since != 0 || in_last != (place == {inputs - 1}));
+        reg told = 0;
+        always @(posedge clk) begin
+            since <= rst ? 0 : is_good ? 1 : since == 0 || since == {twin.busy} ? 0 : since + 1;
+            if (taken) place <= is_good || is_wrong ? 0 : place + 1;
+            if (in_valid) skipping <= !in_last && (skipping || is_wrong);
+            told <= !rst && is_wrong;
+            if (rst) begin
+                place <= 0;
+                skipping <= 0;
+            end
+        end
+        reg [7:0] fetched_from;
+        reg [15:0] operands = 0;
+        always @(posedge clk) begin
+            fetched_from <= u_program_memory_0.counter;
+            if (write) operands <= write_addr == 0 ? 1 : write_addr + 1;
+        end
+        wire [15:0] held = {held};
+        wire [15:0] held_next = {held_next};
+    """
+    helps = (
+        "run == (since != 0)",
+        f"since <= {twin.busy} && place < {inputs} && (since == 0 || place == 0)",
+        "u_frame_check_0.dropping == skipping",
+        f"u_program_memory_0.counter == {begin} + since",
+        f"since == 0 || fetched_from == {begin - 1} + since",
+        "since == 0 || word == u_program_memory_0.memory[fetched_from]",
+        f"since != 0 || u_frame_check_0.addr == (place == 0 ? {(1 << twin.addr_width) - 1} "
+        ": place - 1)",
+    )
+    common = {"watch": watch, "helps": helps}
+    return [
+        Property(
+            name="outputs of good frames",
+            sentence="A good frame, and nothing else, yields outputs in the clocks "
+            f"{', '.join(map(str, twin.output_clocks))} after its last sample, the last with "
+            "out_last; frame_error is high for one clock for each wrong frame, which yields none.",
+            states=(
+                f"out_valid == ({outputs})",
+                f"out_valid || since != {twin.busy}",
+                f"!out_valid || out_last == (since == {twin.output_clocks[-1]})",
+                "frame_error == told",
+            ),
+            reached=("since == 2",),
+            refuted_by=(
+                (r"out_valid <= leaves", "out_valid <= (leaves || start)"),
+                (r"complete != in_last", "complete && !in_last"),
+            ),
+            clocks=inputs + 9,
+            induction=5,
+            **common,
+        ),
+        Property(
+            name="program counter",
+            sentence=f"While a frame is computed, each step comes from one of the {words} words "
+            "of the program, one after the other, and after the last none does.",
+            states=(
+                f"!run || since == 0 || (fetched_from >= {begin} "
+                f"&& fetched_from < {begin + words})",
+            ),
+            reached=("since == 2",),
+            refuted_by=((r"(if \(stands\) begin\s+counter <=) 160", r"\1 0"),),
+            clocks=inputs + 9,
+            induction=5,
+            **common,
+        ),
+        Property(
+            name="operands are there",
+            sentence="No step reads an operand that has not been written for its frame: a sample, "
+            "or the result of a step before.",
+            states=(
+                f"!run || since == 0 || since > {len(program.instructions)} || source < operands",
+            ),
+            reached=("since == 2",),
+            refuted_by=((r"write <= \(accept \|\| store\)", "write <= store"),),
+            clocks=inputs + 9,
+            induction=5,
+            watch=watch,
+            helps=(
+                *helps,
+                "since < 2 || operands == held",
+                "since == 0 || u_frame_check_0.addr + 1 == held_next",
+                # Samples are written one clock after they are taken.
+                "since != 0 || place == 0 || write || operands == place",
+                "since != 0 || place == 0 || !write || write_addr == place - 1",
+                "since != 0 || place < 2 || !write || operands == place - 1",
+                f"since != 1 || (write && write_addr == {inputs - 1} && operands == {inputs - 1})",
+            ),
+        ),
+    ]

@@ -1,0 +1,41 @@
+"""What is proved of hybrid, whatever comes on its stream."""
+
+from tb.sign_off.properties import Property
+from tb.sign_off.watch import network
+
+# Frames whose least distance is more than their length.
+ALSO = ("drawn",)
+
+
+def properties(twin):
+    controller = "u_input_controller_0"
+    too_soon = (r"accept && complete && in_last", "accept && in_last")
+    if twin.input_controller.spacing:
+        too_soon = (r" && \(!early\)", "")
+    return [
+        *network(
+            twin,
+            controller,
+            wrong=(
+                (r"&& \(!done\)", "&& (!in_last)"),
+                (r"frame_error <= broken", "frame_error <= (broken && in_last)"),
+                too_soon,
+            ),
+            good=(
+                (r"accept && complete && in_last", "accept && complete"),
+                (r"\.in_valid\(r_valid_0\)", ".in_valid(q_valid)"),
+                (r"delay3_taps\[1\] <= 0;", ""),
+                (r"in_valid \|\| \(count != 0\)", "in_valid"),
+            ),
+        ),
+        Property(
+            name="activations of one frame",
+            sentence="While the outputs of a frame are weighed, the activations stay those of that "
+            "frame: none comes from a frame behind it.",
+            states=("!r_valid_0 || row == 0",),
+            reached=("r_valid_0", "row != 0"),
+            refuted_by=(too_soon,),
+            clocks=twin.latency + twin.outputs,
+            induction=twin.latency + twin.outputs,
+        ),
+    ]
