@@ -56,9 +56,9 @@ help:
 	@echo "make lean    [SCENE=] [BESIDE=other]      what a scene leaves out, and what that saves"
 	@echo "make synth   [SCENE=] [RECORD=1]          cells of every block, clock, both beside the thesis; budget"
 	@echo "make prove   [BLOCK=] [RECORD=1]          what is proved of every block, and that broken copies refute it"
-	@echo "make mutate  [BLOCK=] [SCENE=] [ALL=1]    how many faults put into a block its bench finds; without SCENE= recorded,"
-	@echo "                                          ALL=1 also where nothing has changed"
-	@echo "make coverage [BLOCK=]                    what each bench meets of the borders and states of its block, recorded"
+	@echo "make mutate  [BLOCK=] [SCENE=] [ALL=1] [RECORD=1]"
+	@echo "                                          how many random faults of a block its bench finds; ALL=1 those recorded too"
+	@echo "make coverage [BLOCK=] [RECORD=1]         what each bench meets of the borders and states of its block"
 	@echo "make report  [SCENE=] [FULL=1]            errors, what noise does, what was verified, pictures: one HTML file"
 	@echo "                                          FULL=1: the errors and costs of every approximation too"
 	@echo "make docs    [LINKS=1]                    the documentation as a site; LINKS=1 follows links to others"
@@ -134,10 +134,11 @@ prove: $(READY)
 	@$(RUN) -m tb.sign_off.prove $(if $(BLOCK),--block="$$BLOCK") $(if $(filter-out 0,$(RECORD)),--record)
 
 mutate: $(READY) tools
-	@$(RUN) -m tb.sign_off.mutate $(if $(BLOCK),--block="$$BLOCK") $(if $(SCENE_CHOSEN),--scene="$$SCENE") $(if $(filter-out 0,$(ALL)),--all)
+	@$(RUN) -m tb.sign_off.mutate $(if $(BLOCK),--block="$$BLOCK") $(if $(SCENE_CHOSEN),--scene="$$SCENE") $(if $(filter-out 0,$(ALL)),--all) \
+		$(if $(filter-out 0,$(RECORD)),--record)
 
 coverage: $(READY)
-	@$(RUN) -m tb.sign_off.coverage $(if $(BLOCK),--block="$$BLOCK")
+	@$(RUN) -m tb.sign_off.coverage $(if $(BLOCK),--block="$$BLOCK") $(if $(filter-out 0,$(RECORD)),--record)
 
 report: $(READY) tools
 	@$(RUN) -m tb.report "$$SCENE" $(if $(filter-out 0,$(FULL)),--full)

@@ -20,7 +20,7 @@ from tb.sign_off.coverage import KIND, bench_files, source
 from tb.sign_off.record import read_record
 from tb.sign_off.subject import first
 
-AGAIN = "run: make coverage BLOCK={}"
+AGAIN = "run: make coverage BLOCK={} RECORD=1"
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 

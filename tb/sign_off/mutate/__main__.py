@@ -7,7 +7,7 @@ import sys
 import time
 from typing import Any
 
-from golden.cli import run
+from golden.cli import CommandError, run
 from tb.common.collected import BENCHES
 from tb.common.runner import Job
 from tb.sign_off.mutate.score import score
@@ -29,20 +29,25 @@ def line(block: str, facts: dict[str, Any]) -> str:
 def main() -> int:
     parser = argparse.ArgumentParser(prog="make mutate", description=__doc__)
     parser.add_argument("--block")
-    parser.add_argument("--scene", help="a scene's entities, nothing is recorded")
+    parser.add_argument("--scene", help="a scene's entities")
     parser.add_argument("--all", action="store_true", help="what is recorded is found anew, too")
+    parser.add_argument("--record", action="store_true")
     arguments = parser.parse_args()
+    if arguments.scene and arguments.record:
+        raise CommandError("RECORD=1: got SCENE= too, expected none: records are of benches' cases")
     if arguments.scene:
         planned = subjects_of(arguments.scene, arguments.block)
     else:
         planned = [subject(block) for block in ([arguments.block] if arguments.block else BENCHES)]
+    found = True
     for job in planned:
         recorded = not arguments.scene and record_path(KIND, job.block).exists()
         before = read_record(KIND, job.block) if recorded and not arguments.all else None
         facts = show(job, before)
-        if not arguments.scene:
+        found &= all(one["explained"] for one in facts["survivors"])
+        if arguments.record:
             write_record(KIND, job.block, facts)
-    return 0
+    return 0 if found else 1
 
 
 def show(job: Job, before: dict[str, Any] | None) -> dict[str, Any]:
