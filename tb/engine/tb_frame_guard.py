@@ -1,7 +1,7 @@
 """frame_guard against its twin.
 
-Sweeps: 1500 samples in frames of the right length, shorter and longer ones, mixed at random, while
-the right length changes.
+Sweeps: 1500 samples or more in frames of the right length, shorter and longer ones, mixed at
+random, while the right length changes: one sample, few, and up to as many as the memory has words.
 Drives: frames closer than they are computed and further apart, with gaps; halts of random length
 at random clocks in which no frame is computed; results at random clocks in which one is; ``finish``
 after a random time; then resets at random clocks.
@@ -65,17 +65,19 @@ async def play(bench, drive, halts, lengths):
 
 async def check(bench, gap, resets):
     twin, rng = bench.twin, bench.rng
-    most = (1 << twin.addr_width) // 2
-    # Two numbers of samples, in turn; a change in mid-frame is one that a halt covers.
-    samples = [int(n) for n in rng.integers(1, min(most, 6), 2)]
+    words = 1 << twin.addr_width
+    # Every bit of the counter and of its end; a change in mid-frame is one that a halt covers.
+    half = int(rng.integers(words // 4, words // 2))
     parts = []
-    for part in range(6):
-        last = random_lengths(rng, samples[part % 2], SAMPLES // 6)
+    for samples in (1, int(rng.integers(3, 7)), 2, half, 8, words - 1):
+        last = random_lengths(rng, samples, max(SAMPLES // 6, 6 * samples))
         pause = np.roll(last, 1) * rng.integers(0, 30, len(last))
         one = spread(rng, {"in_last": last}, "in_valid", gap, tail=40, pause=pause)
         count = len(one["in_valid"])
-        one["before_last"] = np.full(count, (samples[part % 2] - 2) % (1 << twin.addr_width))
-        one["halts"] = np.repeat(rng.random(count) < 1 / 30, rng.integers(1, 9, count))[:count]
+        one["before_last"] = np.full(count, (samples - 2) % words)
+        # Rare enough that long frames become whole.
+        rate = 1 / max(30, 6 * samples)
+        one["halts"] = np.repeat(rng.random(count) < rate, rng.integers(1, 9, count))[:count]
         one["halts"][-15:] = True
         parts.append(one)
     drive = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}

@@ -47,8 +47,9 @@ def streams(bench):
     image = whole[3]
     cuts = [1, 4, 5, 6, *range(len(image) - 6, len(image)), *rng.integers(1, len(image), 5)]
     wrong = [image[:count] for count in cuts]
-    # The check of an image followed by zeros is zero, as that of the image is.
-    wrong += [image + bytes(count) for count in range(1, 12)]
+    # The check of an image followed by zeros is zero, as that of the image is. The last is as long
+    # as a word behind the image, and then another image of one word.
+    wrong += [image + bytes(count) for count in range(1, 18)]
     for place in [*range(1, 6), *rng.integers(6, len(image), 20)]:
         changed = bytearray(image)
         changed[place] ^= 1 << rng.integers(0, 8)

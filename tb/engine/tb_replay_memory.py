@@ -2,9 +2,9 @@
 
 Sweeps: every pass over every neuron of the program, the word behind it, and every address of the
 table that the port can carry.
-Drives: one run from the first word to beyond the last; then runs of random length with ``finish``
-at random clocks, also together with ``run``; then resets. The table's port carries a random
-address in every clock, and asks in two of three.
+Drives: one run from the first word to beyond the last and around the memory; then runs of random
+length with ``finish`` at random clocks, also together with ``run``; then resets. The table's port
+carries a random address in every clock, and asks in two of three.
 Checks: word, plane, first and the table's word bit for bit, in their clocks.
 Does not prove: that the program is the right one (the bench of the engine does).
 """
@@ -52,8 +52,8 @@ async def check(bench, run, finish, resets):
 @cocotb.test()
 async def whole_program(dut):
     bench = Bench(dut)
-    addresses = 1 << bench.twin.segment_addr_width
-    length = max(bench.design.output_clocks[-1] + 100, addresses)
+    # On behind the program, where no word ends a pass, and through the table to the program again.
+    length = bench.design.output_clocks[-1] + 2 * len(bench.twin.contents)
     await check(bench, np.ones(length), np.zeros(length), resets=False)
     bench.finish(at_least=length)
 

@@ -1,9 +1,10 @@
 """divider against its twin.
 
-Sweeps: extremes of distance and width with each other, widths of 0 and 1 among them; for 400 widths
-the distances about that where the quotient saturates; 2000 random pairs.
+Sweeps: extremes of distance and width with each other, widths of 0 and 1 and of each single bit
+among them; for 400 widths the distances about that where the quotient saturates; 2000 random pairs.
 Drives: as close as the block takes pairs, then in random order with gaps and resets, then closer.
-Checks: the quotient bit for bit, and its clock; that a pair which is followed too early has none.
+Checks: the quotient bit for bit, and its clock; that it stays; that a pair which is followed too
+early has none.
 Does not prove: all pairs (tests/test_visualisation.py has random ones against the twin's steps).
 """
 
@@ -12,6 +13,7 @@ import numpy as np
 
 from tb.common.bench import Bench
 from tb.common.small import OTHER_PROFILES
+from tb.common.stimulus import spread
 from tb.common.stream import UNSIGNED, check_early, check_gaps_and_resets, check_stream
 
 CASES = OTHER_PROFILES
@@ -37,7 +39,9 @@ def extremes(bits):
 def pairs(bench):
     twin, rng = bench.twin, bench.rng
     most, widest = (1 << twin.distance_width) - 1, (1 << twin.width_width) - 1
-    grid = np.meshgrid(extremes(twin.distance_width), extremes(twin.width_width))
+    # A comparison with 0 that leaves out a bit takes a width of that bit alone for none.
+    some = np.union1d(extremes(twin.width_width), 1 << np.arange(twin.width_width))
+    grid = np.meshgrid(extremes(twin.distance_width), some)
     widths = np.sort(rng.integers(1, widest + 1, 400))
     # distance * gain / width = 2 ** integer bits: the first quotient that saturates.
     border = (widths << (twin.out_width - twin.out_frac + twin.gain_frac)) // twin.gain
@@ -81,3 +85,23 @@ async def early(dut):
     bench = Bench(dut)
     twin = bench.twin
     await check_early(bench, pairs(bench), INPUTS, OUTPUTS, twin.process, twin.interval)
+
+
+@cocotb.test()
+async def stays(dut):
+    """A quotient stands until ``out_width`` clocks before the next."""
+    bench = Bench(dut)
+    twin, rng, count = bench.twin, bench.rng, 200
+    every = pairs(bench)
+    order = rng.integers(0, len(every["in_width"]), count)
+    items = {name: values[order] for name, values in every.items()}
+    pause = rng.integers(twin.interval - 1, 3 * twin.interval, count)
+    drive = spread(rng, items, "in_valid", gap=0.0, tail=bench.latency + 4, pause=pause)
+    recording = await bench.play(drive, ["out_valid", "out_data"])
+    left = recording.rows("out_valid")
+    clocks = np.diff(left, append=recording.clocks + twin.out_width) - twin.out_width
+    first = np.repeat(left, clocks)
+    rows = first + np.arange(len(first)) - np.repeat(np.cumsum(clocks) - clocks, clocks)
+    got, expected = (recording.unsigned("out_data", at) for at in (rows, first))
+    bench.compare("out_data", got, expected, clock=rows)
+    bench.finish(at_least=10 * count)
