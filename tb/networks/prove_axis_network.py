@@ -14,7 +14,8 @@ ALSO = ("axis", "slow-axis-cascade")
 
 def properties(twin):
     outputs, slots, inputs = twin.outputs, twin.slots, twin.inputs
-    room = twin.frames_under_way * outputs
+    under_way = twin.frames_under_way
+    room = under_way * outputs
     cut = ("result_valid", "result", "frame_error")
     # Outputs that the network still owes for the frames it has been sent.
     owed = f"""
@@ -26,15 +27,15 @@ def properties(twin):
         f"The network yields {outputs} outputs for each good frame sent to it, some time after "
         "it, and no others.": "!result_valid || owed != 0"
     }
+    # Proved below, as "room".
+    leaving = {"No frame leaves but one that is under way.": "!left || credit0_used != 0"}
     counted = (
-        f"credit0_used <= {twin.frames_under_way}",
+        f"credit0_used <= {under_way}",
         f"place < {outputs}",
         # Every credit stands for its outputs: still owed, in the memory, or fetched.
         f"credit0_used * {outputs} == owed + fifo0_stored + place",
         f"fifo0_read_addr < {room} && fifo0_write_addr < {room} && fifo0_stored <= {room}",
-        f"fifo0_write_addr == (fifo0_read_addr + fifo0_stored) % {room}"
-        if room & (room - 1) == 0
-        else f"fifo0_write_addr + {room} * (fifo0_read_addr + fifo0_stored >= {room}) "
+        f"fifo0_write_addr + {room} * (fifo0_read_addr + fifo0_stored >= {room}) "
         "== fifo0_read_addr + fifo0_stored",
     )
     items = [
@@ -65,111 +66,119 @@ def properties(twin):
             ),
         ),
         Property(
-            name="credits",
-            sentence=f"At most {twin.frames_under_way} frames are under way, and the memory never "
-            f"holds more than its {room} words: no result is written over one that waits.",
-            states=(
-                f"credit0_used <= {twin.frames_under_way}",
-                f"!result_valid || fifo0_stored < {room}",
-            ),
-            assumes=network,
-            watch=owed,
-            helps=counted,
-            free=cut,
-            reached=("credit0_used == 2", "fifo0_stored == 2"),
+            name="frames under way",
+            sentence=f"At most {under_way} frames are under way, from the last sample of each "
+            "until its last output is fetched.",
+            states=(f"credit0_used <= {under_way}",),
+            assumes=leaving,
+            free=("left",),
+            reached=("full",),
             refuted_by=(
                 (r"credit0_used == (\d+)", r"credit0_used == \1 + 1"),
-                (r"place == \d+\)\);", "place == 0));"),
-                (r"if \(\(done && \(!left\)\)\)", "if ((done && (!left) && (!result_valid)))"),
+                (r"credit0_used \+ 1", "credit0_used - 1"),
             ),
-            clocks=24,
-        ),
-        Property(
-            name="no word lost",
-            sentence="The outputs leave in the order in which they came from the network, each "
-            "once, and m_axis_tlast is high with every "
-            + (f"{outputs}th of them." if outputs > 3 else "last one of a frame."),
-            states=(
-                "!follows || m_axis_tdata == {{2{kept[13]}}, kept}",
-                "!m_axis_tvalid || m_axis_tlast == closes",
-                "m_axis_tvalid == (holds != 0)",
-            ),
-            assumes=network,
-            # One word of all, whichever: how many must leave before it.
-            watch=owed
-            + f"""
-                (* anyseq *) reg pick;
-                reg tracked = 0, follows = 0, closes = 0, holds = 0;
-                reg [15:0] ahead = 0;
-                reg [15:0] number = 0;
-                reg signed [13:0] kept;
-                wire [15:0] home = fifo0_read_addr + ahead;
-                always @(posedge clk) begin
-                    follows <= fetch ? tracked && ahead == 0 : follows && !m_axis_tready;
-                    if (fetch) begin
-                        ahead <= ahead - 1;
-                        if (ahead == 0) tracked <= 0;
-                        closes <= number == {outputs - 1};
-                        number <= number == {outputs - 1} ? 0 : number + 1;
-                        holds <= 1;
-                    end else if (m_axis_tready) holds <= 0;
-                    if (result_valid && pick && !tracked && !follows) begin
-                        tracked <= 1;
-                        ahead <= fifo0_stored - fetch;
-                        kept <= result;
-                    end
-                    if (rst) begin
-                        tracked <= 0;
-                        follows <= 0;
-                        number <= 0;
-                        holds <= 0;
-                    end
-                end
-            """,
-            helps=(
-                *counted,
-                "number == place",
-                "holds == fifo0_full",
-                "!holds || closes == closing",
-                "!follows || fifo0_full",
-                "!follows || word == kept",
-                "!tracked || ahead < fifo0_stored",
-                f"!tracked || fifo0_memory[home >= {room} ? home - {room} : home] == kept",
-            ),
-            free=cut,
-            reached=("follows && m_axis_tready",),
-            refuted_by=(
-                (r"fifo0_write_addr == (\d+)", r"fifo0_write_addr == \1 - 1"),
-                (r"memory\[fifo0_write_addr\]", "memory[0]"),
-                (r"if \(\(result_valid && \(!fifo0_take\)\)\)", "if (result_valid)"),
-                (r"closing <= left", "closing <= (place == 0)"),
-            ),
-            clocks=20,
+            # One frame more than may be.
+            clocks=under_way * twin.interval + 4,
         ),
         Property(
             name="ready",
             sentence="Once s_axis_tready is high it stays so until a sample is taken.",
             states=("!offered || s_axis_tready",),
-            assumes=network,
-            watch=owed
-            + """
+            assumes=leaving,
+            watch="""
                 reg offered = 0;
                 always @(posedge clk) offered <= !rst && s_axis_tready && !s_axis_tvalid;
             """,
-            helps=counted,
-            free=cut,
+            helps=(f"credit0_used <= {under_way}",),
+            free=("left",),
             reached=("offered", "!s_axis_tready"),
             refuted_by=(
                 (
                     r"assign s_axis_tready = gate0_ready",
                     "assign s_axis_tready = gate0_ready && m_axis_tready",
                 ),
+                (r"assign full = .*;", "assign full = left;"),
+            ),
+        ),
+        Property(
+            name="room",
+            sentence=f"The memory never holds more than its {room} words: no result is written "
+            "over one that waits. No frame leaves but one that is under way.",
+            states=(f"!result_valid || fifo0_stored < {room}", "!left || credit0_used != 0"),
+            assumes=network,
+            watch=owed,
+            helps=counted,
+            free=cut,
+            reached=("left", "fifo0_stored == 2"),
+            refuted_by=(
+                (r"place == \d+\)\);", "place == 0));"),
+                (r"if \(\(done && \(!left\)\)\)", "if ((done && (!left) && (!result_valid)))"),
+                (r"fifo0_stored - 1", "fifo0_stored"),
             ),
             clocks=24,
         ),
+        Property(
+            name="no word lost",
+            sentence="The outputs leave in the order in which they came from the network, each "
+            "once and no others; each is offered at the latest two clocks after it came, or as "
+            f"soon as those before it have left; m_axis_tlast closes each {outputs} of them.",
+            states=(
+                "!m_axis_tvalid || waiting != 0",
+                "!waits || m_axis_tvalid",
+                "!m_axis_tvalid || !tracked || ahead != 0 || m_axis_tdata == {{2{kept[13]}}, kept}",
+                f"!m_axis_tvalid || m_axis_tlast == (number == {outputs - 1})",
+            ),
+            assumes=network,
+            # One word of all, whichever: how many must leave before it.
+            watch=owed
+            + f"""
+                (* anyseq *) reg pick;
+                reg tracked = 0, waits = 0;
+                reg [15:0] waiting = 0, number = 0, ahead = 0;
+                reg [13:0] kept;
+                wire leaves = m_axis_tvalid && m_axis_tready;
+                wire [15:0] home = fifo0_read_addr + ahead - fifo0_full;
+                always @(posedge clk) begin
+                    waiting <= waiting + result_valid - leaves;
+                    waits <= waiting != leaves;
+                    if (leaves) begin
+                        number <= number == {outputs - 1} ? 0 : number + 1;
+                        ahead <= ahead - 1;
+                        if (ahead == 0) tracked <= 0;
+                    end
+                    if (result_valid && pick && !tracked) begin
+                        tracked <= 1;
+                        ahead <= waiting - leaves;
+                        kept <= result;
+                    end
+                    if (rst) begin
+                        waiting <= 0;
+                        waits <= 0;
+                        number <= 0;
+                        tracked <= 0;
+                    end
+                end
+            """,
+            helps=(
+                *counted,
+                "waiting == fifo0_stored + fifo0_full",
+                f"number == (!fifo0_full ? place : place == 0 ? {outputs - 1} : place - 1)",
+                "!fifo0_full || closing == (place == 0)",
+                "!tracked || ahead < waiting",
+                "!tracked || (fifo0_full && ahead == 0 ? word "
+                f": fifo0_memory[home >= {room} ? home - {room} : home]) == kept",
+            ),
+            free=cut,
+            reached=("tracked && ahead == 0 && leaves", "tracked && ahead == 1"),
+            refuted_by=(
+                (r"fifo0_write_addr \+ 1", "fifo0_write_addr + 2"),
+                (r"memory\[fifo0_write_addr\]", "memory[0]"),
+                (r"if \(\(result_valid && \(!fifo0_take\)\)\)", "if (result_valid)"),
+                (r"else if \(\(fifo0_take && \(!result_valid\)\)\)", "else if (fifo0_take)"),
+                (r"closing <= left", "closing <= (place == 0)"),
+            ),
+        ),
     ]
-    if twin.network.busy:
-        return items
     inner = twin.network.input_controller
     accepted = "(s_axis_tvalid && s_axis_tready)"
     watch = frames(inputs, 0, accepted, "s_axis_tlast", "asked_")
@@ -199,7 +208,7 @@ def properties(twin):
     else:
         helps.append("sent_place == asked_place && sent_skipping == asked_skipping")
         helps.append(f"sent_closed == {'gate0_remaining' if twin.spacing else '0'}")
-    with_slots = f"with {slots} slots behind its samples" if slots else "as it came"
+    with_slots = "with its slots behind its samples" if slots else "as it came"
     return [
         *items,
         Property(
