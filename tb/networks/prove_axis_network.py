@@ -1,8 +1,9 @@
 """What is proved of axis_network, whatever either side does.
 
 The network inside is cut off: its results may come in any clock and be anything, as long as there
-are no more of them than good frames have been sent. That a network yields just so many is proved of
-each by itself.
+are no more of them than good frames have been sent. That is proved of hybrid by itself, in its own
+cases, and not of cascade. Networks with a past, and those that take no sample while they compute,
+are none of these cases.
 """
 
 from tb.sign_off.properties import Property
