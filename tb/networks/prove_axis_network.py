@@ -1,0 +1,238 @@
+"""What is proved of axis_network, whatever either side does.
+
+The network inside is cut off: its results may come in any clock and be anything, as long as there
+are no more of them than good frames have been sent. That is proved of hybrid by itself, in its own
+cases, and not of cascade. Networks with a past, and those that take no sample while they compute,
+are none of these cases.
+"""
+
+from tb.sign_off.properties import Property
+from tb.sign_off.watch import ago, frames
+
+# A least distance of frames, without slots and with them.
+ALSO = ("axis", "slow-axis-cascade")
+
+
+def properties(twin):
+    outputs, slots, inputs = twin.outputs, twin.slots, twin.inputs
+    under_way = twin.frames_under_way
+    room = under_way * outputs
+    cut = ("result_valid", "result", "frame_error")
+    # Outputs that the network still owes for the frames it has been sent.
+    owed = f"""
+        reg [15:0] owed = 0;
+        always @(posedge clk)
+            owed <= rst ? 0 : owed + (done ? {outputs} : 0) - (result_valid ? 1 : 0);
+    """
+    network = {
+        f"The network yields {outputs} outputs for each good frame sent to it, some time after "
+        "it, and no others.": "!result_valid || owed != 0"
+    }
+    # Proved below, as "room".
+    leaving = {"No frame leaves but one that is under way.": "!left || credit0_used != 0"}
+    counted = (
+        f"credit0_used <= {under_way}",
+        f"place < {outputs}",
+        # Every credit stands for its outputs: still owed, in the memory, or fetched.
+        f"credit0_used * {outputs} == owed + fifo0_stored + place",
+        f"fifo0_read_addr < {room} && fifo0_write_addr < {room} && fifo0_stored <= {room}",
+        f"fifo0_write_addr + {room} * (fifo0_read_addr + fifo0_stored >= {room}) "
+        "== fifo0_read_addr + fifo0_stored",
+    )
+    items = [
+        Property(
+            name="valid holds",
+            sentence="Once m_axis_tvalid is high it stays so, and m_axis_tdata and m_axis_tlast "
+            "stay as they are, until m_axis_tready is high too.",
+            states=(
+                "!waited || (m_axis_tvalid && m_axis_tdata == was_data "
+                "&& m_axis_tlast == was_last)",
+            ),
+            watch="""
+                reg waited = 0;
+                reg signed [15:0] was_data;
+                reg was_last;
+                always @(posedge clk) begin
+                    waited <= !rst && m_axis_tvalid && !m_axis_tready;
+                    was_data <= m_axis_tdata;
+                    was_last <= m_axis_tlast;
+                end
+            """,
+            free=cut,
+            reached=("waited", "m_axis_tvalid && m_axis_tready"),
+            refuted_by=(
+                (r"\(m_axis_tready \|\| \(!fifo0_full\)\)", "1"),
+                (r"\(fifo0_full && \(!m_axis_tready\)\)", "0"),
+                (r"if \(fetch\) begin\s+closing", "if (1) begin closing"),
+            ),
+        ),
+        Property(
+            name="frames under way",
+            sentence=f"At most {under_way} frames are under way, from the last sample of each "
+            "until its last output is fetched.",
+            states=(f"credit0_used <= {under_way}",),
+            assumes=leaving,
+            free=("left",),
+            reached=("full",),
+            refuted_by=(
+                (r"credit0_used == (\d+)", r"credit0_used == \1 + 1"),
+                (r"credit0_used \+ 1", "credit0_used - 1"),
+            ),
+            # One frame more than may be.
+            clocks=under_way * twin.interval + 4,
+        ),
+        Property(
+            name="ready",
+            sentence="Once s_axis_tready is high it stays so until a sample is taken.",
+            states=("!offered || s_axis_tready",),
+            assumes=leaving,
+            watch="""
+                reg offered = 0;
+                always @(posedge clk) offered <= !rst && s_axis_tready && !s_axis_tvalid;
+            """,
+            helps=(f"credit0_used <= {under_way}",),
+            free=("left",),
+            reached=("offered", "!s_axis_tready"),
+            refuted_by=(
+                (
+                    r"assign s_axis_tready = gate0_ready",
+                    "assign s_axis_tready = gate0_ready && m_axis_tready",
+                ),
+                (r"assign full = .*;", "assign full = left;"),
+            ),
+        ),
+        Property(
+            name="room",
+            sentence=f"The memory never holds more than its {room} words: no result is written "
+            "over one that waits. No frame leaves but one that is under way.",
+            states=(f"!result_valid || fifo0_stored < {room}", "!left || credit0_used != 0"),
+            assumes=network,
+            watch=owed,
+            helps=counted,
+            free=cut,
+            reached=("left", "fifo0_stored == 2"),
+            refuted_by=(
+                (r"place == \d+\)\);", "place == 0));"),
+                (r"if \(\(done && \(!left\)\)\)", "if ((done && (!left) && (!result_valid)))"),
+                (r"fifo0_stored - 1", "fifo0_stored"),
+            ),
+            clocks=24,
+        ),
+        Property(
+            name="no word lost",
+            sentence="The outputs leave in the order in which they came from the network, each "
+            "once and no others; each is offered at the latest two clocks after it came, or as "
+            f"soon as those before it have left; m_axis_tlast closes each {outputs} of them.",
+            states=(
+                "!m_axis_tvalid || waiting != 0",
+                "!waits || m_axis_tvalid",
+                "!m_axis_tvalid || !tracked || ahead != 0 || m_axis_tdata == {{2{kept[13]}}, kept}",
+                f"!m_axis_tvalid || m_axis_tlast == (number == {outputs - 1})",
+            ),
+            assumes=network,
+            # One word of all, whichever: how many must leave before it.
+            watch=owed
+            + f"""
+                (* anyseq *) reg pick;
+                reg tracked = 0, waits = 0;
+                reg [15:0] waiting = 0, number = 0, ahead = 0;
+                reg [13:0] kept;
+                wire leaves = m_axis_tvalid && m_axis_tready;
+                wire [15:0] home = fifo0_read_addr + ahead - fifo0_full;
+                always @(posedge clk) begin
+                    waiting <= waiting + result_valid - leaves;
+                    waits <= waiting != leaves;
+                    if (leaves) begin
+                        number <= number == {outputs - 1} ? 0 : number + 1;
+                        ahead <= ahead - 1;
+                        if (ahead == 0) tracked <= 0;
+                    end
+                    if (result_valid && pick && !tracked) begin
+                        tracked <= 1;
+                        ahead <= waiting - leaves;
+                        kept <= result;
+                    end
+                    if (rst) begin
+                        waiting <= 0;
+                        waits <= 0;
+                        number <= 0;
+                        tracked <= 0;
+                    end
+                end
+            """,
+            helps=(
+                *counted,
+                "waiting == fifo0_stored + fifo0_full",
+                f"number == (!fifo0_full ? place : place == 0 ? {outputs - 1} : place - 1)",
+                "!fifo0_full || closing == (place == 0)",
+                "!tracked || ahead < waiting",
+                "!tracked || (fifo0_full && ahead == 0 ? word "
+                f": fifo0_memory[home >= {room} ? home - {room} : home]) == kept",
+            ),
+            free=cut,
+            reached=("tracked && ahead == 0 && leaves", "tracked && ahead == 1"),
+            refuted_by=(
+                (r"fifo0_write_addr \+ 1", "fifo0_write_addr + 2"),
+                (r"memory\[fifo0_write_addr\]", "memory[0]"),
+                (r"if \(\(result_valid && \(!fifo0_take\)\)\)", "if (result_valid)"),
+                (r"else if \(\(fifo0_take && \(!result_valid\)\)\)", "else if (fifo0_take)"),
+                (r"closing <= left", "closing <= (place == 0)"),
+            ),
+        ),
+    ]
+    inner = twin.network.input_controller
+    accepted = "(s_axis_tvalid && s_axis_tready)"
+    watch = frames(inputs, 0, accepted, "s_axis_tlast", "asked_")
+    watch += frames(inner.inputs, inner.spacing, "valid", "last", "sent_")
+    helps = [
+        "asked_place == gate0_place && asked_skipping == gate0_dropping && asked_closed == 0",
+        f"asked_place < {inputs} && (!asked_skipping || asked_place == 0)",
+        f"sent_place < {inner.inputs}",
+    ]
+    if slots:
+        watch += ago("done_ago", "done", slots)
+        helps += [
+            "!sent_skipping",
+            f"gate0_empty <= {slots}",
+            "gate0_empty == 0 || (asked_place == 0 && !asked_skipping)",
+            f"sent_place == (gate0_empty == 0 ? asked_place : {inner.inputs} - gate0_empty)",
+            f"done_ago == (gate0_empty == 0 ? 0 : 1 << ({slots} - gate0_empty))",
+        ]
+        if twin.spacing:
+            helps += [
+                f"gate0_empty != 0 || sent_closed <= gate0_remaining + {slots}",
+                "gate0_empty == 0 || sent_closed < gate0_empty",
+                f"gate0_empty == 0 || gate0_remaining == {twin.spacing - 1 - slots} + gate0_empty",
+            ]
+        else:
+            helps.append("sent_closed == 0")
+    else:
+        helps.append("sent_place == asked_place && sent_skipping == asked_skipping")
+        helps.append(f"sent_closed == {'gate0_remaining' if twin.spacing else '0'}")
+    with_slots = "with its slots behind its samples" if slots else "as it came"
+    return [
+        *items,
+        Property(
+            name="frames sent on",
+            sentence="The network is sent each good frame once, "
+            f"{with_slots}, never too close behind another, and one wrong frame for each wrong "
+            "one; a reset ends what is under way.",
+            states=(
+                "done == asked_good",
+                f"sent_good == {f'done_ago[{slots - 1}]' if slots else 'done'}",
+                "sent_wrong == asked_wrong",
+            ),
+            watch=watch,
+            helps=tuple(helps),
+            free=cut,
+            reached=("sent_good", "sent_wrong", "asked_skipping"),
+            refuted_by=(
+                (r"gate0_dropping <= \(!s_axis_tlast\)", "gate0_dropping <= s_axis_tlast"),
+                (r"gate0_final && s_axis_tlast", "s_axis_tlast"),
+                (r"gate0_final && gate0_held", "0")
+                if twin.spacing
+                else (r"gate0_empty <= 2", "gate0_empty <= 1"),
+            ),
+            clocks=20,
+        ),
+    ]
