@@ -3,8 +3,8 @@
 Sweeps: random frames and corner frames (rails, alternating rails, zeros, one sensor alone), three
 times as many as the ring holds, or once; frames of all lengths, one in three of them wrong; a reset
 at each clock of a frame and of what is sent after it.
-Drives: frames as close as the network takes them, closer, with gaps, and with resets at random
-clocks.
+Drives: frames as close as the network takes them, closer, also by each power of two of clocks, with
+gaps, and with resets at random clocks.
 Checks: every sample that leaves, ``out_last`` and ``frame_error`` bit for bit in their clocks, and
 that nothing leaves in any other clock: not before the past is whole, of no wrong frame, and none of
 its samples later.
@@ -123,6 +123,24 @@ async def wrong_frames(dut):
         assert frames.error.any(), "no wrong frame was driven"
         assert kept.any(), "no past was ever whole"
     bench.finish(at_least=twin.elements * len(kept) // 8)
+
+
+@cocotb.test()
+async def too_early(dut):
+    """Good frames, each with another behind it that comes 1, 2, 4, ... clocks too early."""
+    bench = Bench(dut)
+    twin = bench.twin
+    early = 2 ** np.arange(closest(bench).bit_length())
+    if not len(early):
+        return
+    frames = twin.past + 2 * len(early)
+    data, last = whole(random_frames(bench, frames))
+    pause = np.zeros((frames, twin.sensors), dtype=np.int64)
+    pause[:, 0] = closest(bench)
+    pause[twin.past + 1 :: 2, 0] -= early
+    judged, _ = await check(bench, data, last, pause=pause.ravel())
+    assert judged.error.sum() == len(early), "a frame that came too early was taken"
+    bench.finish(at_least=len(early))
 
 
 @cocotb.test()
