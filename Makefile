@@ -1,7 +1,7 @@
 # The front door: every job is a target. `make` alone lists them.
 
 # make mutate takes no scene unless one is given.
-SCENE_CHOSEN := $(filter-out undefined,$(origin SCENE))
+SCENE_CHOSEN := $(findstring command line,$(origin SCENE))
 SCENE ?= digit
 RIG ?= digit
 SEED ?= 1

@@ -40,7 +40,7 @@ NAMES = {
     "device.toml": "device.toml: got no regular file, expected a file",
     "pipe.toml": "pipe.toml: got no regular file, expected a file",
     "latin.toml": "latin.toml: got the byte 0xe9 at 2, expected UTF-8 text",
-    "empty.toml": "empty.toml: data.file: missing, expected text",
+    "empty.toml": "empty.toml: data.sensors: missing, expected a list",
     "binary.toml": "binary.toml: not TOML: ",
     "-x": "the following arguments are required: scene",
 }

@@ -28,6 +28,8 @@ LEFT = (
     *("deep-cascade", "slow-axis-cascade", "huge-exact", "wide-thesis", "pade-thesis"),
     *("other-profile", "deep-reload", "three-engine", "huge-engine"),
     *("one-past", "few-past", "three-past", "serial-past", "axis-past", "drawn-past"),
+    *("instrument", "slower-cascade", "wide-multiple", "wide-parallel"),
+    *("huge", "huge-parallel", "logic-huge", "block-ram-huge"),
 )
 
 

@@ -40,7 +40,7 @@ ARGUMENTS = {
         "demo sim vhdl verilog check train recalibrate predict network image bench listing lean "
         "synth report",
     ),
-    "BLOCK": ("--block=", "sim mutate"),
+    "BLOCK": ("--block=", "sim mutate prove coverage"),
     "SIM": ("--sim=", "sim"),
     "NETLIST": ("--netlist=", "sim"),
     "SEED": ("--seed=", "sim figures"),

@@ -14,7 +14,8 @@ from golden.cli import CommandError
 from tb.common.collected import BENCHES
 from tb.common.runner import Job
 from tb.sign_off import record
-from tb.sign_off.properties import PROOFS, Property, properties_of
+from tb.sign_off.proofs import PROOFS, properties_of
+from tb.sign_off.properties import Property
 from tb.sign_off.prove import blocks_to_prove, check_record, command, entities, settle
 from tb.sign_off.solver import prove
 

@@ -161,7 +161,7 @@ def test_a_power_that_wraps_says_no(monkeypatch) -> None:
     def wrapping(self, exact, shift: int):
         return ((exact + ((1 << shift) >> 1)) >> shift) & ((1 << self.out_width) - 1)
 
-    monkeypatch.setattr(PowerFold, "_kept", wrapping)
+    monkeypatch.setattr(PowerFold, "_rounded", wrapping)
     found = broken(visualisation.narrow_loads)
     assert {("power_fold", "error in LSB"), ("load_profile", "error in 2^-13")} <= found
 

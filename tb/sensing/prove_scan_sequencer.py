@@ -30,9 +30,9 @@ def properties(twin):
             helps=helps,
             reached=("out_last",),
             refuted_by=(
-                (r"clock == 28", "clock == 29"),
+                (rf"clock == {twin.sample_clock}", f"clock == {twin.sample_clock - 1}"),
                 (r"slot == 1\)\)", "slot == 0))"),
-                (r"count == 63", "count == 5"),
+                (rf"count == {twin.scan_clocks - 1}", "count == 5"),
                 (r"rst == 1\) begin\s+out_last", "0) begin out_last"),
             ),
             clocks=twin.scan_clocks + 4,
@@ -51,7 +51,10 @@ def properties(twin):
                     was <= address;
                     steady <= rst ? 0 : address != was ? 1 : steady == 1000 ? 1000 : steady + 1;
                 end
-                wire [15:0] sensor = (clock_of_scan / {slot}) % {twin.inputs};
+                // In what is left of the scan behind the slots, the first sensor's.
+                wire [15:0] turn_of_scan = clock_of_scan / {slot};
+                wire [15:0] sensor =
+                    turn_of_scan < {twin.slots} ? turn_of_scan % {twin.inputs} : 0;
                 wire [15:0] into = clock_of_scan % {slot};
             """,
             helps=(
@@ -61,7 +64,7 @@ def properties(twin):
                 "into < 2 || (was == address && steady >= into - 1)",
             ),
             reached=(at,),
-            refuted_by=((r"0: selected = 0", "0: selected = 1"),),
+            refuted_by=((r"0: turn = 0", "0: turn = 1"),),
             clocks=twin.scan_clocks + 4,
         ),
     ]

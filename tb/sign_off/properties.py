@@ -4,12 +4,6 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
-from importlib import import_module
-from pathlib import Path
-from typing import Any
-
-from golden.block import Block, walk
-from tb.common.runner import ROOT, Job
 
 # A signal of a part, as it is written in an expression; a name with points is escaped in Verilog.
 INSIDE = re.compile(r"\bu_\w+(?:\.\w+)+")
@@ -95,22 +89,3 @@ def _module(flat: str, top: str) -> str:
     if not found:
         raise ValueError(f"no module {top} in the flattened Verilog")
     return found.group()
-
-
-PROOFS = {
-    path.stem.removeprefix("prove_"): import_module(f"tb.{path.parent.name}.{path.stem}")
-    for path in sorted((ROOT / "tb").glob("*/prove_*.py"))
-}
-
-
-def properties_of(job: Job) -> list[Property]:
-    """What is to be proved of an entity: the list that ``properties`` makes for its twin."""
-    twin: Block = next(part for part in walk(job.scene.twin()) if part.entity == job.entity)
-    module: Any = PROOFS[job.block]
-    found: list[Property] = module.properties(twin)
-    return found
-
-
-def proof_file(block: str) -> Path:
-    """Where the properties of a block stand."""
-    return Path(str(PROOFS[block].__file__))

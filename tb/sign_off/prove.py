@@ -29,7 +29,8 @@ from hdl.synth.tools import digest
 from tb.common.collected import BENCHES, CASES_OF
 from tb.common.runner import BUILD, Job
 from tb.sign_off.equal import prove_equal
-from tb.sign_off.properties import PROOFS, Property, proof_file, properties_of
+from tb.sign_off.proofs import PROOFS, proof_file, properties_of
+from tb.sign_off.properties import Property
 from tb.sign_off.record import read_record, write_record
 from tb.sign_off.solver import Answer, prove, reach, refute
 from tb.sign_off.subject import subject

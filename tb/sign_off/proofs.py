@@ -1,0 +1,30 @@
+"""The properties of every block, which stand beside its bench as ``prove_<block>.py``."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from golden.block import Block, walk
+from tb.common.collected import ROOT
+from tb.common.runner import Job
+from tb.sign_off.properties import Property
+
+PROOFS = {
+    path.stem.removeprefix("prove_"): import_module(f"tb.{path.parent.name}.{path.stem}")
+    for path in sorted((ROOT / "tb").glob("*/prove_*.py"))
+}
+
+
+def properties_of(job: Job) -> list[Property]:
+    """What is to be proved of an entity: the list that ``properties`` makes for its twin."""
+    twin: Block = next(part for part in walk(job.scene.twin()) if part.entity == job.entity)
+    module: Any = PROOFS[job.block]
+    found: list[Property] = module.properties(twin)
+    return found
+
+
+def proof_file(block: str) -> Path:
+    """Where the properties of a block stand."""
+    return Path(str(PROOFS[block].__file__))
