@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import resource
 import sys
-import time
 from typing import Any
 
 from golden.cli import CommandError, run
@@ -51,13 +51,19 @@ def main() -> int:
 
 
 def show(job: Job, before: dict[str, Any] | None) -> dict[str, Any]:
-    """Find the score of an entity, and print it."""
-    started = time.monotonic()
+    """Find the score of an entity, and print it and the processor time that it took."""
+    started = processor_seconds()
     facts = score(job, before=before, tell=lambda text: print(f"{job.block}: {text}", flush=True))
-    print(f"{line(job.block, facts)}  {time.monotonic() - started:5.0f} s", flush=True)
+    print(f"{line(job.block, facts)}  {processor_seconds() - started:5.0f} s", flush=True)
     for one in facts["survivors"]:
         print(f"    {one['where']}  {one['what']}  {one['explained']}")
     return facts
+
+
+def processor_seconds() -> float:
+    """What this process and those that it has waited for have taken of the processor."""
+    of = map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return sum(one.ru_utime + one.ru_stime for one in of)
 
 
 if __name__ == "__main__":

@@ -20,6 +20,9 @@ SPARE = 4
 SELECT = "mutsel"
 # A choice of which a mutant takes two at once means the same to whoever reads it.
 ONE_CHOICE = "pmuxtree"
+# A read port without a clock has no enable and no reset, whatever stands on them: Yosys refuses a
+# memory where that is no constant.
+OF_A_CLOCK = ("RD_EN", "RD_ARST", "RD_SRST")
 
 
 def make_mutants(files: list[str], entity: str, count: int, seed: int, folder: Path) -> list[str]:
@@ -58,9 +61,10 @@ def _change(command: str, cells: dict[str, Any], clock: list[int]) -> tuple[str,
     """
     words = given(command)
     mode = words["mode"]
-    bits = cells[words["cell"].removeprefix("\\")]["connections"][words["port"].removeprefix("\\")]
+    cell, port = cells[words["cell"].removeprefix("\\")], words["port"].removeprefix("\\")
+    bits = cell["connections"][port]
     bit = bits[int(words["portbit"])]
-    if bit in clock:
+    if bit in clock or (cell["type"] == "$mem_v2" and port in OF_A_CLOCK):
         return None
     if mode.startswith("cnot"):
         control = bits[int(words["ctrlbit"])]
