@@ -69,6 +69,16 @@ def test_zero_is_zero(precision) -> None:
     assert polynomial_for(precision, 1, precision.hidden_fmt.high).process(0) == 0
 
 
+def test_a_thousandth_of_a_bit_changes_what_lies_closest_to_rounding() -> None:
+    twin = polynomial_for(EXACT, 1, EXACT.hidden_fmt.high)
+    codes = twin.closest_to_rounding(16)
+    assert len(set(codes)) == 32
+    exact = twin.exact(codes)
+    part = np.repeat([-1, 1], 16) << (twin.out_shift - 10)
+    kept, moved = (cut(sums, twin.out_shift, twin.rounding) for sums in (exact, exact + part))
+    assert (moved - kept == np.sign(part)).all()
+
+
 def test_too_large_a_factor_names_the_thresholds() -> None:
     polynomial_for(THESIS, 14335, SIGNAL.high)
     with pytest.raises(ValueError, match=r"Q = 14336: thresholds .* coincide in Fix\(14,13\)"):

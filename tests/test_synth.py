@@ -238,6 +238,17 @@ def test_what_a_tool_says_is_passed_on(tmp_path: Path) -> None:
         run_tool("none", [], tmp_path)
 
 
+def test_a_tool_is_ended_when_its_processor_time_is_over(tmp_path: Path) -> None:
+    product = 2860486313 * 3267000013
+    (tmp_path / "factors.v").write_text(
+        "module factors(input [31:0] a, b, output y);\n"
+        f"wire [63:0] p = a * b; assign y = p == 64'd{product} && a > 1 && b > 1;\nendmodule\n"
+    )
+    script = "read_verilog factors.v; sat -set y 1; write_verilog found.v"
+    run_tool("yosys", ["-p", script], tmp_path, seconds=1)
+    assert not (tmp_path / "found.v").exists()
+
+
 def test_a_budget_comes_back_and_tells_less_from_more(tmp_path: Path) -> None:
     path = tmp_path / "scene.budget.csv"
     cells = {"xc7": {n: dict.fromkeys(COLUMNS[2:], 3) for n in ("one", "two")}}

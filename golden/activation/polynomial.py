@@ -213,6 +213,10 @@ class Polynomial(ActivationBlock):
         return self.sign_retriever.process(magnitude, negative)
 
     def unlimited(self, data: Codes) -> dict[str, Codes]:
+        return {"result": cut(self.exact(data), self.out_shift, self.rounding)}
+
+    def exact(self, data: Codes) -> Codes:
+        """The result before its last bits are dropped."""
         mag, _ = self.abs_unit.process(data)
         segment = self.comparator_bank.process(mag)
         row = np.minimum(segment, len(self.coeffs) - 1)
@@ -224,8 +228,19 @@ class Polynomial(ActivationBlock):
             + cut(a1 * mag, self.linear_shift, self.rounding)
             + (a0 << self.constant_shift)
         )
-        scaled = total if self.factor is None else total * self.factor
-        return {"result": cut(scaled, self.out_shift, self.rounding)}
+        return np.asarray(total if self.factor is None else total * self.factor)
+
+    def closest_to_rounding(self, count: int) -> Codes:
+        """Codes above 0 whose exact results lie closest below and above where the next one begins.
+
+        ``count`` of either: a small error of a product, which rounding hides elsewhere, shows here.
+        """
+        codes = np.arange(self.in_fmt.high + 1)
+        codes = codes[self.curved(codes)]
+        exact = self.exact(codes)
+        beyond = exact - (cut(exact, self.out_shift, self.rounding) << self.out_shift)
+        order = np.argsort(beyond, kind="stable")
+        return np.concatenate([codes[order[:count]], codes[order[-count:]]])
 
 
 def normalised(factor: int) -> tuple[NDArray[np.float64], float]:

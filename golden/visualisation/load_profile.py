@@ -182,13 +182,16 @@ class LoadProfile(Block):
         ValueError
             For a wrong last axis or a code outside ``fmt``.
         """
-        codes = self.fmt.check(frames, "load_profile frames", 4)[..., np.newaxis]
-        load, centre, width, shape = (codes[..., n, :] for n in range(4))
-        positions = self.ramp.process()
-        distance = np.abs(positions - centre)
+        codes = self.fmt.check(frames, "load_profile frames", 4)
+        load = codes[..., 0, np.newaxis]
+        return self.ramp.process(), self.height(load, *self.fall(codes))
+
+    def fall(self, frames: Codes) -> tuple[Codes, Codes]:
+        """t of every point of frames, shape (..., points), and P, shape (..., 1)."""
+        centre, width, shape = (frames[..., n, np.newaxis] for n in (1, 2, 3))
+        distance = np.abs(self.ramp.process() - centre)
         t = self.divider.process(distance, np.maximum(width, 0))
-        power = np.where(shape > self.shape_threshold, TRIANGLE, RECTANGLE)
-        return positions, self.height(load, t, power)
+        return t, np.where(shape > self.shape_threshold, TRIANGLE, RECTANGLE)
 
     def real(self, frames: ArrayLike) -> Real:
         """Equation 3.18 in real arithmetic at the same codes, shape (..., points).

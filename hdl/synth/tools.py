@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import sysconfig
@@ -19,12 +20,21 @@ from golden.files import read_kept, replace_file
 from golden.fingerprint import fingerprint
 
 STORE = Path("build") / "synth"
+# Of a process whose processor time was over.
+ENDED = (-signal.SIGXCPU, -signal.SIGKILL)
 
 
-def run_tool(name: str, arguments: list[str], folder: Path, failing: bool = False) -> str:
+def run_tool(
+    name: str,
+    arguments: list[str],
+    folder: Path,
+    failing: bool = False,
+    seconds: int | None = None,
+) -> str:
     """Run ``yowasp-<name>`` in ``folder``, the only one that it sees; what it said.
 
-    With ``failing`` that it fails is an answer, too.
+    With ``failing`` that it fails is an answer, too; that it is ended after so many ``seconds`` of
+    processor time always is, if these are given.
 
     Raises
     ------
@@ -38,12 +48,15 @@ def run_tool(name: str, arguments: list[str], folder: Path, failing: bool = Fals
             f"not installed: yowasp-{name}; run: {sys.executable} -m pip install yowasp-{name}"
         )
     command = [path, *arguments]
+    if seconds is not None:
+        command = ["sh", "-c", 'ulimit -t "$0"; exec "$@"', str(seconds), *command]
     # The solver that it starts is installed beside it.
     environment = {**os.environ, "PATH": f"{scripts}{os.pathsep}{os.environ.get('PATH', '')}"}
     result = subprocess.run(
         command, cwd=folder, env=environment, capture_output=True, text=True, check=False
     )
-    if result.returncode and not failing:
+    ended = seconds is not None and result.returncode in ENDED
+    if result.returncode and not failing and not ended:
         last = (result.stdout + result.stderr).strip().splitlines()[-5:]
         raise CommandError(f"yowasp-{name}: {' '.join(last)}")
     return result.stdout + result.stderr

@@ -2,7 +2,8 @@
 
 Sweeps: what the network of digit-single makes of every third recorded frame;
 widths from the most negative code to the largest, with either shape; positions on the ramp, beside
-it and outside; loads and shapes at their ends and about the threshold; random results.
+it and outside; loads and shapes at their ends and about the threshold; shapes that differ from it
+in one bit; large loads with points far down the slope; random results.
 Drives: each frame in the clock of the last point before; then frames at random distances, so that
 many come while a ramp is being drawn, with and without resets.
 Checks: every point bit for bit in its clock; that it stays until the next; that results which come
@@ -16,6 +17,7 @@ import cocotb
 import numpy as np
 
 from golden.scene import load_scene
+from golden.visualisation.load_profile import POWER_FRAC
 from tb.common.bench import Bench
 from tb.common.profile import check_profile
 from tb.common.small import PROFILES
@@ -33,6 +35,8 @@ INPUTS = ["in_load", "in_position", "in_width", "in_shape"]
 OUTPUTS = ["out_valid", "out_x", "out_y", "out_last"]
 # Frames played at a time, so that the recording stays small.
 CHUNK = 48
+# Exponents between which a fiftieth to a four hundredth is left.
+FAR, LOST = 4 << POWER_FRAC, 6 << POWER_FRAC
 
 
 def recorded():
@@ -60,6 +64,28 @@ def extremes(bench):
             frame[first], frame[second] = pair
             frames.append(frame)
     return np.array(frames, dtype=np.int64)
+
+
+def one_bit_off(bench):
+    """Shapes that differ in one bit from the last rectangle and from the first triangle."""
+    twin = bench.twin
+    fmt, middle = twin.fmt, int(np.median(twin.ramp.process()))
+    borders = np.array([twin.shape_threshold, twin.shape_threshold + 1])
+    shapes = (borders[:, np.newaxis] ^ (1 << np.arange(fmt.width - 1))).ravel()
+    return np.array([[fmt.high, middle, fmt.high, shape] for shape in shapes], dtype=np.int64)
+
+
+def far_down(bench, count):
+    """Of many large loads those with most points of which little is left.
+
+    A small error of the exponent shows there in one point of ten.
+    """
+    fmt, power_fold = bench.twin.fmt, bench.twin.power_fold
+    frames = bench.rng.integers(0, fmt.high + 1, (4096, 4))
+    frames[:, 0] = fmt.high
+    exponent = np.asarray(power_fold.process(*bench.twin.fall(frames)))
+    points = (exponent >= FAR) & (exponent < LOST)
+    return frames[np.argsort(-points.sum(axis=-1), kind="stable")[:count]]
 
 
 def random_frames(bench, count):
@@ -109,7 +135,8 @@ async def recorded_frames(dut):
 @cocotb.test()
 async def extremes_and_random(dut):
     bench = Bench(dut)
-    await check_each(bench, np.concatenate([extremes(bench), random_frames(bench, 20)]))
+    frames = [extremes(bench), one_bit_off(bench), far_down(bench, 24), random_frames(bench, 20)]
+    await check_each(bench, np.concatenate(frames))
 
 
 @cocotb.test()
