@@ -28,7 +28,8 @@ def flatten(commands: list[str], entity: str, folder: Path) -> Flat:
     lines = ["read_rtlil base.il"]
     lines += [selected(command, width, n) for n, command in enumerate(commands, start=1)]
     lines += [ONE_CHOICE, f"hierarchy -top {entity}", "flatten", "memory_collect", "dffunmap"]
-    lines += ["opt_clean", "write_json flat.json"]
+    # What only carries below a rounding then has no reader.
+    lines += ["opt_expr -fine", "opt_clean", "write_json flat.json"]
     (folder / "flat.ys").write_text("\n".join(lines) + "\n", encoding="utf-8")
     run_tool("yosys", ["-q", "-s", "flat.ys"], folder)
     return Flat(json.loads((folder / "flat.json").read_text(encoding="utf-8"))["modules"][entity])
@@ -60,9 +61,20 @@ class Flat:
         return {n: p["bits"] for n, p in self.ports.items() if p["direction"] == "output"}
 
     def within_a_clock(self, number: int) -> Netlist:
-        """A mutant's ``trigger``: an output or the next state differs, from whatever state."""
+        """A mutant's ``trigger``: an output or the next state differs, from whatever state.
+
+        What nothing reads of a register is no state.
+        """
         ends: list[End] = [(bits, None) for bits in self.outputs().values()]
-        ends += [(bits_of(c, "input"), None) for c in self.cells.values() if c["type"] in STATE]
+        read = {*self.readers, *(bit for bits in self.outputs().values() for bit in bits)}
+        for cell in self.cells.values():
+            bits = bits_of(cell, "input")
+            if cell["type"] == "$dff":
+                ports = cell["connections"]
+                pairs = zip(ports["D"], ports["Q"], strict=True)
+                bits = [*ports["CLK"], *(d for d, q in pairs if q in read)]
+            if cell["type"] in STATE:
+                ends.append((bits, None))
         return self._product(number, ends, STATE)
 
     def over_clocks(self, number: int, masks: dict[str, str]) -> Netlist:
