@@ -14,6 +14,7 @@ from golden.activation.bipartite_table import (
     FINE_WIDTH,
     FORMATS,
     MAGNITUDE_WIDTH,
+    TOP,
     BipartiteFormat,
     BipartiteTable,
     bipartite_table,
@@ -49,8 +50,8 @@ class Bipartite(ActivationBlock):
     of the complement being the complement of the result, and monotone.
 
     Over all 262144 codes of Fix(18,14) (tests/test_bipartite.py), with "block_ram": within 0.93
-    units of 2**-13 of tanh(q), and 10502 results are not the nearest code. With "logic": within
-    1.594 units, and 22744.
+    units of 2**-13 of tanh(q), and 11718 results are not the nearest code. With "logic": within
+    1.594 units, and 24664.
 
     A magnitude beyond the neuron's reach has the result of another one.
 
@@ -75,7 +76,7 @@ class Bipartite(ActivationBlock):
                 f"{self.entity}: got in_fmt={self.in_fmt} and out_fmt={self.out_fmt}, expected "
                 f"{EXACT.hidden_fmt.frac} fraction bits and {SIGNAL}"
             )
-        least, most = self.formats.group_width, self.in_fmt.width - 1
+        least, most = self.formats.group_width + 1, self.in_fmt.width - 1
         if not least <= self.reach_width <= most:
             raise ValueError(
                 f"{self.entity}: got reach_width={self.reach_width}, expected {least} to {most}"
@@ -92,14 +93,21 @@ class Bipartite(ActivationBlock):
         return bipartite_table(self.formats)
 
     @property
+    def bases(self) -> tuple[int, ...]:
+        """The bases kept."""
+        kept = 1 << (self.reach_width - self.formats.segment_width)
+        return self.table.bases[:kept]
+
+    @property
+    def corrections(self) -> tuple[int, ...]:
+        """The corrections kept."""
+        groups_width = self.reach_width - self.formats.group_width
+        return self.table.corrections[: 1 << (groups_width + self.formats.offset_width)]
+
+    @property
     def wide(self) -> bool:
         """Whether the neuron reaches 2, from where on segments are wide."""
         return self.reach_width > FINE_WIDTH
-
-    @property
-    def level(self) -> bool:
-        """Whether it reaches 4, from where on nothing is corrected."""
-        return self.reach_width > CORRECTED_WIDTH
 
     @property
     def saturates(self) -> bool:
@@ -128,7 +136,7 @@ class Bipartite(ActivationBlock):
         """Words of both tables for magnitudes of so many bits."""
         mag = np.arange(1 << reach_width)
         base, slope = self.formats.addresses(mag, mag)
-        return len(np.unique(base)) + len(np.unique(slope[: 1 << CORRECTED_WIDTH]))
+        return len(np.unique(base)) + len(np.unique(slope))
 
     @property
     def marks(self) -> tuple[int, ...]:
@@ -143,12 +151,11 @@ class Bipartite(ActivationBlock):
         sign = data >> self.in_fmt.width
         whole = data ^ sign
         mag = whole & (1 << min(self.reach_width, MAGNITUDE_WIDTH)) - 1
-        beyond = self.saturates & (whole >> MAGNITUDE_WIDTH != 0)
+        # From 8 on as from 6 on, where every result is the largest.
+        mag = np.where(whole >> MAGNITUDE_WIDTH if self.saturates else 0, mag | TOP, mag)
         base_addr, slope_addr = self.formats.addresses(mag ^ sign, mag)
         base = np.take(self.table.bases, base_addr)
-        base = np.where(beyond, (1 << self.formats.base_width) - 1, base)
-        corrected = ~beyond & (mag >> CORRECTED_WIDTH == 0)
-        correction = np.where(corrected, np.take(self.table.corrections, slope_addr), 0)
+        correction = np.take(self.table.corrections, slope_addr)
         return np.asarray(((base ^ sign) + correction) >> self.formats.frac)
 
 
@@ -168,7 +175,7 @@ def bipartite_for(precision: Precision, factor: int, reach: int, memory: str = M
             f"{EXACT.name!r}"
         )
     top = min(reach, precision.hidden_fmt.high)
-    reach_width = max(top.bit_length(), FORMATS[memory].group_width)
+    reach_width = max(top.bit_length(), FORMATS[memory].group_width + 1)
     return Bipartite(
         precision.hidden_fmt, SIGNAL, memory, reach_width, variant=f"{memory}{reach_width}"
     )

@@ -11,6 +11,7 @@ segment, of which it is an odd function. Their sum, less its last bits, is the r
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
@@ -28,6 +29,8 @@ MAGNITUDE_WIDTH = EXACT.hidden_fmt.width - 1
 # A wide segment is 2**2 fine ones; the two bits that tell where beyond 2 a magnitude lies take the
 # place of those that it does not need.
 WIDER = MAGNITUDE_WIDTH - FINE_WIDTH
+# 6, the bits that every magnitude from there on has.
+TOP = 3 << FINE_WIDTH
 
 # Fraction bits with which tanh is known, in units of the result.
 _PLACES = 16
@@ -50,7 +53,8 @@ class BipartiteFormat:
     group_width : int
         A group is 2**group_width codes wide, at least as wide as a segment beyond 2.
     offset_width : int
-        Bits of the offset, the upper ones of the place within a segment.
+        Bits of the offset, the upper ones of the place within a segment; one less from 2 on, where
+        the last bit of the address tells what is 4 or more, and is not corrected.
     frac : int
         Bits that the sum has below the last of the result.
     """
@@ -80,20 +84,26 @@ class BipartiteFormat:
         """Bits of a correction's address below 2: those of the group, then those of the offset."""
         return FINE_WIDTH - self.group_width + self.offset_width
 
+    def texts(self, words: Sequence[int]) -> list[str]:
+        """What bases or corrections stand for."""
+        return real_texts(words, SIGNAL.frac + self.frac)
+
     def addresses(self, data: Codes, mag: Codes) -> tuple[Codes, Codes]:
         """Where base and correction of a magnitude below 8 stand.
 
         The offset is taken from ``data`` itself, of which ``mag`` is the magnitude: of a negative
         code it is the complement, which has the opposite correction.
         """
-        wide = mag >> FINE_WIDTH != 0
-        lowest = np.where(wide, self.wide_width, self.segment_width)
-        above = (mag & (1 << FINE_WIDTH) - 1) >> self.wide_width
-        switched = np.where(wide, mag >> FINE_WIDTH, mag >> self.segment_width) & (1 << WIDER) - 1
-        base = (wide << self.fine_addr_width) + (above << WIDER) + switched
-        group = (mag & (1 << FINE_WIDTH) - 1) >> self.group_width
-        offset = (data >> (lowest - self.offset_width)) & (1 << self.offset_width) - 1
-        return base, (wide << self.slope_addr_width) + (group << self.offset_width) + offset
+        below, upper = mag & (1 << FINE_WIDTH) - 1, mag >> FINE_WIDTH
+        wide = upper != 0
+        switched = np.where(wide, upper, mag >> self.segment_width) & (1 << WIDER) - 1
+        base = (below >> self.wide_width << WIDER) + switched
+        ones = (1 << self.offset_width) - 1
+        fine_offset = data >> (self.segment_width - self.offset_width) & ones
+        wide_offset = data >> (self.wide_width - self.offset_width) & ones - 1
+        offset = np.where(wide, wide_offset + (upper >> 1), fine_offset)
+        slope = (below >> self.group_width << self.offset_width) + offset
+        return (wide << self.fine_addr_width) + base, (wide << self.slope_addr_width) + slope
 
 
 # One block RAM of 18 Kbit each: 1024 bases, 2048 corrections.
@@ -111,7 +121,7 @@ class BipartiteTable:
     bases : tuple of int
         Unsigned. Where no magnitude has the address, the base of the one before.
     corrections : tuple of int
-        Signed; those of magnitudes below 4.
+        Signed; 0 for magnitudes from 4 on.
     """
 
     bases: tuple[int, ...]
@@ -121,14 +131,6 @@ class BipartiteTable:
     def correction_width(self) -> int:
         """Bits of a correction, signed."""
         return max(max(self.corrections), -min(self.corrections) - 1).bit_length() + 1
-
-    def base_texts(self, fmt: BipartiteFormat) -> list[str]:
-        """What each base stands for."""
-        return real_texts(self.bases, SIGNAL.frac + fmt.frac)
-
-    def correction_texts(self, fmt: BipartiteFormat) -> list[str]:
-        """What each correction stands for."""
-        return real_texts(self.corrections, SIGNAL.frac + fmt.frac)
 
 
 @lru_cache
@@ -158,11 +160,9 @@ def bipartite_table(fmt: BipartiteFormat) -> BipartiteTable:
     start = before = 0
     for end in ends:
         width = fmt.wide_width if start else fmt.segment_width
+        offset_width = fmt.offset_width - (start > 0)
         values = curve[start:end].reshape(
-            -1,
-            1 << (fmt.group_width - width),
-            1 << fmt.offset_width,
-            1 << (width - fmt.offset_width),
+            -1, 1 << (fmt.group_width - width), 1 << offset_width, 1 << (width - offset_width)
         )
         slopes = np.zeros(values.shape[::2], dtype=np.int64)
         if end <= 1 << CORRECTED_WIDTH:
