@@ -54,5 +54,6 @@ def _activation_error(activation: ActivationBlock, factor: int) -> float:
     """Largest error against tanh over every code."""
     fmt = activation.in_fmt
     codes = np.arange(fmt.low, fmt.high + 1)
-    miss = SIGNAL.to_real(activation.process(codes)) - np.tanh(factor * fmt.to_real(codes))
+    q = factor * activation.real_input(codes)
+    miss = activation.real_result(activation.process(codes)) - np.tanh(q)
     return float(np.abs(miss).max())
