@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.border import Border
-from golden.fixed import Codes, Fix
+from golden.fixed import Codes, Fix, signed_width
 from golden.layers.sharing import Matrix, shared
 from golden.layers.shift_add import Row, ShiftAdd, clocks_of
 from golden.port import CLOCK, Port, given, group, taken
@@ -34,8 +36,8 @@ class ConstantMatrix(Block):
         Places of the sum that the result has not.
     guard : int
         Places below the result's last that are added; what lies below them is cut before.
-    levels : int
-        Adders between two registers.
+    adders_per_clock : int
+        Adders one behind the other between two registers.
 
     Notes
     -----
@@ -59,7 +61,7 @@ class ConstantMatrix(Block):
     biases: tuple[int, ...]
     out_shift: int
     guard: int
-    levels: int
+    adders_per_clock: int
 
     def __post_init__(self) -> None:
         if len({len(row) for row in self.weights}) != 1 or len(self.weights) != len(self.biases):
@@ -71,7 +73,7 @@ class ConstantMatrix(Block):
         for name, value, least in (
             ("out_shift", self.out_shift, 0),
             ("guard", self.guard, 0),
-            ("levels", self.levels, 1),
+            ("adders_per_clock", self.adders_per_clock, 1),
         ):
             if value < least:
                 raise ValueError(f"{self.entity}: got {name}={value}, expected {least} or more")
@@ -96,7 +98,7 @@ class ConstantMatrix(Block):
             self.in_fmt.high,
             (self.place,) * len(self.weights),
         )
-        return shared(matrix, self.levels, int(self.saturates), RUNS)
+        return shared(matrix, self.adders_per_clock, int(self.saturates), RUNS)
 
     @property
     def saturates(self) -> bool:
@@ -111,12 +113,12 @@ class ConstantMatrix(Block):
     @property
     def clocks(self) -> tuple[int, ...]:
         """In which clock each node of the graph is made; samples stand in clock 0."""
-        return clocks_of(self.graph, self.levels)
+        return clocks_of(self.graph, self.adders_per_clock)
 
     @property
     def latency(self) -> int:
         levels = self.graph.depth + int(self.saturates)
-        return max(1, -(-levels // self.levels))
+        return max(1, -(-levels // self.adders_per_clock))
 
     @property
     def errors(self) -> tuple[tuple[int, int], ...]:
@@ -141,20 +143,28 @@ class ConstantMatrix(Block):
             *group(given("out_data", "result *", self.out_fmt, "out_fmt"), len(self.weights)),
         )
 
+    @property
+    def result_bounds(self) -> tuple[tuple[int, int], ...]:
+        """The least and the largest of each result before it saturates."""
+        bounds, found = self.graph.bounds, []
+        for row in self.graph.rows:
+            ends = [_result(row, end, self.drop(row)) for end in bounds[row.node]]
+            found.append((min(ends), max(ends)))
+        return tuple(found)
+
+    @property
+    def result_widths(self) -> tuple[int, ...]:
+        """Bits of each result before it saturates."""
+        return tuple(signed_width(ends) for ends in self.result_bounds)
+
     def drop(self, row: Row) -> int:
         """Places by which the number of a row's node is moved right to the result's last."""
         return self.out_shift - row.shift - self.graph.lows[row.node]
 
-    def words(self, samples: list[Codes]) -> list[Codes]:
-        """Results before they saturate, of arrays or of Python's integers."""
-        graph = self.graph
-        numbers = graph.numbers(samples)
-        found = []
-        for row in graph.rows:
-            number, drop = numbers[row.node], self.drop(row)
-            number = ~number if row.minus else number
-            found.append(number >> drop if drop >= 0 else number << -drop)
-        return found
+    def words(self, samples: Sequence[Codes]) -> list[Codes]:
+        """Results before they saturate, of the values of each sample."""
+        numbers = self.graph.numbers(samples)
+        return [_result(row, numbers[row.node], self.drop(row)) for row in self.graph.rows]
 
     def process(self, frames: ArrayLike) -> Codes:
         """Results in ``out_fmt``, shape (..., rows), of frames of samples, shape (..., inputs).
@@ -165,5 +175,17 @@ class ConstantMatrix(Block):
             For a wrong last axis or a code outside ``in_fmt``.
         """
         x = self.in_fmt.check(frames, f"{self.entity} frames", self.inputs)
-        words = np.stack(self.words(list(np.moveaxis(x, -1, 0))), axis=-1)
+        words = np.stack(self.words(np.moveaxis(x, -1, 0)), axis=-1)
         return np.clip(words, self.out_fmt.low, self.out_fmt.high)
+
+    def exact(self, frames: Codes) -> Codes:
+        """The same in Python's integers, which have no width; see ``process``."""
+        words = self.words(np.moveaxis(np.asarray(frames, dtype=object), -1, 0))
+        clipped = np.clip(np.stack(words, axis=-1), self.out_fmt.low, self.out_fmt.high)
+        return clipped.astype(np.int64)
+
+
+def _result(row: Row, number: Any, drop: int) -> Any:
+    """A row's result of the number at its node, of which it drops some places, or adds them."""
+    number = ~number if row.minus else number
+    return number >> drop if drop >= 0 else number << -drop

@@ -272,7 +272,7 @@ def constant_matrix(clk, in_data, out_data, *, spec: ConstantMatrix):
 
     Notes
     -----
-    No multiplier. Latency: ``spec.latency`` clocks, one for every ``spec.levels`` adders one
+    No multiplier. Latency: ``spec.latency`` clocks, one for every ``spec.adders_per_clock`` adders one
     behind the other; a frame every clock. No reset: data alone.
     """
     numbers = Numbers(clk, in_data, spec)
