@@ -2,8 +2,7 @@
 
 from myhdl import always, block
 
-from golden.activation.bipartite import Bipartite
-from golden.activation.bipartite_pair import NODES, BipartitePair
+from golden.activation.bipartite_pair import NODES
 from golden.networks.adder_graph import AdderGraph
 from golden.precision import SIGNAL
 from hdl.activation.bipartite import bipartite
@@ -22,27 +21,6 @@ def never(clk, error):
         error.next = False
 
     return hold
-
-
-@block
-def tanh_of(clk, rst, q_valid, q, r_valid, r, *, spec: Bipartite | BipartitePair):
-    """The activation of one node or of a pair, of as many bits of q as the nodes can have.
-
-    ``q`` and ``r`` are lists of signals.
-    """
-    count = len(q)
-    activation = spec.activation if count == NODES else spec
-    short = Words(count, lambda: fixed(activation.in_fmt))
-    result = Words(count, lambda: fixed(activation.out_fmt))
-    if count == NODES:
-        shared = bipartite_pair(clk, rst, q_valid, short, r_valid, result, spec=spec)
-    else:
-        shared = bipartite(clk, rst, q_valid, short[0], r_valid, result[0], spec=spec)
-    return (
-        [connect(q[n], short[n]) for n in range(count)],
-        shared,
-        [connect(result[n], r[n]) for n in range(count)],
-    )
 
 
 @block
@@ -69,22 +47,26 @@ def adder_graph(clk, rst, in_valid, in_data, out_valid, out_data, frame_error, *
     q = Words(hidden, lambda: fixed(spec.first.out_fmt))
     r = Words(hidden, lambda: fixed(SIGNAL))
     q_valid = flag()
-    r_valid = Words(len(spec.groups), flag)
+    tables = [spec.shared(nodes) for nodes in spec.groups]
+    # Of each q the bits that its nodes can have.
+    short = [
+        Words(len(nodes), lambda fmt=spec.activations[nodes[0]].in_fmt: fixed(fmt))
+        for nodes in spec.groups
+    ]
+    result = [Words(len(nodes), lambda: fixed(SIGNAL)) for nodes in spec.groups]
+    r_valid = Words(len(tables), flag)
+    places = [(n, i, j) for n, nodes in enumerate(spec.groups) for i, j in enumerate(nodes)]
     return (
         constant_matrix(clk, in_data, q, spec=spec.first),
         delay(clk, rst, in_valid, q_valid, clocks=spec.first.latency),
+        [connect(q[j], short[n][i]) for n, i, j in places],
         [
-            tanh_of(
-                clk,
-                rst,
-                q_valid,
-                [q[j] for j in nodes],
-                r_valid[n],
-                [r[j] for j in nodes],
-                spec=spec.shared(nodes),
-            )
-            for n, nodes in enumerate(spec.groups)
+            bipartite_pair(clk, rst, q_valid, short[n], r_valid[n], result[n], spec=table)
+            if len(result[n]) == NODES
+            else bipartite(clk, rst, q_valid, short[n][0], r_valid[n], result[n][0], spec=table)
+            for n, table in enumerate(tables)
         ],
+        [connect(result[n][i], r[j]) for n, i, j in places],
         constant_matrix(clk, r, out_data, spec=spec.second),
         delay(clk, rst, r_valid[0], out_valid, clocks=spec.second.latency),
         never(clk, frame_error),
