@@ -143,6 +143,14 @@ class Bipartite(ActivationBlock):
         widths = FINE_WIDTH, CORRECTED_WIDTH, MAGNITUDE_WIDTH
         return tuple((1 << width) - 1 for width in widths if width < self.reach_width)
 
+    @property
+    def word_codes(self) -> Codes:
+        """Codes of either sign that read every word which a magnitude within reach has."""
+        mag = np.arange(1 << min(self.reach_width, MAGNITUDE_WIDTH))
+        firsts = [np.unique(a, return_index=True)[1] for a in self.formats.addresses(mag, mag)]
+        found = np.concatenate(firsts)
+        return np.concatenate([found, ~found])
+
     def quantities(self, *inputs: Codes) -> dict[str, Codes]:
         (data,) = inputs
         return {"magnitude": data ^ (data >> self.in_fmt.width)}

@@ -10,15 +10,13 @@ from hdl.common.signals import flag, signed, unsigned
 
 
 def memories(activation: Bipartite) -> tuple[Constants, Constants]:
-    """The words of bases and corrections, for however many nodes read them.
-
-    A base stands inverted: a memory whose output is cleared holds the largest.
-    """
+    """The words of bases and corrections, for however many nodes read them."""
     fmt, bases, corrections = activation.formats, activation.bases, activation.corrections
-    top, width = (1 << fmt.base_width) - 1, activation.table.correction_width
+    width = activation.table.correction_width
+    codes = [word & (1 << width) - 1 for word in corrections]
     return (
-        Constants([top - base for base in bases], fmt.base_width, fmt.texts(bases)),
-        Constants([word & (1 << width) - 1 for word in corrections], width, fmt.texts(corrections)),
+        Constants(bases, fmt.base_width, fmt.texts(bases)),
+        Constants(codes, width, fmt.texts(corrections)),
     )
 
 
