@@ -116,8 +116,8 @@ class Bipartite(ActivationBlock):
 
     @property
     def latency(self) -> int:
-        # The memories, a register behind them, the sum.
-        return 3
+        # q, which may come straight out of an adder; the memories; a register behind them; the sum.
+        return 4
 
     def taking(self, width: int) -> Self:
         """The same for a q of ``width`` bits, none of which is cut off: 8 and more saturate."""
