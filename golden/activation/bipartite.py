@@ -116,8 +116,8 @@ class Bipartite(ActivationBlock):
 
     @property
     def latency(self) -> int:
-        # The memories, a register behind them, the sum.
-        return 3
+        # q, which may come straight out of an adder; the memories; a register behind them; the sum.
+        return 4
 
     def taking(self, width: int) -> Self:
         """The same for a q of ``width`` bits, none of which is cut off: 8 and more saturate."""
@@ -142,6 +142,14 @@ class Bipartite(ActivationBlock):
     def marks(self) -> tuple[int, ...]:
         widths = FINE_WIDTH, CORRECTED_WIDTH, MAGNITUDE_WIDTH
         return tuple((1 << width) - 1 for width in widths if width < self.reach_width)
+
+    @property
+    def word_codes(self) -> Codes:
+        """Codes of either sign that read every word which a magnitude within reach has."""
+        mag = np.arange(1 << min(self.reach_width, MAGNITUDE_WIDTH))
+        firsts = [np.unique(a, return_index=True)[1] for a in self.formats.addresses(mag, mag)]
+        found = np.concatenate(firsts)
+        return np.concatenate([found, ~found])
 
     def quantities(self, *inputs: Codes) -> dict[str, Codes]:
         (data,) = inputs

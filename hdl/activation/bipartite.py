@@ -3,99 +3,151 @@
 from myhdl import always, always_comb, block, concat
 
 from golden.activation.bipartite import Bipartite
-from golden.activation.bipartite_table import FINE_WIDTH, WIDER
+from golden.activation.bipartite_table import FINE_WIDTH, MAGNITUDE_WIDTH, WIDER
 from hdl.common.delay import delay
 from hdl.common.rom import Constants
 from hdl.common.signals import flag, signed, unsigned
 
 
 def memories(activation: Bipartite) -> tuple[Constants, Constants]:
-    """The words of bases and corrections, for however many nodes read them.
-
-    A base stands inverted: a memory whose output is cleared holds the largest.
-    """
+    """The words of bases and corrections, for however many nodes read them."""
     fmt, bases, corrections = activation.formats, activation.bases, activation.corrections
-    top, width = (1 << fmt.base_width) - 1, activation.table.correction_width
+    width = activation.table.correction_width
+    codes = [word & (1 << width) - 1 for word in corrections]
     return (
-        Constants([top - base for base in bases], fmt.base_width, fmt.texts(bases)),
-        Constants([word & (1 << width) - 1 for word in corrections], width, fmt.texts(corrections)),
+        Constants(bases, fmt.base_width, fmt.texts(bases)),
+        Constants(codes, width, fmt.texts(corrections)),
     )
 
 
 @block
-def place(in_data, base_addr, slope_addr, *, activation: Bipartite):
-    """The addresses of base and correction."""
-    fmt, reach = activation.formats, activation.reach_width
+def upper_bits(clk, in_data, upper, is_wide, *, activation: Bipartite):
+    """The bits of q from 2 up to 8, saturated, and whether its magnitude reaches 2, a clock later.
+
+    They stand in registers, so that each bit of an address is a function of four of these.
+    """
     sign = activation.in_fmt.width - 1
-    fine, wide, group = fmt.segment_width, fmt.wide_width, fmt.group_width
-    fine_end, wide_end = fine - fmt.offset_width, wide - fmt.offset_width + 1
-    ones = (1 << reach) - 1
-    raw, mag = unsigned(reach), unsigned(reach)
+    end = min(activation.reach_width, MAGNITUDE_WIDTH)
+    width = end - FINE_WIDTH
+    ones, high_ones = (1 << width) - 1, (1 << (sign - end)) - 1
+    clipped = unsigned(width)
+    reaches = flag()
+
+    if activation.saturates:
+        high = unsigned(sign - end)
+        beyond = flag()
+
+        @always_comb
+        def look():
+            high.next = in_data[sign:end]
+
+        @always_comb
+        def compare():
+            if in_data[sign]:
+                beyond.next = high != high_ones
+            else:
+                beyond.next = high != 0
+
+        @always_comb
+        def clip():
+            if not beyond:
+                clipped.next = in_data[end:FINE_WIDTH]
+            elif in_data[sign]:
+                clipped.next = 0
+            else:
+                clipped.next = ones
+
+        saturation = look, compare, clip
+    else:
+
+        @always_comb
+        def clip():
+            clipped.next = in_data[end:FINE_WIDTH]
+
+        saturation = clip
 
     @always_comb
-    def cut():
-        raw.next = in_data[reach:]
+    def reach():
+        if in_data[sign]:
+            reaches.next = clipped != ones
+        else:
+            reaches.next = clipped != 0
+
+    return (
+        saturation,
+        reach,
+        delay(clk, None, clipped, upper, clocks=1),
+        delay(clk, None, reaches, is_wide, clocks=1),
+    )
+
+
+@block
+def place(clk, in_data, negative, base_addr, slope_addr, *, activation: Bipartite):
+    """The addresses of base and correction; ``negative`` is the sign, a clock later."""
+    fmt = activation.formats
+    sign = activation.in_fmt.width - 1
+    width = min(activation.reach_width, FINE_WIDTH)
+    fine, wide, group = fmt.segment_width, fmt.wide_width, fmt.group_width
+    fine_end, wide_end = fine - fmt.offset_width, wide - fmt.offset_width + 1
+    ones = (1 << width) - 1
+    lower, mag = unsigned(width), unsigned(width)
+
+    @always(clk.posedge)
+    def keep():
+        lower.next = in_data[width:]
+        negative.next = in_data[sign]
 
     @always_comb
     def fold():
-        if in_data[sign]:
-            mag.next = raw ^ ones
+        if negative:
+            mag.next = lower ^ ones
         else:
-            mag.next = raw
+            mag.next = lower
 
     if not activation.wide:
 
         @always_comb
         def address():
             base_addr.next = mag[:fine]
-            slope_addr.next = concat(mag[reach:group], in_data[fine:fine_end])
+            slope_addr.next = concat(mag[width:group], lower[fine:fine_end])
 
-        return cut, fold, address
+        return keep, fold, address
 
-    # The magnitude in steps of 2.
-    steps, upper = unsigned(reach - FINE_WIDTH), unsigned(WIDER)
-    top = (1 << WIDER) - 1
+    upper = unsigned(min(activation.reach_width, MAGNITUDE_WIDTH) - FINE_WIDTH)
+    most = (1 << len(upper)) - 1
+    steps, switched = unsigned(WIDER), unsigned(WIDER)
+    offset = unsigned(fmt.offset_width)
     is_wide = flag()
-    switched, offset = unsigned(WIDER), unsigned(fmt.offset_width)
 
     @always_comb
     def rise():
-        steps.next = mag[:FINE_WIDTH]
-
-    if activation.saturates:
-
-        @always_comb
-        def saturate():
-            if steps > top:
-                upper.next = top
-            else:
-                upper.next = steps[WIDER:]
-
-    else:
-
-        @always_comb
-        def saturate():
-            upper.next = steps
-
-    @always_comb
-    def compare():
-        is_wide.next = upper != 0
+        if negative:
+            steps.next = upper ^ most
+        else:
+            steps.next = upper
 
     @always_comb
     def switch():
         if is_wide:
-            switched.next = upper
-            offset.next = concat(in_data[wide:wide_end], upper[1])
+            switched.next = steps
+            offset.next = concat(lower[wide:wide_end], steps[1])
         else:
             switched.next = mag[wide:fine]
-            offset.next = in_data[fine:fine_end]
+            offset.next = lower[fine:fine_end]
 
     @always_comb
     def address():
-        base_addr.next = concat(is_wide, mag[FINE_WIDTH:wide], switched)
-        slope_addr.next = concat(is_wide, mag[FINE_WIDTH:group], offset)
+        base_addr.next = concat(is_wide, mag[width:wide], switched)
+        slope_addr.next = concat(is_wide, mag[width:group], offset)
 
-    return cut, fold, rise, saturate, compare, switch, address
+    return (
+        upper_bits(clk, in_data, upper, is_wide, activation=activation),
+        keep,
+        fold,
+        rise,
+        switch,
+        address,
+    )
 
 
 @block
@@ -120,7 +172,7 @@ def node(clk, in_data, out_data, bases, corrections, *, activation: Bipartite):
     fmt = activation.formats
     width, frac = fmt.base_width, fmt.frac
     ones = (1 << width) - 1
-    in_sign, out_sign = activation.in_fmt.width - 1, activation.out_fmt.width - 1
+    out_sign = activation.out_fmt.width - 1
     base_addr = unsigned((len(bases) - 1).bit_length())
     slope_addr = unsigned((len(corrections) - 1).bit_length())
     negative, negative_late = flag(), flag()
@@ -129,10 +181,6 @@ def node(clk, in_data, out_data, bases, corrections, *, activation: Bipartite):
     wide_base, correction = signed(width + 1), signed(width + 1)
     total = signed(width + 2)
     result = unsigned(out_sign)
-
-    @always_comb
-    def look():
-        negative.next = in_data[in_sign]
 
     @always_comb
     def turn():
@@ -160,11 +208,10 @@ def node(clk, in_data, out_data, bases, corrections, *, activation: Bipartite):
         out_data.next = concat(negative_late, result)
 
     return (
-        place(in_data, base_addr, slope_addr, activation=activation),
-        look,
+        place(clk, in_data, negative, base_addr, slope_addr, activation=activation),
         read(clk, base_addr, base, memory=bases),
         read(clk, slope_addr, slope, memory=corrections),
-        delay(clk, None, negative, negative_late, clocks=activation.latency - 1),
+        delay(clk, None, negative, negative_late, clocks=2),
         turn,
         widen,
         add,
@@ -175,7 +222,7 @@ def node(clk, in_data, out_data, bases, corrections, *, activation: Bipartite):
 
 @block
 def bipartite(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Bipartite):
-    """tanh of ``in_data`` three clocks later.
+    """tanh of ``in_data`` four clocks later.
 
     Parameters
     ----------
@@ -186,8 +233,8 @@ def bipartite(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Biparti
 
     Notes
     -----
-    No multiplier. Latency: memories 1, registers behind them 1, sum 1. One result a clock. Reset
-    clears the valid flags.
+    No multiplier. Latency: q 1, memories 1, registers behind them 1, sum 1. One result a clock.
+    Reset clears the valid flags.
     """
     bases, corrections = memories(spec)
     return (

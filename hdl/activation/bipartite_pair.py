@@ -9,7 +9,7 @@ from hdl.common.delay import delay
 
 @block
 def bipartite_pair(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: BipartitePair):
-    """tanh of both of ``in_data`` three clocks later.
+    """tanh of both of ``in_data`` four clocks later.
 
     Parameters
     ----------

@@ -232,3 +232,15 @@ WINDOWS = {
     ),
     "serial-past": replace(PAST, hardware=SERIAL),
 }
+
+# Half codes: below 2, beyond 2, beyond 4, and a q that is wider than 18 bits.
+BIPARTITE = {
+    f"bipartite-{name}": Case(
+        [(2, 3, 2)], "exact", spread=spread, activation="bipartite", design="parallel", options=o
+    )
+    for name, spread, o in (
+        ("rails", 20.0, "{}"),
+        ("low", 0.5, "{}"),
+        ("logic", 20.0, '{ memory = "logic" }'),
+    )
+}
