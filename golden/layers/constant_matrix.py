@@ -16,9 +16,6 @@ from golden.layers.sharing import Matrix, shared
 from golden.layers.shift_add import Row, ShiftAdd, clocks_of
 from golden.port import CLOCK, Port, given, group, taken
 
-# Ties are broken by other random numbers in each.
-RUNS = 8
-
 
 @dataclass(frozen=True)
 class ConstantMatrix(Block):
@@ -91,14 +88,9 @@ class ConstantMatrix(Block):
     @property
     def graph(self) -> ShiftAdd:
         """The adders."""
-        matrix = Matrix(
-            self.weights,
-            self.biases,
-            self.in_fmt.low,
-            self.in_fmt.high,
-            (self.place,) * len(self.weights),
-        )
-        return shared(matrix, self.adders_per_clock, int(self.saturates), RUNS)
+        samples = self.in_fmt.low, self.in_fmt.high
+        matrix = Matrix(self.weights, self.biases, *samples, self.place)
+        return shared(matrix, self.adders_per_clock, int(self.saturates))
 
     @property
     def saturates(self) -> bool:
@@ -106,7 +98,10 @@ class ConstantMatrix(Block):
         for row, bias in zip(self.weights, self.biases, strict=True):
             ends = [(w * self.in_fmt.low, w * self.in_fmt.high) for w in row]
             low, high = (bias + sum(map(end, ends)) for end in (min, max))
-            if low >> self.out_shift < self.out_fmt.low or high >> self.out_shift > self.out_fmt.high:
+            if (
+                low >> self.out_shift < self.out_fmt.low
+                or high >> self.out_shift > self.out_fmt.high
+            ):
                 return True
         return False
 

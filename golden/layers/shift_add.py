@@ -220,9 +220,9 @@ class ShiftAdd:
 
 
 def cut_back(
-    low: int, high: int, nodes: Sequence[Node], rows: Sequence[Row], least: Sequence[int]
+    low: int, high: int, nodes: Sequence[Node], rows: Sequence[Row], least: int
 ) -> ShiftAdd:
-    """The graph with no bit that no row needs; ``least`` is the least place that each row keeps.
+    """The graph with no bit that no row needs; ``least`` is the least place that is kept.
 
     Nodes that no row uses are left out.
     """
@@ -232,8 +232,8 @@ def cut_back(
         known, at = needed[place], max(0, at)
         needed[place] = at if known is None else min(known, at)
 
-    for row, bottom in zip(rows, least, strict=True):
-        need(row.node, bottom - row.shift)
+    for row in rows:
+        need(row.node, least - row.shift)
     for place in range(len(nodes) - 1, -1, -1):
         node, at = nodes[place], needed[place]
         if isinstance(node, Sum) and at is not None:

@@ -25,9 +25,7 @@ from golden.precision import EXACT, SIGNAL, Precision
 # Adders between two registers, where a scene says nothing.
 ADDERS_PER_CLOCK = 5
 # Places below the last of q and of y that are added.
-GUARD = (1, 1)
-# Fraction bits of the weights at the most.
-FRACTION_BITS = (12, 14)
+GUARD = (1, 2)
 
 
 @dataclass(frozen=True)
@@ -101,8 +99,7 @@ class AdderGraph(Design):
         cls, constants: Constants, variant: str = "", adders_per_clock: Any = ADDERS_PER_CLOCK
     ) -> Self:
         prefix = f"{variant}_" if variant else ""
-        first = _shortened(constants.first, FRACTION_BITS[0])
-        second = _shortened(constants.second, FRACTION_BITS[1])
+        first, second = constants.first, constants.second
         frac = EXACT.hidden_fmt.frac
         shift = SIGNAL.frac + first.fmt.frac - frac
         biases = tuple(bias << SIGNAL.frac for bias in first.biases)
@@ -225,9 +222,9 @@ class AdderGraph(Design):
         """See ``Design``; what cutting adds is ``ConstantMatrix.errors``."""
         first = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights")
         second = quantised(mlp.w2, mlp.b2, precision, "layer 2 weights")
-        q_off = _off(mlp.w1, mlp.b1, _shortened(first, FRACTION_BITS[0]), self.first)
+        q_off = _off(mlp.w1, mlp.b1, first, self.first)
         r_off = q_off + [activation_error(a, 1) for a in self.activations]
-        y_off = _off(mlp.w2, mlp.b2, _shortened(second, FRACTION_BITS[1]), self.second)
+        y_off = _off(mlp.w2, mlp.b2, second, self.second)
         result: Real = y_off + np.abs(mlp.w2) @ r_off
         return result
 
@@ -265,20 +262,6 @@ def _stacked(layers: Sequence[Layer]) -> Layer:
     )
 
 
-def _shortened(layer: Layer, most: int) -> Layer:
-    """The layer with so many fraction bits at the most, rounded half up."""
-    drop = layer.fmt.frac - most
-    if drop <= 0:
-        return layer
-    half = 1 << (drop - 1)
-    return replace(
-        layer,
-        weights=tuple(tuple((w + half) >> drop for w in row) for row in layer.weights),
-        biases=tuple((bias + half) >> drop for bias in layer.biases),
-        fmt=Fix(layer.fmt.width, most),
-    )
-
-
 def _width(weights: Sequence[Sequence[int]], biases: Sequence[int], shift: int) -> int:
     """Bits of the sums of all rows, less their last ``shift``, whatever cutting does to them."""
     most = max(
@@ -288,9 +271,7 @@ def _width(weights: Sequence[Sequence[int]], biases: Sequence[int], shift: int) 
     return signed_width([(most >> shift) + 1])
 
 
-def _groups(
-    activations: Sequence[Bipartite], widths: Sequence[int]
-) -> tuple[tuple[int, ...], ...]:
+def _groups(activations: Sequence[Bipartite], widths: Sequence[int]) -> tuple[tuple[int, ...], ...]:
     """The nodes whose tables are shared: two of about the same width at a time, in block RAM."""
     count = NODES if activations[0].memory == "block_ram" else 1
     order = sorted(range(len(widths)), key=lambda j: (widths[j], j))
