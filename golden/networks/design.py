@@ -83,6 +83,7 @@ class Design(Network):
         mlps: Sequence[Mlp],
         lean: bool = True,
         hardware: Mapping[str, object] | None = None,
+        activation_options: Mapping[str, object] | None = None,
     ) -> Network | None:
         """All networks of a scene as one, for a design that arranges them by itself."""
         return None
