@@ -92,6 +92,19 @@ def edited(scene: Scene, old: str, new: str) -> str:
         ("steps = 20", "drift = { gian = 1 }", "drift: 'gian' is not known, .*you mean 'gain'"),
         ("steps = 20", "drift = { gain = true }", "training.drift.gain: got True, expected a num"),
         ("steps = 20", "seed = -1", "training.seed: got -1, expected 0 or more"),
+        ("steps = 20", "digits = 2", "training.digits: got 2, expected at least 3: one for each"),
+        ("steps = 20", "digits = -1", "training.digits: got -1, expected at least 3"),
+        ("steps = 20", 'digits = "few"', "digits: got 'few', expected a whole number or 'fewest'"),
+        (
+            "steps = 20",
+            'digits = "fewest"\ndigits_tolerance = -0.1',
+            "training.digits_tolerance: got -0.1, expected 0 or more",
+        ),
+        (
+            "steps = 20",
+            "digits = 30\ndigits_tolerance = 0.1",
+            "digits_tolerance: got 0.1 with digits 30, expected digits 'fewest'",
+        ),
         ("[network]", 'reference = "digit"\n[network]', "data.reference: got 'digit', expected"),
         ("[network]", 'reference = "digit.hybrid"\n[network]', "with 2 simulation figures"),
         (

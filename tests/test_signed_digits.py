@@ -2,10 +2,11 @@
 
 from itertools import pairwise
 
+import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from golden.signed_digits import from_digits, signed_digits
+from golden.signed_digits import digit_counts, from_digits, nearest_with, signed_digits
 
 
 @given(st.integers())
@@ -31,3 +32,18 @@ def test_no_other_form_has_fewer():
     assert len(checked) == 401
     for number in checked:
         assert len(signed_digits(number)) == fewest[number]
+
+
+@given(st.integers(-(1 << 50), 1 << 50))
+def test_an_array_has_the_counts_of_its_numbers(number):
+    assert digit_counts(np.array([number])) == len(signed_digits(number))
+
+
+@given(st.floats(-1000, 1000), st.integers(0, 5))
+def test_no_number_of_so_few_digits_is_nearer(value, most):
+    """Of all below twice as much."""
+    (found,) = nearest_with(np.array([value]), most)[most]
+    assert len(signed_digits(int(found))) <= most
+    numbers = np.arange(-2048, 2049)
+    least = np.abs(numbers[digit_counts(numbers) <= most] - value).min()
+    assert abs(found - value) == least

@@ -17,6 +17,7 @@ from golden.scene.sections import (
     beside,
     check_activation,
     check_data,
+    check_digits,
     check_hardware,
     design_options,
     members,
@@ -85,6 +86,7 @@ def _scene(values: dict[str, dict[str, Any]], files: list[str], path: Path) -> S
     window = read_window(data, path)
     check_window(values, window, path)
     check_hardware(values, path)
+    check_digits(values, path)
     key = "recordings" if data["recordings"] else "file"
     activation = check_activation(hardware, path)
     return Scene(

@@ -13,6 +13,10 @@ from golden.scene.front_end import KEYS as FRONT_END_KEYS
 from golden.scene.visualisation import KEYS as VISUALISATION_KEYS
 from golden.table import refuse_unknown, suggest
 
+FEWEST = "fewest"
+# What digits = "fewest" lets an output err more, as a part of its error.
+DIGITS_TOLERANCE = 0.02
+
 # Section, key, type, default; None as a default makes the key required. A type in brackets is one
 # such value for all networks of the scene, or a list of one for each; several are alternatives.
 KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
@@ -64,6 +68,8 @@ KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
         "split_by": (list, []),
         "block_rows": (int, 5),
         "refit": (bool, False),
+        "digits": ((int, str), 0),
+        "digits_tolerance": (float, DIGITS_TOLERANCE),
         "noise": (float, 0.0),
         "drift": (dict, {}),
     },

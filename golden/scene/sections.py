@@ -17,6 +17,7 @@ from golden.networks.mlp import Mlp
 from golden.precision import PRECISIONS
 from golden.scene.reference import thesis_figures
 from golden.scene.scale import refuse_other_column
+from golden.scene.schema import DIGITS_TOLERANCE, FEWEST
 from golden.table import suggest
 
 # An engine's memory of operands has as many words.
@@ -34,7 +35,8 @@ class Training:
     ``earlier_outputs`` tells what a network of a cascade trains on: the outputs that the networks
     before it give in floating point (the thesis' cascade A) or bit-true (cascade B). ``split``,
     ``split_by`` and ``block_rows`` are those of ``golden.training.split``; ``refit`` trains on, on
-    all rows, what was chosen; ``disturbance`` is what the sensors are expected to do to the
+    all rows, what was chosen; ``digits`` and ``digits_tolerance`` are those of
+    ``golden.training.few_digits``; ``disturbance`` is what the sensors are expected to do to the
     readings.
     """
 
@@ -50,6 +52,8 @@ class Training:
     split_by: tuple[str, ...]
     block_rows: int
     refit: bool
+    digits: int | str
+    digits_tolerance: float
     disturbance: Disturbance
 
 
@@ -169,6 +173,43 @@ def training(values: dict[str, Any], path: Path) -> Training:
         "disturbance": _disturbance(values, path),
     }
     return Training(**(kept | read))
+
+
+def check_digits(values: dict[str, dict[str, Any]], path: Path) -> None:
+    """Refuse a number of signed digits that no network of the scene can have.
+
+    Raises
+    ------
+    ValueError
+    """
+    digits, tolerance = (values["training"][key] for key in ("digits", "digits_tolerance"))
+    place, fewest = f"{path}: training.digits", digits == FEWEST
+    if isinstance(digits, str) and not fewest:
+        raise ValueError(
+            f"{place}: got {digits!r}, expected a whole number or 'fewest'"
+            f"{suggest(digits, [FEWEST])}"
+        )
+    if not 0 <= tolerance < math.inf:
+        raise ValueError(f"{place}_tolerance: got {tolerance!r}, expected 0 or more")
+    if tolerance != DIGITS_TOLERANCE and not fewest:
+        raise ValueError(
+            f"{place}_tolerance: got {tolerance!r} with digits {digits!r}, expected digits 'fewest'"
+        )
+    if digits == 0:
+        return
+    precision = values["hardware"]["precision"]
+    if PRECISIONS[precision].normalise:
+        raise ValueError(
+            f"{place}: got {digits!r} with precision {precision!r}, which gives normalised weights "
+            "digits of their own, expected 'exact'"
+        )
+    single = values["network"]["arrangement"] == "single"
+    outputs = len(values["data"]["outputs"]) if single else 1
+    if not fewest and digits <= outputs:
+        raise ValueError(
+            f"{place}: got {digits}, expected at least {outputs + 1}: one for each output of a "
+            "network and one for a hidden node"
+        )
 
 
 def _split_by(values: dict[str, Any], path: Path) -> tuple[str, ...]:

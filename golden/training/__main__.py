@@ -24,8 +24,10 @@ from golden.progress import Progress
 from golden.rig.check import before_training
 from golden.rig.finding import refuse
 from golden.scene import Scene, load_scene
+from golden.scene.schema import FEWEST
 from golden.scene.trained_scale import story
 from golden.scene.vectors import warn_outside
+from golden.training.few_digits import count_digits
 from golden.training.scaling import scaled
 from golden.training.search import (
     Result,
@@ -122,6 +124,7 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
             | errors_of(stages.task(stages.tested, number), stages.tested[number], "test")
             | errors_of(stages.task(stages.written, number), stages.written[number], "every")
         )
+        few = digits_story(stages, number) if settings.digits else {}
         stories.append(
             {
                 "scene": scene.name,
@@ -146,6 +149,7 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
                 "noise": settings.disturbance.noise,
                 "drift_gain": settings.disturbance.gain,
                 "drift_offset": settings.disturbance.offset,
+                **few,
                 **errors,
                 "python": versions[2],
                 "numpy": versions[0],
@@ -158,6 +162,29 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
     for member in scene.members:
         print(f"wrote {member.weights_path} and {provenance_path(member.weights_path).name}")
     print(f"{time.monotonic() - started:.0f} s")
+
+
+def digits_story(stages: Stages, number: int) -> dict[str, Any]:
+    """What provenance says of the signed digits of a network: asked for, before, kept, and the
+    errors that it had before."""
+    settings, width = stages.scene.training, stages.scene.precision.coeff_width
+    before = stages.full[number]
+    digits = [count_digits(mlp, width) for mlp in (before["written"], stages.written[number])]
+    name = ", ".join(stages.scene.members[number].outputs)
+    print(f"{name}: {digits[1]} signed digits of {digits[0]}")
+    errors = (
+        errors_of(stages.task(stages.chosen, number), before["chosen"], "validation")
+        | errors_of(stages.task(stages.tested, number), before["tested"], "test")
+        | errors_of(stages.task(stages.written, number), before["written"], "every")
+    )
+    fewest = settings.digits == FEWEST
+    return {
+        "digits_asked": settings.digits,
+        "digits_tolerance": settings.digits_tolerance if fewest else 0.0,
+        "digits_before": digits[0],
+        "digits": digits[1],
+        **{f"before_{key}": value for key, value in errors.items()},
+    }
 
 
 def errors_of(task: Task, mlp: Mlp, part: str) -> dict[str, Any]:

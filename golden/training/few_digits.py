@@ -1,0 +1,390 @@
+"""Weights of few signed digits: ``training.digits`` of a scene.
+
+A product with a constant is a sum of as many shifted numbers as the constant has signed digits. So
+what hardware without multipliers takes hangs on the digits of all weights together, and those of a
+weight as it was trained are more than its error asks for.
+
+Weights are put on few digits one after another, first those that it costs least, and after each all
+that are still free make up for it, as the optimal brain surgeon has it (B. Hassibi and D. G. Stork,
+1993): with the Hessian H of the error, to move weight i by d and the free ones along costs
+``d**2 / inverse(H)[i, i]``, and moves them by ``d * inverse(H)[:, i] / inverse(H)[i, i]``. A weight
+takes the number for which that and a price for each digit come to least; the price decides how many
+digits all weights have in the end. Every few weights the free ones are refitted by
+Levenberg-Marquardt, and H is that of the new place. Biases have digits for nothing: to add a
+constant takes one adder whatever it is.
+
+What the error is of: the rows that train, and frames between and just beyond them, for which the
+network as it was trained is the teacher. Without these the refit leaves the network where no row
+lies. An output counts in inverse proportion to what the trained network misses on validation rows.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.distance import cdist
+
+from golden.cli import naming
+from golden.fixed import Fix
+from golden.networks.mlp import Mlp, Real
+from golden.precision import SIGNAL
+from golden.scene.schema import FEWEST
+from golden.signed_digits import digit_counts, nearest_with
+from golden.training.objective import Objective, Rows, pack, unpack
+from golden.training.search import shift_biases, signed_errors
+from golden.training.task import Frames, Task
+
+# Orders in which the weights are tried; a random factor on what each costs makes them differ.
+STARTS = 6
+SHUFFLE = 0.2
+
+# Frames of the teacher: how many, next to how many rows, how far on the way to one of these and
+# beyond, how much to the side as a part of a sensor's spread, and what all weigh beside the rows.
+TEACHER_FRAMES = 600
+NEIGHBOURS = 4
+WAY = (-0.25, 0.75)
+ASIDE = 0.02
+TEACHER_WEIGHT = 0.5
+
+REFITS = 9  # between the first weight and the last
+STEPS = 2  # of each
+DAMPING = np.geomspace(1e-9, 1e3, 9)
+
+# Prices of a digit, as parts of the error of the network as it was trained.
+PRICES = (1e-3, 1e8)
+HALVINGS = 12
+RUNGS = 64  # from the least price to the greatest, where the fewest digits are looked for
+SLACK = 0.02  # so much fewer digits than asked for will do
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Where the weights and biases of a network may stand, in the order of ``pack``.
+
+    Attributes
+    ----------
+    shape : tuple of int
+    lsb : float array
+    low, high : int
+        The ends of both formats.
+    weights : bool array
+        Which are weights; the others are biases.
+    """
+
+    shape: tuple[int, int, int]
+    lsb: Real
+    low: int
+    high: int
+    weights: NDArray[np.bool_]
+
+    def rounded(self, vector: Real) -> Real:
+        """The nearest codes' values, within the format."""
+        return np.asarray(self._codes(vector) * self.lsb)
+
+    def digits(self, vector: Real) -> int:
+        """Signed digits of all weights together."""
+        codes = self._codes(vector)[self.weights].astype(np.int64)
+        return int(digit_counts(codes).sum())
+
+    def within(self, vector: Real) -> Real:
+        """The vector, cut off at the ends of the formats."""
+        return np.asarray(np.clip(vector, self.low * self.lsb, self.high * self.lsb))
+
+    def _codes(self, vector: Real) -> Real:
+        return np.clip(np.floor(vector / self.lsb + 0.5), self.low, self.high)
+
+
+def grid_of(mlp: Mlp, width: int) -> Grid:
+    """The grid of a network whose layers have weights of ``width`` bits."""
+    hidden, outputs = len(mlp.b1), len(mlp.b2)
+    layers = ((mlp.w1, mlp.b1, "layer 1 weights"), (mlp.w2, mlp.b2, "layer 2 weights"))
+    formats = [
+        Fix.largest_frac(width, np.concatenate([weights.ravel(), biases]), name)
+        for weights, biases, name in layers
+    ]
+    sizes = [mlp.w1.size, hidden, mlp.w2.size, outputs]
+    lsb = np.repeat([2.0**-fmt.frac for fmt in formats for _ in range(2)], sizes)
+    low, high = formats[0].low, formats[0].high
+    return Grid(mlp.shape, lsb, low, high, np.repeat([True, False, True, False], sizes))
+
+
+@dataclass(frozen=True)
+class Aim:
+    """What weights of few digits are fitted to: the objective's training rows, on a grid."""
+
+    objective: Objective
+    grid: Grid
+
+    def value(self, vector: Real) -> float:
+        """The error at a point."""
+        residuals = self._residuals(vector)
+        return float(residuals @ residuals)
+
+    def around(self, vector: Real) -> tuple[float, Real, Real]:
+        """The error at a point, half its gradient, and half its Hessian after Gauss and Newton."""
+        residuals = self._residuals(vector)
+        jacobian = self.objective.jacobian(vector)[: len(residuals)]
+        return float(residuals @ residuals), jacobian.T @ residuals, jacobian.T @ jacobian
+
+    def _residuals(self, vector: Real) -> Real:
+        mlp = unpack(vector, self.grid.shape)
+        return self.objective.training.residuals(mlp, self.objective.activation)
+
+
+def aim_of(task: Task, mlp: Mlp, frames: Frames, recorded: Frames, misses: Real) -> Aim:
+    """What ``mlp`` with fewer digits is fitted to.
+
+    Parameters
+    ----------
+    task : Task
+    mlp : Mlp
+    frames : Frames
+        The rows that train, as they are disturbed.
+    recorded : Frames
+        The same rows, once each, as recorded.
+    misses : float array, shape (outputs,)
+        What each output may miss, in any unit.
+    """
+    activation = task.scene.scheme.real
+    taught = teacher_frames(recorded, task)
+    count = np.sqrt(len(frames.inputs)), np.sqrt(len(taught.inputs) / TEACHER_WEIGHT)
+    rows = Rows(
+        np.concatenate([frames.inputs, taught.inputs]),
+        np.concatenate([frames.targets, mlp.process(taught.inputs, activation)]),
+        np.concatenate([frames.scale * count[0], taught.scale * count[1]]) * misses,
+    )
+    width = task.scene.precision.coeff_width
+    return Aim(Objective(mlp.shape, activation, rows, rows, 0.0, sys.maxsize), grid_of(mlp, width))
+
+
+def teacher_frames(recorded: Frames, task: Task) -> Rows:
+    """Frames near recorded ones: on the way from a row to one of its neighbours, a little aside.
+
+    Targets are those of the row that each is near; its error counts as that of the row.
+    """
+    rng = np.random.default_rng([task.scene.training.seed, task.number, TEACHER_FRAMES])
+    spread = recorded.inputs.std(axis=0)
+    measured = recorded.inputs / np.where(spread > 0, spread, 1)
+    at = rng.integers(0, len(measured), TEACHER_FRAMES)
+    distances = cdist(measured[at], measured)
+    distances[np.arange(len(at)), at] = np.inf
+    near = np.argsort(distances, axis=1, kind="stable")[:, : min(NEIGHBOURS, len(measured) - 1)]
+    other = near[np.arange(len(at)), rng.integers(0, near.shape[1], len(at))]
+    way = rng.uniform(*WAY, (len(at), 1))
+    here, there = recorded.inputs[at], recorded.inputs[other]
+    aside = ASIDE * spread * rng.normal(size=here.shape)
+    inputs = np.clip(here + way * (there - here) + aside, -1, 1)
+    return Rows(inputs, recorded.targets[at], recorded.scale[at])
+
+
+def refitted(aim: Aim, vector: Real, free: NDArray[np.bool_]) -> tuple[Real, Real]:
+    """The point after some steps of Levenberg and Marquardt over what is free, and the Hessian of
+    these there, damped so that it can be inverted."""
+    at = np.flatnonzero(free)
+    value, gradient, whole = aim.around(vector)
+    for _ in range(STEPS):
+        for damping in DAMPING:
+            moved = vector.copy()
+            moved[at] -= np.linalg.solve(_damped(whole, at, damping), gradient[at])
+            moved = aim.grid.within(moved)
+            if aim.value(moved) < value:
+                break
+        else:
+            break
+        vector = moved
+        value, gradient, whole = aim.around(vector)
+    return vector, _damped(whole, at, DAMPING[0])
+
+
+def _damped(whole: Real, at: NDArray[np.int64], damping: float) -> Real:
+    """Part of a Hessian; one that is all zero still has an inverse."""
+    diagonal = whole.diagonal()
+    least = 1e-12 * diagonal.max() + sys.float_info.min
+    part: Real = whole[np.ix_(at, at)] + np.diag(damping * diagonal[at] + least)
+    return part
+
+
+def priced(aim: Aim, start: Real, price: float, rng: np.random.Generator) -> Real:
+    """The point with every weight on as many digits as pay, from a network as it was trained.
+
+    Parameters
+    ----------
+    aim : Aim
+    start : float array
+    price : float
+        Of a digit, in the unit of the error.
+    rng : Generator
+        Shuffles the order a little.
+    """
+    grid, vector = aim.grid, start.copy()
+    free = np.ones(len(start), dtype=bool)
+    each = -(-int(grid.weights.sum()) // REFITS)
+    while (free & grid.weights).any():
+        vector, hessian = refitted(aim, vector, free)
+        at = np.flatnonzero(free)
+        inverse = np.linalg.inv(hessian)
+        lsb, values, left = grid.lsb[at], vector[at], grid.weights[at].copy()
+        for _ in range(min(each, int(left.sum()))):
+            found = np.flatnonzero(left)
+            # A lone rounding error may leave no more than nothing.
+            stiff = np.maximum(inverse.diagonal()[found], sys.float_info.min)
+            targets = values[found]
+            numbers = _cheapest(targets / lsb[found], lsb[found] ** 2 / stiff, price, grid)
+            moves = numbers * lsb[found] - targets
+            costs = moves**2 / stiff * np.exp(SHUFFLE * rng.normal(size=len(found)))
+            best = int(costs.argmin())
+            i = found[best]
+            along = inverse[:, i] / stiff[best]
+            values = values + along * moves[best]
+            values[i] = numbers[best] * lsb[i]
+            inverse = inverse - np.outer(along, inverse[i])
+            left[i] = False
+            free[at[i]] = False
+        vector[at] = values
+        vector = grid.within(vector)
+    vector, _ = refitted(aim, vector, free)
+    return grid.rounded(vector)
+
+
+def _cheapest(values: Real, stiffness: Real, price: float, grid: Grid) -> Real:
+    """For each value the whole number that costs least: its distance squared times stiffness, and
+    a price for each digit."""
+    values = np.clip(values, grid.low, grid.high)
+    # A number of n bits has no more than n / 2 + 1 signed digits.
+    numbers = nearest_with(values, grid.high.bit_length() // 2 + 1)
+    costs = (numbers - values) ** 2 * stiffness + price * np.arange(len(numbers))[:, np.newaxis]
+    costs[(numbers < grid.low) | (numbers > grid.high)] = np.inf
+    found: Real = numbers[costs.argmin(axis=0), np.arange(len(values))].astype(np.float64)
+    return found
+
+
+def at_most(aim: Aim, start: Real, count: int, rng: np.random.Generator) -> Real:
+    """The point with ``count`` digits or few less, from a network as it was trained.
+
+    Raises
+    ------
+    ValueError
+        When no price leads to so few.
+    """
+    unit = _unit(aim, start)
+    low, high = np.log(PRICES)
+    best: Real | None = None
+    for _ in range(HALVINGS):
+        price = unit * np.exp((low + high) / 2)
+        point = priced(aim, start, float(price), rng)
+        digits = aim.grid.digits(point)
+        if digits > count:
+            low = (low + high) / 2
+            continue
+        high = (low + high) / 2
+        if best is None or aim.value(point) < aim.value(best):
+            best = point
+        if digits >= count * (1 - SLACK):
+            break
+    if best is None:
+        raise ValueError(f"got {count}, expected at least {digits}: no weights with fewer digits")
+    return best
+
+
+def _unit(aim: Aim, start: Real) -> float:
+    """What prices are parts of: the error as it was trained, at least that of an LSB."""
+    return max(aim.value(start), float(SIGNAL.to_real(1)) ** 2)
+
+
+@dataclass(frozen=True)
+class FewDigits:
+    """How the digits of one network of a scene are taken away.
+
+    Attributes
+    ----------
+    task : Task
+        Of the network as it was chosen: its validation rows decide.
+    chosen : Mlp
+        As it was trained.
+    """
+
+    task: Task
+    chosen: Mlp
+
+    @property
+    def asked(self) -> int | str:
+        """``training.digits``."""
+        return self.task.scene.training.digits
+
+    def errors(self, mlp: Mlp) -> Real:
+        """Mean bit-true error of each output on the validation rows."""
+        misses: Real = np.abs(signed_errors(self.task, mlp, self.task.validation)).mean(axis=0)
+        return misses
+
+    def misses(self) -> Real:
+        """What each output may miss; an output without error counts as one with little."""
+        found = self.errors(self.chosen)
+        found = np.maximum(found, 1e-3 * found.max())
+        return found / found.mean() if found.max() else np.ones(len(found))
+
+    def worst(self, mlp: Mlp) -> float:
+        """The largest error of an output on the validation rows, as a part of what it was."""
+        return float((self.errors(mlp) / np.maximum(self.errors(self.chosen), 1e-12)).max())
+
+    def on_training_rows(self) -> Mlp:
+        """The chosen network with the digits that were asked for, ranked by the validation rows."""
+        task = self.task
+        aim = self._aim(task, self.chosen, task.training, task.split.training)
+        if self.asked != FEWEST:
+            return min(self._starts(aim, self.chosen, task, task.training), key=self.worst)
+        start = pack(self.chosen)
+        best = unpack(aim.grid.rounded(start), self.chosen.shape)
+        for price in _unit(aim, start) * np.geomspace(*PRICES, RUNGS):
+            points = (priced(aim, start, price, rng) for rng in self._generators())
+            found = [self._whole(aim, point, task, task.training) for point in points]
+            mlp = min(found, key=self.worst)
+            if self.worst(mlp) > 1 + task.scene.training.digits_tolerance:
+                break
+            best = min(best, mlp, key=lambda one: aim.grid.digits(pack(one)))
+        return best
+
+    def on_more_rows(
+        self, task: Task, mlp: Mlp, frames: Frames, rows: NDArray[np.int64], count: int
+    ) -> Mlp:
+        """A network that was trained on with more rows, with ``count`` digits: the one that these
+        rows fit best, as none are left to rank by."""
+        aim = self._aim(task, mlp, frames, rows)
+        found = self._starts(aim, mlp, task, frames, count)
+        return min(found, key=lambda one: aim.value(pack(one)))
+
+    def _aim(self, task: Task, mlp: Mlp, frames: Frames, rows: NDArray[np.int64]) -> Aim:
+        return aim_of(task, mlp, frames, task.recorded.take(rows), self.misses())
+
+    def _starts(
+        self, aim: Aim, mlp: Mlp, task: Task, frames: Frames, count: int | None = None
+    ) -> Iterator[Mlp]:
+        """A network from each start; the rounded one where that has no more digits."""
+        wanted = self.asked if count is None else count
+        assert isinstance(wanted, int)
+        start = pack(mlp)
+        if aim.grid.digits(aim.grid.rounded(start)) <= wanted:
+            yield unpack(aim.grid.rounded(start), mlp.shape)
+            return
+        for rng in self._generators():
+            with naming(f"{task.scene.path}: training.digits"):
+                point = at_most(aim, start, wanted, rng)
+            yield self._whole(aim, point, task, frames)
+
+    def _generators(self) -> Iterator[np.random.Generator]:
+        seed = self.task.scene.training.seed
+        return (np.random.default_rng([seed, self.task.number, n]) for n in range(STARTS))
+
+    def _whole(self, aim: Aim, point: Real, task: Task, frames: Frames) -> Mlp:
+        """The network of a point, its output biases moved by the mean bit-true error."""
+        mlp = shift_biases(task, unpack(point, aim.grid.shape), frames)
+        return unpack(aim.grid.rounded(pack(mlp)), mlp.shape)
+
+
+def count_digits(mlp: Mlp, width: int) -> int:
+    """Signed digits of all weights of a network together, as ``width`` bits hold them."""
+    grid = grid_of(mlp, width)
+    return grid.digits(pack(mlp))
