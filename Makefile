@@ -21,7 +21,7 @@ RUN := "$$VENV/bin/python"
 # A target by a name of its own: the path of the environment may hold what is special in one of make's.
 READY := ready
 
-.PHONY: help demo test machines sim vhdl verilog scene check train recalibrate predict network image bench listing activations figures sensors lean synth prove mutate coverage report docs pages lint clean tools browser ready
+.PHONY: help demo test machines sim vhdl verilog scene check train recalibrate predict network image bench listing activations figures sensors lean synth peers prove mutate coverage report docs pages lint clean tools browser ready
 
 help:
 	@echo "make demo    [SCENE=] [FULL=1]            a scene end to end: simulate, export, table of errors"
@@ -55,6 +55,7 @@ help:
 	@echo "make sensors [RIG=my-beam.toml]           where gauges on a beam should sit, with picture and table"
 	@echo "make lean    [SCENE=] [BESIDE=other]      what a scene leaves out, and what that saves"
 	@echo "make synth   [SCENE=] [RECORD=1]          cells of every block, clock, both beside the thesis; budget"
+	@echo "make peers   [SEED=]                      other projects' hardware for the same weights, beside ours"
 	@echo "make prove   [BLOCK=] [RECORD=1]          what is proved of every block, and that broken copies refute it"
 	@echo "make mutate  [BLOCK=] [SCENE=] [ALL=1] [RECORD=1]"
 	@echo "                                          how many random faults of a block its bench finds; ALL=1 those recorded too"
@@ -129,6 +130,9 @@ lean: $(READY)
 
 synth: $(READY)
 	@$(RUN) -m hdl.synth "$$SCENE" $(if $(filter-out 0,$(RECORD)),--record)
+
+peers: $(READY) tools
+	@$(RUN) -m tb.peers --seed="$$SEED"
 
 prove: $(READY)
 	@$(RUN) -m tb.sign_off.prove $(if $(BLOCK),--block="$$BLOCK") $(if $(filter-out 0,$(RECORD)),--record)

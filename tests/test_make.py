@@ -43,7 +43,7 @@ ARGUMENTS = {
     "BLOCK": ("--block=", "sim mutate prove coverage"),
     "SIM": ("--sim=", "sim"),
     "NETLIST": ("--netlist=", "sim"),
-    "SEED": ("--seed=", "sim figures"),
+    "SEED": ("--seed=", "sim figures peers"),
     "FRAMES": ("--frames=", "sim bench"),
     "CLUSTER": ("--cluster=", "train"),
     "CSV": ("", "scene recalibrate predict"),

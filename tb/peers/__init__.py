@@ -1,0 +1,1 @@
+"""Other projects' hardware for the same weights, beside ours: ``make peers``."""

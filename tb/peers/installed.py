@@ -1,0 +1,86 @@
+"""A virtual environment for what other projects need, apart from ours."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+from golden.cli import CommandError
+from golden.files import replace_file
+from golden.fingerprint import fingerprint
+
+REQUIREMENTS = Path(__file__).with_name("requirements.txt")
+READY = ".ready"
+
+
+def installed(folder: Path) -> Path:
+    """The Python of an environment in ``folder`` that has what ``requirements.txt`` asks for.
+
+    It is made when it is not there, or when the requirements are others.
+
+    Raises
+    ------
+    CommandError
+        When pip cannot install them: without a network, or where there is no wheel.
+    """
+    python, ready = folder / "bin" / "python", folder / READY
+    wanted = fingerprint([REQUIREMENTS], sys.version)
+    if python.exists() and ready.is_file() and ready.read_text(encoding="utf-8") == wanted:
+        return python
+    print(f"setting up {folder}", flush=True)
+    run([sys.executable, "-m", "venv", "--clear", str(folder)])
+    pip = [str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
+    try:
+        run([*pip, "--only-binary", "da4ml", "--requirement", str(REQUIREMENTS)])
+    except CommandError as error:
+        names = ", ".join(line for line in _lines() if not line.startswith("#"))
+        raise CommandError(
+            f"{names}: not installed; make peers needs a network and a wheel for this machine, "
+            f"which da4ml has for x86-64 Linux and for macOS on ARM\n{error}"
+        ) from None
+    with replace_file(ready) as temporary:
+        temporary.write_text(wanted, encoding="utf-8")
+    return python
+
+
+def _lines() -> list[str]:
+    return REQUIREMENTS.read_text(encoding="utf-8").split("\n")[:-1]
+
+
+def version_of(python: Path, package: str) -> str:
+    """The version of a package in an environment."""
+    listed = run([str(python), "-m", "pip", "list", "--format", "json"])
+    versions = {entry["name"]: entry["version"] for entry in json.loads(listed)}
+    return str(versions[package])
+
+
+def asked(python: Path, program: Path, given: dict[str, Any], folder: Path) -> Any:
+    """What a program of another environment answers, in JSON as it is asked; see the programs.
+
+    Raises
+    ------
+    CommandError
+        When it fails.
+    """
+    (folder / "given.json").write_text(json.dumps(given), encoding="utf-8")
+    # Isolated, so that it sees nothing of this project.
+    run([str(python), "-I", str(program), str(folder)])
+    return json.loads((folder / "answer.json").read_text(encoding="utf-8"))
+
+
+def run(command: list[str], folder: Path | None = None) -> str:
+    """What a program printed.
+
+    Raises
+    ------
+    CommandError
+        When it fails; the message is the last of what it said.
+    """
+    result = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    if result.returncode:
+        last = (result.stdout + result.stderr).strip().splitlines()[-5:]
+        raise CommandError(f"{Path(command[0]).name}: " + "\n".join(last))
+    return result.stdout

@@ -1,0 +1,176 @@
+"""A network of two layers through NNgen; run by the Python that has NNgen.
+
+``python nngen_network.py FOLDER`` reads ``given.json`` there and writes ``answer.json`` and, for
+each setting, the Verilog. Nothing of ours is imported.
+
+NNgen has no tanh, so ``tanh(q) = 2 sigmoid(2 q) - 1``: the 2 and the 1 go into scale and biases,
+and the codes of the weights stay. Its sigmoid is a table of a whole sum, without interpolation. The
+hardware reads samples and weights from a memory behind an AXI port and writes the outputs there; in
+simulation that is NNgen's own model of one, at its fastest.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+import nngen as ng
+import numpy as np
+import veriloggen.thread as vthread
+import veriloggen.types.axi as axi
+from veriloggen import Delay, Module, Not, Seq, Systask, simulation
+
+SIGNAL_FRAC = 13
+# Address bits of the table, and where it ends: sigmoid(8) is tanh(4).
+SETTINGS = ({"address": 10, "reach": 8}, {"address": 13, "reach": 8})
+# Fraction bits of 2 q and of the sigmoid. Biases are 32 bits wide, which more would not fit.
+HIDDEN_FRAC, SIGMOID_FRAC = 15, 13
+# In the memory everything begins at a multiple of this many bytes.
+CHUNK = 64
+MEMORY_WORDS = 1 << 16
+SIMULATED = 4
+# Clocks from an address to its word, and no pauses: a memory on the same chip.
+FASTEST = {"write_delay": 1, "read_delay": 1, "sleep_interval": 0}
+
+
+def network(given: dict[str, Any], address: int, reach: int) -> tuple[Any, Any]:
+    """Samples and outputs of the network as NNgen's operators."""
+    first, second = given["first"], given["second"]
+    weights, biases = np.array(first["weights"]), np.array(first["biases"])
+    samples = ng.placeholder(ng.int16, shape=(1, weights.shape[1]), name="samples")
+    sums, bias = matmul(samples, weights, "hidden", ng.int32)
+    # 2 q is the same code with a fraction bit less. An address is cut, so half a step is added.
+    frac = first["frac"] + SIGNAL_FRAC - 1
+    half = reach << (frac - address)
+    bias.set_value((biases << SIGNAL_FRAC) + half)
+    sums.attribute(cshamt_out=frac - HIDDEN_FRAC)
+    sums.scale_factor = float(1 << HIDDEN_FRAC)
+    r = ng.sigmoid(
+        sums,
+        lut_addrwidth=address,
+        lut_clip=float(reach),
+        range_rate=2.0 ** (SIGMOID_FRAC - 15),
+        dtype=ng.int16,
+    )
+    weights, biases = np.array(second["weights"]), np.array(second["biases"])
+    outputs, bias = matmul(r, weights, "outputs", ng.int16)
+    bias.set_value((biases - weights.sum(axis=1)) << (SIGMOID_FRAC - 1))
+    outputs.attribute(cshamt_out=SIGMOID_FRAC + second["frac"] - SIGNAL_FRAC - 1)
+    return samples, outputs
+
+
+def matmul(inputs: Any, weights: Any, name: str, dtype: Any) -> tuple[Any, Any]:
+    """A layer's sums, rounded to ``dtype``, and its biases, which are to be given yet."""
+    held = ng.variable(ng.int32, shape=weights.shape, name=f"{name}_weights")
+    held.set_value(weights)
+    bias = ng.variable(ng.int32, shape=(len(weights),), name=f"{name}_biases")
+    sums = ng.matmul(
+        inputs,
+        held,
+        bias=bias,
+        transposed_b=True,
+        dtype=dtype,
+        sum_dtype=ng.int64,
+        name=name,
+    )
+    return sums, bias
+
+
+def bench(hardware: Any, samples: Any, outputs: Any, frame: Any) -> Any:
+    """A test of NNgen's kind: one frame from memory, clocks and outputs printed."""
+    words = ng.export_ndarray([outputs], CHUNK)
+    at = rounded(samples.addr + samples.memory_size)
+    free = rounded(rounded(at + len(words)) + outputs.memory_size)
+    memory_words = np.zeros([MEMORY_WORDS], dtype=np.int64)
+    axi.set_memory(memory_words, frame, 32, 16, samples.addr, 2)
+    axi.set_memory(memory_words, words, 32, 8, at)
+    module = Module("test")
+    module.copy_params(hardware)
+    ports = module.copy_sim_ports(hardware)
+    clock, running = ports["CLK"], ports["RESETN"]
+    reset = module.Wire("RST")
+    reset.assign(Not(running))
+    memory = axi.AxiMemoryModel(
+        module,
+        "memory",
+        clock,
+        reset,
+        memimg=memory_words,
+        memimg_name="memory.hex",
+        memimg_datawidth=32,
+        **FASTEST,
+    )
+    memory.connect(ports, "maxi")
+    control = vthread.AXIMLite(module, "control", clock, reset, noio=True)
+    control.connect(ports, "saxi")
+    clocks = module.Reg("clocks", 32, initval=0)
+    Seq(module, "count", clock, reset)(clocks.inc())
+
+    # Read by NNgen as hardware.
+    def drive():  # type: ignore[no-untyped-def]
+        for _i in range(100):
+            pass
+        ng.sim.set_global_addrs(control, free)
+        began = clocks.value
+        ng.sim.start(control)
+        ng.sim.wait(control)
+        ended = clocks.value
+        print("clocks %d" % (ended - began))  # noqa: UP031
+        for i in range(4):
+            code = memory.read_word(i, outputs.addr, 16)
+            print("output %d" % code)  # noqa: UP031
+        vthread.finish()
+
+    vthread.Thread(module, "driven", clock, reset, drive).start()
+    module.Instance(
+        hardware, "dut", module.connect_params(hardware), module.connect_ports(hardware)
+    )
+    simulation.setup_clock(module, clock, hperiod=5)
+    first = simulation.setup_reset(module, running, module.make_reset(), period=100, polarity="low")
+    first.add(Delay(1000000), Systask("finish"))
+    return module
+
+
+def rounded(address: int) -> int:
+    """The next multiple of ``CHUNK``."""
+    return -(-address // CHUNK) * CHUNK
+
+
+def answered(given: dict[str, Any], setting: dict[str, int], folder: Path) -> dict[str, Any]:
+    """Write a setting's Verilog; clocks a frame, and outputs by NNgen's model and in Icarus."""
+    frames = np.array(given["frames"])
+    samples, outputs = network(given, **setting)
+    model = [ng.eval([outputs], samples=frames[n : n + 1])[0][0] for n in range(len(frames))]
+    hardware = ng.to_veriloggen([outputs], "peer", silent=True, config={"maxi_datawidth": 32})
+    (folder / "peer.v").write_text(hardware.to_verilog(), encoding="utf-8")
+    os.chdir(folder)
+    clocks, simulated = [], []
+    for n in range(SIMULATED):
+        test = bench(hardware, samples, outputs, frames[n : n + 1])
+        printed = simulation.Simulator(test, sim="iverilog").run(outputfile="bench.vvp")
+        clocks += [int(text) for text in re.findall(r"^clocks +(\d+)", printed, re.M)]
+        simulated.append([int(text) for text in re.findall(r"^output +(-?\d+)", printed, re.M)])
+    return {
+        **setting,
+        "clocks": max(clocks),
+        "outputs": np.array(model).tolist(),
+        "simulated": simulated,
+    }
+
+
+def main() -> None:
+    folder = Path(sys.argv[1]).resolve()
+    given = json.loads((folder / "given.json").read_text(encoding="utf-8"))
+    answers = []
+    for n, setting in enumerate(SETTINGS):
+        (folder / str(n)).mkdir()
+        answers.append(answered(given, setting, folder / str(n)))
+    (folder / "answer.json").write_text(json.dumps(answers), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
