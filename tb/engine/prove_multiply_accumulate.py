@@ -19,27 +19,29 @@ def properties(twin):
             name="products",
             sentence="Each product is that of the operand and the coefficient three clocks before: "
             "of the program's weight or the half of the table's word that take_intercept names.",
-            states=("!there[2] || $signed(product) == expected",),
+            states=(
+                "!there[1] || ($signed(factor_late) == taken_1 && $signed(coeff_late) == code_1)",
+                "!there[2] || $signed(product) == expected",
+            ),
             watch=f"""
-                wire [{WIDTH - 1}:0] half_word = take_intercept ? table_word >> {WIDTH} : table_word;
-                wire [{WIDTH - 1}:0] code = weight | half_word;
+                wire [{WIDTH - 1}:0] high = table_word >> {WIDTH}, low = table_word;
+                wire [{WIDTH - 1}:0] code = weight | (take_intercept ? high : low);
                 wire [{WIDTH - 1}:0] taken = operand;
             """
             + pipe("code", 2, WIDTH)
             + pipe("taken", 2, WIDTH, also=False)
             + f"""
                 reg signed [{2 * WIDTH - 1}:0] expected;
-                always @(posedge clk) expected <= taken_1 * code_1;
+                always @(posedge clk) expected <= $signed(factor_late) * $signed(coeff_late);
             """,
-            reached=("there[2] && $signed(product) == -6",),
+            reached=("there[2] && taken_1 == -1 && code_1 == 3",),
             refuted_by=(
                 (r"weight \| chosen", "weight"),
                 (r"table_word\[36-1:18\]", "table_word[17:0]"),
-                (r"factor_late \* coeff_late", "factor_late * coeff"),
+                (r"coeff_late <= coeff", "coeff_late <= bits"),
                 (r"product <= \(", "product <= 2 * ("),
             ),
-            clocks=5,
-            induction=4,
+            clocks=4,
         ),
         Property(
             name="no overflow",

@@ -20,7 +20,8 @@ def properties(twin):
                 wire signed [31:0] eightfold = $signed(sample) * 32'sd{1 << SAMPLE_SHIFT};
                 reg signed [31:0] expected;
                 always @(posedge clk) begin
-                    expected <= !run ? eightfold : cut < {low} ? {low} : cut > {high} ? {high} : cut;
+                    expected <= !run ? eightfold
+                        : cut < {low} ? {low} : cut > {high} ? {high} : cut;
                 end
             """,
             reached=(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 from golden.activation.rom import Rom
@@ -204,9 +205,7 @@ def pipe(signal: str, clocks: int, width: int, also: bool = True) -> str:
     ``there[n]``, written ``also``, says that there was such a clock.
     """
     names = [signal, *(f"{signal}_{n}" for n in range(clocks))]
-    moves = "\n".join(
-        f"{late} <= {early};" for early, late in zip(names[:-1], names[1:], strict=True)
-    )
+    moves = "\n".join(f"{late} <= {early};" for early, late in pairwise(names))
     text = f"""
         reg signed [{width - 1}:0] {", ".join(names[1:])};
         always @(posedge clk) begin
