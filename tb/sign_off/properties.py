@@ -45,6 +45,9 @@ class Property:
     induction : int
         At most so many clocks in a row does the induction assume; 0: there is none, and the
         property is proved for ``clocks`` clocks from reset alone.
+    arrays : bool
+        Memories are arrays for the solver, and not a register for each word: far less to reckon
+        with where the property is about any one word. Not for memories with given contents.
     """
 
     name: str
@@ -58,6 +61,7 @@ class Property:
     free: tuple[str, ...] = ()
     clocks: int = 20
     induction: int = 3
+    arrays: bool = False
 
     def verilog(self, flat: str, top: str, helped: bool = True) -> str:
         """The module ``top`` of the text ``flat`` with the property inside.

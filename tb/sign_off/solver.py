@@ -134,7 +134,7 @@ def formulas(entity: str, item: Property, folder: Path, helped: bool = True) -> 
                 # What no property asks for need not be understood by the solver.
                 "delete -output w:*",
                 "opt_clean -purge",
-                "memory_map",
+                *([] if item.arrays else ["memory_map"]),
                 "async2sync",
                 "dffunmap",
                 "opt_clean -purge",

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
+from golden.activation.rom import Rom
 from golden.block import Block
 from golden.networks.network import Network
 from tb.sign_off.properties import Property
@@ -182,3 +185,83 @@ def network(
             induction=late + outputs + 1,
         ),
     ]
+
+
+def table(name: str, words: Sequence[int], width: int, beyond: int | None = None) -> str:
+    """``name(n)``: word n of a table, and behind the last of them ``beyond``, or the last."""
+    lines = "\n".join(f"{n}: {name} = {width}'d{word};" for n, word in enumerate(words))
+    last = words[-1] if beyond is None else beyond
+    return f"""
+        function [{width - 1}:0] {name}(input [31:0] n);
+            case (n)
+                {lines}
+                default: {name} = {width}'d{last};
+            endcase
+        endfunction
+    """
+
+
+def read_only(twin: Rom, refuted_by: tuple[tuple[str, str], ...]) -> Property:
+    """A read-only memory: the twin's word at each address."""
+    late = twin.latency
+    watch = table("twin", twin.words, twin.width)
+    asked = "addr"
+    if late:
+        asked = "asked"
+        watch += f"""
+            reg [{twin.addr_width - 1}:0] asked;
+            always @(posedge clk) asked <= addr;
+        """
+    known = "!after_reset || " if late else ""
+    return Property(
+        name="words",
+        sentence=f"Each of the {1 << twin.addr_width} addresses gives the twin's word"
+        + (f", {late} clock later." if late else ", in the same clock."),
+        states=(f"{known}word == twin({asked})",),
+        watch=watch,
+        reached=(f"{'after_reset && ' if late else ''}{asked} == {len(twin.words) - 1}",),
+        refuted_by=refuted_by,
+        clocks=3,
+        induction=2,
+    )
+
+
+def pipe(signal: str, clocks: int, width: int, also: bool = True) -> str:
+    """``signal_n``, n below ``clocks``: a signed signal n + 1 clocks ago, in blocks without reset.
+
+    ``there[n]``, written ``also``, says that there was such a clock.
+    """
+    names = [signal, *(f"{signal}_{n}" for n in range(clocks))]
+    moves = "\n".join(f"{late} <= {early};" for early, late in pairwise(names))
+    text = f"""
+        reg signed [{width - 1}:0] {", ".join(names[1:])};
+        always @(posedge clk) begin
+            {moves}
+        end
+    """
+    if also:
+        text += f"""
+            reg [{clocks}:0] there = 0;
+            always @(posedge clk) there <= {{there, 1'b1}};
+        """
+    return text
+
+
+def exact_sum(width: int, opens: str, value: str) -> str:
+    """``exact``: a sum in 64 bits, from the first clock with ``opens`` on, when it has ``begun``.
+
+    In each clock it becomes ``value``. ``fits`` says that ``width`` bits hold it and all before it,
+    ``count`` how many it is of, up to 255.
+    """
+    return f"""
+        reg begun = 0, held = 1;
+        reg signed [63:0] exact;
+        reg [7:0] count = 0;
+        wire fits = held && exact >>> {width - 1} == exact >>> 63;
+        always @(posedge clk) begin
+            begun <= begun || {opens};
+            exact <= {value};
+            held <= {opens} || fits;
+            count <= {opens} ? 1 : count == 255 ? 255 : count + 1;
+        end
+    """

@@ -1,0 +1,15 @@
+"""What is proved of i_memory, at every address."""
+
+from tb.sign_off.watch import read_only
+
+
+def properties(twin):
+    return [
+        read_only(
+            twin,
+            (
+                (r"0: word = ", "0: word = 1 + "),
+                (r"default: word = ", "default: word = 1 + "),
+            ),
+        ),
+    ]

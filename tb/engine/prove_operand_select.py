@@ -1,0 +1,37 @@
+"""What is proved of operand_select, for every word and kind."""
+
+from golden.engine.formats import DROPPED
+from golden.engine.graph import Kind
+from tb.sign_off.properties import Property
+from tb.sign_off.watch import pipe
+
+
+def properties(twin):
+    one, span = 1 << DROPPED, 1 << twin.segment_width
+    late = twin.latency
+    return [
+        Property(
+            name="operand",
+            sentence="The operand is the word, the number one with its sign, its distance from the "
+            f"middle of a segment of {span} codes, or the number one, as its kind says; {late} "
+            "clocks later.",
+            states=(f"!there[{late - 1}] || $signed(operand) == expected_{late - 1}",),
+            watch=f"""
+                wire signed [31:0] whole = $signed(word);
+                wire signed [31:0] inside = whole & {span - 1};
+                wire signed [31:0] expected = kind == {Kind.WORD:d} ? whole
+                    : kind == {Kind.DISTANCE:d} ? inside - {span // 2}
+                    : kind == {Kind.INTERCEPT:d} && whole < 0 ? -{one} : {one};
+            """
+            + pipe("expected", late, 32),
+            reached=(f"there[{late - 1}] && expected_{late - 1} == -{span // 2}",),
+            refuted_by=(
+                (r"below = \(!word\[(\d+)\]\)", r"below = word[\1]"),
+                (r"\(kind == 1\) && word\[17\]", "(kind == 1)"),
+                (r"kind == 2", "kind == 3"),
+                (r"chosen = 16384", "chosen = 16383"),
+            ),
+            clocks=late + 2,
+            induction=late + 1,
+        ),
+    ]

@@ -1,0 +1,68 @@
+"""What is proved of program_memory, whatever steers it."""
+
+from golden.engine.program import WORD_WIDTH
+from tb.sign_off.properties import Property
+from tb.sign_off.watch import pipe, table
+
+
+def properties(twin):
+    width, words, late = twin.addr_width, len(twin.contents), twin.latency
+    looked = twin.look_up_latency
+    return [
+        counted(twin, words),
+        Property(
+            name="words",
+            sentence=f"Each of the {words} addresses gives the twin's word: the counter's {late} "
+            f"clock{'s' * (late > 1)} later, the segment's {looked} clock{'s' * (looked > 1)} "
+            "later, or 0 where none is looked up.",
+            states=(
+                f"!there[{late - 1}] || word == contents(here_{late - 1})",
+                f"!there[{looked - 1}] || table_word == "
+                f"(asked_{looked - 1} ? contents(low_{looked - 1}) : 0)",
+            ),
+            watch=f"""
+                wire [{width}:0] here = counter, low = segment;
+                wire [1:0] asked = look_up;
+            """
+            + pipe("here", late, width + 1)
+            + pipe("low", looked, width + 1, also=looked > late)
+            + pipe("asked", looked, 2, also=False)
+            + table("contents", twin.contents, WORD_WIDTH),
+            free=("counter",),
+            reached=(
+                f"there[{late - 1}] && here_{late - 1} == {words - 1}",
+                f"there[{looked - 1}] && asked_{looked - 1} && low_{looked - 1} == 1",
+            ),
+            refuted_by=(
+                (r"(memory\[0\] <= \S+);", r"\1 ^ 1;"),
+                (r"(memory\[\d\d\d\] <= \S+);", r"\1 ^ 1;"),
+                (r"if \(look_up\)", "if (1)"),
+            ),
+            clocks=looked + 2,
+            induction=looked + 1,
+        ),
+    ]
+
+
+def counted(twin, words):
+    """The counter of a memory through which a program steps."""
+    return Property(
+        name="counter",
+        sentence=f"The counter stands at {twin.begin}, the program's first word, after a reset, "
+        "after finish and without start or run, and steps to the next word otherwise.",
+        states=("counter == expected",),
+        watch=f"""
+            reg [31:0] expected;
+            always @(posedge clk) expected <= rst || finish || !(start || run) ? {twin.begin}
+                : (expected + 1) % {words};
+        """,
+        helps=(f"expected < {words}",),
+        reached=(f"expected == {twin.begin + 3}",),
+        refuted_by=(
+            (r"stands = \(finish \|\| \(!\(start \|\| run\)\)\)", "stands = (!(start || run))"),
+            (r"stands = \(finish \|\| \(!\(start \|\| run\)\)\)", "stands = (finish || (!run))"),
+            (r"rst == 1", "0"),
+            (r"counter \+ 1", "counter + 2"),
+        ),
+        clocks=6,
+    )

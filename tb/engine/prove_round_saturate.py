@@ -1,0 +1,41 @@
+"""What is proved of round_saturate, for every sum and sample."""
+
+from golden.engine.formats import DROPPED, SAMPLE_SHIFT
+from golden.engine.operand_memory import WORD
+from tb.sign_off.properties import Property
+
+
+def properties(twin):
+    low, high = WORD.low, WORD.high
+    return [
+        Property(
+            name="word",
+            sentence=f"The word is the sum less its lowest {DROPPED} bits, or the end of the "
+            f"word's range where that lies beyond it; without run it is {1 << SAMPLE_SHIFT} times "
+            "the sample; one clock later.",
+            states=("!after_reset || $signed(word) == expected",),
+            watch=f"""
+                wire signed [63:0] sum = $signed(acc);
+                wire signed [63:0] cut = sum >>> {DROPPED};
+                wire signed [31:0] eightfold = $signed(sample) * 32'sd{1 << SAMPLE_SHIFT};
+                reg signed [31:0] expected;
+                always @(posedge clk) begin
+                    expected <= !run ? eightfold
+                        : cut < {low} ? {low} : cut > {high} ? {high} : cut;
+                end
+            """,
+            reached=(
+                f"after_reset && expected == {low}",
+                f"after_reset && expected == {high}",
+            ),
+            refuted_by=(
+                (r"above != 0\)", "above != 1)"),
+                (r"above != 127", "above != 126"),
+                (r"result = 131071", "result = 131070"),
+                (r"wide << 3", "wide << 2"),
+                (r"if \(run\)", "if (1)"),
+            ),
+            clocks=3,
+            induction=2,
+        ),
+    ]

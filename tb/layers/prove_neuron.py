@@ -1,0 +1,97 @@
+"""What is proved of neuron, for every frame: a hidden neuron, which has no factor."""
+
+from golden.layers.weighted_sum import tree_depth
+from tb.sign_off.properties import Property
+from tb.sign_off.watch import pipe
+
+# Products that are not cut, sums that are rounded.
+ALSO = ("wide-parallel",)
+
+
+def properties(twin):
+    low, high = twin.out_fmt.low, twin.out_fmt.high
+    half = (1 << twin.out_shift) >> 1
+    width = twin.in_fmt.width
+    # A weight of 0 has no multiplier; one stays.
+    weights = [(k, w) for k, w in enumerate(twin.weights) if w] or [(0, twin.weights[0])]
+    depth = tree_depth(len(twin.weights) + 1)
+    products = {
+        f"Product {n} is one that weight {k} and a sample can give.": f"$signed(weigh{n}_product) "
+        f">= 64'sd0 + {ends[0]} && $signed(weigh{n}_product) <= 64'sd0 + {ends[1]}"
+        for n, (k, weight) in enumerate(weights)
+        for ends in [sorted((weight * twin.in_fmt.low, weight * twin.in_fmt.high))]
+    }
+    terms = " + ".join(f"term_{n}" for n in range(len(weights)))
+    wires = "\n".join(
+        f"wire signed [63:0] whole_{n} = $signed(weigh{n}_product), "
+        f"term_{n} = whole_{n} >>> {twin.product_shift};"
+        for n in range(len(weights))
+    )
+    start = twin.bias << twin.bias_shift
+    rounded = (r"rounded = \((\w+) \+ \d+", r"rounded = (\1 + 0")
+    return [
+        Property(
+            name="products",
+            sentence="Each product is that of the twin's weight and its sample, one clock later.",
+            states=tuple(
+                f"!there[0] || $signed(weigh{n}_product) == $signed(x_{n}_0) * 64'sd1 * {weight}"
+                for n, (_, weight) in enumerate(weights)
+            ),
+            watch="\n".join(
+                f"wire signed [{width - 1}:0] x_{n} = in_data_{k};"
+                + pipe(f"x_{n}", 1, width, also=n == 0)
+                for n, (k, _) in enumerate(weights)
+            ),
+            reached=("there[0] && x_0_0 == -3",),
+            refuted_by=(
+                (r"wide \* ", "wide * 3 * "),
+                (r"wide = in_data_0", "wide = in_data_0 + 1"),
+            ),
+            clocks=3,
+        ),
+        Property(
+            name="no overflow",
+            sentence=f"No sum loses a bit: {depth} clocks behind the products stands the bias with "
+            "all of them, whatever they are.",
+            states=(f"!there[{depth}] || $signed(total) == sum_{depth - 1}",),
+            watch=wires
+            + f"""
+                wire signed [63:0] sum = 64'sd0 + ({start}) + {terms};
+            """
+            + pipe("sum", depth, 64),
+            assumes=products,
+            free=tuple(f"weigh{n}_product" for n in range(len(weights))),
+            reached=(f"there[{depth}] && sum_{depth - 1} > {max(start, 1)}",),
+            refuted_by=(
+                (r"signed \[\d+:0\] summed", f"signed [{twin.acc_width - 2}:0] summed"),
+                (r"constant0_word <= .*;", "constant0_word <= 1;"),
+                (r"(\w+_term) \+ (\w+_term)", r"\1 - \2"),
+                (
+                    r"signed \[\d+:0\] adder_tree0_add_pair0_total",
+                    f"signed [{twin.acc_width // 2}:0] adder_tree0_add_pair0_total",
+                ),
+            ),
+            clocks=depth + 2,
+            induction=depth + 2,
+        ),
+        Property(
+            name="result",
+            sentence="The result is the sum one clock before, rounded half up, or the end of its "
+            "range where it lies beyond that.",
+            states=("!there[0] || $signed(out_data) == expected_0",),
+            watch=f"""
+                wire signed [63:0] exact = $signed(total);
+                wire signed [63:0] rounds = (exact + 64'sd{half}) >>> {twin.out_shift};
+                wire signed [63:0] expected = rounds < {low} ? {low} : rounds > {high} ? {high}
+                    : rounds;
+            """
+            + pipe("expected", 1, 64),
+            free=("total",),
+            reached=("there[0] && expected_0 == -1",),
+            refuted_by=(
+                (r"out_data <= result", "out_data <= -result"),
+                *((rounded,) if twin.out_shift else ()),
+            ),
+            clocks=3,
+        ),
+    ]

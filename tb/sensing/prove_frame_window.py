@@ -1,0 +1,121 @@
+"""What is proved of frame_window, whatever comes on its stream."""
+
+from tb.sign_off.properties import Property
+from tb.sign_off.watch import ago, frames, results
+
+# No least distance, and slots behind the samples.
+ALSO = ("chain-past",)
+
+
+def properties(twin):
+    return window(twin, "", "out_")
+
+
+def window(twin, part, out, wrong=(), lost=()):
+    """What is proved of a frame window, by itself or inside a network.
+
+    Parameters
+    ----------
+    twin : FrameWindow
+    part : str
+        Where its signals are: "", or its instance and a point.
+    out : str
+        How the names of the stream begin to which it gives elements.
+    wrong, lost : tuple
+        Broken copies beside those of the block: of frame_error, and of the stream behind it.
+    """
+    sensors, spacing, elements = twin.sensors, twin.spacing, twin.elements
+    late, past, interval = twin.latency, twin.past, twin.interval
+    apart = spacing > 1
+    least = f" or come within {spacing} clocks of a good one" if apart else ""
+    good, judge = f"{part}good", f"{part}judge0_"
+    yields = f"{part}yields" if past else good
+    found = [
+        Property(
+            name="frame_error",
+            sentence=f"frame_error is high for just one clock for each frame that has not {sensors}"
+            f" samples{least}, one clock after the sample that gives it away; all others are good.",
+            states=("frame_error == wrong_ago[0]", "was_good == good_ago[0]"),
+            watch=frames(sensors, spacing, name="told_")
+            + ago("wrong_ago", "told_wrong", 1)
+            + ago("good_ago", "told_good", 1)
+            + ago("was_good", good, 1),
+            helps=(
+                f"told_place == {judge}count",
+                f"told_skipping == {judge}dropping",
+                f"told_place < {sensors}",
+                "!told_skipping || told_place == 0",
+                *((f"told_closed == {judge}remaining",) if apart else ()),
+            ),
+            reached=("frame_error", "told_skipping && in_valid", "was_good"),
+            refuted_by=(
+                (r"frame_error <= broken", "frame_error <= (broken && in_last)"),
+                (r"judge0_dropping <= \(!in_last\)", "judge0_dropping <= 0"),
+                (r"judge0_complete && in_last", "in_last"),
+                *(((r" && \(!judge0_early\)", ""),) if apart else ()),
+                *wrong,
+            ),
+            clocks=12,
+        ),
+        Property(
+            name="elements",
+            sentence=f"A frame that yields, and nothing else, gives {elements} elements in clocks "
+            f"{late} to {late + elements - 1} after its last sample, the last of them with last; a "
+            "reset ends them.",
+            states=(f"{out}valid == (left != 0)", f"{out}last == (left == 1)"),
+            watch=f"""
+                reg [15:0] gap = 0;
+                always @(posedge clk) gap <= {yields} ? {interval - 1} : gap == 0 ? 0 : gap - 1;
+            """
+            + ago("yield_ago", yields, late)
+            + results(elements, f"yield_ago[{late - 1}]"),
+            assumes={
+                f"Frames that yield are {interval} clocks apart or more, as all good ones are.": (
+                    f"!({yields} && gap != 0)"
+                )
+            },
+            helps=(
+                f"{part}turn < {elements}",
+                f"!{part}sending || gap == {interval - 1} - {part}turn",
+                f"gap < {interval}",
+            ),
+            free=(yields,),
+            reached=(f"{out}valid && {out}last",),
+            refuted_by=(
+                (r"turn == (\d+)", r"turn == \1 - 1"),
+                (r"delay0_taps\[0\] <= 0;", ""),
+                (r"sending <= 0;", ""),
+                (r"delay1_taps\[0\] <= closing", "delay1_taps[0] <= sending"),
+                *lost,
+            ),
+            clocks=late + elements + 4,
+            induction=late + elements + 1,
+        ),
+    ]
+    if past:
+        found.append(
+            Property(
+                name="whole past",
+                sentence=f"A good frame yields where {past} good ones have come since the last "
+                "reset, and no other does.",
+                states=("was_yielding == good_ago[0]",),
+                watch=f"""
+                    reg [15:0] known = 0;
+                    always @(posedge clk) known <= rst ? 0 : {good} && known < {past} ? known + 1
+                        : known;
+                """
+                + ago("was_yielding", yields, 1)
+                + ago("good_ago", f"({good} && known == {past})", 1),
+                helps=(f"known == {part}past_whole0_known", f"known <= {past}"),
+                # Whatever the judge of frames says.
+                free=(good,),
+                reached=("was_yielding",),
+                refuted_by=(
+                    (r"known == (\d+)", r"known == \1 - 1"),
+                    (r"good && past_whole0_whole", "good"),
+                    (r"(?s)(past_whole0_count.*?)if \(rst == 1\)", r"\1if (0)"),
+                ),
+                clocks=past + 4,
+            )
+        )
+    return found
