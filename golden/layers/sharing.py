@@ -111,7 +111,8 @@ class Sharing:
 
     def _uses(self, pattern: Pattern) -> list[tuple[int, Term]]:
         """Places of a pattern no two of which share a term."""
-        found, taken = [], set()
+        found: list[tuple[int, Term]] = []
+        taken: set[tuple[int, Term]] = set()
         for number, low in sorted(self.places[pattern]):
             ends = {(number, low), (number, (pattern[1], low[1] + pattern[2]))}
             if not ends & taken:
