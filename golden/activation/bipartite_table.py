@@ -108,7 +108,7 @@ class BipartiteFormat:
 
 # One block RAM of 18 Kbit each: 1024 bases, 2048 corrections.
 BLOCK_RAM = BipartiteFormat(6, 10, 5, 3)
-LOGIC = BipartiteFormat(7, 10, 5, 2)
+LOGIC = BipartiteFormat(8, 10, 4, 1)
 FORMATS = {"block_ram": BLOCK_RAM, "logic": LOGIC}
 
 
@@ -207,9 +207,11 @@ def _bases(values: Codes, frac: int, slopes: Codes, before: int | None = None) -
     for group, segment in np.ndindex(found.shape):
         own = tried[:, group, segment]
         rising = (own + slopes[group, 0]) >> frac >= before
-        best = ranks[rising, group, segment].argmin()
-        found[group, segment] = own[rising][best]
-        before = int(own[rising][best] + slopes[group, -1]) >> frac
+        if rising.any():
+            found[group, segment] = own[rising][ranks[rising, group, segment].argmin()]
+        else:
+            found[group, segment] = (before << frac) - slopes[group, 0]
+        before = int(found[group, segment] + slopes[group, -1]) >> frac
     return found
 
 

@@ -27,10 +27,10 @@ def bipartite_pair(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Bi
     Two memories with two read ports each, and whatever else of ``bipartite`` twice. Latency as
     there, one result of either a clock. Reset clears the valid flags.
     """
-    bases, corrections = memories(spec.activation)
+    memory = memories(spec.activation)
     return (
         [
-            node(clk, in_data[n], out_data[n], bases, corrections, activation=spec.activation)
+            node(clk, in_data[n], out_data[n], memory, activation=spec.activation)
             for n in range(NODES)
         ],
         delay(clk, rst, in_valid, out_valid, clocks=spec.latency),

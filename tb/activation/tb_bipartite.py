@@ -37,7 +37,7 @@ def codes(bench):
 async def sweep(dut):
     bench = Bench(dut)
     await check_stream(bench, {"in_data": codes(bench)}, INPUTS, OUTPUTS, bench.twin.process)
-    bench.finish(at_least=16384)
+    bench.finish(at_least=4096)
 
 
 @cocotb.test()

@@ -233,14 +233,11 @@ WINDOWS = {
     "serial-past": replace(PAST, hardware=SERIAL),
 }
 
-# Half codes: below 2, beyond 2, beyond 4, and a q that is wider than 18 bits.
+# A pair of nodes and one beside it: a q wider than 18 bits, one below 2, and tables in LUTs.
 BIPARTITE = {
-    f"bipartite-{name}": Case(
-        [(2, 3, 2)], "exact", spread=spread, activation="bipartite", design="parallel", options=o
-    )
-    for name, spread, o in (
-        ("rails", 20.0, "{}"),
-        ("low", 0.5, "{}"),
-        ("logic", 20.0, '{ memory = "logic" }'),
-    )
+    "bipartite-rails": replace(ADDER_GRAPH, shapes=[(2, 3, 2)], spread=20.0),
+    "bipartite-low": replace(ADDER_GRAPH, shapes=[(2, 3, 2)], spread=0.3),
+    "bipartite-logic": replace(
+        ADDER_GRAPH, shapes=[(2, 3, 2)], spread=20.0, options='{ memory = "logic" }'
+    ),
 }
