@@ -16,6 +16,7 @@ from golden.fixed import Codes, Fix, signed_width
 from golden.layers.sharing import Matrix, shared
 from golden.layers.shift_add import Row, ShiftAdd, clocks_of
 from golden.port import CLOCK, Port, given, group, taken
+from golden.precision import FACTOR_LIMIT
 
 
 @dataclass(frozen=True)
@@ -75,6 +76,12 @@ class ConstantMatrix(Block):
         ):
             if value < least:
                 raise ValueError(f"{self.entity}: got {name}={value}, expected {least} or more")
+        most = max(abs(bias) >> self.place for bias in self.biases)
+        if most >= FACTOR_LIMIT >> 1:
+            raise ValueError(
+                f"{self.entity}: got biases up to {most} times the least place that is kept, "
+                f"expected below {FACTOR_LIMIT >> 1}"
+            )
 
     @property
     def inputs(self) -> int:
