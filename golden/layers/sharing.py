@@ -111,7 +111,8 @@ class Sharing:
 
     def _uses(self, pattern: Pattern) -> list[tuple[int, Term]]:
         """Places of a pattern no two of which share a term."""
-        found, taken = [], set()
+        found: list[tuple[int, Term]] = []
+        taken: set[tuple[int, Term]] = set()
         for number, low in sorted(self.places[pattern]):
             ends = {(number, low), (number, (pattern[1], low[1] + pattern[2]))}
             if not ends & taken:
@@ -265,12 +266,16 @@ def finished(
     place = matrix.place
     results, constants = [], []
     for row, bias in zip(rows, matrix.biases, strict=True):
-        terms = list(row.items())
-        if bias or place or not terms:
+        needed = bool(bias or place or not row)
+        if not needed:
+            term, sign = add_up(graph, list(row.items()), depth, place)
+            # What is inverted has to be corrected by 1.
+            needed = sign < 0
+        if needed:
             constants.append(graph.constant(bias >> place))
-            terms.append(((constants[-1], place), 1))
-        (node, shift), sign = add_up(graph, terms, depth, place)
-        results.append(Row(node, shift, sign < 0))
+            terms = [*row.items(), ((constants[-1], place), 1)]
+            term, sign = add_up(graph, terms, depth, place)
+        results.append(Row(*term, sign < 0))
     nodes = list(graph.nodes)
     for constant in constants:
         nodes[constant] = Constant(1)

@@ -78,7 +78,7 @@ class AdderGraph(Design):
         hardware: Mapping[str, object] | None = None,
     ) -> Self:
         constants = constants_of(mlp, precision, activation, options, lean)
-        return cls.from_constants(constants, variant, **dict(hardware or {}))
+        return cls.from_constants(constants, variant, **_chosen(hardware))
 
     @classmethod
     def of_several(
@@ -92,11 +92,11 @@ class AdderGraph(Design):
         if arrangement == "single":
             return None
         found = [constants_of(m, EXACT, "bipartite", activation_options, lean) for m in mlps]
-        return cls.from_constants(beside(found), **dict(hardware or {}))
+        return cls.from_constants(beside(found), **_chosen(hardware))
 
     @classmethod
     def from_constants(
-        cls, constants: Constants, variant: str = "", adders_per_clock: Any = ADDERS_PER_CLOCK
+        cls, constants: Constants, variant: str = "", adders_per_clock: int = ADDERS_PER_CLOCK
     ) -> Self:
         prefix = f"{variant}_" if variant else ""
         first, second = constants.first, constants.second
@@ -130,8 +130,8 @@ class AdderGraph(Design):
             variant=f"{prefix}outputs",
         )
         widths = hidden.result_widths
-        activations = list(constants.activations)
-        for nodes in _groups(constants.activations, widths):
+        activations = [a for a in constants.activations if isinstance(a, Bipartite)]
+        for nodes in _groups(activations, widths):
             least = activations[nodes[0]].formats.group_width + 2
             width = max(least, *(widths[j] for j in nodes))
             for j in nodes:
@@ -227,6 +227,11 @@ class AdderGraph(Design):
         y_off = _off(mlp.w2, mlp.b2, second, self.second)
         result: Real = y_off + np.abs(mlp.w2) @ r_off
         return result
+
+
+def _chosen(hardware: Mapping[str, object] | None) -> dict[str, Any]:
+    """What a scene chooses of the options."""
+    return dict(hardware or {})
 
 
 def beside(networks: Sequence[Constants]) -> Constants:
