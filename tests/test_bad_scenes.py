@@ -117,6 +117,7 @@ TABLE: dict[str, dict[str, str]] = {
         f'design = "hybrid"\nclock_mhz = {LONG}': "hardware.clock_mhz: got a number of 1326 bits",
     },
     'activation = "gradient"': {
+        'activation = "bipartite"': "hardware.activation: got 'bipartite', whose codes stand for",
         'activation = "tanh"': "hardware.activation: got 'tanh', expected one of gradient",
         "activation = 5": f"hardware.activation: got 5, {TEXT}",
     },
@@ -128,6 +129,7 @@ TABLE: dict[str, dict[str, str]] = {
         'activation = "pade"\nactivation_options = { roh = 1 }': "option 'roh' is not known",
         'activation = "precise"\nactivation_options = { coefficients = "x" }': "coefficients: got",
         'activation = "precise"\nactivation_options = { coefficients = 1 }': "coefficients: got 1",
+        'activation = "bipartite"\nactivation_options = { memory = "x" }': "memory: got 'x'",
         'activation = "gradient"\nactivation_options = 4': "got 4, expected a table",
     },
     'precision = "exact"': {

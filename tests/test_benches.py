@@ -29,7 +29,7 @@ LEFT = (
     *("profile", "other-profile", "deep-reload", "three-engine", "huge-engine"),
     *("one-past", "few-past", "three-past", "serial-past", "axis-past", "drawn-past"),
     *("instrument", "slower-cascade", "wide-multiple", "wide-parallel"),
-    *("huge", "huge-parallel", "logic-huge", "block-ram-huge"),
+    *("huge", "huge-parallel", "logic-huge", "block-ram-huge", "bipartite-low"),
 )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,8 +27,14 @@ class ActivationBlock(Block):
     ----------
     in_fmt, out_fmt : Fix
         Formats of input and result.
+
+    Attributes
+    ----------
+    half_codes : bool
+        Whether a code c stands for the middle of its step, c + 1/2, of input and result alike.
     """
 
+    half_codes: ClassVar[bool] = False
     area = "activation"
     in_fmt: Fix
     out_fmt: Fix
@@ -57,6 +64,17 @@ class ActivationBlock(Block):
         """
         codes = self.in_fmt.check(data, f"{self.block} data")
         return np.take(_results(self), codes).astype(np.int64)
+
+    def real_input(self, codes: ArrayLike) -> NDArray[np.float64]:
+        """The q, or q / Q, that codes of the input stand for."""
+        return self._real(codes, self.in_fmt)
+
+    def real_result(self, codes: ArrayLike) -> NDArray[np.float64]:
+        """The r that codes of the result stand for."""
+        return self._real(codes, self.out_fmt)
+
+    def _real(self, codes: ArrayLike, fmt: Fix) -> NDArray[np.float64]:
+        return fmt.to_real(np.asarray(codes) + 0.5 * self.half_codes)
 
     def compute(self, data: Codes) -> Codes:
         """The same from part to part, as the hardware does it."""

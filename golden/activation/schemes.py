@@ -9,6 +9,8 @@ from functools import partial
 from typing import Any
 
 from golden.activation.activation_block import ActivationBlock
+from golden.activation.bipartite import MEMORY, Bipartite, bipartite_for
+from golden.activation.bipartite_table import FORMATS as BIPARTITE_FORMATS
 from golden.activation.gradient import Gradient
 from golden.activation.gradient_parallel import GradientParallel
 from golden.activation.lut import lut_for, lut_real
@@ -142,12 +144,15 @@ class Scheme:
         same default, ``real`` those that concern it.
     precisions : tuple of Precision
         Those that it is made for.
+    half_codes : bool
+        Whether its codes stand for the middle of their step; see ``ActivationBlock``.
     """
 
     real: Activation
     build: Callable[[Precision, int, int], ActivationBlock]
     options: Mapping[str, Option] = field(default_factory=dict)
     precisions: tuple[Precision, ...] = tuple(PRECISIONS.values())
+    half_codes: bool = False
 
     def configured(self, given: Mapping[str, object], place: str = "activation_options") -> Scheme:
         """This scheme with some of its options chosen; the others keep their defaults.
@@ -191,6 +196,13 @@ SCHEMES = {
         precise_for,
         {"coefficients": Option(COEFFICIENTS, tuple(FORMATS))},
         precisions=(EXACT,),
+    ),
+    "bipartite": Scheme(
+        tanh,
+        bipartite_for,
+        {"memory": Option(MEMORY, tuple(BIPARTITE_FORMATS))},
+        precisions=(EXACT,),
+        half_codes=Bipartite.half_codes,
     ),
 }
 

@@ -25,7 +25,7 @@ def two_layer_bounds(
     second = quantised(mlp.w2, mlp.b2, precision, "layer 2 weights")
     q_off = _rounded(mlp.w1, mlp.b1, first, precision, precision.hidden_fmt.frac)
     r_off = q_off + [
-        _activation_error(a, q) for a, q in zip(activations, first.factors, strict=True)
+        activation_error(a, q) for a, q in zip(activations, first.factors, strict=True)
     ]
     result: Real = _rounded(mlp.w2, mlp.b2, second, precision, SIGNAL.frac)
     return result + np.abs(mlp.w2) @ r_off
@@ -50,9 +50,10 @@ def _rounded(
 
 
 @lru_cache(maxsize=256)
-def _activation_error(activation: ActivationBlock, factor: int) -> float:
+def activation_error(activation: ActivationBlock, factor: int) -> float:
     """Largest error against tanh over every code."""
     fmt = activation.in_fmt
     codes = np.arange(fmt.low, fmt.high + 1)
-    miss = SIGNAL.to_real(activation.process(codes)) - np.tanh(factor * fmt.to_real(codes))
+    q = factor * activation.real_input(codes)
+    miss = activation.real_result(activation.process(codes)) - np.tanh(q)
     return float(np.abs(miss).max())

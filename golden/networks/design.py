@@ -29,6 +29,8 @@ class Design(Network):
         Those that it is made for.
     known_activations : tuple of str
         Those that it computes; empty for all.
+    half_codes : bool
+        Whether it takes activations whose codes stand for the middle of their step.
     options : tuple of str
         Keys of the section ``[hardware]`` that are about this design alone.
     min_interval : int
@@ -40,6 +42,7 @@ class Design(Network):
     arrangements: ClassVar[tuple[str, ...]] = ()
     precisions: ClassVar[tuple[str, ...]] = tuple(PRECISIONS)
     known_activations: ClassVar[tuple[str, ...]] = ()
+    half_codes: ClassVar[bool] = False
     options: ClassVar[tuple[str, ...]] = ()
     min_interval: int = field(default=1, kw_only=True)
     useless_nodes: int = field(default=0, kw_only=True)
@@ -80,6 +83,7 @@ class Design(Network):
         mlps: Sequence[Mlp],
         lean: bool = True,
         hardware: Mapping[str, object] | None = None,
+        activation_options: Mapping[str, object] | None = None,
     ) -> Network | None:
         """All networks of a scene as one, for a design that arranges them by itself."""
         return None

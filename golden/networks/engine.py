@@ -100,6 +100,7 @@ class Engine(Design):
         mlps: Sequence[Mlp],
         lean: bool = True,
         hardware: Mapping[str, object] | None = None,
+        activation_options: Mapping[str, object] | None = None,
         variant: str = "",
     ) -> Self:
         """The engine of all networks of a scene.
@@ -113,6 +114,8 @@ class Engine(Design):
             table that no hidden sum reaches. Results are the same either way.
         hardware : mapping, optional
             What the scene chooses of ``options``.
+        activation_options : mapping, optional
+            None: its activation has no other form.
         variant : str
         """
         chosen: dict[str, Any] = {"segment_width": 9, "pipeline": "short"} | dict(hardware or {})
@@ -176,7 +179,9 @@ class Engine(Design):
         kinds = ["dsp"] if chosen["pipeline"] != "short" or chosen.get("reload") else list(KINDS)
         kinds = [chosen["multiplier"]] if "multiplier" in chosen else kinds
         for kind in kinds:
-            engine = cls.of_several(arrangement, mlps, lean, chosen | {"multiplier": kind}, variant)
+            engine = cls.of_several(
+                arrangement, mlps, lean, chosen | {"multiplier": kind}, variant=variant
+            )
             if engine.output_clocks[-1] <= clocks:
                 return replace(engine, budget=clocks)
         raise ValueError(
@@ -195,7 +200,7 @@ class Engine(Design):
         lean: bool = True,
         hardware: Mapping[str, object] | None = None,
     ) -> Self:
-        return cls.of_several("single", [mlp], lean, hardware, variant)
+        return cls.of_several("single", [mlp], lean, hardware, variant=variant)
 
     @property
     def inputs(self) -> int:

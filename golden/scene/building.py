@@ -64,8 +64,15 @@ def _of_several(scene: Scene, design: type[Design], lean: bool) -> Network | Non
     says so.
     """
     options = scene.design_options
+    build = partial(
+        design.of_several,
+        scene.arrangement,
+        scene.mlps(),
+        lean,
+        activation_options=scene.activation_options,
+    )
     if scene.front_end and "clocks" in design.options and "clocks" not in options:
         with suppress(ValueError):
             within = options | {"clocks": scene.front_end.clocks_left(scene.window)}
-            return design.of_several(scene.arrangement, scene.mlps(), lean, within)
-    return design.of_several(scene.arrangement, scene.mlps(), lean, options)
+            return build(hardware=within)
+    return build(hardware=options)

@@ -53,6 +53,7 @@ KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
         "reload": (bool, False),
         "program_words": (int, 0),
         "operand_words": (int, 0),
+        "adders_per_clock": (int, 0),
     },
     "training": {
         "optimiser": (str, "levenberg-marquardt"),

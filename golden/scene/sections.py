@@ -346,7 +346,7 @@ def check_activation(hardware: dict[str, Any], path: Path) -> str:
     Raises
     ------
     ValueError
-        For options that the activation has not, or a precision that it is not made for.
+        For options that the activation has not, or a precision or a design that it is not made for.
     """
     precision = PRECISIONS[hardware["precision"]]
     activation: str = hardware["activation"] or precision.activation
@@ -363,6 +363,16 @@ def check_activation(hardware: dict[str, Any], path: Path) -> str:
         raise ValueError(
             f"{path}: hardware.activation: got {activation!r} with design {design.block!r}, "
             f"expected {' or '.join(design.known_activations)}"
+        )
+    if scheme.half_codes and not design.half_codes:
+        fitting = ", ".join(
+            name
+            for name, other in SCHEMES.items()
+            if precision in other.precisions and not other.half_codes
+        )
+        raise ValueError(
+            f"{path}: hardware.activation: got {activation!r}, whose codes stand for the middle of "
+            f"their step, with design {design.block!r}, expected one of {fitting}"
         )
     return activation
 

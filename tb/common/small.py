@@ -37,6 +37,22 @@ PARALLEL = {
     "precise-parallel": Case([(2, 3, 2)], "exact", activation="precise", design="parallel"),
 }
 
+# Sums that leave their formats, one sensor, few levels between registers, rows without a weight,
+# an odd number of hidden nodes, and tables in LUTs.
+ADDER_GRAPH = Case([(3, 4, 3)], "exact", activation="bipartite", design="adder_graph", seed=2)
+ADDER_GRAPHS = {
+    "rails-graph": replace(ADDER_GRAPH, spread=20.0),
+    "least-graph": replace(ADDER_GRAPH, shapes=[(1, 1, 1)]),
+    "wide-graph": replace(ADDER_GRAPH, shapes=[(5, 3, 4)], spread=0.5),
+    "short-graph": replace(
+        ADDER_GRAPH, shapes=[(2, 3, 2)], spread=100.0, hardware="adders_per_clock = 1"
+    ),
+    "logic-graph": replace(ADDER_GRAPH, options='{ memory = "logic" }'),
+    "three-graph": replace(
+        ADDER_GRAPH, shapes=[(2, 4, 1), (2, 3, 1), (2, 2, 1)], arrangement="multiple"
+    ),
+}
+
 # Networks that need more clocks from frame to frame than they see elements.
 SLOW = Case([(2, 1, 1), (3, 1, 1)], "exact", activation="pade", arrangement="cascade", spread=2.0)
 SLOWER = "{ rho = 1.5, iterations = 11 }"
@@ -215,4 +231,13 @@ WINDOWS = {
         PAST, shapes=[(6, 2, 1), (6, 1, 1), (6, 3, 1)], design="hybrid", arrangement="multiple"
     ),
     "serial-past": replace(PAST, hardware=SERIAL),
+}
+
+# A pair of nodes and one beside it: a q wider than 18 bits, one below 2, and tables in LUTs.
+BIPARTITE = {
+    "bipartite-rails": replace(ADDER_GRAPH, shapes=[(2, 3, 2)], spread=20.0),
+    "bipartite-low": replace(ADDER_GRAPH, shapes=[(2, 3, 2)], spread=0.3),
+    "bipartite-logic": replace(
+        ADDER_GRAPH, shapes=[(2, 3, 2)], spread=20.0, options='{ memory = "logic" }'
+    ),
 }

@@ -30,7 +30,7 @@ from golden.files import replace_file
 from golden.fingerprint import ROOT
 from golden.machine import versions
 from golden.metrics import ACTIVATION_RANGE, activation_error
-from golden.precision import EXACT, SIGNAL, THESIS, Precision
+from golden.precision import EXACT, THESIS, Precision
 from golden.scene import thesis_table
 
 FACTORS = (1, 3, 8, 32, 128, 512)
@@ -104,10 +104,9 @@ def measured(
     for precision in scheme.precisions:
         codes = np.arange(precision.hidden_fmt.low, precision.hidden_fmt.high + 1)
         for factor in factors if precision.normalise else (1,):
-            q = factor * precision.hidden_fmt.to_real(codes)
-            results = {
-                precision.name: SIGNAL.to_real(built(scheme, precision, factor).process(codes))
-            }
+            block = built(scheme, precision, factor)
+            q = factor * block.real_input(codes)
+            results = {precision.name: block.real_result(block.process(codes))}
             if precision.normalise:
                 results = {"float": scheme.real(q)[0], **results}
             for arithmetic, values in results.items():
@@ -209,8 +208,9 @@ def plot(name: str, scheme: Scheme, path: Path) -> None:
             if precision not in scheme.precisions:
                 continue
             codes = np.arange(0, 5 * (1 << precision.hidden_fmt.frac) // factor + 1, step)
-            q = factor * precision.hidden_fmt.to_real(codes)
-            results = SIGNAL.to_real(built(scheme, precision, factor).process(codes))
+            block = built(scheme, precision, factor)
+            q = factor * block.real_input(codes)
+            results = block.real_result(block.process(codes))
             label = f"{precision.name}, Q = {factor}" if precision.normalise else precision.name
             axes.plot(q, 8192 * (results - np.tanh(q)), label=label, color=colour, linewidth=0.9)
         axes.set_xlabel("q")

@@ -64,6 +64,8 @@ def shipped() -> Iterator[tuple[str, Network]]:
         for name, scheme in SCHEMES.items():
             if name not in (design.known_activations or SCHEMES):
                 continue
+            if scheme.half_codes and not design.half_codes:
+                continue
             choices = [{o: c} for o, about in scheme.options.items() for c in about.choices]
             for precision in scheme.precisions:
                 if precision.name not in design.precisions:

@@ -44,8 +44,8 @@ def most_negative() -> Iterator[Row]:
                 built(scheme, precision, factor)
                 for factor in (FACTORS if precision.normalise else (1,))
             ]
-            found = np.array([block.compute(ends) for block in blocks])
-            skew = largest(found.sum(axis=1))
+            found = np.array([block.real_result(block.compute(ends)) for block in blocks])
+            skew = largest(np.ldexp(found.sum(axis=1), SIGNAL.frac))
             case = f"most negative code, {precision.name}"
             must = "give the negative of the largest code's result"
             yield Row(name, case, must, "codes off", skew, 0)

@@ -1,0 +1,189 @@
+"""bipartite: tanh from two tables, without a multiplier."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+
+from golden.activation.activation_block import ActivationBlock
+from golden.activation.bipartite_table import (
+    CORRECTED_WIDTH,
+    FINE_WIDTH,
+    FORMATS,
+    MAGNITUDE_WIDTH,
+    TOP,
+    BipartiteFormat,
+    BipartiteTable,
+    bipartite_table,
+)
+from golden.fixed import Codes, Fix
+from golden.precision import EXACT, SIGNAL, Precision
+
+# Where the tables stand by default.
+MEMORY = "block_ram"
+
+
+@dataclass(frozen=True)
+class Bipartite(ActivationBlock):
+    """r = tanh(q): the sum of a base and a correction, two tables (Das Sarma and Matula 1995).
+
+    A code stands for the middle of its step: c of q for (c + 1/2) 2**-14, c of r for
+    (c + 1/2) 2**-13. With the sign s of q, all ones where q is below 0, the magnitude is q xor s;
+    r = floor((base(magnitude) xor s) + correction(magnitude, q)).
+
+    Parameters
+    ----------
+    in_fmt, out_fmt : Fix
+        Formats of q and r: any with 14 fraction bits, and Fix(14,13).
+    memory : str
+        Where the tables stand: "block_ram", or "logic", smaller ones in LUTs.
+    reach_width : int
+        Bits of the largest magnitude that the neuron can reach: words beyond are left out. More
+        than 17 where q may be 8 or more, of which the result is the largest.
+
+    Notes
+    -----
+    The sum is exact and never overflows. The function is odd in the sense of its codes, the result
+    of the complement being the complement of the result, and monotone.
+
+    Over all 262144 codes of Fix(18,14) (tests/test_bipartite.py), with "block_ram": within 0.93
+    units of 2**-13 of tanh(q), and 11718 results are not the nearest code. With "logic": within
+    4.602 units, and 60212.
+
+    A magnitude beyond the neuron's reach has the result of another one.
+
+    Raises
+    ------
+    ValueError
+        When ``memory`` is none of these, or a format or ``reach_width`` is not what there is.
+    """
+
+    block = "bipartite"
+    half_codes = True
+    memory: str
+    reach_width: int
+
+    def __post_init__(self) -> None:
+        if self.memory not in FORMATS:
+            raise ValueError(
+                f"{self.entity}: got memory={self.memory!r}, expected one of {', '.join(FORMATS)}"
+            )
+        if self.in_fmt.frac != EXACT.hidden_fmt.frac or self.out_fmt != SIGNAL:
+            raise ValueError(
+                f"{self.entity}: got in_fmt={self.in_fmt} and out_fmt={self.out_fmt}, expected "
+                f"{EXACT.hidden_fmt.frac} fraction bits and {SIGNAL}"
+            )
+        least, most = self.formats.group_width + 1, self.in_fmt.width - 1
+        if not least <= self.reach_width <= most:
+            raise ValueError(
+                f"{self.entity}: got reach_width={self.reach_width}, expected {least} to {most}"
+            )
+
+    @property
+    def formats(self) -> BipartiteFormat:
+        """Segments, groups and formats of the tables."""
+        return FORMATS[self.memory]
+
+    @property
+    def table(self) -> BipartiteTable:
+        """The words of every magnitude below 8."""
+        return bipartite_table(self.formats)
+
+    @property
+    def bases(self) -> tuple[int, ...]:
+        """The bases kept."""
+        kept = 1 << (self.reach_width - self.formats.segment_width)
+        return self.table.bases[:kept]
+
+    @property
+    def corrections(self) -> tuple[int, ...]:
+        """The corrections kept."""
+        groups_width = self.reach_width - self.formats.group_width
+        return self.table.corrections[: 1 << (groups_width + self.formats.offset_width)]
+
+    @property
+    def wide(self) -> bool:
+        """Whether the neuron reaches 2, from where on segments are wide."""
+        return self.reach_width > FINE_WIDTH
+
+    @property
+    def saturates(self) -> bool:
+        """Whether it reaches 8."""
+        return self.reach_width > MAGNITUDE_WIDTH
+
+    @property
+    def latency(self) -> int:
+        # q, which may come straight out of an adder; a block RAM, or an address; its word; the sum.
+        return 4
+
+    def taking(self, width: int) -> Self:
+        """The same for a q of ``width`` bits, none of which is cut off: 8 and more saturate."""
+        return replace(
+            self,
+            in_fmt=Fix(width, self.in_fmt.frac),
+            reach_width=width - 1,
+            variant=f"{self.memory}{width - 1}",
+        )
+
+    def left_out(self) -> Counter[str]:
+        missing = self._words(MAGNITUDE_WIDTH) - self._words(min(self.reach_width, MAGNITUDE_WIDTH))
+        return Counter({"table words that no neuron reaches": missing} if missing else {})
+
+    def _words(self, reach_width: int) -> int:
+        """Words of both tables for magnitudes of so many bits."""
+        mag = np.arange(1 << reach_width)
+        base, slope = self.formats.addresses(mag, mag)
+        return len(np.unique(base)) + len(np.unique(slope))
+
+    @property
+    def marks(self) -> tuple[int, ...]:
+        widths = FINE_WIDTH, CORRECTED_WIDTH, MAGNITUDE_WIDTH
+        return tuple((1 << width) - 1 for width in widths if width < self.reach_width)
+
+    @property
+    def word_codes(self) -> Codes:
+        """Codes of either sign that read every word which a magnitude within reach has."""
+        mag = np.arange(1 << min(self.reach_width, MAGNITUDE_WIDTH))
+        firsts = [np.unique(a, return_index=True)[1] for a in self.formats.addresses(mag, mag)]
+        found = np.concatenate(firsts)
+        return np.concatenate([found, ~found])
+
+    def quantities(self, *inputs: Codes) -> dict[str, Codes]:
+        (data,) = inputs
+        return {"magnitude": data ^ (data >> self.in_fmt.width)}
+
+    def compute(self, data: Codes) -> Codes:
+        sign = data >> self.in_fmt.width
+        whole = data ^ sign
+        mag = whole & (1 << min(self.reach_width, MAGNITUDE_WIDTH)) - 1
+        # From 8 on as from 6 on, where every result is the largest.
+        mag = np.where(whole >> MAGNITUDE_WIDTH if self.saturates else 0, mag | TOP, mag)
+        base_addr, slope_addr = self.formats.addresses(mag ^ sign, mag)
+        base = np.take(self.table.bases, base_addr)
+        correction = np.take(self.table.corrections, slope_addr)
+        return np.asarray(((base ^ sign) + correction) >> self.formats.frac)
+
+
+def bipartite_for(precision: Precision, factor: int, reach: int, memory: str = MEMORY) -> Bipartite:
+    """tanh from two tables for a neuron with magnitudes to ``reach``.
+
+    Raises
+    ------
+    ValueError
+        When the precision's q has another format than the one the tables are made for, or is
+        normalised.
+    """
+    if precision.hidden_fmt != EXACT.hidden_fmt or factor != 1:
+        raise ValueError(
+            f"activation bipartite: got q in {precision.hidden_fmt}, normalised by {factor}, of "
+            f"precision {precision.name!r}, expected {EXACT.hidden_fmt} as it is, of precision "
+            f"{EXACT.name!r}"
+        )
+    top = min(reach, precision.hidden_fmt.high)
+    reach_width = max(top.bit_length(), FORMATS[memory].group_width + 1)
+    return Bipartite(
+        precision.hidden_fmt, SIGNAL, memory, reach_width, variant=f"{memory}{reach_width}"
+    )

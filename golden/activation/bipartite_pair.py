@@ -1,0 +1,79 @@
+"""bipartite_pair: tanh of two nodes from one pair of tables."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.activation.bipartite import Bipartite
+from golden.block import Block
+from golden.border import Border
+from golden.fixed import Codes
+from golden.port import CLOCKED, Port, given, group, taken
+
+NODES = 2
+
+
+@dataclass(frozen=True)
+class BipartitePair(Block):
+    """Two nodes through one ``Bipartite`` activation: its tables have a read port for either.
+
+    Parameters
+    ----------
+    activation : Bipartite
+        That of both nodes, with "block_ram": a LUT has no second port.
+
+    Raises
+    ------
+    ValueError
+        When the activation's tables stand in LUTs.
+    """
+
+    block = "bipartite_pair"
+    area = "activation"
+    activation: Bipartite
+
+    def __post_init__(self) -> None:
+        if self.activation.memory != "block_ram":
+            raise ValueError(
+                f"{self.entity}: got memory={self.activation.memory!r}, expected block_ram"
+            )
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        node = self.activation
+        return (
+            *CLOCKED,
+            taken("in_valid", "`in_data` holds a code of either node"),
+            *group(taken("in_data", "q of node *", node.in_fmt, "in_fmt"), NODES),
+            given("out_valid", "`out_data` holds a result of either node"),
+            *group(given("out_data", "r of node *", node.out_fmt, "out_fmt"), NODES),
+        )
+
+    @property
+    def latency(self) -> int:
+        return self.activation.latency
+
+    @property
+    def borders(self) -> tuple[Border, ...]:
+        return self.activation.borders
+
+    def quantities(self, *inputs: Codes) -> dict[str, Codes]:
+        return self.activation.quantities(np.concatenate(inputs))
+
+    def process(self, first: ArrayLike, second: ArrayLike) -> tuple[Codes, Codes]:
+        """Activation codes of either node, the shapes of ``first`` and ``second``.
+
+        Raises
+        ------
+        ValueError
+            For a code outside ``activation.in_fmt``.
+        """
+        return self.activation.process(first), self.activation.process(second)
+
+
+def pair_for(activation: Bipartite) -> BipartitePair:
+    """The pair of which both nodes have this activation."""
+    return BipartitePair(activation, variant=activation.variant)

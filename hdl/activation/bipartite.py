@@ -1,0 +1,375 @@
+"""bipartite: tanh from two tables, without a multiplier."""
+
+from myhdl import always, always_comb, block, concat
+
+from golden.activation.bipartite import Bipartite
+from golden.activation.bipartite_table import FINE_WIDTH, MAGNITUDE_WIDTH, WIDER
+from hdl.common.delay import delay
+from hdl.common.rom import Constants, rom
+from hdl.common.signals import flag, signed, unsigned
+
+
+def memories(activation: Bipartite) -> tuple[Constants, Constants]:
+    """The words of bases and corrections, for however many nodes read them."""
+    fmt, bases, corrections = activation.formats, activation.bases, activation.corrections
+    width = activation.table.correction_width
+    codes = [word & (1 << width) - 1 for word in corrections]
+    return (
+        Constants(bases, fmt.base_width, fmt.texts(bases)),
+        Constants(codes, width, fmt.texts(corrections)),
+    )
+
+
+@block
+def upper_bits(clk, in_data, upper, is_wide, *, activation: Bipartite):
+    """The bits of q from 2 up to 8, saturated, and whether its magnitude reaches 2, a clock later.
+
+    They stand in registers, so that each bit of an address is a function of four of these.
+    """
+    sign = activation.in_fmt.width - 1
+    end = min(activation.reach_width, MAGNITUDE_WIDTH)
+    width = end - FINE_WIDTH
+    ones, high_ones = (1 << width) - 1, (1 << (sign - end)) - 1
+    clipped = unsigned(width)
+    reaches = flag()
+
+    if activation.saturates:
+        high = unsigned(sign - end)
+        beyond = flag()
+
+        @always_comb
+        def look():
+            high.next = in_data[sign:end]
+
+        @always_comb
+        def compare():
+            if in_data[sign]:
+                beyond.next = high != high_ones
+            else:
+                beyond.next = high != 0
+
+        @always_comb
+        def clip():
+            if not beyond:
+                clipped.next = in_data[end:FINE_WIDTH]
+            elif in_data[sign]:
+                clipped.next = 0
+            else:
+                clipped.next = ones
+
+        saturation = look, compare, clip
+    else:
+
+        @always_comb
+        def clip():
+            clipped.next = in_data[end:FINE_WIDTH]
+
+        saturation = clip
+
+    @always_comb
+    def reach():
+        if in_data[sign]:
+            reaches.next = clipped != ones
+        else:
+            reaches.next = clipped != 0
+
+    return (
+        saturation,
+        reach,
+        delay(clk, None, clipped, upper, clocks=1),
+        delay(clk, None, reaches, is_wide, clocks=1),
+    )
+
+
+@block
+def place(clk, in_data, negative, base_addr, slope_addr, *, activation: Bipartite):
+    """The addresses of base and correction; ``negative`` is the sign, a clock later."""
+    fmt = activation.formats
+    sign = activation.in_fmt.width - 1
+    width = min(activation.reach_width, FINE_WIDTH)
+    fine, wide, group = fmt.segment_width, fmt.wide_width, fmt.group_width
+    fine_end, wide_end = fine - fmt.offset_width, wide - fmt.offset_width + 1
+    ones = (1 << width) - 1
+    lower, mag = unsigned(width), unsigned(width)
+
+    @always(clk.posedge)
+    def keep():
+        lower.next = in_data[width:]
+        negative.next = in_data[sign]
+
+    @always_comb
+    def fold():
+        if negative:
+            mag.next = lower ^ ones
+        else:
+            mag.next = lower
+
+    if not activation.wide:
+
+        @always_comb
+        def address():
+            base_addr.next = mag[:fine]
+            slope_addr.next = concat(mag[width:group], lower[fine:fine_end])
+
+        return keep, fold, address
+
+    upper = unsigned(min(activation.reach_width, MAGNITUDE_WIDTH) - FINE_WIDTH)
+    most = (1 << len(upper)) - 1
+    steps, switched = unsigned(WIDER), unsigned(WIDER)
+    offset = unsigned(fmt.offset_width)
+    is_wide = flag()
+
+    @always_comb
+    def rise():
+        if negative:
+            steps.next = upper ^ most
+        else:
+            steps.next = upper
+
+    @always_comb
+    def switch():
+        if is_wide:
+            switched.next = steps
+            offset.next = concat(lower[wide:wide_end], steps[1])
+        else:
+            switched.next = mag[wide:fine]
+            offset.next = lower[fine:fine_end]
+
+    @always_comb
+    def address():
+        base_addr.next = concat(is_wide, mag[width:wide], switched)
+        slope_addr.next = concat(is_wide, mag[width:group], offset)
+
+    return (
+        upper_bits(clk, in_data, upper, is_wide, activation=activation),
+        keep,
+        fold,
+        rise,
+        switch,
+        address,
+    )
+
+
+@block
+def turn(word, inverted, turned):
+    """``word``, or its complement."""
+    ones = word.max - 1
+
+    @always_comb
+    def choose():
+        if inverted:
+            turned.next = word ^ ones
+        else:
+            turned.next = word
+
+    return choose
+
+
+@block
+def read(clk, addr, word, *, memory: Constants):
+    """A word of ``memory``, two clocks later.
+
+    A block RAM whose word is a register's at once is faster than one behind which it is added, and
+    some have that register inside.
+    """
+    found = unsigned(len(word))
+
+    @always(clk.posedge)
+    def fetch():
+        found.next = memory[addr]
+
+    return fetch, delay(clk, None, found, word, clocks=1)
+
+
+@block
+def from_memories(
+    clk, base_addr, slope_addr, negative, base, slope, negative_late, *, bases, corrections
+):
+    """What is added, two clocks later: the base, turned by the sign, and the correction."""
+    base_word, slope_word = unsigned(len(base)), unsigned(len(corrections[0]))
+
+    @always_comb
+    def extend():
+        slope.next = slope_word.signed()
+
+    return (
+        read(clk, base_addr, base_word, memory=bases),
+        read(clk, slope_addr, slope_word, memory=corrections),
+        delay(clk, None, negative, negative_late, clocks=2),
+        turn(base_word, negative_late, base),
+        extend,
+    )
+
+
+@block
+def mirror(slope_addr, half_addr, falls, *, activation: Bipartite):
+    """The address of a correction's magnitude, which an offset shares with its complement."""
+    width = activation.formats.offset_width - 1
+    above = width + 1
+    last = len(slope_addr) - 1
+    fine_ones = (1 << width) - 1
+    # From 2 on the last bit is none of the offset.
+    wide_ones = fine_ones - activation.wide
+    offset, folded = unsigned(width), unsigned(width)
+
+    @always_comb
+    def look():
+        falls.next = not slope_addr[width]
+        offset.next = slope_addr[width:]
+
+    @always_comb
+    def fold():
+        if not falls:
+            folded.next = offset
+        elif slope_addr[last]:
+            folded.next = offset ^ wide_ones
+        else:
+            folded.next = offset ^ fine_ones
+
+    @always_comb
+    def address():
+        half_addr.next = concat(slope_addr[:above], folded)
+
+    return look, fold, address
+
+
+@block
+def masked(clk, addr, mask, addr_late):
+    """``addr`` one clock later. Its first bit is masked in its register, and not behind it.
+
+    Of an address that is all registers a synthesiser makes that of a block RAM.
+    """
+    last = len(addr) - 1
+    lower, first = unsigned(last), flag()
+    first_masked, mask_late = flag(), flag()
+
+    @always(clk.posedge)
+    def keep():
+        first_masked.next = addr[last] ^ mask
+        lower.next = addr[last:]
+        mask_late.next = mask
+
+    @always_comb
+    def unmask():
+        first.next = first_masked ^ mask_late
+
+    @always_comb
+    def join():
+        addr_late.next = concat(first, lower)
+
+    return keep, unmask, join
+
+
+@block
+def from_logic(
+    clk, base_addr, slope_addr, negative, base, slope, negative_late, *, activation: Bipartite
+):
+    """What is added, two clocks later, from tables without the half that mirrors the other.
+
+    A correction below 0 is the complement of its magnitude and 1, which both addends carry in a
+    place to the right.
+    """
+    fmt, table = activation.formats, activation.table
+    half = 1 << (fmt.offset_width - 1)
+    bases, corrections = activation.bases, activation.corrections
+    rising = [word for place, word in enumerate(corrections) if place & half]
+    width = table.correction_width - 1
+    half_addr = unsigned(len(slope_addr) - 1)
+    base_place, slope_place = unsigned(len(base_addr)), unsigned(len(half_addr))
+    falls, falls_late, negative_beside = flag(), flag(), flag()
+    base_word, turned_base = unsigned(fmt.base_width), unsigned(fmt.base_width)
+    slope_word, turned_slope = unsigned(width), unsigned(width)
+    joined = unsigned(width + 2)
+
+    @always(clk.posedge)
+    def keep():
+        base.next = concat(turned_base, falls_late)
+        joined.next = concat(falls_late, turned_slope, falls_late)
+
+    @always_comb
+    def extend():
+        slope.next = joined.signed()
+
+    return (
+        mirror(slope_addr, half_addr, falls, activation=activation),
+        masked(clk, base_addr, negative, base_place),
+        masked(clk, half_addr, falls, slope_place),
+        delay(clk, None, falls, falls_late, clocks=1),
+        delay(clk, None, negative, negative_beside, clocks=1),
+        delay(clk, None, negative_beside, negative_late, clocks=1),
+        rom(base_place, base_word, words=bases, meanings=fmt.texts(bases)),
+        rom(slope_place, slope_word, words=rising, meanings=fmt.texts(rising)),
+        turn(base_word, negative_beside, turned_base),
+        turn(slope_word, falls_late, turned_slope),
+        keep,
+        extend,
+    )
+
+
+@block
+def node(clk, in_data, out_data, memory, *, activation: Bipartite):
+    """tanh of one node; of "block_ram" from a ``memory`` that others may read as well."""
+    fmt = activation.formats
+    in_logic = activation.memory == "logic"
+    cut = fmt.frac + in_logic
+    width = fmt.base_width + in_logic
+    base_addr = unsigned((len(activation.bases) - 1).bit_length())
+    slope_addr = unsigned((len(activation.corrections) - 1).bit_length())
+    negative, negative_late = flag(), flag()
+    base, wide_base, slope = unsigned(width), signed(width + 1), signed(width + 1)
+    total = signed(width + 2)
+    result = unsigned(width - cut)
+    words = clk, base_addr, slope_addr, negative, base, slope, negative_late
+    if in_logic:
+        find = from_logic(*words, activation=activation)
+    else:
+        bases, corrections = memory
+        find = from_memories(*words, bases=bases, corrections=corrections)
+
+    @always_comb
+    def widen():
+        wide_base.next = base
+
+    @always_comb
+    def add():
+        # The correction first: of what carries a LUT has no part, so that it can turn the base.
+        total.next = slope + wide_base
+
+    @always_comb
+    def drop():
+        result.next = total[width:cut]
+
+    @always(clk.posedge)
+    def keep():
+        out_data.next = concat(negative_late, result)
+
+    return (
+        place(clk, in_data, negative, base_addr, slope_addr, activation=activation),
+        find,
+        widen,
+        add,
+        drop,
+        keep,
+    )
+
+
+@block
+def bipartite(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Bipartite):
+    """tanh of ``in_data`` four clocks later.
+
+    Parameters
+    ----------
+    in_valid, in_data : bool, signed ``spec.in_fmt``
+    out_valid, out_data : bool, signed ``spec.out_fmt``
+    spec : Bipartite
+        Where the tables stand, and how much of them; the twin states rounding and error.
+
+    Notes
+    -----
+    No multiplier. Latency 4: q 1, memories 1 and registers behind them 1, or with "logic" addresses
+    1 and tables 1, sum 1. One result a clock. Reset clears the valid flags.
+    """
+    return (
+        node(clk, in_data, out_data, memories(spec), activation=spec),
+        delay(clk, rst, in_valid, out_valid, clocks=spec.latency),
+    )

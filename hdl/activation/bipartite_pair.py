@@ -1,0 +1,37 @@
+"""bipartite_pair: tanh of two nodes from one pair of tables."""
+
+from myhdl import block
+
+from golden.activation.bipartite_pair import NODES, BipartitePair
+from hdl.activation.bipartite import memories, node
+from hdl.common.delay import delay
+
+
+@block
+def bipartite_pair(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: BipartitePair):
+    """tanh of both of ``in_data`` four clocks later.
+
+    Parameters
+    ----------
+    in_valid : bool
+    in_data : Words of signed ``spec.activation.in_fmt``
+        Ports ``in_data_0`` and ``in_data_1``.
+    out_valid : bool
+    out_data : Words of signed ``spec.activation.out_fmt``
+        Ports ``out_data_0`` and ``out_data_1``.
+    spec : BipartitePair
+        The activation of both.
+
+    Notes
+    -----
+    Two memories with two read ports each, and whatever else of ``bipartite`` twice. Latency as
+    there, one result of either a clock. Reset clears the valid flags.
+    """
+    memory = memories(spec.activation)
+    return (
+        [
+            node(clk, in_data[n], out_data[n], memory, activation=spec.activation)
+            for n in range(NODES)
+        ],
+        delay(clk, rst, in_valid, out_valid, clocks=spec.latency),
+    )

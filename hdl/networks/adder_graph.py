@@ -1,0 +1,74 @@
+"""Adder graph: a network of two layers without a multiplier, a frame every clock."""
+
+from myhdl import always, block
+
+from golden.activation.bipartite_pair import NODES
+from golden.networks.adder_graph import AdderGraph
+from golden.precision import SIGNAL
+from hdl.activation.bipartite import bipartite
+from hdl.activation.bipartite_pair import bipartite_pair
+from hdl.common.delay import connect, delay
+from hdl.common.signals import Words, fixed, flag
+from hdl.layers.constant_matrix import constant_matrix
+
+
+@block
+def never(clk, error):
+    """``error`` is low."""
+
+    @always(clk.posedge)
+    def hold():
+        error.next = False
+
+    return hold
+
+
+@block
+def adder_graph(clk, rst, in_valid, in_data, out_valid, out_data, frame_error, *, spec: AdderGraph):
+    """A frame of samples in one clock, all outputs in another, without a multiplier.
+
+    Parameters
+    ----------
+    in_valid : bool
+        The samples of a frame stand on all ports of ``in_data``.
+    in_data : Words of signed Fix(14,13)
+        Ports ``in_data_0``, ``in_data_1``, ..., in the order of the sensors.
+    out_valid, out_data : bool, Words of signed Fix(14,13)
+        The outputs, ports ``out_data_0``, ``out_data_1``, ...
+    frame_error : bool
+        Always low: every frame is good.
+    spec : AdderGraph
+
+    Notes
+    -----
+    Latency: ``spec.latency`` clocks, a frame every clock. Reset clears the valid flags.
+    """
+    hidden = len(spec.activations)
+    q = Words(hidden, lambda: fixed(spec.first.out_fmt))
+    r = Words(hidden, lambda: fixed(SIGNAL))
+    q_valid = flag()
+    tables = [spec.shared(nodes) for nodes in spec.groups]
+    # Of each q the bits that its nodes can have.
+    short = [
+        Words(len(nodes), lambda fmt=spec.activations[nodes[0]].in_fmt: fixed(fmt))
+        for nodes in spec.groups
+    ]
+    result = [Words(len(nodes), lambda: fixed(SIGNAL)) for nodes in spec.groups]
+    r_valid = Words(len(tables), flag)
+    places = [(n, i, j) for n, nodes in enumerate(spec.groups) for i, j in enumerate(nodes)]
+    return (
+        # The layer that saturates comes first: the first entity of a block stands for it in proofs.
+        constant_matrix(clk, r, out_data, spec=spec.second),
+        constant_matrix(clk, in_data, q, spec=spec.first),
+        delay(clk, rst, in_valid, q_valid, clocks=spec.first.latency),
+        [connect(q[j], short[n][i]) for n, i, j in places],
+        [
+            bipartite_pair(clk, rst, q_valid, short[n], r_valid[n], result[n], spec=table)
+            if len(result[n]) == NODES
+            else bipartite(clk, rst, q_valid, short[n][0], r_valid[n], result[n][0], spec=table)
+            for n, table in enumerate(tables)
+        ],
+        [connect(result[n][i], r[j]) for n, i, j in places],
+        delay(clk, rst, r_valid[0], out_valid, clocks=spec.second.latency),
+        never(clk, frame_error),
+    )

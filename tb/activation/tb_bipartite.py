@@ -1,0 +1,47 @@
+"""bipartite against its twin.
+
+Sweeps: a random code of each of 16384 strata of the input, or every code of a narrow one; every
+word of both tables, with either sign; two codes on either side of 2, 4, 8, zero and both ends.
+Drives: back to back, then in random order with gaps and resets.
+Checks: the activation bit for bit, and its clock.
+Does not prove: how close the tables are to tanh (tests/test_bipartite.py, over all codes).
+"""
+
+import cocotb
+import numpy as np
+
+from tb.common.bench import Bench
+from tb.common.small import BIPARTITE
+from tb.common.stimulus import all_codes
+from tb.common.stream import SIGNED, check_gaps_and_resets, check_stream
+
+CASES = BIPARTITE
+FAULTS = [
+    (r"(bases\[0\]) <= (\d+)", r"\1 <= \2 ^ 8"),
+    (r"(corrections\[31\]) <= (\d+)", r"\1 <= \2 ^ 64"),
+    (r"raw \^ \d+", "raw"),
+    (r"base \^ \d+", "base"),
+    (r"is_wide = \(?[^;]*", "is_wide = 0"),
+    (r"negative_late <= [^;]+", "negative_late <= negative"),
+]
+
+INPUTS, OUTPUTS = {"in_data": SIGNED}, {"out_data": SIGNED}
+
+
+def codes(bench):
+    twin = bench.twin
+    return np.concatenate([all_codes(twin.in_fmt, twin.border_codes, bench.rng), twin.word_codes])
+
+
+@cocotb.test()
+async def sweep(dut):
+    bench = Bench(dut)
+    await check_stream(bench, {"in_data": codes(bench)}, INPUTS, OUTPUTS, bench.twin.process)
+    bench.finish(at_least=4096)
+
+
+@cocotb.test()
+async def gaps_and_resets(dut):
+    bench = Bench(dut)
+    items = {"in_data": codes(bench)}
+    await check_gaps_and_resets(bench, items, INPUTS, OUTPUTS, bench.twin.process)

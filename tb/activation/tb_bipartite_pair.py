@@ -1,0 +1,45 @@
+"""bipartite_pair against its twin.
+
+Sweeps: at either node what tb_bipartite sweeps, in another order.
+Drives: back to back, then in random order with gaps and resets.
+Checks: both activations bit for bit, and their clock.
+Does not prove: how close the tables are to tanh (tests/test_bipartite.py, over all codes).
+"""
+
+import cocotb
+import numpy as np
+
+from tb.common.bench import Bench
+from tb.common.small import BIPARTITE
+from tb.common.stimulus import all_codes
+from tb.common.stream import SIGNED, check_gaps_and_resets, check_stream
+
+CASES = {name: case for name, case in BIPARTITE.items() if name != "bipartite-logic"}
+FAULTS = [
+    (r"(bases\[0\]) <= (\d+)", r"\1 <= \2 ^ 8"),
+    (r"(corrections\[31\]) <= (\d+)", r"\1 <= \2 ^ 64"),
+    (r"bases\[node1_base_addr\]", "bases[node0_base_addr]"),
+    (r"corrections\[node0_slope_addr\]", "corrections[node1_slope_addr]"),
+]
+
+INPUTS = {"in_data_0": SIGNED, "in_data_1": SIGNED}
+OUTPUTS = {"out_data_0": SIGNED, "out_data_1": SIGNED}
+
+
+def codes(bench):
+    node = bench.twin.activation
+    every = np.concatenate([all_codes(node.in_fmt, node.border_codes, bench.rng), node.word_codes])
+    return {"in_data_0": every, "in_data_1": bench.rng.permutation(every)}
+
+
+@cocotb.test()
+async def sweep(dut):
+    bench = Bench(dut)
+    await check_stream(bench, codes(bench), INPUTS, OUTPUTS, bench.twin.process)
+    bench.finish(at_least=4096)
+
+
+@cocotb.test()
+async def gaps_and_resets(dut):
+    bench = Bench(dut)
+    await check_gaps_and_resets(bench, codes(bench), INPUTS, OUTPUTS, bench.twin.process)

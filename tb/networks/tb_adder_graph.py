@@ -1,0 +1,120 @@
+"""adder_graph, every sum a graph of shifted adds, against its twin.
+
+Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one
+sensor alone); frames that drive each hidden sum to its ends; 400 random frames.
+Drives: a frame every clock, with random gaps, with resets among them, and with one reset at each
+clock of a frame's way.
+Checks: every output bit for bit in its clock, that nothing comes out in any other clock, and that
+``frame_error`` stays low. Measures the clocks of a frame.
+Does not prove: anything about the accuracy of the network (the report of `make demo` does).
+"""
+
+import cocotb
+import numpy as np
+
+from golden.precision import SIGNAL
+from tb.common.bench import Bench
+from tb.common.small import ADDER_GRAPHS
+from tb.common.stimulus import corner_frames, extreme_frames, random_resets, spread
+
+CASES = ADDER_GRAPHS
+FAULTS = [
+    (r"\.in_data_1\(in_data_1\)", ".in_data_1(in_data_0)"),
+    (r"\.in_data_1\(r_1\)", ".in_data_1(r_0)"),
+    (r"out_valid <= delay[^;]+", "out_valid <= q_valid"),
+]
+
+
+def ports(name, count):
+    return [f"{name}_{i}" for i in range(count)]
+
+
+async def check(bench, frames, gap, pause=0, resets=None):
+    """Play frames; expect what the twin makes of the frames that were recorded.
+
+    ``resets`` gives the reset column for a number of clocks.
+    """
+    twin, latency = bench.twin, bench.latency
+    sensors, outputs = ports("in_data", twin.inputs), ports("out_data", twin.outputs)
+    items = dict(zip(sensors, frames.T, strict=True))
+    drive = spread(bench.rng, items, "in_valid", gap, tail=latency + 4, pause=pause)
+    if resets is not None:
+        drive["rst"] = resets(len(drive["in_valid"]))
+    recording = await bench.play(drive, ["out_valid", *outputs, "frame_error"])
+
+    entered = recording.rows("in_valid")
+    entered = entered[recording.undisturbed(entered, entered)]
+    seen = np.stack([recording.signed(port, entered) for port in sensors], axis=-1)
+    alive = recording.undisturbed(entered, entered + latency - 1)
+    left = recording.rows("out_valid")
+    bench.compare("clocks of out_valid", left, entered[alive] + latency)
+    got = np.stack([recording.signed(port, left) for port in outputs], axis=-1)
+    bench.compare("out_data", got, twin.process(seen[alive]), frame=seen[alive])
+    assert not len(recording.rows("frame_error")), "frame_error is high"
+    return recording, entered
+
+
+def random_frames(bench, count):
+    return bench.rng.integers(SIGNAL.low, SIGNAL.high + 1, (count, bench.twin.inputs))
+
+
+@cocotb.test()
+async def recorded(dut):
+    """All recorded frames back to back, then with gaps; counts the clocks."""
+    bench = Bench(dut)
+    codes = bench.scene.vectors().codes
+    recording, entered = await check(bench, codes, gap=0.0)
+    bench.facts = {
+        "frames": len(codes),
+        "seconds": recording.seconds,
+        "clocks_per_frame": int(recording.rows("out_valid")[0] - entered[0] + 1),
+        "interval": int(np.diff(entered).min()) if len(entered) > 1 else 1,
+    }
+    await check(bench, codes, gap=0.3)
+    bench.finish(at_least=len(codes))
+
+
+@cocotb.test()
+async def corners_and_random(dut):
+    """Corner frames, frames that drive hidden sums to their ends, and random ones."""
+    bench = Bench(dut)
+    ends = extreme_frames(SIGNAL, bench.twin.hidden_weights)
+    corners = corner_frames(SIGNAL, bench.twin.inputs)
+    frames = np.concatenate([corners, ends, random_frames(bench, 400)])
+    for gap in (0.0, 0.4):
+        await check(bench, frames, gap)
+    bench.finish(at_least=400)
+
+
+@cocotb.test()
+async def resets_among_frames(dut):
+    """Resets at random clocks among frames at any distance."""
+    bench = Bench(dut)
+    every = 2 * (1 + bench.latency)
+    await check(
+        bench,
+        random_frames(bench, 600),
+        gap=0.2,
+        resets=lambda length: random_resets(bench.rng, length, every),
+    )
+    bench.finish(at_least=20)
+
+
+@cocotb.test()
+async def reset_at_every_clock(dut):
+    """One frame, a reset a given number of clocks after it, and a good frame."""
+    bench = Bench(dut)
+    span = bench.latency + 2
+
+    def resets(clocks):
+        column = np.zeros(clocks, dtype=np.int64)
+        for t in range(span):
+            # Frame 2 t enters at this clock, frame 2 t + 1 a span and a clock later.
+            column[2 * t * (span + 1) + span + t] = 1
+        return column
+
+    _, entered = await check(
+        bench, random_frames(bench, 2 * span), gap=0.0, pause=span, resets=resets
+    )
+    assert len(entered) == 2 * span - 1, "a frame after a reset was lost"
+    bench.finish(at_least=span)

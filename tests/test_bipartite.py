@@ -1,0 +1,130 @@
+"""The activation bipartite over every one of its 262144 codes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from golden.activation.bipartite import Bipartite
+from golden.activation.bipartite_pair import pair_for
+from golden.activation.bipartite_table import FORMATS, bipartite_table
+from golden.activation.schemes import SCHEMES
+from golden.fixed import Fix
+from golden.precision import EXACT, SIGNAL, THESIS
+
+FMT = EXACT.hidden_fmt
+CODES = np.arange(FMT.low, FMT.high + 1)
+# Codes that are not the nearest to tanh, and the largest error in units of 2**-13.
+FOUND = {"block_ram": (11718, 0.93), "logic": (60212, 4.602)}
+
+
+def build(memory: str, reach: int = FMT.high) -> Bipartite:
+    block = SCHEMES["bipartite"].configured({"memory": memory}).build(EXACT, 1, reach)
+    assert isinstance(block, Bipartite)
+    return block
+
+
+def tanh_units() -> np.ndarray:
+    """tanh of the middle of every step in units of 2**-13; off by less than 2**-38 of a unit."""
+    return np.tanh((CODES + 0.5) * 2.0**-14) * 8192
+
+
+@pytest.mark.parametrize("memory", FORMATS)
+def test_error_and_wrong_codes_are_those_of_the_page(memory: str) -> None:
+    results = build(memory).process(CODES)
+    exact = tanh_units()
+    # No tanh is so near to a whole unit that its last bits decide which code is the nearest.
+    assert np.abs(exact - np.rint(exact)).min() > 2**-34
+    wrong, bound = FOUND[memory]
+    assert int((results != np.floor(exact)).sum()) == wrong
+    assert bound - 0.001 < np.abs(results + 0.5 - exact).max() < bound
+    assert f"{wrong}" in str(Bipartite.__doc__)
+    assert f"{bound}" in str(Bipartite.__doc__)
+
+
+@pytest.mark.parametrize("memory", FORMATS)
+def test_odd_monotone_and_saturated(memory: str) -> None:
+    block = build(memory)
+    results = block.process(CODES)
+    assert (np.diff(results) >= 0).all()
+    assert np.array_equal(results, ~results[::-1])
+    assert (results[0], results[-1]) == (SIGNAL.low, SIGNAL.high)
+    assert np.array_equal(results.reshape(2, -1), block.compute(CODES.reshape(2, -1)))
+
+
+@pytest.mark.parametrize("memory", FORMATS)
+def test_no_sum_overflows_and_every_word_fits(memory: str) -> None:
+    block = build(memory)
+    fmt, table = block.formats, block.table
+    mag = CODES[CODES >= 0]
+    base, slope = fmt.addresses(mag, mag)
+    correction = np.take(table.corrections, slope)
+    sums = np.take(table.bases, base) + correction
+    assert 0 <= sums.min() <= sums.max() < 1 << fmt.base_width
+    assert 0 <= min(table.bases) <= max(table.bases) < 1 << fmt.base_width
+    half = 1 << (table.correction_width - 1)
+    assert -half <= min(table.corrections) <= max(table.corrections) < half
+
+
+@pytest.mark.parametrize("memory", FORMATS)
+@pytest.mark.parametrize("reach", [0, 1, 1023, 1024, 32767, 32768, 65535, 65536, 80000])
+def test_words_out_of_reach_are_left_out_and_change_nothing(memory: str, reach: int) -> None:
+    whole, lean = build(memory), build(memory, reach)
+    assert not whole.left_out()
+    assert (lean.left_out().total() > 0) == (reach < 65536)
+    assert (lean.entity != whole.entity) == (reach < 65536)
+    codes = np.arange(-reach - 1, reach + 1)
+    assert np.array_equal(lean.process(codes), whole.process(codes))
+
+
+@pytest.mark.parametrize("memory", FORMATS)
+@pytest.mark.parametrize("width", [16, 18, 20])
+def test_a_wider_q_saturates_and_a_narrower_one_is_the_same(memory: str, width: int) -> None:
+    whole = build(memory)
+    other = whole.taking(width)
+    fmt = Fix(width, FMT.frac)
+    codes = np.arange(fmt.low, fmt.high + 1)
+    assert other.in_fmt == fmt
+    assert np.array_equal(other.process(codes), whole.process(np.clip(codes, FMT.low, FMT.high)))
+
+
+def test_block_ram_words_are_those_of_two_memories() -> None:
+    table = bipartite_table(FORMATS["block_ram"])
+    assert (len(table.bases), FORMATS["block_ram"].base_width) == (1024, 16)
+    assert (len(table.corrections), table.correction_width) == (2048, 8)
+
+
+def test_a_pair_is_two_nodes() -> None:
+    whole = build("block_ram")
+    pair = pair_for(whole)
+    both = pair.process(CODES, CODES[::-1])
+    assert np.array_equal(both[0], whole.process(CODES))
+    assert np.array_equal(both[1], whole.process(CODES)[::-1])
+    with pytest.raises(ValueError, match=r"bipartite_pair_logic17: got memory='logic'"):
+        pair_for(build("logic"))
+
+
+def test_other_formats_are_refused() -> None:
+    with pytest.raises(ValueError, match=r"got q in Fix\(14,13\), normalised by 3, of .*'thesis'"):
+        SCHEMES["bipartite"].build(THESIS, 3, 8191)
+    with pytest.raises(ValueError, match=r"normalised by 2"):
+        SCHEMES["bipartite"].build(EXACT, 2, 8191)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"memory": "rom"}, "got memory='rom', expected one of block_ram, logic"),
+        ({"reach_width": 9}, "got reach_width=9, expected 11 to 17"),
+        ({"reach_width": 18}, "got reach_width=18, expected 11 to 17"),
+        ({"in_fmt": Fix(18, 13)}, r"got in_fmt=Fix\(18,13\) .*, expected 14 fraction bits"),
+        ({"out_fmt": Fix(13, 12)}, r"out_fmt=Fix\(13,12\), expected 14 fraction bits and Fix\(14"),
+    ],
+)
+def test_parameters_are_checked(changes: dict, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        replace(build("block_ram"), **changes)
+    with pytest.raises(ValueError, match="bipartite data: got code 131072"):
+        build("block_ram").process(131072)
