@@ -22,6 +22,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,7 +49,7 @@ TEACHER_FRAMES = 600
 NEIGHBOURS = 4
 WAY = (-0.25, 0.75)
 ASIDE = 0.02
-TEACHER_WEIGHT = 0.5
+TEACHER_WEIGHT = 2.0
 
 REFITS = 9  # between the first weight and the last
 STEPS = 2  # of each
@@ -56,7 +57,8 @@ DAMPING = np.geomspace(1e-9, 1e3, 9)
 
 # Prices of a digit, as parts of the error of the network as it was trained.
 PRICES = (1e-3, 1e8)
-HALVINGS = 12
+PRICE_STEP = 0.02  # between the last two prices that are tried, as a part
+NEAR = 1.5  # of the price of the first start those of the others are searched as near
 RUNGS = 64  # from the least price to the greatest, where the fewest digits are looked for
 SLACK = 0.02  # so much fewer digits than asked for will do
 
@@ -262,27 +264,43 @@ def _cheapest(values: Real, stiffness: Real, price: float, grid: Grid) -> Real:
     return found
 
 
-def at_most(aim: Aim, start: Real, count: int, rng: np.random.Generator) -> Real:
-    """The point with ``count`` digits or few less, from a network as it was trained.
+def at_most(
+    aim: Aim,
+    start: Real,
+    count: int,
+    rng: np.random.Generator,
+    prices: tuple[float, float] | None = None,
+) -> tuple[Real, float]:
+    """The point with ``count`` digits or few less, from a network as it was trained, and the price
+    that led to it, as a part of ``_unit``.
+
+    Parameters
+    ----------
+    aim : Aim
+    start : float array
+    count : int
+    rng : Generator
+    prices : tuple of float, optional
+        Between which the price is searched; ``PRICES`` where none are given.
 
     Raises
     ------
     ValueError
         When no price leads to so few.
     """
-    unit = _unit(aim, start)
-    low, high = np.log(PRICES)
-    best: Real | None = None
-    for _ in range(HALVINGS):
-        price = unit * np.exp((low + high) / 2)
-        point = priced(aim, start, float(price), rng)
+    low, high = np.log(prices or PRICES)
+    best: tuple[Real, float] | None = None
+    while high - low > PRICE_STEP:
+        middle = (low + high) / 2
+        price = float(np.exp(middle))
+        point = priced(aim, start, price * _unit(aim, start), rng)
         digits = aim.grid.digits(point)
         if digits > count:
-            low = (low + high) / 2
+            low = middle
             continue
-        high = (low + high) / 2
-        if best is None or aim.value(point) < aim.value(best):
-            best = point
+        high = middle
+        if best is None or aim.value(point) < aim.value(best[0]):
+            best = point, price
         if digits >= count * (1 - SLACK):
             break
     if best is None:
@@ -349,12 +367,12 @@ class FewDigits:
 
     def on_more_rows(
         self, task: Task, mlp: Mlp, frames: Frames, rows: NDArray[np.int64], count: int
-    ) -> Mlp:
-        """A network that was trained on with more rows, with ``count`` digits: the one that these
-        rows fit best, as none are left to rank by."""
+    ) -> list[Mlp]:
+        """Networks that were trained on with more rows, with ``count`` digits, from each start; no
+        rows are left to rank them by, so the one that fits these best stands first."""
         aim = self._aim(task, mlp, frames, rows)
         found = self._starts(aim, mlp, task, frames, count)
-        return min(found, key=lambda one: aim.value(pack(one)))
+        return sorted(found, key=lambda one: aim.value(pack(one)))
 
     def _aim(self, task: Task, mlp: Mlp, frames: Frames, rows: NDArray[np.int64]) -> Aim:
         return aim_of(task, mlp, frames, task.recorded.take(rows), self.misses())
@@ -369,10 +387,26 @@ class FewDigits:
         if aim.grid.digits(aim.grid.rounded(start)) <= wanted:
             yield unpack(aim.grid.rounded(start), mlp.shape)
             return
+        prices = None
         for rng in self._generators():
             with naming(f"{task.scene.path}: training.digits"):
-                point = at_most(aim, start, wanted, rng)
+                point, price = self._near(aim, start, wanted, rng, prices)
+            prices = price / NEAR, price * NEAR
             yield self._whole(aim, point, task, frames)
+
+    @staticmethod
+    def _near(
+        aim: Aim,
+        start: Real,
+        count: int,
+        rng: np.random.Generator,
+        prices: tuple[float, float] | None,
+    ) -> tuple[Real, float]:
+        """See ``at_most``; where no price of these leads to so few, one of all may."""
+        if prices:
+            with suppress(ValueError):
+                return at_most(aim, start, count, rng, prices)
+        return at_most(aim, start, count, rng)
 
     def _generators(self) -> Iterator[np.random.Generator]:
         seed = self.task.scene.training.seed

@@ -82,10 +82,10 @@ class Stages:
                 count = count_digits(found[0], self.scene.precision.coeff_width)
             task = self.task(self.tested, number)
             rows = np.concatenate([task.split.training, task.split.validation])
-            found.append(few.on_more_rows(task, tested, task.known, rows, count))
+            found.append(few.on_more_rows(task, tested, task.known, rows, count)[0])
             task = self.task(self.written, number)
             rows = np.arange(len(task.recorded.codes))
-            found.append(few.on_more_rows(task, written, task.every, rows, count))
+            found.append(few.on_more_rows(task, written, task.every, rows, count)[0])
         read = [self._as_read(mlp, number) for mlp in found]
         return read if len(read) > 1 else read * 3
 

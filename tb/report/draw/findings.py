@@ -243,6 +243,36 @@ def robustness_plot(table: Table) -> Plot:
     )
 
 
+def digits_plot(table: Table) -> Plot:
+    """What fewer digits cost in error, and save in LUTs, in designs measured at every count."""
+    rows = rows_of(table)
+    at = list(table.columns)
+    outputs = at[at.index("digits") + 1 : at.index("deviation")]
+    designs = [name for name in at if name.endswith(" LUT")]
+    points = {
+        name.removesuffix(" LUT"): [
+            (number(row, name), sum(number(row, output) for output in outputs) / len(outputs))
+            for row in rows
+        ]
+        for name in designs
+        if all(row[name] is not None for row in rows)
+    }
+    counts = ", ".join(f"{number(row, 'digits'):g}" for row in rows)
+    least = next(iter(points))
+    first, last = (points[least][n][0] for n in (0, -1))
+    return Plot(
+        "digits",
+        "Weights of fewer signed digits",
+        "Virtex-II LUTs",
+        "held-out error, part of that with all digits",
+        points,
+        f"Points are {counts} digits, along the lines; the error is the mean of the outputs on "
+        f"rows that were held out. In {least} {first:g} LUTs become {last:g}.",
+        ["digits"],
+        linear="y",
+    )
+
+
 def swing_plots(tables: Mapping[str, Table]) -> list[Plot]:
     """Integrators of the swing: plain, strongly damped, and just short of upright."""
     table = tables["swing"]

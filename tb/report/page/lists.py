@@ -27,6 +27,7 @@ from tb.report.draw.network import network
 from tb.report.draw.tanh_words import tanh_words as draw_tanh_words
 from tb.report.measure.clocks import clocks, clocks_per_frame
 from tb.report.measure.costs import with_network_cells
+from tb.report.measure.digits import digits
 from tb.report.measure.steps import SEED
 from tb.report.measure.table import Cell, Table
 from tb.report.measure.tanh_words import tanh_words
@@ -147,6 +148,15 @@ def robustness(page: str) -> str:
     return findings.robustness_plot(Table("robustness", columns, rows, "")).draw()
 
 
+def digits_rows() -> str:
+    """The recorded table of weights of few digits."""
+    table = digits(SEED)
+    lines = [f"| {' | '.join(table.columns)} |", f"|{'---|' * len(table.columns)}"]
+    for row in table.rows:
+        lines.append(f"| {' | '.join('' if cell is None else f'{cell:,}' for cell in row)} |")
+    return "\n".join(lines)
+
+
 def _middle(text: str) -> float:
     ends = [float(end) for end in text.split(" to ")]
     return sum(ends) / len(ends)
@@ -160,6 +170,7 @@ def pages() -> dict[Path, str]:
         (ROOT / "README.md", "cost", cost),
         (docs / "README.md", "commands", commands),
         (docs / "figures.md", "disturbance", disturbed),
+        (docs / "figures.md", "digits", digits_rows),
         (docs / "scenes.md", "scenes", scenes),
         (docs / "blocks" / "gradient.md", "segments", segments),
         (docs / "blocks" / "engine.md", "pipeline", pipeline),
@@ -170,6 +181,7 @@ def pages() -> dict[Path, str]:
         found[page] = put(page, before, text(), COMMAND, section)
     figures = (docs / "figures.md").read_text(encoding="utf-8")
     found[docs / "robustness.svg"] = robustness(figures) + "\n"
+    found[docs / "digits.svg"] = findings.digits_plot(digits(SEED)).draw() + "\n"
     found[docs / "networks.svg"] = network(load_scene(DEMO)) + "\n"
     found[docs / "area.svg"] = area(with_network_cells(clocks(SEED))) + "\n"
     found[docs / "activations" / "engine.svg"] = draw_tanh_words(tanh_words(SEED)) + "\n"

@@ -46,6 +46,7 @@ def sections(scene: Scene, state: str, draw: Draw, tell: Progress) -> list[Secti
         *findings.network_plots(networks),
         *findings.training_plots(tables),
         findings.robustness_plot(tables["robustness"]),
+        findings.digits_plot(tables["digits"]),
         *findings.swing_plots(tables),
         *past_plots(tables["past"]),
         findings.damping_plot(tables),

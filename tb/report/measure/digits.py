@@ -1,0 +1,162 @@
+"""``python -m tb.report.measure.digits``: what fewer signed digits cost in error and save in cells.
+
+The network of scene ``digit-single`` with fewer and fewer digits: its error on rows that took no
+part, and the cells of the network that is written, in every design that builds it. The figures are
+recorded, as all of them take an hour of processor time; table ``digits`` of ``make figures`` is the
+record.
+
+    python -m tb.report.measure.digits --record
+    python -m tb.report.measure.digits 245 230 --record
+
+The second measures two counts and leaves the others as recorded.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import tempfile
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from golden.files import replace_file
+from golden.network_files.network_file import provenance_path, save_network
+from golden.networks.mlp import Mlp, Real
+from golden.scene import Scene, load_scene
+from golden.training.few_digits import FewDigits, count_digits
+from golden.training.search import signed_errors
+from golden.training.stages import Stages
+from hdl.export.repeatable import run_repeatable
+from hdl.synth.activations import cells
+from tb.report.measure.table import Cell, Table
+
+SCENE = "digit-single"
+RECORD = Path(__file__).with_suffix(".csv")
+FAMILY = "xc2v"
+# Design and activation.
+FORMS = {"engine": "precise", "hybrid": "precise", "parallel": "precise"}
+# Digits asked for, 0 for the network as it was trained.
+COUNTS = (0, 400, 320, 280, 260, 245, 230, 215, 200)
+# Folded designs hold weights as words, whatever their digits: two counts will do.
+FOLDED, FOLDED_COUNTS = ("engine", "hybrid"), (0, 245)
+NOTE = (
+    "Network 4:16:4 of digit-single with so many signed digits in its weights; the first row is as "
+    "it was trained. Errors on rows that were held out, as a part of those with all digits: the "
+    "mean over the networks from each start, and over all outputs their standard deviation. "
+    "Virtex-II cells (synth_xilinx -family xc2v) of the network that is written. As recorded by "
+    "python -m tb.report.measure.digits."
+)
+
+
+def columns(scene: Scene) -> list[str]:
+    """The headings, units beside what has one."""
+    designs = [f"{name} LUT" for name in FORMS]
+    return ["asked", "digits", *scene.outputs, "deviation", *designs, "parallel multiplier"]
+
+
+def measured(scene: Scene, stages: Stages, count: int) -> list[Cell]:
+    """The row of so many digits; 0 for the network as it was trained."""
+    chosen, tested, written = (m[0] for m in (stages.chosen, stages.tested, stages.written))
+    mean, deviation, kept = np.ones(len(scene.outputs)), 0.0, written
+    if count:
+        task = stages.task([], 0)
+        few = FewDigits(task, chosen)
+        split = task.split
+        known = np.concatenate([split.training, split.validation])
+        ratios = np.array(
+            [
+                _errors(stages, mlp) / _errors(stages, tested)
+                for mlp in few.on_more_rows(task, tested, task.known, known, count)
+            ]
+        )
+        mean, deviation = ratios.mean(axis=0), float(ratios.std(axis=0).mean())
+        rows = np.arange(len(task.recorded.codes))
+        kept = few.on_more_rows(task, written, task.every, rows, count)[0]
+    found = {
+        name: cells_of(scene, name, kept)
+        for name in FORMS
+        if name not in FOLDED or count in FOLDED_COUNTS
+    }
+    return [
+        count,
+        count_digits(kept, scene.precision.coeff_width),
+        *(round(float(value), 3) for value in mean),
+        round(deviation, 3),
+        *(found[name]["LUT"] if name in found else None for name in FORMS),
+        found["parallel"]["multiplier"],
+    ]
+
+
+def _errors(stages: Stages, mlp: Mlp) -> Real:
+    """Mean error of each output on the test rows, as recorded."""
+    task = stages.task([], 0)
+    errors: Real = np.abs(signed_errors(task, mlp, task.recorded.take(task.split.test))).mean(
+        axis=0
+    )
+    return errors
+
+
+def cells_of(scene: Scene, design: str, mlp: Mlp) -> dict[str, int]:
+    """Cells of a network in one design."""
+    with tempfile.TemporaryDirectory() as name:
+        path = Path(name) / "few.npz"
+        save_network(path, mlp, {})
+        (member,) = scene.members
+        built = replace(
+            scene,
+            design=design,
+            activation=FORMS[design],
+            members=(replace(member, weights_path=path),),
+        )
+        return cells(built.twin(), FAMILY)
+
+
+def digits(_seed: int) -> Table:
+    """The record."""
+    with RECORD.open(newline="", encoding="utf-8") as handle:
+        heads, *lines = csv.reader(handle)
+    rows = [[_number(cell) for cell in line] for line in lines]
+    return Table("digits", heads, rows, NOTE)
+
+
+def _number(cell: str) -> Cell:
+    if not cell:
+        return None
+    return float(cell) if "." in cell else int(cell)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m tb.report.measure.digits", description=__doc__)
+    parser.add_argument("counts", nargs="*", type=int, help="0 for the network as it was trained")
+    parser.add_argument("--record", action="store_true")
+    arguments = parser.parse_args()
+    scene = load_scene(SCENE)
+    story = tomllib.loads(provenance_path(scene.weights_paths[0]).read_text(encoding="utf-8"))
+    stages = Stages(scene)
+    stages.add(scene.members[0].hidden, story["best_restart"])
+    heads = columns(scene)
+    rows = {row[0]: list(row) for row in (digits(0).rows if RECORD.is_file() else [])}
+    for count in arguments.counts or COUNTS:
+        row = measured(scene, stages, count)
+        rows[row[0]] = row
+        print(
+            ", ".join(f"{head} {cell}" for head, cell in zip(heads, row, strict=True)), flush=True
+        )
+        if arguments.record:
+            with (
+                replace_file(RECORD) as temporary,
+                temporary.open("w", newline="", encoding="utf-8") as handle,
+            ):
+                writer = csv.writer(handle, lineterminator="\n")
+                writer.writerow(heads)
+                # As trained first, then the fewer the later.
+                writer.writerows(rows[asked] for asked in COUNTS if asked in rows)
+    if arguments.record:
+        print(f"wrote {RECORD}")
+
+
+if __name__ == "__main__":
+    run_repeatable("tb.report.measure.digits", main)
