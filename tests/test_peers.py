@@ -135,10 +135,10 @@ def test_verilog_that_differs_from_its_model_is_told(
     found[1, 2] = 1
     with pytest.raises(CommandError, match="1 of 3 frames are other in simulation"):
         da4ml_rows.check(found, expected)
-    answer = [{"outputs": expected.tolist(), "simulated": found.tolist()}]
+    answer = {"outputs": expected.tolist(), "simulated": found.tolist()}
     monkeypatch.setattr(nngen_rows, "asked", lambda *_: answer)
     with pytest.raises(CommandError, match="1 of 3 frames are other in simulation"):
-        nngen_rows.rows(Path("python"), task, tmp_path)
+        nngen_rows.row(Path("python"), task, tmp_path)
 
 
 def test_without_a_network_is_one_message(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

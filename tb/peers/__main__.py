@@ -57,7 +57,7 @@ def main() -> None:
             place = folder / "da4ml" / ("kept" if kept else "written")
             rows.append(da4ml_rows.row(chosen, task, place, kept))
             progress.step(rows[-1].name)
-        rows += nngen_rows.rows(python, task, folder / "nngen")
+        rows.append(nngen_rows.row(python, task, folder / "nngen"))
         progress.step("NNgen")
         versions = [f"{name} {version_of(python, name)}" for name in PEERS]
         table = compared(

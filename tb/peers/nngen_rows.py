@@ -16,26 +16,23 @@ PROGRAM = Path(__file__).with_name("nngen_network.py")
 TOP = "peer"
 
 
-def rows(python: Path, task: Task, folder: Path) -> list[Row]:
-    """Each setting of ``nngen_network.py`` in one piece.
+def row(python: Path, task: Task, folder: Path) -> Row:
+    """The network of ``nngen_network.py`` in one piece.
 
     Raises
     ------
     CommandError
         When NNgen fails, or a simulated frame has other outputs than its model.
     """
-    found = []
-    for number, one in enumerate(asked(python, PROGRAM, task.given(), folder)):
-        outputs, simulated = np.array(one["outputs"]), np.array(one["simulated"])
-        wrong = int((outputs[: len(simulated)] != simulated).any(axis=1).sum())
-        if wrong:
-            raise CommandError(
-                f"NNgen: {wrong} of {len(simulated)} frames are other in simulation than in its "
-                "model"
-            )
-        # Its outputs are 16 bits wide.
-        errors = task.errors(np.clip(outputs, SIGNAL.low, SIGNAL.high))
-        cells = in_one_piece(folder / str(number), TOP)
-        name = f"NNgen, table of {1 << one['address']} words"
-        found.append(Row(name, cells, one["clocks"], one["clocks"], errors))
-    return found
+    answer = asked(python, PROGRAM, task.given(), folder)
+    outputs, simulated = np.array(answer["outputs"]), np.array(answer["simulated"])
+    wrong = int((outputs[: len(simulated)] != simulated).any(axis=1).sum())
+    if wrong:
+        raise CommandError(
+            f"NNgen: {wrong} of {len(simulated)} frames are other in simulation than in its model"
+        )
+    # Its outputs are 16 bits wide.
+    errors = task.errors(np.clip(outputs, SIGNAL.low, SIGNAL.high))
+    name = f"NNgen, table of {answer['words']} words"
+    clocks = answer["clocks"]
+    return Row(name, in_one_piece(folder, TOP), clocks, clocks, errors)
