@@ -29,6 +29,7 @@ LEFT = (
     *("profile", "other-profile", "deep-reload", "three-engine", "huge-engine"),
     *("one-past", "few-past", "three-past", "serial-past", "axis-past", "drawn-past"),
     *("instrument", "slower-cascade", "wide-multiple", "wide-parallel"),
+    *("wide-converter", "signed-converter"),
     *("huge", "huge-parallel", "logic-huge", "block-ram-huge"),
 )
 
