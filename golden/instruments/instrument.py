@@ -7,16 +7,14 @@ from dataclasses import dataclass
 from golden.block import Block
 from golden.fixed import Codes
 from golden.flow import Carried, Flow
-from golden.instruments.readout import Readout
-from golden.layers.input_controller import FrameJudge
-from golden.networks.network import Network
+from golden.instruments.scanned import Scanned
 from golden.port import CLOCKED, Port
 from golden.precision import SIGNAL
 from golden.sensing.scan_sequencer import ScanSequencer
 
 
 @dataclass(frozen=True)
-class Instrument(Network):
+class Instrument(Scanned):
     """The sensors in turn, the network and its readout (thesis Figures 5.5, 5.12 and 5.25).
 
     As a network it is the one inside, with a frame every scan.
@@ -36,9 +34,7 @@ class Instrument(Network):
     block = "instrument"
     section = "5.4.4, 5.5, 5.8"
     stream = "converter"
-    area = "instruments"
     scan_sequencer: ScanSequencer
-    readout: Readout
 
     def __post_init__(self) -> None:
         scan = self.scan_sequencer
@@ -48,32 +44,9 @@ class Instrument(Network):
             raise ValueError(
                 f"{self.entity}: got a scan of (inputs, slots) {got}, expected {expected}"
             )
-        if scan.scan_clocks < self.readout.interval:
-            raise ValueError(
-                f"{self.entity}: got counter_width={scan.counter_width}, a scan of "
-                f"{scan.scan_clocks} clocks, expected {self.readout.interval} or more, which the "
-                "network needs"
-            )
         samples = scan.sample_clocks
         left = scan.scan_clocks - int(samples[-1]) + int(samples[0]) - 1
-        if left < self.readout.busy:
-            raise ValueError(
-                f"{self.entity}: got counter_width={scan.counter_width}, a scan that leaves {left} "
-                f"clocks between two frames, expected {self.readout.busy} or more, in which the "
-                "network computes"
-            )
-
-    @property
-    def inputs(self) -> int:
-        return self.readout.inputs
-
-    @property
-    def outputs(self) -> int:
-        return self.readout.outputs
-
-    @property
-    def past(self) -> int:
-        return self.readout.past
+        self.check_scan(scan.counter_width, scan.scan_clocks, left)
 
     @property
     def interval(self) -> int:
@@ -82,13 +55,7 @@ class Instrument(Network):
     @property
     def ports(self) -> tuple[Port, ...]:
         scan = {port.name: port for port in self.scan_sequencer.ports}
-        results = [port for port in self.readout.ports if port.direction == "out"]
-        return (
-            *CLOCKED,
-            scan["adc"],
-            scan["address"],
-            *(port for port in results if port.name != "frame_error"),
-        )
+        return (*CLOCKED, scan["adc"], scan["address"], *self.shown_ports)
 
     @property
     def unreachable(self) -> dict[str, str]:
@@ -103,10 +70,6 @@ class Instrument(Network):
         return tuple(self.scan_sequencer.latency + c for c in self.readout.output_clocks)
 
     @property
-    def input_controller(self) -> FrameJudge:
-        return self.readout.input_controller
-
-    @property
     def frame_clocks(self) -> int:
         """A frame begins with its scan."""
         return int(self.scan_sequencer.sample_clocks[-1]) + 1
@@ -115,19 +78,12 @@ class Instrument(Network):
     def scanner(self) -> ScanSequencer:
         return self.scan_sequencer
 
-    @property
-    def core(self) -> Network:
-        return self.readout.core
-
     def parts(self) -> tuple[Block, ...]:
         return (self.scan_sequencer, self.readout)
 
     def flow(self) -> Flow:
         given = Carried("codes of the converter", SIGNAL)
         return Flow((given, self.scan_sequencer, None, self.readout))
-
-    def left_out(self) -> list[str]:
-        return self.readout.left_out()
 
     def compute(self, frames: Codes) -> Codes:
         return self.readout.compute(frames)

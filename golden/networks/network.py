@@ -26,7 +26,7 @@ class Network(Block):
     area = "networks"
     # How frames come and go: "serial", an element a clock; "words", all at once; "axi_stream",
     # with a handshake; "converter", codes of an analogue-to-digital converter in, a serial frame
-    # out.
+    # out; "spi", its bits in.
     stream: ClassVar[str] = "serial"
 
     @property

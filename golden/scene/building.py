@@ -7,6 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from golden.cli import naming
+from golden.instruments.converter_instrument import ConverterInstrument
 from golden.instruments.instrument import Instrument
 from golden.instruments.readout import Readout
 from golden.networks.arrangement import arrange
@@ -54,7 +55,10 @@ def build_twin(scene: Scene, lean: bool) -> Network:
     if scene.front_end is None:
         return readout
     with naming(f"{scene.path}: front_end"):
-        return Instrument(scene.front_end.scan_sequencer(network), readout)
+        if scene.front_end.converter:
+            reader = scene.front_end.converter_reader(network)
+            return ConverterInstrument(reader, readout=readout)
+        return Instrument(scene.front_end.scan_sequencer(network), readout=readout)
 
 
 def _of_several(scene: Scene, design: type[Design], lean: bool) -> Network | None:

@@ -10,6 +10,8 @@ from typing import Any
 
 from golden.networks.network import Network
 from golden.precision import SIGNAL
+from golden.sensing.converter_parts import PARTS
+from golden.sensing.converter_reader import ConverterReader
 from golden.sensing.scan_sequencer import MOST_SCAN_CLOCKS, ScanSequencer
 from golden.window import Window
 
@@ -18,7 +20,10 @@ KEYS: dict[str, tuple[Any, Any]] = {
     "counter_width": (int, 12),
     "sample_at": (float, 0.9),
     "rate_hz": (float, 0.0),
+    "converter": (str, ""),
 }
+# Parts that can be bought; without one it is a parallel code behind an analogue multiplexer.
+CONVERTERS = tuple(PARTS)
 
 
 @dataclass(frozen=True)
@@ -33,6 +38,8 @@ class FrontEnd:
         Where in a slot the converter's code is taken, as a part of the slot.
     rate_hz : float
         Scans a second that are asked for; 0 where one follows another at once.
+    converter : str
+        The part that is read; empty for codes behind an analogue multiplexer.
     clock_mhz : float
         The clock that the scene is meant for.
     """
@@ -40,6 +47,7 @@ class FrontEnd:
     counter_width: int
     sample_at: float
     rate_hz: float
+    converter: str
     clock_mhz: float
 
     @property
@@ -75,10 +83,29 @@ class FrontEnd:
         """
         return self._sequencer(network.inputs, network.input_controller.inputs)
 
+    def converter_reader(self, network: Network) -> ConverterReader:
+        """The reader that makes frames for ``network`` of what ``converter`` sends.
+
+        Raises
+        ------
+        ValueError
+            When the counter is too narrow for the part, or the part has not as many channels.
+        """
+        return ConverterReader(
+            SIGNAL,
+            PARTS[self.converter],
+            network.inputs,
+            network.input_controller.inputs,
+            self.counter_width,
+            self.clock_mhz,
+            self.scan_clocks - (1 << self.counter_width),
+        )
+
     def clocks_left(self, window: Window) -> int:
         """Clocks from a frame's last sample to the next that a network without slots takes.
 
-        With a past it is a frame window that sends the samples.
+        With a past it is a frame window that sends the samples, and a converter's are sent when
+        the scan is whole: one a clock.
 
         Raises
         ------
@@ -88,6 +115,8 @@ class FrontEnd:
         if not window.plain:
             return self.scan_clocks - len(window.taps)
         inputs = len(window.delays)
+        if self.converter:
+            return self.scan_clocks - inputs
         scan = self._sequencer(inputs, inputs)
         samples = scan.sample_clocks
         return scan.scan_clocks - int(samples[-1]) + int(samples[0]) - 1
@@ -111,8 +140,9 @@ def front_end(values: dict[str, Any], clock_mhz: float, path: Path) -> FrontEnd:
     Raises
     ------
     ValueError
-        For a counter outside 1 to 24 bits, a ``sample_at`` outside its slot, or a rate that leaves
-        no time for the slots or that no counter reaches.
+        For a counter outside 1 to 24 bits, a ``sample_at`` outside its slot or with a converter
+        that has its own time, or a rate that leaves no time for the slots or that no counter
+        reaches.
     """
     if not 1 <= values["counter_width"] <= 24:
         raise ValueError(
@@ -121,6 +151,12 @@ def front_end(values: dict[str, Any], clock_mhz: float, path: Path) -> FrontEnd:
     if not 0 < values["sample_at"] < 1:
         raise ValueError(
             f"{path}: front_end.sample_at: got {values['sample_at']}, expected above 0 and below 1"
+        )
+    own = KEYS["sample_at"][1]
+    if values["converter"] and values["sample_at"] != own:
+        raise ValueError(
+            f"{path}: front_end.sample_at: got {values['sample_at']} with converter "
+            f"{values['converter']!r}, expected none: the part takes its samples when it is asked"
         )
     found = FrontEnd(**values, clock_mhz=clock_mhz)
     shortest = 1 << found.counter_width

@@ -9,6 +9,7 @@ from golden.activation.schemes import SCHEMES
 from golden.networks.arrangement import ARRANGEMENTS
 from golden.networks.designs import DESIGNS
 from golden.precision import PRECISIONS
+from golden.scene.front_end import CONVERTERS
 from golden.scene.front_end import KEYS as FRONT_END_KEYS
 from golden.scene.visualisation import KEYS as VISUALISATION_KEYS
 from golden.table import refuse_unknown, suggest
@@ -89,6 +90,7 @@ CHOICES = {
     ("training", "optimiser"): ("levenberg-marquardt", "scg"),
     ("training", "earlier_outputs"): ("bit-true", "float"),
     ("training", "split"): ("random", "blocks", "groups"),
+    ("front_end", "converter"): CONVERTERS,
 }
 
 

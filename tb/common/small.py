@@ -241,3 +241,33 @@ BIPARTITE = {
         ADDER_GRAPH, shapes=[(2, 3, 2)], spread=20.0, options='{ memory = "logic" }'
     ),
 }
+# Converters that are bought. Of 12 bits with the code again, a clock of sclk two of the hardware's,
+# which is slow enough that it needs no divider, and slots; of 16 bits, rounded, a scan with a turn
+# and a pause that pass idle; in two's complement.
+CONVERTER = Case(
+    [(2, 2, 1), (3, 1, 1), (4, 1, 1)],
+    "exact",
+    arrangement="cascade",
+    hardware="clock_mhz = 4.0",
+    sections=f'{FRONT_END}converter = "mcp3208-5v"\ncounter_width = 7\n',
+)
+CONVERTERS = {
+    "converter": CONVERTER,
+    "wide-converter": replace(
+        CONVERTER,
+        shapes=[(3, 2, 3)],
+        arrangement="single",
+        activation="precise",
+        design="engine",
+        hardware="clock_mhz = 12.0",
+        sections=f'{FRONT_END}converter = "ads8344"\ncounter_width = 10\nrate_hz = 11000\n',
+    ),
+    "signed-converter": replace(
+        CONVERTER,
+        shapes=[(1, 2, 4)],
+        arrangement="single",
+        hardware="clock_mhz = 5.0",
+        sections=f'{VISUALISATION}stop = 0.9\nstep = 0.3\n{FRONT_END}converter = "ads8345"\n'
+        "counter_width = 8\n",
+    ),
+}

@@ -6,7 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from string import Template
 
+from golden.instruments.converter_instrument import ConverterInstrument
 from golden.networks.network import Network
+from golden.sensing.converter_parts import TWOS
 
 
 @dataclass(frozen=True)
@@ -157,6 +159,101 @@ _CONVERTER_SEND = Template("""\
             end loop;""")
 
 
+_SPI_VARIABLES = f"""\
+{_STREAM_VARIABLES}\
+        -- A transfer: its clocks, what is asked for, the code that answers, and its bit.
+        variable edges, asked, channel, code: natural := 0;
+        variable next_bit: std_logic := '1';
+        variable was: std_logic := '0';
+"""
+
+# The converter takes a bit when sclk rises and sends one when it falls.
+_SPI_SEND = Template("""\
+            for moment in 0 to $final loop
+                if cs_n = '1' then
+                    edges := 0;
+                    asked := 0;
+                    miso <= '1';
+                elsif sclk = '1' and was = '0' then
+                    edges := edges + 1;
+                    miso <= next_bit;
+                    if edges <= $asking then
+                        asked := 2 * asked;
+                        if mosi = '1' then
+                            asked := asked + 1;
+                        end if;
+                    end if;
+                    if edges = $asking then
+                        case asked is
+$commands
+                            when others => report "no such command" severity failure;
+                        end case;
+                        code := (samples(frame * inputs + channel) + $middle) / $step * $times;
+                        if code > $most then
+                            code := $most;
+                        end if;
+$turned                    end if;
+                elsif sclk = '0' and was = '1' then
+                    next_bit := '1';
+                    if edges >= $before then
+                        next_bit := '0';
+                    end if;
+                    if edges >= $before and edges < $last then
+                        if (code / 2 ** ($last - 1 - edges)) mod 2 = 1 then
+                            next_bit := '1';
+                        end if;
+                    end if;
+$again                    if $zero then
+                        next_bit := '0';
+                    end if;
+                    miso <= next_bit;
+                    if gaps then
+                        miso <= not next_bit;
+                    end if;
+                end if;
+                was := sclk;
+                tick;
+            end loop;""")
+
+_AGAIN = Template("""\
+                    if edges >= $last then
+                        if (code / 2 ** (edges + 1 - $last)) mod 2 = 1 then
+                            next_bit := '1';
+                        end if;
+                    end if;
+""")
+
+_TURNED = Template("""\
+                        code := (code + $half) mod $span;
+""")
+
+
+def _spi_send(design: Network) -> str:
+    assert isinstance(design, ConverterInstrument)
+    reader = design.converter_reader
+    part, middle = reader.part, 1 << (reader.fmt.width - 1)
+    step, times = 1 << max(0, -reader.shift), 1 << max(0, reader.shift)
+    return _SPI_SEND.substitute(
+        final=reader.scan_clocks - 1,
+        asking=len(part.commands[0]),
+        commands="\n".join(
+            f"                            when {int(part.commands[n], 2)} => channel := {n};"
+            for n in range(reader.inputs)
+        ),
+        middle=middle + step // 2,
+        step=step,
+        times=times,
+        most=(1 << part.bits) - 1,
+        turned=_TURNED.substitute(half=1 << (part.bits - 1), span=1 << part.bits)
+        if part.coding == TWOS
+        else "",
+        before=part.first - 1,
+        last=part.last,
+        again=_AGAIN.substitute(last=part.last) if part.mirrored else "",
+        zero=" or ".join(f"edges = {clock - 1}" for clock in part.zeros),
+    )
+
+
 def _converter_send(design: Network) -> str:
     scan = design.scanner
     assert scan is not None
@@ -228,7 +325,19 @@ CONVERTER = Style(
     ),
     _converter_send,
 )
+SPI = Style(
+    _SPI_VARIABLES,
+    ("with bits that come when sclk falls", "with bits that come as late as it rises"),
+    CONVERTER.check,
+    _spi_send,
+)
 
 
 # By the network's ``stream``.
-STYLES = {"serial": STREAM, "words": PARALLEL, "axi_stream": AXIS, "converter": CONVERTER}
+STYLES = {
+    "serial": STREAM,
+    "words": PARALLEL,
+    "axi_stream": AXIS,
+    "converter": CONVERTER,
+    "spi": SPI,
+}

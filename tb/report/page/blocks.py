@@ -29,6 +29,7 @@ from golden.networks.network import Network
 from golden.port import Port, Unsigned
 from golden.precision import PRECISIONS
 from golden.scene import load_scene
+from golden.scene.front_end import CONVERTERS
 from golden.scene.schema import CHOICES
 from tb.report.measure.networks import scenes
 from tb.report.page.markers import put, write
@@ -37,6 +38,8 @@ COMMAND = "make pages"
 README = ROOT / "docs" / "README.md"
 # 4:16:4, one network for all outputs; its weights suit both precisions.
 EXAMPLE = "digit-single-thesis"
+# Bits of a scan's counter that are enough for every converter.
+WIDE = 13
 AREAS = (
     "activation",
     "layers",
@@ -52,13 +55,17 @@ Twins = dict[str, list[Block]]
 
 
 def shipped() -> Iterator[tuple[str, Network]]:
-    """Precision and design of every scene, the networks of an engine folded as well, then a
-    network in every form that there is.
+    """Precision and design of every scene, the networks of an engine folded as well, and with every
+    converter where it has a front end; then a network in every form that there is.
     """
     for scene in scenes():
         yield scene.precision.name, scene.twin()
         if DESIGNS[scene.design] is Engine:
             yield scene.precision.name, replace(scene, design=Hybrid.block).twin()
+        if scene.front_end:
+            for part in CONVERTERS:
+                read = replace(scene.front_end, converter=part, counter_width=WIDE)
+                yield scene.precision.name, replace(scene, front_end=read).twin()
     (mlp,) = load_scene(EXAMPLE).mlps()
     for design in DESIGNS.values():
         for name, scheme in SCHEMES.items():

@@ -1,0 +1,89 @@
+"""Converter instrument: from a converter on an SPI to results."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from golden.block import Block
+from golden.fixed import Codes
+from golden.flow import Carried, Flow
+from golden.instruments.scanned import Scanned
+from golden.port import CLOCKED, Port
+from golden.sensing.converter_reader import ConverterReader
+
+
+@dataclass(frozen=True)
+class ConverterInstrument(Scanned):
+    """``Instrument`` with a part that can be bought in the place of its converter.
+
+    As a network it is the one inside on what the converter makes of its samples, with a frame every
+    scan.
+
+    Parameters
+    ----------
+    converter_reader : ConverterReader
+    readout : Readout
+
+    Raises
+    ------
+    ValueError
+        When the reader's frames are not those of the network, or follow faster than it takes them.
+    """
+
+    block = "converter_instrument"
+    stream = "spi"
+    converter_reader: ConverterReader
+
+    def __post_init__(self) -> None:
+        reader = self.converter_reader
+        got = (reader.inputs, reader.slots)
+        expected = (self.readout.inputs, self.readout.input_controller.inputs)
+        if got != expected:
+            raise ValueError(
+                f"{self.entity}: got a scan of (inputs, slots) {got}, expected {expected}"
+            )
+        left = reader.scan_clocks - reader.slots
+        self.check_scan(reader.counter_width, reader.scan_clocks, left)
+
+    @property
+    def interval(self) -> int:
+        return self.converter_reader.scan_clocks
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        wires = {port.name: port for port in self.converter_reader.ports}
+        return (
+            *CLOCKED,
+            *(wires[name] for name in ("miso", "sclk", "cs_n", "mosi", "converter_error")),
+            *self.shown_ports,
+        )
+
+    @property
+    def burst(self) -> int:
+        """Clocks from the last bit of a scan to the last sample of its frame."""
+        return self.converter_reader.latency + self.converter_reader.slots - 1
+
+    @property
+    def latency(self) -> int:
+        """From the last bit of a scan to the first output."""
+        return self.burst + self.readout.latency
+
+    @property
+    def output_clocks(self) -> tuple[int, ...]:
+        return tuple(self.burst + c for c in self.readout.output_clocks)
+
+    @property
+    def frame_clocks(self) -> int:
+        """A frame begins with its scan and ends with its last bit."""
+        return int(self.converter_reader.read_clocks[-1, -1]) + 1
+
+    def parts(self) -> tuple[Block, ...]:
+        return (self.converter_reader, self.readout)
+
+    def flow(self) -> Flow:
+        given = Carried("codes of the converter", self.converter_reader.part.bits)
+        return Flow((given, self.converter_reader, None, self.readout))
+
+    def compute(self, frames: Codes) -> Codes:
+        reader = self.converter_reader
+        return self.readout.compute(reader.process(reader.converted(frames)))

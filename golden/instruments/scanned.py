@@ -1,0 +1,78 @@
+"""What instruments have in common, whatever reads their sensors: the readout behind it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from golden.instruments.readout import Readout
+from golden.layers.input_controller import FrameJudge
+from golden.networks.network import Network
+from golden.port import Port
+
+
+@dataclass(frozen=True)
+class Scanned(Network):
+    """The network inside, with a frame every scan.
+
+    Parameters
+    ----------
+    readout : Readout
+    """
+
+    area = "instruments"
+    readout: Readout = field(kw_only=True)
+
+    def check_scan(self, width: int, scan_clocks: int, left: int) -> None:
+        """Refuse scans that follow faster than the network takes frames.
+
+        Parameters
+        ----------
+        width : int
+            Bits of the scan's counter.
+        scan_clocks, left : int
+            Clocks from scan to scan, and between the last sample of one and the first of the next.
+
+        Raises
+        ------
+        ValueError
+        """
+        if scan_clocks < self.readout.interval:
+            raise ValueError(
+                f"{self.entity}: got counter_width={width}, a scan of {scan_clocks} clocks, "
+                f"expected {self.readout.interval} or more, which the network needs"
+            )
+        if left < self.readout.busy:
+            raise ValueError(
+                f"{self.entity}: got counter_width={width}, a scan that leaves {left} "
+                f"clocks between two frames, expected {self.readout.busy} or more, in which the "
+                "network computes"
+            )
+
+    @property
+    def shown_ports(self) -> tuple[Port, ...]:
+        """What is shown of the results; there are no frames of the wrong length."""
+        results = [port for port in self.readout.ports if port.direction == "out"]
+        return tuple(port for port in results if port.name != "frame_error")
+
+    @property
+    def inputs(self) -> int:
+        return self.readout.inputs
+
+    @property
+    def outputs(self) -> int:
+        return self.readout.outputs
+
+    @property
+    def past(self) -> int:
+        return self.readout.past
+
+    @property
+    def input_controller(self) -> FrameJudge:
+        return self.readout.input_controller
+
+    @property
+    def core(self) -> Network:
+        return self.readout.core
+
+    def left_out(self) -> list[str]:
+        return self.readout.left_out()

@@ -1,0 +1,258 @@
+"""Converter reader: frames from a converter of several channels on an SPI."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from golden.block import Block
+from golden.border import Border, State
+from golden.fixed import Codes, Fix, Overflow, Rounding, check_unsigned, requantise
+from golden.port import CLOCKED, Port, given, taken
+from golden.sensing.converter_parts import STRAIGHT, ConverterPart
+from golden.sensing.scan_sequencer import COUNTER_WIDTHS, MOST_SCAN_CLOCKS
+
+
+@dataclass(frozen=True)
+class ConverterReader(Block):
+    """A transfer for each sensor in turn, and a frame of a scan whose transfers all were right.
+
+    The upper bits of a counter are the turn, the lower ones the clock within it, as in
+    ``ScanSequencer``. In turn n channel n is read, at the end of the turn; before it ``cs_n`` is
+    high. What was read is kept until the scan is whole. Then its frame leaves, a sample a clock:
+    sample n is that of sensor n modulo ``inputs``, so that the later slots of a cascade cost no
+    transfer.
+
+    A converter that is missing or stuck is told from the wire: before a transfer the pull-up holds
+    ``miso`` at 1, and in the clocks ``part.zeros`` the converter holds it at 0; one that repeats
+    its code must repeat the same. A scan with a transfer that is not so yields no frame.
+
+    Parameters
+    ----------
+    fmt : Fix
+        Format of the samples.
+    part : ConverterPart
+    inputs : int
+        Sensors, each at the channel of its number.
+    slots : int
+        Elements of a frame: ``inputs``, and in a cascade the slots of its earlier outputs.
+    counter_width : int
+        Bits of the counter that are turn and clock; the turns take 2**counter_width clocks.
+    clock_mhz : float
+        Of the hardware, by which every limit of the part is kept.
+    pause : int
+        Clocks behind the turns before the next scan, without a transfer.
+
+    Raises
+    ------
+    ValueError
+        When a parameter is outside its range; for a counter too narrow for the part the message
+        names the least.
+
+    Notes
+    -----
+    Codes of fewer bits than ``fmt`` get zeros behind them: code c of the part stands for the middle
+    of the voltages that give it, so nothing is added to what the part errs itself, half a step of
+    its own. Codes of more bits are rounded, halves up, and saturated: 0.5 steps of ``fmt`` at most,
+    and for the two largest of 16 bits 0.75.
+    """
+
+    block = "converter_reader"
+    area = "sensing"
+    fmt: Fix
+    part: ConverterPart
+    inputs: int
+    slots: int
+    counter_width: int
+    clock_mhz: float
+    pause: int = 0
+
+    def __post_init__(self) -> None:
+        part, at = self.part.name, f"{self.clock_mhz:g} MHz"
+        if not 1 <= self.inputs <= self.part.channels:
+            raise ValueError(
+                f"{self.entity}: got {self.inputs} sensors, expected 1 to {self.part.channels}, "
+                f"the channels of {part}"
+            )
+        if self.slots < self.inputs:
+            raise ValueError(
+                f"{self.entity}: got inputs={self.inputs} and slots={self.slots}, expected "
+                "inputs <= slots"
+            )
+        slowest = Fraction(2 * self.part.slowest_khz, 1000)
+        if self.clock < slowest:
+            raise ValueError(
+                f"{self.entity}: got clock_mhz={self.clock_mhz:g}, expected {float(slowest):g} or "
+                f"more, of which {part} gets half"
+            )
+        turn = max(self.transfer_clocks + max(2, self.part.high_clocks(self.clock)), self.slots + 1)
+        least = self.slot_width + (turn - 1).bit_length()
+        if self.counter_width not in COUNTER_WIDTHS or self.counter_width < least:
+            raise ValueError(
+                f"{self.entity}: got counter_width={self.counter_width}, expected {least} to "
+                f"{COUNTER_WIDTHS.stop - 1}: for each of {1 << self.slot_width} turns {part} needs "
+                f"{turn} clocks of {at}"
+            )
+        most = MOST_SCAN_CLOCKS - (1 << self.counter_width)
+        if not 0 <= self.pause <= most:
+            raise ValueError(f"{self.entity}: got pause={self.pause}, expected 0 to {most}")
+
+    @property
+    def clock(self) -> Fraction:
+        """``clock_mhz`` as it was written, not the nearest that the machine has."""
+        return Fraction(str(self.clock_mhz))
+
+    @property
+    def slot_width(self) -> int:
+        """Bits of the counter that are the turn."""
+        return max(1, (self.inputs - 1).bit_length())
+
+    @property
+    def slot_clocks(self) -> int:
+        """Clocks of a turn."""
+        return 1 << (self.counter_width - self.slot_width)
+
+    @property
+    def scan_clocks(self) -> int:
+        """Clocks from one scan to the next; turns above ``inputs`` pass idle."""
+        return (1 << self.counter_width) + self.pause
+
+    @property
+    def interval(self) -> int:
+        """Clocks from one frame to the next."""
+        return self.scan_clocks
+
+    @property
+    def half_clocks(self) -> int:
+        """Clocks of half a period of ``sclk``."""
+        return self.part.half_clocks(self.clock)
+
+    @property
+    def transfer_clocks(self) -> int:
+        """Clocks in which ``cs_n`` is low; the last half period has no edge."""
+        return (2 * self.part.clocks + 1) * self.half_clocks
+
+    @property
+    def begin_clock(self) -> int:
+        """Clock of a turn two clocks before ``cs_n`` falls.
+
+        Counted from 0; ``cs_n`` rises with the next turn.
+        """
+        return self.slot_clocks - 2 - self.transfer_clocks
+
+    @property
+    def read_clocks(self) -> Codes:
+        """Clocks of a scan in which ``miso`` is read, shape (inputs, part.clocks + 1).
+
+        The first of each transfer is before it, where the pull-up holds the line.
+        """
+        bits = np.arange(self.part.clocks + 1) * 2 * self.half_clocks + self.begin_clock + 1
+        return np.arange(self.inputs)[:, np.newaxis] * self.slot_clocks + bits
+
+    @property
+    def shift(self) -> int:
+        """Bits of a code that the samples have not; below 0 those that are added."""
+        return self.part.bits - self.fmt.width
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            *CLOCKED,
+            taken("miso", "from the converter, with a pull-up"),
+            given("sclk", "to the converter: clock of the transfer; from a register"),
+            given("cs_n", "to the converter: low for a transfer; from a register"),
+            given("mosi", "to the converter: command; from a register"),
+            given("out_valid", "`out_data` holds a new sample"),
+            given("out_data", "sample, which stays until the next", self.fmt, "fmt"),
+            given("out_last", "it is the last of the frame"),
+            error_port(),
+        )
+
+    @property
+    def states(self) -> tuple[State, ...]:
+        return (
+            State("turn", range(1 << self.slot_width)),
+            State("bit of a transfer that a reset cuts", range(self.part.clocks + 1)),
+        )
+
+    @property
+    def borders(self) -> tuple[Border, ...]:
+        if self.shift <= 0:
+            return ()
+        return (Border("a sample saturates", "rounded code", self.fmt.high + 1),)
+
+    def quantities(self, *inputs: Codes) -> dict[str, Codes]:
+        (codes,) = inputs
+        half = 1 << max(0, self.shift - 1)
+        return {"rounded code": (self._signed(codes) + half) >> max(0, self.shift)}
+
+    @property
+    def latency(self) -> int:
+        """From the last bit of a scan to the first sample of its frame."""
+        return 3
+
+    def process(self, codes: ArrayLike) -> Codes:
+        """The samples for codes of the converter.
+
+        Raises
+        ------
+        ValueError
+            For a code that the converter has not.
+        """
+        signed = self._signed(check_unsigned(codes, self.part.bits, f"{self.entity} codes"))
+        if self.shift <= 0:
+            return np.asarray(signed << -self.shift, dtype=np.int64)
+        return requantise(signed, self.shift, self.fmt, Rounding.ROUND, Overflow.SATURATE)
+
+    def _signed(self, codes: Codes) -> Codes:
+        half = 1 << (self.part.bits - 1)
+        if self.part.coding == STRAIGHT:
+            return codes - half
+        return np.asarray((codes ^ half) - half, dtype=np.int64)
+
+    def converted(self, voltages: ArrayLike) -> Codes:
+        """What an ideal converter makes of codes of ``fmt``: the nearest that it has.
+
+        Raises
+        ------
+        ValueError
+            For a code outside ``fmt``.
+        """
+        levels = self.fmt.check(voltages, f"{self.entity} voltages")
+        own = Fix(self.part.bits, 0)
+        if self.shift >= 0:
+            signed = levels << self.shift
+        else:
+            signed = requantise(levels, -self.shift, own, Rounding.ROUND, Overflow.SATURATE)
+        half = 1 << (self.part.bits - 1)
+        if self.part.coding == STRAIGHT:
+            return np.asarray(signed + half, dtype=np.int64)
+        return np.asarray(signed % (2 * half), dtype=np.int64)
+
+    def received(self, bits: ArrayLike) -> tuple[Codes, NDArray[np.bool_]]:
+        """Codes of transfers, and whether a converter that works can have sent them.
+
+        Parameters
+        ----------
+        bits : array_like of int, shape (..., part.clocks + 1)
+            What stood on ``miso``, before the transfer and in each of its clocks.
+        """
+        part, sent = self.part, np.asarray(bits, dtype=np.int64)
+        code = sent[..., part.first : part.last + 1]
+        right = (sent[..., 0] == 1) & ~sent[..., list(part.zeros)].any(axis=-1)
+        if part.mirrored:
+            again = sent[..., part.last : part.last + part.bits]
+            right = right & (again == code[..., ::-1]).all(axis=-1)
+        return code @ (1 << np.arange(part.bits)[::-1]), right
+
+
+def error_port() -> Port:
+    """The flag of a converter that is missing or stuck."""
+    return given(
+        "converter_error",
+        "from a transfer that no converter can have sent to the first scan without one; no frame "
+        "leaves meanwhile",
+    )

@@ -1,0 +1,77 @@
+"""Converter instrument: from a converter on an SPI to results."""
+
+from myhdl import block
+
+from golden.instruments.converter_instrument import ConverterInstrument
+from golden.precision import SIGNAL
+from hdl.common.signals import fixed, flag
+from hdl.instruments.readout import readout
+from hdl.sensing.converter_reader import converter_reader
+
+
+@block
+def converter_instrument(
+    clk,
+    rst,
+    miso,
+    sclk,
+    cs_n,
+    mosi,
+    converter_error,
+    out_valid,
+    out_data,
+    out_last,
+    held,
+    profile,
+    *,
+    spec: ConverterInstrument,
+):
+    """Bits of a converter in, results out.
+
+    Parameters
+    ----------
+    miso, sclk, cs_n, mosi, converter_error
+        Those of converter_reader: to the converter, and whether it is missing or stuck.
+    out_valid, out_data, out_last, held, profile
+        Those of readout.
+    spec : ConverterInstrument
+
+    Notes
+    -----
+    Latency from the last bit of a scan to the first output: that of converter_reader, a clock for
+    each further element of a frame, and that of readout. A frame every scan, and none while
+    ``converter_error`` is up. There is no frame_error: frames have the right length, at distances
+    that the twin has checked. Reset starts a scan and clears every flag and counter.
+    """
+    valid, data, last = flag(), fixed(SIGNAL), flag()
+    # Left open.
+    broken = flag()
+    return (
+        converter_reader(
+            clk,
+            rst,
+            miso,
+            sclk,
+            cs_n,
+            mosi,
+            valid,
+            data,
+            last,
+            converter_error,
+            spec=spec.converter_reader,
+        ),
+        readout(
+            clk,
+            rst,
+            valid,
+            data,
+            last,
+            out_valid,
+            out_data,
+            out_last,
+            broken,
+            held,
+            profile,
+            spec=spec.readout,
+        ),
+    )

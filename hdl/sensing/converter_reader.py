@@ -1,0 +1,349 @@
+"""Converter reader: frames from a converter of several channels on an SPI."""
+
+import numpy as np
+from myhdl import always, always_comb, always_seq, block, concat
+
+from golden.fixed import Rounding
+from golden.sensing.converter_parts import STRAIGHT
+from golden.sensing.converter_reader import ConverterReader
+from hdl.common.requantise import requantise
+from hdl.common.rom import rom
+from hdl.common.signals import fixed, flag, signed, unsigned
+
+
+@block
+def scan(clk, rst, slot, starts, *, reader: ConverterReader):
+    """The turn, and the clock of it in which its transfer begins."""
+    top, width = reader.scan_clocks - 1, reader.counter_width
+    low, full = width - reader.slot_width, top.bit_length()
+    begin_clock, inputs = reader.begin_clock, reader.inputs
+    count = unsigned(full)
+    clock = unsigned(low)
+
+    @always_seq(clk.posedge, reset=rst)
+    def step():
+        if count == top:
+            count.next = 0
+        else:
+            count.next = count + 1
+
+    @always_comb
+    def slices():
+        slot.next = count[width:low]
+        clock.next = count[low:0]
+
+    if reader.pause:
+        pausing = flag()
+
+        @always_comb
+        def compare():
+            pausing.next = count[full:width] != 0
+
+        @always_comb
+        def decide():
+            starts.next = clock == begin_clock and slot < inputs and not pausing
+
+        return step, slices, compare, decide
+
+    @always_comb
+    def decide():
+        starts.next = clock == begin_clock and slot < inputs
+
+    return step, slices, decide
+
+
+@block
+def transfer(clk, rst, starts, running, half, read, turn, *, halves: int, clocks: int):
+    """The half periods of a transfer.
+
+    ``read`` is in the first clock of those in which ``sclk`` is about to fall, and before it rises
+    for the first time; ``turn`` in the last clock of those in which it is about to fall.
+    """
+    final, top = halves - 1, clocks - 1
+    whole = flag()
+
+    @always_seq(clk.posedge, reset=rst)
+    def run():
+        if starts:
+            running.next = True
+        elif whole and half == final:
+            running.next = False
+
+    @always_seq(clk.posedge, reset=rst)
+    def step():
+        if whole:
+            if half == final:
+                half.next = 0
+            else:
+                half.next = half + 1
+
+    @always_comb
+    def mark():
+        turn.next = whole and half[0]
+
+    if clocks == 1:
+
+        @always_comb
+        def look():
+            whole.next = running
+            read.next = running and not half[0]
+
+        return run, step, mark, look
+
+    tick = unsigned(top.bit_length())
+
+    @always_seq(clk.posedge, reset=rst)
+    def divide():
+        if whole:
+            tick.next = 0
+        elif running:
+            tick.next = tick + 1
+
+    @always_comb
+    def look():
+        whole.next = running and tick == top
+        read.next = running and tick == 0 and not half[0]
+
+    return run, step, mark, divide, look
+
+
+@block
+def judge(received, wrong, *, reader: ConverterReader):
+    """Whether no converter can have sent what was received."""
+    part = reader.part
+    top, low, bits = part.clocks, part.clocks - part.last, part.bits
+    mask = sum(1 << (top - clock) for clock in part.zeros)
+    driven = unsigned(len(received))
+    other = flag()
+
+    @always_comb
+    def pick():
+        driven.next = received & mask
+
+    if part.mirrored:
+
+        @always_comb
+        def compare():
+            other.next = False
+            for i in range(1, bits):
+                if received[low + i] != received[low - i]:
+                    other.next = True
+
+        @always_comb
+        def decide():
+            wrong.next = not received[top] or driven != 0 or other
+
+        return pick, compare, decide
+
+    @always_comb
+    def decide():
+        wrong.next = not received[top] or driven != 0
+
+    return pick, decide
+
+
+@block
+def to_sample(received, sample, *, reader: ConverterReader):
+    """The code among the bits as a sample."""
+    part = reader.part
+    bits, half, pad = part.bits, 1 << (part.bits - 1), -reader.shift
+    low = part.clocks - part.last
+    above = low + bits
+    code = unsigned(bits)
+    exact = signed(bits + 1)
+
+    @always_comb
+    def cut():
+        code.next = received[above:low]
+
+    if part.coding == STRAIGHT:
+
+        @always_comb
+        def centre():
+            exact.next = code - half
+
+    else:
+
+        @always_comb
+        def centre():
+            exact.next = code.signed()
+
+    if pad <= 0:
+        return cut, centre, requantise(exact, sample, shift=-pad, rounding=Rounding.ROUND)
+
+    wide = signed(reader.fmt.width + 1)
+
+    @always_comb
+    def widen():
+        wide.next = exact
+
+    @always_comb
+    def align():
+        sample.next = wide << pad
+
+    return cut, centre, widen, align
+
+
+@block
+def converter_reader(
+    clk,
+    rst,
+    miso,
+    sclk,
+    cs_n,
+    mosi,
+    out_valid,
+    out_data,
+    out_last,
+    converter_error,
+    *,
+    spec: ConverterReader,
+):
+    """Each sensor in turn through an SPI, and the frames of scans that went right.
+
+    Parameters
+    ----------
+    miso : bool
+        From the converter; a pull-up holds it at 1 where nothing drives it.
+    sclk, cs_n, mosi : bool
+        To the converter; from registers, so that they do not glitch. Reset raises ``cs_n``.
+    out_valid, out_data, out_last : bool, signed ``spec.fmt``, bool
+        A frame, a sample a clock. The data stay until the next.
+    converter_error : bool
+        Up from a transfer that no converter can have sent until a scan without one.
+    spec : ConverterReader
+
+    Notes
+    -----
+    Latency 3 clocks, from the last bit of a scan to the first sample. ``miso`` is read in the clock
+    at whose end ``sclk`` falls. A scan every ``spec.scan_clocks`` clocks. Reset starts a scan, in
+    which ``cs_n`` is high as long as the part asks before the first transfer.
+    """
+    part, inputs = spec.part, spec.inputs
+    last_bit, order_width = part.clocks, len(part.commands[0])
+    halves = 2 * part.clocks + 1
+    final, last_slot, end = halves - 1, inputs - 1, spec.slots - 1
+    head = order_width - 1
+    slot = unsigned(spec.slot_width)
+    half = unsigned(final.bit_length())
+    starts, running, read, turn = (flag() for _ in range(4))
+    command, order = unsigned(order_width), unsigned(order_width)
+    received = unsigned(last_bit + 1)
+    wrong, done, failed, spoilt, whole = (flag() for _ in range(5))
+    sample, entering = fixed(spec.fmt), fixed(spec.fmt)
+    ring = [fixed(spec.fmt) for _ in range(inputs)]
+    sending, closing = flag(), flag()
+    place = unsigned(max(1, end.bit_length()))
+
+    @always(clk.posedge)
+    def drive():
+        if rst:
+            cs_n.next = True
+            sclk.next = False
+        else:
+            cs_n.next = not running
+            sclk.next = running and half[0]
+        mosi.next = order[head]
+
+    @always(clk.posedge)
+    def ask():
+        if starts:
+            order.next = command
+        elif turn:
+            order.next = concat(order[head:0], False)
+
+    @always(clk.posedge)
+    def catch():
+        if read:
+            received.next = concat(received[last_bit:0], miso)
+
+    @always_seq(clk.posedge, reset=rst)
+    def end_transfer():
+        done.next = read and half == final
+
+    @always_comb
+    def decide():
+        spoilt.next = wrong or (failed and slot != 0)
+
+    @always_comb
+    def complete():
+        whole.next = done and slot == last_slot and not spoilt
+
+    @always_seq(clk.posedge, reset=rst)
+    def remember():
+        if done:
+            failed.next = spoilt
+            if spoilt:
+                converter_error.next = True
+        if whole:
+            converter_error.next = False
+
+    @always_seq(clk.posedge, reset=rst)
+    def send():
+        if whole:
+            sending.next = True
+            place.next = 0
+        elif closing:
+            sending.next = False
+        elif sending:
+            place.next = place + 1
+
+    @always_comb
+    def close():
+        closing.next = sending and place == end
+
+    @always_comb
+    def enter():
+        if sending:
+            entering.next = ring[last_slot]
+        else:
+            entering.next = sample
+
+    @always(clk.posedge)
+    def keep():
+        if done or sending:
+            ring[0].next = entering
+            for i in range(1, inputs):
+                ring[i].next = ring[i - 1]
+        if sending:
+            out_data.next = ring[last_slot]
+
+    @always_seq(clk.posedge, reset=rst)
+    def strobe():
+        out_valid.next = sending
+        out_last.next = closing
+
+    return (
+        scan(clk, rst, slot, starts, reader=spec),
+        transfer(
+            clk,
+            rst,
+            starts,
+            running,
+            half,
+            read,
+            turn,
+            halves=halves,
+            clocks=spec.half_clocks,
+        ),
+        rom(
+            slot,
+            command,
+            words=np.array([int(bits, 2) for bits in part.commands[:inputs]]),
+            meanings=[f"channel {n}" for n in range(inputs)],
+        ),
+        judge(received, wrong, reader=spec),
+        to_sample(received, sample, reader=spec),
+        drive,
+        ask,
+        catch,
+        end_transfer,
+        decide,
+        complete,
+        remember,
+        send,
+        close,
+        enter,
+        keep,
+        strobe,
+    )

@@ -1,0 +1,116 @@
+"""converter_instrument against its twin: from the sensors' voltages to everything that is shown.
+
+Sweeps: recorded frames, then random ones; as many scans as 1500 clocks hold, four at least.
+Drives: what the part on the wires sends of these voltages; transfers that no converter can have
+sent; resets.
+Checks: outputs, held outputs and every point of the profile bit for bit in their clocks;
+``converter_error`` in every clock; every limit of the part's timing.
+Does not prove: each bit that tells of a converter, and the wires in every clock
+(tb_converter_reader drives and checks them); frames of wrong lengths, which the reader does not
+make (tb_readout drives them).
+"""
+
+import cocotb
+import numpy as np
+
+from tb.common import readout
+from tb.common.bench import RESET_CLOCKS, Bench
+from tb.common.network import check_outputs, recorded_frames
+from tb.common.small import CONVERTERS
+from tb.common.stimulus import random_resets
+from tb.sensing.spi_converter import Converter
+from tb.sensing.spi_play import PINS, Timeline, check_error, listen
+
+CASES = CONVERTERS
+FAULTS = [
+    (r"\.miso\(miso\)", ".miso(1)"),
+    (r"\.held_1\(held_1\)", ".held_1(held_0)"),
+    (r"\.converter_error\(converter_error\)", ".converter_error(cs_n)"),
+]
+
+CLOCKS = 1_500
+WATCH = [*PINS, "converter_error", "out_valid", "out_data", "out_last"]
+
+
+def scans_that_fit(bench):
+    return bench.twin.past + max(4, CLOCKS // bench.twin.interval)
+
+
+async def check(bench, frames, column, fault=lambda number: None):
+    """Play frames of voltages, one a scan; returns the recording and the frames that were sent."""
+    twin, shown = bench.twin, bench.twin.readout
+    reader = twin.converter_reader
+    part = Converter(reader.part.name, reader.clock_mhz, bench.rng).sheet
+    codes = part.ideal(frames)
+    used = {}
+
+    def convert(channel, number):
+        used[number] = number // reader.inputs % len(frames)
+        return int(codes[used[number], channel])
+
+    watch = WATCH + readout.ports(shown)
+    recording, transfers = await listen(bench, reader, column, watch, convert, fault)
+    timeline = Timeline(reader, recording)
+    numbers = {transfer.rows.start: n for n, transfer in enumerate(transfers)}
+    read = timeline.starts[:, np.newaxis, np.newaxis] + reader.read_clocks
+    bits = recording.unsigned("miso", read.ravel()).reshape(read.shape)
+    right = reader.received(bits)[1].all(axis=1)
+    starts, ends = timeline.starts[right], read[right, -1, -1]
+    # After a reset the transfers of a scan are of two frames, or of one.
+    of = np.array([[used[numbers[int(row) + 1]] for row in scan[:, 0]] for scan in read[right]])
+    seen = frames[of, np.arange(reader.inputs)]
+    check_outputs(bench, recording, starts, ends, seen)
+    check_error(bench, reader, recording, timeline)
+    readout.check_held(bench, recording)
+    if shown.load_profile:
+        readout.check_drawn(bench, recording, shown)
+    return recording, seen
+
+
+def column_for(bench, scans):
+    """Clocks for as many scans, and for what the last of them yields."""
+    twin = bench.twin
+    return np.zeros(
+        scans * twin.interval + twin.output_clocks[-1] + twin.outputs + 5, dtype=np.int64
+    )
+
+
+@cocotb.test()
+async def recorded(dut):
+    """Recorded frames; counts the clocks."""
+    bench = Bench(dut)
+    frames, past = recorded_frames(bench)[: scans_that_fit(bench)], bench.twin.past
+    recording, seen = await check(bench, frames, column_for(bench, len(frames)))
+    # The clocks behind may hold another scan.
+    bench.compare("frames", seen[: len(frames)], frames)
+    bench.facts = {
+        "frames": len(frames),
+        "seconds": recording.seconds,
+        "clocks_per_frame": int(
+            recording.rows("out_last")[0] - RESET_CLOCKS - past * bench.twin.interval + 1
+        ),
+        "interval": int(np.diff(recording.rows("out_last")).min()),
+    }
+    bench.finish(at_least=(len(frames) - past) * bench.twin.outputs)
+
+
+@cocotb.test()
+async def random_faults_and_resets(dut):
+    """Random voltages; a wrong transfer in a third of the scans; then resets in mid scan."""
+    bench = Bench(dut)
+    twin, scans = bench.twin, scans_that_fit(bench)
+    inputs = twin.inputs
+    frames = bench.rng.integers(-8192, 8192, (scans, inputs))
+    frames = np.where(bench.rng.random(frames.shape) < 1 / 8, -8192, frames)
+    frames = np.where(bench.rng.random(frames.shape) < 1 / 8, 8191, frames)
+    faults = {
+        int(scan * inputs + bench.rng.integers(0, inputs)): int(bench.rng.integers(0, 2))
+        for scan in range(1, 2 * scans, 3)
+    }
+    column = column_for(bench, scans)
+    await check(bench, frames, column, faults.get)
+    resets = random_resets(bench.rng, len(column), 3 * twin.interval)
+    # A whole scan follows the last of them.
+    resets[-twin.interval - twin.output_clocks[-1] - twin.outputs - 5 :] = 0
+    await check(bench, frames, resets)
+    bench.finish(at_least=twin.outputs)

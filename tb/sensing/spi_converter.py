@@ -1,0 +1,259 @@
+"""Converters as their data sheets draw them, to answer a block and to judge its timing.
+
+Nothing here knows what the block or its twin hold a part for: limits, commands and codes are those
+of the timing diagrams. A model looks at whole columns of the wires, row by row as they were
+recorded, and gives the column of ``miso`` that the part would have sent.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+
+import numpy as np
+
+from golden.sensing.converter_parts import PULL_UP_NS
+
+# What the converter lets go of.
+RELEASED = 1
+
+
+def mcp3208(asked: list[int]) -> tuple[int, list[int | str]]:
+    """The channel, and what is sent after the fall of ``cs_n`` and after each fall of ``sclk``.
+
+    Start bit, single-ended, D2, D1, D0; a clock to settle, a null bit, B11 to B0, B1 to B11, zeros.
+    """
+    start = asked.index(1)
+    single, *channel = asked[start + 1 : start + 5]
+    assert single == 1, "mcp3208: asked for a difference"
+    down = [f"B{n}" for n in range(11, -1, -1)]
+    up = [f"B{n}" for n in range(1, 12)]
+    sent = [RELEASED] * (start + 6) + [0, *down, *up]
+    return int("".join(map(str, channel)), 2), sent
+
+
+def ads8344(asked: list[int]) -> tuple[int, list[int | str]]:
+    """As ``mcp3208``: start, A2, A1, A0, nothing, SGL/DIF, PD1, PD0; busy, B15 to B0, zeros.
+
+    The multiplexer's address is that of a pair of channels and which of the pair.
+    """
+    start = asked.index(1)
+    address, (single, *power) = asked[start + 1 : start + 4], asked[start + 5 : start + 8]
+    assert single == 1, "ads8344: asked for a difference"
+    assert power == [1, 1], "ads8344: asked to power down, or to take its own clock"
+    odd, *pair = address
+    sent = [0] * (start + 9) + [f"B{n}" for n in range(15, -1, -1)]
+    return 2 * int("".join(map(str, pair)), 2) + odd, sent
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A part's timing, in nanoseconds, and its codes.
+
+    ``ideal`` gives the code for a sensor's voltage of -1 to 1 V behind the analogue front end that
+    the part asks for, as a code of Fix(14,13): half a step of the part away at most.
+    """
+
+    diagram: Callable[[list[int]], tuple[int, list[int | str]]]
+    bits: int
+    period: Fraction
+    longest: Fraction
+    high: int
+    low: int
+    select: int
+    deselect: int
+    setup: int
+    hold: int
+    output: int
+    enable: int
+    disable: int
+    signed: bool
+
+    def ideal(self, voltages: np.ndarray) -> np.ndarray:
+        """Codes: of 0 V to the reference, or about the common voltage."""
+        places = 1 << self.bits
+        steps = (2 * (voltages + 8192) * places + 16384) // 32768
+        steps = np.minimum(steps, places - 1)
+        return (steps + places // 2) % places if self.signed else steps
+
+
+# Microchip DS21298E at 2.7 V and at 5 V; Texas Instruments SBAS139E and SBAS177 at 2.7 V.
+_MCP3208 = {
+    "diagram": mcp3208,
+    "bits": 12,
+    "longest": Fraction(100_000),
+    "high": 250,
+    "low": 250,
+    "select": 100,
+    "deselect": 500,
+    "setup": 50,
+    "hold": 50,
+    "output": 200,
+    "enable": 200,
+    "disable": 100,
+    "signed": False,
+}
+_ADS8344 = {
+    "diagram": ads8344,
+    "bits": 16,
+    "period": Fraction(1000, Fraction("2.4")),
+    "longest": Fraction(1000, Fraction("0.024")),
+    "high": 200,
+    "low": 200,
+    "select": 100,
+    "deselect": 0,
+    "setup": 100,
+    "hold": 10,
+    "output": 200,
+    "enable": 200,
+    "disable": 200,
+}
+SHEETS = {
+    "mcp3208": Sheet(**_MCP3208, period=Fraction(1000)),
+    "mcp3208-5v": Sheet(**_MCP3208, period=Fraction(500)),
+    "ads8344": Sheet(**_ADS8344, signed=False),
+    "ads8345": Sheet(**_ADS8344, signed=True),
+}
+
+
+@dataclass(frozen=True)
+class Transfer:
+    """One transfer: where it stands, what was asked, what was sent.
+
+    ``rows`` are those in which ``cs_n`` is low; ``falls`` those from which ``sclk`` is low again.
+    ``cut`` is whether a reset ended it.
+    """
+
+    rows: range
+    falls: list[int]
+    channel: int
+    code: int
+    cut: bool
+
+
+class Converter:
+    """A part on the wires of a recording.
+
+    Parameters
+    ----------
+    part : str
+    clock_mhz : float
+        Of the block; a row is one clock.
+    rng : numpy Generator
+        For what stands on the wire while nothing is promised.
+    """
+
+    def __init__(self, part: str, clock_mhz: float, rng: np.random.Generator):
+        self.sheet = SHEETS[part]
+        self.row_ns = 1000 / Fraction(str(clock_mhz))
+        self.rng = rng
+        self.checked = 0
+
+    def answer(
+        self,
+        wires: dict[str, np.ndarray],
+        resets: np.ndarray,
+        first: int,
+        convert: Callable[[int, int], int],
+        fault: Callable[[int], dict[int, int] | int | None] = lambda number: None,
+    ) -> tuple[np.ndarray, list[Transfer]]:
+        """The column of ``miso``, and the transfers; refuses a timing that the sheet forbids.
+
+        Parameters
+        ----------
+        wires : dict
+            Columns of ``cs_n``, ``sclk`` and ``mosi``.
+        resets : array of bool
+            A column: what a reset cuts keeps to no limit but that of ``cs_n`` high.
+        first : int
+            The first row in which the wires are defined.
+        convert : callable
+            The code of a channel, for the number of the transfer.
+        fault : callable
+            For the number of a transfer what is wrong with it: 0 or 1 for a wire that is stuck from
+            before the transfer on; or for bits, counted as the falls of ``sclk`` before them, which
+            of them to turn over (1 is the bit of the first clock, 0 the line before the transfer).
+        """
+        sheet, selected = self.sheet, wires["cs_n"]
+        length = len(selected)
+        # Nobody drives: the pull-up, at first on its way.
+        miso = np.full(length, RELEASED)
+        changes = np.flatnonzero(np.diff(selected[first:])) + first + 1
+        falls = changes[selected[changes] == 0]
+        number, found, high_since = 0, [], first
+        for fall in falls:
+            self._least("cs_n high", fall - high_since, sheet.deselect, fall)
+            later = np.flatnonzero(selected[fall:] == 1)
+            rise = int(fall + later[0]) if len(later) else length
+            cut = rise == length or bool(resets[rise - 1])
+            found.append(self._transfer(wires, range(int(fall), rise), cut, miso, convert, number))
+            self._loose(miso, rise, sheet.disable + PULL_UP_NS)
+            wrong = fault(number)
+            if isinstance(wrong, dict):
+                self._turn(miso, found[-1], wrong)
+            elif wrong is not None:
+                miso[high_since:rise] = wrong
+            number, high_since = number + 1, rise
+        return miso, found
+
+    def _transfer(self, wires, rows, cut, miso, convert, number) -> Transfer:
+        """Judge the timing of one transfer and put its answer into ``miso``."""
+        sheet = self.sheet
+        clock, data = (wires[name][rows.start : rows.stop] for name in ("sclk", "mosi"))
+        assert clock[0] == 0, f"sclk is high in row {rows.start}, where cs_n falls"
+        edges = np.flatnonzero(np.diff(clock)) + 1
+        ups, downs = edges[clock[edges] == 1], edges[clock[edges] == 0]
+        if not cut:
+            self._least("cs_n low before sclk", ups[0], sheet.select, rows.start)
+            for up, down in zip(ups, downs, strict=True):
+                self._least("sclk high", down - up, sheet.high, rows.start + up)
+            for down, up in zip(downs, ups[1:], strict=False):
+                self._least("sclk low", up - down, sheet.low, rows.start + down)
+            for one, other in pairwise(ups):
+                self._least("period of sclk", other - one, sheet.period, rows.start + one)
+                assert (other - one) * self.row_ns <= sheet.longest, "sclk is too slow"
+            turns = np.concatenate([[0], np.flatnonzero(np.diff(data)) + 1, [len(data)]])
+            for up in ups:
+                place = np.searchsorted(turns, up, side="right")
+                self._least("mosi before sclk", up - turns[place - 1], sheet.setup, rows.start + up)
+                self._least("mosi after sclk", turns[place] - up, sheet.hold, rows.start + up)
+        asked = [int(data[up]) for up in ups]
+        if cut and (1 not in asked or len(asked) < asked.index(1) + 8):
+            return Transfer(rows, [], -1, -1, cut)
+        channel, sent = sheet.diagram(asked)
+        code = convert(channel, number)
+        at = [0, *(int(d) for d in downs)]
+        for n, down in enumerate(at):
+            stop = rows.start + (at[n + 1] if n + 1 < len(at) else len(clock))
+            level = sent[n] if n < len(sent) else 0
+            if isinstance(level, str):
+                level = code >> int(level[1:]) & 1
+            driven = rows.start + down
+            miso[driven:stop] = level
+            if n or level != RELEASED:
+                self._loose(miso, driven, sheet.output if n else sheet.enable, stop)
+        return Transfer(rows, [rows.start + int(d) for d in downs], channel, code, cut)
+
+    def _loose(self, miso: np.ndarray, row: int, time: int, stop: int | None = None) -> None:
+        """Anything may stand on the wire until so long after the edge that row ``row`` shows.
+
+        That edge comes at the end of the row before; what stands at the end of a row counts.
+        """
+        rows = -int(-Fraction(time) / self.row_ns // 1) - 1
+        end = min(len(miso) if stop is None else stop, row + max(0, rows))
+        miso[row:end] = self.rng.integers(0, 2, max(0, end - row))
+
+    def _turn(self, miso: np.ndarray, transfer: Transfer, wrong: dict[int, int]) -> None:
+        """Turn bits over, where they are read."""
+        for bit in wrong:
+            row = transfer.rows.start - 1 if bit == 0 else transfer.falls[bit - 1] - 1
+            miso[row] ^= 1
+
+    def _least(self, what: str, rows: int, time: Fraction | int, at: int) -> None:
+        self.checked += 1
+        assert rows * self.row_ns >= time, (
+            f"{what} for {float(rows * self.row_ns):g} ns about row {at}, "
+            f"expected {float(time):g} or more"
+        )

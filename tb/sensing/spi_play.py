@@ -1,0 +1,77 @@
+"""Plays a block with a converter on its wires, and looks at what it tells of it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tb.common.bench import RESET_CLOCKS
+from tb.sensing.spi_converter import Converter
+
+PINS = ["cs_n", "sclk", "mosi"]
+
+
+class Timeline:
+    """Which row of a recording is which clock of a scan."""
+
+    def __init__(self, reader, recording):
+        self.marks = np.concatenate([[RESET_CLOCKS - 1], recording.resets()])
+        rows = np.arange(RESET_CLOCKS, recording.clocks)
+        self.rows = rows
+        self.since = rows - self.marks[np.searchsorted(self.marks, rows) - 1] - 1
+        self.count = self.since % reader.scan_clocks
+        starts = rows[self.count == 0]
+        ends = starts + reader.read_clocks[-1, -1]
+        # Scans whose last bit is in the recording and in front of every reset.
+        kept = (ends < recording.clocks - 2) & ~np.isin(starts, self.marks)
+        self.starts = starts[kept][recording.undisturbed(starts[kept], ends[kept])]
+
+
+async def listen(bench, reader, resets, watch, convert, fault=lambda number: None):
+    """Play the block twice: for what it asks, and for what it makes of the answers.
+
+    ``resets`` is a column; ``convert`` and ``fault`` are those of ``Converter.answer``.
+    """
+    noise = bench.rng.integers(0, 2, len(resets))
+    drive = {"miso": noise, "rst": resets}
+    asked = await bench.play(drive, watch)
+    every = np.arange(RESET_CLOCKS, asked.clocks)
+    columns = {name: np.array([int(bit == "1") for bit in asked.columns[name]]) for name in PINS}
+    reset = np.concatenate([np.ones(RESET_CLOCKS, dtype=bool), np.asarray(resets) == 1])
+    converter = Converter(reader.part.name, reader.clock_mhz, bench.rng)
+    miso, transfers = converter.answer(columns, reset, RESET_CLOCKS, convert, fault)
+    assert converter.checked, "no limit was looked at"
+    recording = await bench.play(drive | {"miso": miso[RESET_CLOCKS:]}, watch)
+    for name in PINS:
+        rows = every if name != "mosi" else every[columns["cs_n"][every] == 0]
+        both = ([one.columns[name][t] for t in rows] for one in (asked, recording))
+        assert len({tuple(bits) for bits in both}) == 1, f"{name} hangs on what is answered"
+    return recording, transfers
+
+
+def check_error(bench, reader, recording, timeline):
+    """``converter_error`` in every clock, and nothing that leaves beside it."""
+    read = reader.read_clocks
+    ended = timeline.rows[np.isin(timeline.count, read[:, -1])]
+    ended = ended[ended + 1 < recording.clocks]
+    ended = ended[recording.undisturbed(ended, ended + 1)]
+    turns = np.searchsorted(read[:, -1], timeline.count[ended - RESET_CLOCKS])
+    at = ended[:, np.newaxis] - read[turns, -1:] + read[turns]
+    _, right = reader.received(recording.unsigned("miso", at.ravel()).reshape(at.shape))
+    # From which row on the flag is what; a transfer shows two clocks after its last bit.
+    changes, spoilt = {int(row) + 1: None for row in timeline.marks}, False
+    told = dict(zip((ended + 2).tolist(), zip(turns, right, strict=True), strict=True))
+    rows, levels, up = [0], [0], 0
+    for row in sorted(changes | told):
+        if row in changes:
+            up, spoilt = 0, False
+        if row in told:
+            turn, good = told[row]
+            spoilt = not good or (spoilt and turn > 0)
+            up = 1 if spoilt else 0 if turn == reader.inputs - 1 else up
+        rows.append(row)
+        levels.append(up)
+    expected = np.array(levels)[np.searchsorted(rows, timeline.rows, side="right") - 1]
+    got = recording.unsigned("converter_error", timeline.rows)
+    bench.compare("converter_error", got, expected, clock=timeline.rows)
+    both = np.intersect1d(recording.rows("out_valid"), recording.rows("converter_error"))
+    assert not len(both), f"a sample leaves in clock {both[0]} beside converter_error"

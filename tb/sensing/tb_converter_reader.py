@@ -1,0 +1,221 @@
+"""converter_reader against its twin, with a model of the part on its wires.
+
+Sweeps: codes at random, both ends and those about the one from which on samples saturate; recorded
+voltages of the sensors; each bit that tells of a converter, wrong in each turn; a reset in each bit
+of a transfer.
+Drives: what the part would send for what the block has asked, and until that is promised anything.
+Checks: ``cs_n`` and ``sclk`` in every clock, the channels that are asked for, every limit of the
+part's timing; samples, ``out_last`` and their clocks; ``converter_error`` in every clock, and that
+nothing leaves while it is up.
+Does not prove: that a part keeps to its data sheet, or the wires' delays.
+"""
+
+import cocotb
+import numpy as np
+
+from golden.border import State
+from tb.common.bench import RESET_CLOCKS, Bench
+from tb.common.small import CONVERTERS
+from tb.common.stimulus import random_resets
+from tb.sensing.spi_converter import Converter
+from tb.sensing.spi_play import PINS, Timeline, check_error, listen
+
+CASES = CONVERTERS
+FAULTS = [
+    (r"cs_n <= \(!running\)", "cs_n <= 0"),
+    (r"sclk <= \(running && half\[0\]\)", "sclk <= running && half[1]"),
+    (r"order <= \{order", "order <= {~order"),
+    (r"scan0_clock == 1\)", "scan0_clock == 0)"),
+    (r"mosi <= order\[4\]", "mosi <= order[3]"),
+    (r"default: command = 25", "default: command = 24"),
+    (r"\(!received\[30\]\) \|\| ", ""),
+    (r"\(judge0_driven != 0\) \|\| ", ""),
+    (r"\|\| judge0_other", ""),
+    (r"wide << 2", "wide << 1"),
+    (r"failed <= spoilt", "failed <= 0"),
+    (r"&& \(!spoilt\)", ""),
+    (r"place == 3", "place == 1"),
+    (r"out_last <= closing", "out_last <= sending"),
+    (r"converter_error <= 1'b0", "converter_error <= converter_error"),
+    (r"ring\[0\] <= entering", "ring[0] <= sample"),
+]
+
+WATCH = [*PINS, "out_valid", "out_data", "out_last", "converter_error"]
+# Scans of a test, or as many as these clocks hold.
+SCANS, MOST_CLOCKS = 20, 10_000
+
+
+def check_pins(bench, recording, timeline):
+    """``cs_n`` and ``sclk`` as the twin's clocks say."""
+    twin = bench.twin
+    reset = np.isin(timeline.rows - 1, timeline.marks)
+    turn, clock = timeline.count // twin.slot_clocks, timeline.count % twin.slot_clocks
+    into = clock - twin.begin_clock - 2
+    low = (turn < twin.inputs) & (timeline.count < 1 << twin.counter_width) & (into >= 0) & ~reset
+    high = low & (into // twin.half_clocks % 2 == 1)
+    rows = timeline.rows
+    bench.compare("cs_n", recording.unsigned("cs_n", rows), 1 - low, clock=timeline.count)
+    bench.compare("sclk", recording.unsigned("sclk", rows), 1 * high, clock=timeline.count)
+    bench.visit("turn", turn[turn < 1 << twin.slot_width])
+
+
+def check_frames(bench, recording, timeline, transfers):
+    """Samples and their clocks, and which transfers were right; gives the codes of whole scans."""
+    twin = bench.twin
+    read = timeline.starts[:, np.newaxis, np.newaxis] + twin.read_clocks
+    bits = recording.unsigned("miso", read.ravel()).reshape(read.shape)
+    codes, right = twin.received(bits)
+    if len(codes):
+        bench.meet("rounded code", twin.quantities(codes)["rounded code"].ravel())
+
+    whole = right.all(axis=1)
+    frames = twin.process(codes[whole])[:, np.arange(twin.slots) % twin.inputs]
+    at = read[whole, -1, -1:] + twin.latency + np.arange(twin.slots)
+    begun = np.repeat(timeline.starts[whole], twin.slots)
+    alive = recording.undisturbed(begun, at.ravel() - 1) & (at.ravel() < recording.clocks)
+    left = recording.rows("out_valid")
+    bench.compare("clocks of the samples", left, at.ravel()[alive])
+    got = recording.signed("out_data", left)
+    bench.compare("out_data", got, frames.ravel()[alive], clock=left)
+    last = np.tile(np.arange(twin.slots) == twin.slots - 1, len(frames))[alive]
+    bench.compare("clocks of out_last", recording.rows("out_last"), left[last])
+    stays = np.flatnonzero(recording.undisturbed(left[:-1], left[1:] - 1))
+    kept = recording.signed("out_data", left[stays + 1] - 1)
+    bench.compare("kept data", kept, got[stays], clock=left[stays])
+
+    # Every transfer of a whole scan was of its channel, and what came is what was sent.
+    sent = {transfer.rows.start: transfer for transfer in transfers}
+    first = read[:, :, 0] + 1
+    asked = np.array([[sent[int(row)].channel for row in scan] for scan in first]).reshape(-1)
+    bench.compare("channels", asked, np.tile(np.arange(twin.inputs), len(first)))
+    return codes, right, np.array([[sent[int(r)].code for r in scan] for scan in first])
+
+
+async def check(bench, scans, convert, resets=None, fault=lambda number: None):
+    """Play scans and compare everything; gives codes received and sent, and what was right."""
+    twin = bench.twin
+    clocks = scans * twin.scan_clocks + twin.slots + 5 if resets is None else len(resets)
+    column = np.zeros(clocks, dtype=np.int64) if resets is None else resets
+    recording, transfers = await listen(bench, twin, column, WATCH, convert, fault)
+    timeline = Timeline(twin, recording)
+    check_pins(bench, recording, timeline)
+    found = check_frames(bench, recording, timeline, transfers)
+    check_error(bench, twin, recording, timeline)
+    return recording, timeline, *found
+
+
+def scans_that_fit(bench):
+    return max(3, min(SCANS, MOST_CLOCKS // bench.twin.scan_clocks))
+
+
+def random_codes(bench, count):
+    """Of four codes one is an end or about a border of the rounding."""
+    top = 1 << bench.twin.part.bits
+    marks = np.concatenate([np.arange(-6, 2), top // 2 + np.arange(-6, 2)]) % top
+    codes = bench.rng.integers(0, top, count)
+    return np.where(bench.rng.random(count) < 1 / 4, bench.rng.choice(marks, count), codes)
+
+
+@cocotb.test()
+async def codes(dut):
+    """Random codes; what the converter sends is what arrives."""
+    bench = Bench(dut)
+    twin, scans = bench.twin, scans_that_fit(bench)
+    drawn = random_codes(bench, (scans + 2) * twin.inputs)
+    *_, got, right, sent = await check(bench, scans, lambda channel, number: int(drawn[number]))
+    bench.compare("codes", got.ravel(), sent.ravel())
+    assert right.all(), "a converter that works was told to be wrong"
+    bench.finish(at_least=scans * twin.slots)
+
+
+@cocotb.test()
+async def voltages(dut):
+    """Recorded voltages behind the analogue front end; samples are what the network was given."""
+    bench = Bench(dut)
+    twin = bench.twin
+    recorded = np.concatenate(bench.scene.vectors().recordings)
+    scans = min(len(recorded), scans_that_fit(bench))
+    frames = recorded[:scans]
+    ideal = Converter(twin.part.name, twin.clock_mhz, bench.rng).sheet.ideal(frames)
+
+    def convert(channel, number):
+        scan, turn = divmod(number, twin.inputs)
+        assert channel == turn, f"got channel {channel} in turn {turn}"
+        return int(ideal[min(scan, scans - 1), channel])
+
+    *_, got, right, _ = await check(bench, scans, convert)
+    bench.compare("codes", got, ideal[: len(got)])
+    bench.compare("the twin's converter", twin.converted(frames), ideal)
+    step = 1 << max(0, -twin.shift)
+    error = np.abs(twin.process(got) - frames[: len(got)])
+    assert error.max() <= (step if frames.max() > twin.fmt.high - step else step // 2)
+    assert right.all(), "a converter that works was told to be wrong"
+    bench.finish(at_least=scans * twin.slots)
+
+
+@cocotb.test()
+async def missing_and_stuck(dut):
+    """A line that nobody drives, or that is stuck; then each single bit that tells, in each turn.
+
+    Scans in between go right, so that the flag falls.
+    """
+    bench = Bench(dut)
+    twin, part = bench.twin, bench.twin.part
+    telling = [0, *part.zeros]
+    if part.mirrored:
+        telling += range(part.first, part.last + part.bits)
+    wrong = [1, 0, *({bit: 1} for bit in telling)]
+    if len(wrong) * twin.inputs * 2 * twin.scan_clocks > 2 * MOST_CLOCKS:
+        wrong = wrong[:6]
+    drawn = random_codes(bench, 3 * len(wrong) * twin.inputs * twin.inputs + 40)
+    faults, scan = {}, 1
+    for turn in range(twin.inputs):
+        for one in wrong:
+            faults[scan * twin.inputs + turn] = one
+            scan += 2 if bench.rng.random() < 1 / 2 else 1
+    # All of the line at once, and an end with scans that go right.
+    for number in range(scan * twin.inputs, (scan + 2) * twin.inputs):
+        faults[number] = 1
+    *_, right, _ = await check(
+        bench,
+        scan + 4,
+        lambda channel, number: int(drawn[number % len(drawn)]),
+        fault=faults.get,
+    )
+    # The mirror of the middle bit is itself.
+    harmless = sum(1 for one in faults.values() if one == {part.last: 1})
+    expected = len([n for n in faults if n < right.size]) - harmless
+    middle = np.array([int((~right).sum())])
+    bench.compare("transfers that were told to be wrong", middle, np.array([expected]))
+    bench.finish(at_least=scan)
+
+
+@cocotb.test()
+async def resets(dut):
+    """Resets at random, then one in each bit of a transfer."""
+    bench = Bench(dut)
+    twin, part = bench.twin, bench.twin.part
+    drawn = random_codes(bench, 4000)
+
+    def convert(channel, number):
+        return int(drawn[number % len(drawn)])
+
+    clocks = scans_that_fit(bench) * twin.scan_clocks // 2
+    column = random_resets(bench.rng, clocks, 3 * twin.scan_clocks)
+    column[-2 * twin.scan_clocks :] = 0
+    await check(bench, 0, convert, resets=column)
+
+    at, clock = [], -1
+    for bit in range(part.clocks + 1):
+        # The scan begins in the clock after a reset.
+        row = int(twin.read_clocks[0, bit]) + int(bench.rng.integers(0, 2 * twin.half_clocks))
+        clock += 1 + row
+        at.append(clock)
+    column = np.zeros(clock + twin.scan_clocks + twin.slots + 5, dtype=np.int64)
+    column[at] = 1
+    recording, *_ = await check(bench, 0, convert, resets=column)
+    since = np.diff(recording.resets(), prepend=RESET_CLOCKS - 1) - 1
+    bits = (since - twin.read_clocks[0, 0]) // (2 * twin.half_clocks)
+    state = State("bit of a transfer that a reset cuts", range(part.clocks + 1))
+    bench.visit(state, bits)
+    bench.finish(at_least=twin.slots)
