@@ -1,0 +1,33 @@
+"""Canonical signed digits: the number that they stand for, and that no form has fewer."""
+
+from itertools import pairwise
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from golden.signed_digits import from_digits, signed_digits
+
+
+@given(st.integers())
+def test_they_stand_for_the_number(number):
+    assert from_digits(signed_digits(number)) == number
+
+
+@given(st.integers())
+def test_no_two_stand_side_by_side(number):
+    places = [place for place, _ in signed_digits(number)]
+    assert all(after - before > 1 for before, after in pairwise(places))
+
+
+def test_no_other_form_has_fewer():
+    """Of all numbers that so many digits of ten places make, none is written with more."""
+    fewest = {0: 0}
+    for count in range(1, 6):
+        for number in list(fewest):
+            for place in range(10):
+                for sign in (1, -1):
+                    fewest.setdefault(number + (sign << place), count)
+    checked = [number for number in range(-200, 201) if number in fewest]
+    assert len(checked) == 401
+    for number in checked:
+        assert len(signed_digits(number)) == fewest[number]
