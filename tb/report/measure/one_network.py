@@ -62,7 +62,8 @@ def one_network(seed: int) -> Table:
         f"The network 4:16:4 of {OF}, its weights of 18 bits, in every design. Cells for Virtex-II "
         "with the hierarchy as exported, as recorded by make synth. Mean magnitude of the "
         "difference from the same network in floating point, saturated as the outputs are, in "
-        f"units of 2^-13, over all outputs of the recorded frames and of {RANDOM_FRAMES} random ones.",
+        f"units of 2^-13, over all outputs, of the recorded frames and of "
+        f"{RANDOM_FRAMES} random ones.",
     )
 
 
