@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -15,9 +16,7 @@ from golden.fixed import Codes, Fix, signed_width
 from golden.layers.sharing import Matrix, shared
 from golden.layers.shift_add import Row, ShiftAdd, clocks_of
 from golden.port import CLOCK, Port, given, group, taken
-
-# Ties are broken by other random numbers in each.
-RUNS = 8
+from golden.precision import FACTOR_LIMIT
 
 
 @dataclass(frozen=True)
@@ -77,6 +76,12 @@ class ConstantMatrix(Block):
         ):
             if value < least:
                 raise ValueError(f"{self.entity}: got {name}={value}, expected {least} or more")
+        most = max(abs(bias) >> self.place for bias in self.biases)
+        if most >= FACTOR_LIMIT >> 1:
+            raise ValueError(
+                f"{self.entity}: got biases up to {most} times the least place that is kept, "
+                f"expected below {FACTOR_LIMIT >> 1}"
+            )
 
     @property
     def inputs(self) -> int:
@@ -91,14 +96,9 @@ class ConstantMatrix(Block):
     @property
     def graph(self) -> ShiftAdd:
         """The adders."""
-        matrix = Matrix(
-            self.weights,
-            self.biases,
-            self.in_fmt.low,
-            self.in_fmt.high,
-            (self.place,) * len(self.weights),
-        )
-        return shared(matrix, self.adders_per_clock, int(self.saturates), RUNS)
+        samples = self.in_fmt.low, self.in_fmt.high
+        matrix = Matrix(self.weights, self.biases, *samples, self.place)
+        return shared(matrix, self.adders_per_clock, int(self.saturates))
 
     @property
     def saturates(self) -> bool:
@@ -106,7 +106,10 @@ class ConstantMatrix(Block):
         for row, bias in zip(self.weights, self.biases, strict=True):
             ends = [(w * self.in_fmt.low, w * self.in_fmt.high) for w in row]
             low, high = (bias + sum(map(end, ends)) for end in (min, max))
-            if low >> self.out_shift < self.out_fmt.low or high >> self.out_shift > self.out_fmt.high:
+            if (
+                low >> self.out_shift < self.out_fmt.low
+                or high >> self.out_shift > self.out_fmt.high
+            ):
                 return True
         return False
 
@@ -122,10 +125,10 @@ class ConstantMatrix(Block):
 
     @property
     def errors(self) -> tuple[tuple[int, int], ...]:
-        """By how much cutting can move each sum, in units of the sum, before the last is floored."""
+        """By how much cutting can move each sum at the least and the most, in units of the sum."""
         graph = self.graph
         found = []
-        for row, weights, bias in zip(graph.rows, self.weights, self.biases, strict=True):
+        for row, bias in zip(graph.rows, self.biases, strict=True):
             reach, unit = graph.reaches[row.node], 1 << row.shift
             ends = [unit * end for end in (reach.below, reach.above)]
             constant = graph.weights[row.node][-1] << row.shift
@@ -157,11 +160,32 @@ class ConstantMatrix(Block):
         """Bits of each result before it saturates."""
         return tuple(signed_width(ends) for ends in self.result_bounds)
 
+    @property
+    def ends(self) -> tuple[tuple[tuple[int, ...], tuple[int, ...]], ...]:
+        """Of each row the frames that drive its sum to its lower and its upper end."""
+        low, high = self.in_fmt.low, self.in_fmt.high
+        return tuple(
+            (
+                tuple(high if w < 0 else low for w in row),
+                tuple(low if w < 0 else high for w in row),
+            )
+            for row in self.weights
+        )
+
+    @property
+    def borders(self) -> tuple[Border, ...]:
+        return _borders(self)
+
+    def quantities(self, *inputs: Codes) -> dict[str, Codes]:
+        (frames,) = inputs
+        words = self.words(np.moveaxis(np.asarray(frames), -1, 0))
+        return {f"result {i}": word for i, word in enumerate(words)}
+
     def drop(self, row: Row) -> int:
         """Places by which the number of a row's node is moved right to the result's last."""
         return self.out_shift - row.shift - self.graph.lows[row.node]
 
-    def words(self, samples: Sequence[Codes]) -> list[Codes]:
+    def words(self, samples: Sequence[Codes] | Codes) -> list[Codes]:
         """Results before they saturate, of the values of each sample."""
         numbers = self.graph.numbers(samples)
         return [_result(row, numbers[row.node], self.drop(row)) for row in self.graph.rows]
@@ -183,6 +207,21 @@ class ConstantMatrix(Block):
         words = self.words(np.moveaxis(np.asarray(frames, dtype=object), -1, 0))
         clipped = np.clip(np.stack(words, axis=-1), self.out_fmt.low, self.out_fmt.high)
         return clipped.astype(np.int64)
+
+
+@lru_cache(maxsize=64)
+def _borders(matrix: ConstantMatrix) -> tuple[Border, ...]:
+    """Where each row saturates."""
+    found = []
+    for i, (row, ends) in enumerate(zip(matrix.weights, matrix.ends, strict=True)):
+        least, most = (matrix.quantities(np.array(end))[f"result {i}"] for end in ends)
+        # The results of one sample or of two are this far apart at the most.
+        weights = sorted(abs(w) for w in row if w)
+        within = 1 if len(weights) > 2 else 2 + (max(weights, default=0) >> matrix.out_shift)
+        for side, at in (("below", matrix.out_fmt.low), ("above", matrix.out_fmt.high + 1)):
+            why = "" if least < at <= most else f"result {i} is {least} to {most}"
+            found.append(Border(f"result {i} saturates {side}", f"result {i}", at, within, why))
+    return tuple(found)
 
 
 def _result(row: Row, number: Any, drop: int) -> Any:

@@ -23,7 +23,11 @@ Term = tuple[int, int]
 # Two terms as one: their nodes, the places of the second above the first, and whether their signs
 # differ: then the second is taken from the first.
 Pattern = tuple[int, int, int, bool]
-SEED = 1
+# By how many per cent luck moves what a pattern is worth, in all runs but the first.
+SPREAD = 20
+# Runs, the fewer the larger the matrix: about as many pairs of digits are looked at in all.
+RUNS = 40
+PAIRS = 400_000
 
 
 class Growing:
@@ -44,9 +48,7 @@ class Growing:
     def sum(self, node: Sum) -> int:
         """The place of a new sum."""
         pairs = zip(self._weights[node.low], self._weights[node.high], strict=True)
-        weights = tuple(
-            node.low_sign * a + node.high_sign * (b << node.shift) for a, b in pairs
-        )
+        weights = tuple(node.low_sign * a + node.high_sign * (b << node.shift) for a, b in pairs)
         return self._append(node, 1 + max(self.levels[node.low], self.levels[node.high]), weights)
 
     def _append(self, node: Node, level: int, weights: tuple[int, ...]) -> int:
@@ -85,8 +87,12 @@ def pattern_of(one: Term, other: Term, differ: bool) -> tuple[Pattern, Term]:
 class Sharing:
     """Rows of terms with signs, in which patterns that occur often become terms of their own."""
 
-    def __init__(self, graph: Growing, rows: list[dict[Term, int]], random: Random):
-        self.graph, self.rows, self.random = graph, rows, random
+    def __init__(
+        self, graph: Growing, rows: list[dict[Term, int]], place: int, spread: int, random: Random
+    ):
+        self.graph, self.rows, self.place = graph, rows, place
+        self.spread, self.random = spread, random
+        self.luck: dict[Pattern, int] = {}
         # By pattern the rows and terms at which its low term stands.
         self.places: dict[Pattern, set[tuple[int, Term]]] = defaultdict(set)
         self.queue: list[tuple[int, int, Pattern]] = []
@@ -105,7 +111,8 @@ class Sharing:
 
     def _uses(self, pattern: Pattern) -> list[tuple[int, Term]]:
         """Places of a pattern no two of which share a term."""
-        found, taken = [], set()
+        found: list[tuple[int, Term]] = []
+        taken: set[tuple[int, Term]] = set()
         for number, low in sorted(self.places[pattern]):
             ends = {(number, low), (number, (pattern[1], low[1] + pattern[2]))}
             if not ends & taken:
@@ -114,11 +121,20 @@ class Sharing:
         return found
 
     def _gain(self, pattern: Pattern) -> int:
-        """Bits of adders that it saves, or about that: what is cut later is not known yet."""
+        """Bits of adders that it saves, or about that, times a random number about 100.
+
+        A sum that is shared has the bits of the place at which it is needed best.
+        """
         # Only a node beside itself can share a term with its neighbour.
-        alike = pattern[0] == pattern[1]
-        uses = len(self._uses(pattern)) if alike else len(self.places[pattern])
-        return (uses - 1) * self.graph.overlap(pattern)
+        uses = self._uses(pattern) if pattern[0] == pattern[1] else self.places[pattern]
+        overlap = self.graph.overlap(pattern)
+        if len(uses) < 2 or not overlap:
+            return 0
+        top = overlap + pattern[2] - self.place
+        bits = [max(0, min(overlap, top + low[1])) for _, low in uses]
+        if pattern not in self.luck:
+            self.luck[pattern] = 100 + self.random.randrange(-self.spread, self.spread + 1)
+        return (sum(bits) - max(bits)) * self.luck[pattern]
 
     def _offer(self, pattern: Pattern) -> None:
         if len(self.places[pattern]) > 1 and (gain := self._gain(pattern)) > 0:
@@ -202,19 +218,19 @@ class Matrix:
         What each sum is added to.
     low, high : int
         The least and the largest input.
-    places : tuple of int
-        The least place that each row keeps.
+    place : int
+        The least place that is kept.
     """
 
     weights: tuple[tuple[int, ...], ...]
     biases: tuple[int, ...]
     low: int
     high: int
-    places: tuple[int, ...]
+    place: int
 
 
 @lru_cache(maxsize=64)
-def shared(matrix: Matrix, levels: int, spare: int, runs: int) -> ShiftAdd:
+def shared(matrix: Matrix, levels: int, spare: int) -> ShiftAdd:
     """The graph of a matrix with the fewest bits of adders that some runs find.
 
     Parameters
@@ -224,51 +240,57 @@ def shared(matrix: Matrix, levels: int, spare: int, runs: int) -> ShiftAdd:
         Adders between registers; the graph has no more registers than it must.
     spare : int
         Adders that stand behind the last of a row.
-    runs : int
-        Ties are broken by other random numbers in each.
     """
-    found: dict[int, list[tuple[int, int, ShiftAdd]]] = defaultdict(list)
-    for run in range(runs):
+    digits = [
+        {(k, place): sign for k, weight in enumerate(row) for place, sign in signed_digits(weight)}
+        for row in matrix.weights
+    ]
+    pairs = sum(len(row) ** 2 for row in digits)
+    found = []
+    for run in range(max(1, min(RUNS, PAIRS // max(1, pairs)))):
         graph = Growing(len(matrix.weights[0]), matrix.low, matrix.high)
-        rows = [
-            {(k, place): sign for k, weight in enumerate(row) for place, sign in signed_digits(weight)}
-            for row in matrix.weights
-        ]
-        Sharing(graph, rows, Random(SEED + run)).run()
-        clocks = 1
-        while True:
-            made = finished(matrix, graph.copy(), rows, clocks * levels - spare)
-            if made.depth <= clocks * levels - spare:
-                break
+        rows = [dict(row) for row in digits]
+        Sharing(graph, rows, matrix.place, SPREAD if run else 0, Random(run)).run()
+        clocks, made = 0, None
+        while made is None or made.depth > clocks * levels - spare:
             clocks += 1
-        found[clocks].append((made.adder_bits, run, made))
-    return min(found[min(found)])[2]
+            made = finished(matrix, graph.copy(), rows, clocks * levels - spare)
+        found.append((clocks, made.adder_bits, run, made))
+    return min(found)[3]
 
 
 def finished(
     matrix: Matrix, graph: Growing, rows: Sequence[dict[Term, int]], depth: int
 ) -> ShiftAdd:
     """The graph with all terms of each row added up, cut, and with the constants of the rows."""
+    place = matrix.place
     results, constants = [], []
-    for row, bias, place in zip(rows, matrix.biases, matrix.places, strict=True):
-        terms = [(term, sign) for term, sign in row.items()]
-        constants.append(None)
-        if bias or place or not terms:
-            constants[-1] = graph.constant(bias >> place)
-            terms.append(((constants[-1], place), 1))
-        (node, shift), sign = add_up(graph, terms, depth, place)
-        results.append(Row(node, shift, sign < 0))
+    for row, bias in zip(rows, matrix.biases, strict=True):
+        needed = bool(bias or place or not row)
+        if not needed:
+            term, sign = add_up(graph, list(row.items()), depth, place)
+            # What is inverted has to be corrected by 1.
+            needed = sign < 0
+        if needed:
+            constants.append(graph.constant(bias >> place))
+            terms = [*row.items(), ((constants[-1], place), 1)]
+            term, sign = add_up(graph, terms, depth, place)
+        results.append(Row(*term, sign < 0))
     nodes = list(graph.nodes)
     for constant in constants:
-        if constant is not None:
-            nodes[constant] = Constant(1)
-    made = cut_back(matrix.low, matrix.high, nodes, results, matrix.places)
-    values = iter(
+        nodes[constant] = Constant(1)
+    made = cut_back(matrix.low, matrix.high, nodes, results, place)
+    values = [
         _constant(made, row, bias, place)
-        for row, bias, place, constant in zip(made.rows, matrix.biases, matrix.places, constants)
-        if constant is not None
+        for row, bias in zip(made.rows, matrix.biases, strict=True)
+        if made.weights[row.node][-1]
+    ]
+    # Those of the rows stand in their order.
+    rest = iter(values)
+    return replace(
+        made,
+        nodes=tuple(Constant(next(rest)) if isinstance(n, Constant) else n for n in made.nodes),
     )
-    return replace(made, nodes=tuple(Constant(next(values)) if isinstance(n, Constant) else n for n in made.nodes))
 
 
 def _constant(graph: ShiftAdd, row: Row, bias: int, place: int) -> int:

@@ -11,8 +11,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-import numpy as np
-
 from golden.fixed import Codes, signed_width
 
 
@@ -128,8 +126,8 @@ class ShiftAdd:
         """Of each node the adders on the longest way from an input."""
         found: list[int] = []
         for node in self.nodes:
-            deep = isinstance(node, Sum)
-            found.append(1 + max(found[node.low], found[node.high]) if deep else 0)
+            operands = (node.low, node.high) if isinstance(node, Sum) else ()
+            found.append(1 + max(found[place] for place in operands) if operands else 0)
         return tuple(found)
 
     @property
@@ -203,7 +201,7 @@ class ShiftAdd:
             if isinstance(node, Sum)
         )
 
-    def numbers(self, samples: Sequence[Codes]) -> list[Codes]:
+    def numbers(self, samples: Sequence[Codes] | Codes) -> list[Codes]:
         """What stands at each node, for the values of each input: arrays or Python's integers."""
         found: list[Codes] = []
         for place, node in enumerate(self.nodes):
@@ -220,9 +218,9 @@ class ShiftAdd:
 
 
 def cut_back(
-    low: int, high: int, nodes: Sequence[Node], rows: Sequence[Row], least: Sequence[int]
+    low: int, high: int, nodes: Sequence[Node], rows: Sequence[Row], least: int
 ) -> ShiftAdd:
-    """The graph with no bit that no row needs; ``least`` is the least place that each row keeps.
+    """The graph with no bit that no row needs; ``least`` is the least place that is kept.
 
     Nodes that no row uses are left out.
     """
@@ -232,8 +230,8 @@ def cut_back(
         known, at = needed[place], max(0, at)
         needed[place] = at if known is None else min(known, at)
 
-    for row, bottom in zip(rows, least, strict=True):
-        need(row.node, bottom - row.shift)
+    for row in rows:
+        need(row.node, least - row.shift)
     for place in range(len(nodes) - 1, -1, -1):
         node, at = nodes[place], needed[place]
         if isinstance(node, Sum) and at is not None:

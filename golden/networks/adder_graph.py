@@ -25,9 +25,7 @@ from golden.precision import EXACT, SIGNAL, Precision
 # Adders between two registers, where a scene says nothing.
 ADDERS_PER_CLOCK = 5
 # Places below the last of q and of y that are added.
-GUARD = (1, 1)
-# Fraction bits of the weights at the most.
-FRACTION_BITS = (12, 14)
+GUARD = (1, 2)
 
 
 @dataclass(frozen=True)
@@ -80,7 +78,7 @@ class AdderGraph(Design):
         hardware: Mapping[str, object] | None = None,
     ) -> Self:
         constants = constants_of(mlp, precision, activation, options, lean)
-        return cls.from_constants(constants, variant, **dict(hardware or {}))
+        return cls.from_constants(constants, variant, **_chosen(hardware))
 
     @classmethod
     def of_several(
@@ -94,15 +92,14 @@ class AdderGraph(Design):
         if arrangement == "single":
             return None
         found = [constants_of(m, EXACT, "bipartite", activation_options, lean) for m in mlps]
-        return cls.from_constants(beside(found), **dict(hardware or {}))
+        return cls.from_constants(beside(found), **_chosen(hardware))
 
     @classmethod
     def from_constants(
-        cls, constants: Constants, variant: str = "", adders_per_clock: Any = ADDERS_PER_CLOCK
+        cls, constants: Constants, variant: str = "", adders_per_clock: int = ADDERS_PER_CLOCK
     ) -> Self:
         prefix = f"{variant}_" if variant else ""
-        first = _shortened(constants.first, FRACTION_BITS[0])
-        second = _shortened(constants.second, FRACTION_BITS[1])
+        first, second = constants.first, constants.second
         frac = EXACT.hidden_fmt.frac
         shift = SIGNAL.frac + first.fmt.frac - frac
         biases = tuple(bias << SIGNAL.frac for bias in first.biases)
@@ -133,8 +130,8 @@ class AdderGraph(Design):
             variant=f"{prefix}outputs",
         )
         widths = hidden.result_widths
-        activations = list(constants.activations)
-        for nodes in _groups(constants.activations, widths):
+        activations = [a for a in constants.activations if isinstance(a, Bipartite)]
+        for nodes in _groups(activations, widths):
             least = activations[nodes[0]].formats.group_width + 2
             width = max(least, *(widths[j] for j in nodes))
             for j in nodes:
@@ -225,11 +222,16 @@ class AdderGraph(Design):
         """See ``Design``; what cutting adds is ``ConstantMatrix.errors``."""
         first = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights")
         second = quantised(mlp.w2, mlp.b2, precision, "layer 2 weights")
-        q_off = _off(mlp.w1, mlp.b1, _shortened(first, FRACTION_BITS[0]), self.first)
+        q_off = _off(mlp.w1, mlp.b1, first, self.first)
         r_off = q_off + [activation_error(a, 1) for a in self.activations]
-        y_off = _off(mlp.w2, mlp.b2, _shortened(second, FRACTION_BITS[1]), self.second)
+        y_off = _off(mlp.w2, mlp.b2, second, self.second)
         result: Real = y_off + np.abs(mlp.w2) @ r_off
         return result
+
+
+def _chosen(hardware: Mapping[str, object] | None) -> dict[str, Any]:
+    """What a scene chooses of the options."""
+    return dict(hardware or {})
 
 
 def beside(networks: Sequence[Constants]) -> Constants:
@@ -265,20 +267,6 @@ def _stacked(layers: Sequence[Layer]) -> Layer:
     )
 
 
-def _shortened(layer: Layer, most: int) -> Layer:
-    """The layer with so many fraction bits at the most, rounded half up."""
-    drop = layer.fmt.frac - most
-    if drop <= 0:
-        return layer
-    half = 1 << (drop - 1)
-    return replace(
-        layer,
-        weights=tuple(tuple((w + half) >> drop for w in row) for row in layer.weights),
-        biases=tuple((bias + half) >> drop for bias in layer.biases),
-        fmt=Fix(layer.fmt.width, most),
-    )
-
-
 def _width(weights: Sequence[Sequence[int]], biases: Sequence[int], shift: int) -> int:
     """Bits of the sums of all rows, less their last ``shift``, whatever cutting does to them."""
     most = max(
@@ -288,9 +276,7 @@ def _width(weights: Sequence[Sequence[int]], biases: Sequence[int], shift: int) 
     return signed_width([(most >> shift) + 1])
 
 
-def _groups(
-    activations: Sequence[Bipartite], widths: Sequence[int]
-) -> tuple[tuple[int, ...], ...]:
+def _groups(activations: Sequence[Bipartite], widths: Sequence[int]) -> tuple[tuple[int, ...], ...]:
     """The nodes whose tables are shared: two of about the same width at a time, in block RAM."""
     count = NODES if activations[0].memory == "block_ram" else 1
     order = sorted(range(len(widths)), key=lambda j: (widths[j], j))

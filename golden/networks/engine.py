@@ -179,7 +179,9 @@ class Engine(Design):
         kinds = ["dsp"] if chosen["pipeline"] != "short" or chosen.get("reload") else list(KINDS)
         kinds = [chosen["multiplier"]] if "multiplier" in chosen else kinds
         for kind in kinds:
-            engine = cls.of_several(arrangement, mlps, lean, chosen | {"multiplier": kind}, variant=variant)
+            engine = cls.of_several(
+                arrangement, mlps, lean, chosen | {"multiplier": kind}, variant=variant
+            )
             if engine.output_clocks[-1] <= clocks:
                 return replace(engine, budget=clocks)
         raise ValueError(

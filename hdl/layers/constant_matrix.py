@@ -3,12 +3,16 @@
 from collections.abc import Callable
 from functools import partial
 
-from myhdl import Signal, always, always_comb, block, concat, modbv
+from myhdl import Signal, always, always_comb, block, concat, intbv, modbv
 
 from golden.layers.constant_matrix import ConstantMatrix
-from golden.layers.shift_add import Constant, Input, Sum
-from hdl.common.delay import connect
-from hdl.common.signals import fixed, flag, unsigned
+from golden.layers.shift_add import Constant, Input, Row, Step, Sum
+from hdl.common.delay import delay
+
+# What is done to a sum is done in one process, in variables wide enough for each step: simulators
+# take several times as long for a process each. The sum is inverted twice, which costs nothing and
+# changes nothing: without, Yosys merges it with the sum that takes it to a carry-save adder, of a
+# third more LUTs. Where bits pass beside the adder it has no need to.
 
 
 def wrapping(width: int):
@@ -18,135 +22,187 @@ def wrapping(width: int):
 
 
 @block
-def cut(number, kept, *, places: int):
-    """``number`` without its last ``places``."""
+def add(low, high, total, *, step: Step):
+    """Sum of two numbers, less their last bits, the high one moved left."""
+    low_cut, high_cut, move, count = step.low_cut, step.high_cut, step.move, len(total)
+    half = 1 << max(len(low), len(high) + move, count)
 
     @always_comb
-    def move():
-        kept.next = number >> places
+    def join():
+        one = intbv(0, min=-half, max=half)
+        other = intbv(0, min=-half, max=half)
+        result = intbv(0, min=-half, max=half)
+        turned = intbv(0, min=-half, max=half)
+        one[:] = low >> low_cut
+        other[:] = high >> high_cut
+        other[:] = other << move
+        turned[:] = one + other
+        turned[:] = ~turned
+        result[:] = ~turned
+        total.next = result[count:].signed()
 
-    return move
+    return join
 
 
 @block
-def moved(number, wide, *, places: int):
-    """``number`` moved left."""
-    same = wrapping(len(wide))
+def subtract(low, high, total, *, step: Step, reverse: bool):
+    """The low number minus the high one, each as ``add`` takes it; or the other way round."""
+    low_cut, high_cut, move, count = step.low_cut, step.high_cut, step.move, len(total)
+    half = 1 << max(len(low), len(high) + move, count)
 
-    @always_comb
-    def widen():
-        same.next = number
-
-    @always_comb
-    def move():
-        wide.next = same << places
-
-    return widen, move
-
-
-@block
-def add(one, other, total, *, minus: bool):
-    """Sum or difference of two numbers."""
-    result, turned = wrapping(len(total)), wrapping(len(total))
-
-    if minus:
+    if reverse:
 
         @always_comb
         def join():
-            result.next = one - other
+            one = intbv(0, min=-half, max=half)
+            other = intbv(0, min=-half, max=half)
+            result = intbv(0, min=-half, max=half)
+            turned = intbv(0, min=-half, max=half)
+            one[:] = low >> low_cut
+            other[:] = high >> high_cut
+            other[:] = other << move
+            turned[:] = other - one
+            turned[:] = ~turned
+            result[:] = ~turned
+            total.next = result[count:].signed()
 
     else:
 
         @always_comb
         def join():
-            result.next = one + other
+            one = intbv(0, min=-half, max=half)
+            other = intbv(0, min=-half, max=half)
+            result = intbv(0, min=-half, max=half)
+            turned = intbv(0, min=-half, max=half)
+            one[:] = low >> low_cut
+            other[:] = high >> high_cut
+            turned[:] = one - other
+            turned[:] = ~turned
+            result[:] = ~turned
+            total.next = result[count:].signed()
 
-    return join, invert(result, turned), invert(turned, total)
-
-
-@block
-def add_above(low, high, total, *, places: int, minus: bool):
-    """``low`` plus or minus ``high`` moved left, whose last bits are those of ``low``."""
-    rest = wrapping(max(1, len(low) - places))
-    part = wrapping(len(total) - places)
-    last = unsigned(places)
-    count = len(part)
-
-    @always_comb
-    def split():
-        rest.next = low >> places
-        last.next = low[places:]
-
-    @always_comb
-    def fill():
-        total.next = concat(part[count:], last).signed()
-
-    return split, add(rest, high, part, minus=minus), fill
+    return join
 
 
 @block
-def add_constant(number, total, *, value: int, minus: bool):
-    """A constant plus or minus a number: a number is negated by inverting it and adding 1."""
-    if not minus:
+def add_above(low, high, total, *, step: Step, minus: bool):
+    """The low number plus or minus the high one, whose last bits are those of the low one."""
+    end = step.low_cut
+    start, count = end + step.move, len(total) - step.move
+    half = 1 << max(len(low), len(high), count)
+
+    if minus:
 
         @always_comb
         def join():
-            total.next = number + value
+            one = intbv(0, min=-half, max=half)
+            result = intbv(0, min=-half, max=half)
+            one[:] = low >> start
+            result[:] = one - high
+            total.next = concat(result[count:], low[start:end]).signed()
 
-        return join
+    else:
 
-    inverted = wrapping(len(number))
-    more = value + 1
+        @always_comb
+        def join():
+            one = intbv(0, min=-half, max=half)
+            result = intbv(0, min=-half, max=half)
+            one[:] = low >> start
+            result[:] = one + high
+            total.next = concat(result[count:], low[start:end]).signed()
 
-    @always_comb
-    def take():
-        total.next = more + inverted
-
-    return invert(number, inverted), take
+    return join
 
 
 @block
-def saturate(word, result):
-    """``word``, or the end of the range of ``result`` that it is beyond."""
-    places, sign = len(result) - 1, len(word) - 1
-    if sign <= places:
-        return connect(word, result)
-    top = wrapping(len(word) - places)
-    same = wrapping(len(result))
-    inside = flag()
+def add_constant(number, total, *, value: int, cut: int, move: int, minus: bool):
+    """A constant plus a number, less its last bits and moved left; or minus that."""
+    count = len(total)
+    half = 1 << max(len(number) + move, count, abs(value).bit_length() + 1)
+    # A number is negated by inverting it and adding 1.
+    start = value + 1 if minus else value
+
+    if minus:
+
+        @always_comb
+        def join():
+            one = intbv(0, min=-half, max=half)
+            result = intbv(0, min=-half, max=half)
+            turned = intbv(0, min=-half, max=half)
+            one[:] = number >> cut
+            one[:] = one << move
+            one[:] = ~one
+            turned[:] = start + one
+            turned[:] = ~turned
+            result[:] = ~turned
+            total.next = result[count:].signed()
+
+    else:
+
+        @always_comb
+        def join():
+            one = intbv(0, min=-half, max=half)
+            result = intbv(0, min=-half, max=half)
+            turned = intbv(0, min=-half, max=half)
+            one[:] = number >> cut
+            one[:] = one << move
+            turned[:] = start + one
+            turned[:] = ~turned
+            result[:] = ~turned
+            total.next = result[count:].signed()
+
+    return join
+
+
+@block
+def invert(number, inverted):
+    """Every bit of a number inverted: less by 1 than its negative."""
+
+    @always_comb
+    def turn():
+        inverted.next = ~number
+
+    return turn
+
+
+@block
+def finish(clk, number, result, *, drop: int):
+    """A row's result a clock later: its number without the last bits, saturated.
+
+    ``drop`` below 0 moves it left.
+    """
+    cut, move = max(0, drop), max(0, -drop)
+    count, sign = len(result), max(len(number) + move, len(result))
+    places = count - 1
+    half = 1 << sign
     high, low = (1 << places) - 1, -(1 << places)
-    count = len(result)
 
-    @always_comb
-    def split():
-        top.next = word >> places
-        same.next = word[count:].signed()
+    if len(number) - drop <= count:
 
-    @always_comb
-    def judge():
-        inside.next = (top == 0) or (top == -1)
+        @always(clk.posedge)
+        def keep():
+            word = intbv(0, min=-half, max=half)
+            word[:] = number >> cut
+            word[:] = word << move
+            result.next = word[count:].signed()
 
-    @always_comb
-    def choose():
-        if inside:
-            result.next = same
-        elif word[sign]:
-            result.next = low
-        else:
-            result.next = high
+    else:
 
-    return split, judge, choose
+        @always(clk.posedge)
+        def keep():
+            word = intbv(0, min=-half, max=half)
+            top = intbv(0, min=-half, max=half)
+            word[:] = number >> cut
+            word[:] = word << move
+            top[:] = word >> places
+            if top == 0 or top == -1:
+                result.next = word[count:].signed()
+            elif word[sign]:
+                result.next = low
+            else:
+                result.next = high
 
-
-@block
-def keep(clk, data, data_late):
-    """``data`` a clock later."""
-
-    @always(clk.posedge)
-    def hold():
-        data_late.next = data
-
-    return hold
+    return keep
 
 
 @block
@@ -171,63 +227,53 @@ class Numbers:
         self._there = {}
         for place, node in enumerate(self.graph.nodes):
             if isinstance(node, Input):
+                # MyHDL refuses a port that nothing reads.
                 in_data[node.number].read = True
                 self._there[place, 0] = in_data[node.number]
             elif isinstance(node, Sum):
-                self._make(place, node)
+                total = wrapping(self.graph.widths[place])
+                self.parts.append(self._sum(place, node, total))
+                self._there[place, self.clocks[place]] = total
 
     def at(self, place: int, clock: int):
         """The number at a node, in the clock in which it is made or a later one."""
         if (place, clock) not in self._there:
             before = self.at(place, clock - 1)
             late = wrapping(len(before))
-            self.parts.append(partial(keep, self.clk, before, late))
+            self.parts.append(partial(delay, self.clk, None, before, late, clocks=1))
             self._there[place, clock] = late
         return self._there[place, clock]
 
-    def _operand(self, place: int, clock: int, dropped: int):
-        number = self.at(place, clock)
-        if not dropped:
-            return number
-        kept = wrapping(max(1, len(number) - dropped))
-        self.parts.append(partial(cut, number, kept, places=dropped))
-        return kept
-
-    def _make(self, place: int, node: Sum) -> None:
+    def _sum(self, place: int, node: Sum, total) -> Callable:
         step, clock = self.graph.step(place), self.clocks[place]
-        total = wrapping(self.graph.widths[place])
-        self._there[place, clock] = total
         operands = [
             (node.low, step.low_cut, 0, node.low_sign),
             (node.high, step.high_cut, step.move, node.high_sign),
         ]
-        fixed_ones = [o for o in operands if isinstance(self.graph.nodes[o[0]], Constant)]
-        if fixed_ones:
-            ((constant, dropped, move, sign),) = fixed_ones
-            value = sign * (self.graph.nodes[constant].value >> dropped << move)
-            ((other, dropped, move, sign),) = [o for o in operands if o not in fixed_ones]
-            number = self._moved(self._operand(other, clock, dropped), move)
-            self.parts.append(partial(add_constant, number, total, value=value, minus=sign < 0))
-            return
-        low = self._operand(node.low, clock, step.low_cut)
-        high = self._operand(node.high, clock, step.high_cut)
-        if node.low_sign < 0:
-            self.parts.append(partial(add, self._moved(high, step.move), low, total, minus=True))
-        elif step.move:
-            minus = node.high_sign < 0
-            self.parts.append(partial(add_above, low, high, total, places=step.move, minus=minus))
-        else:
-            self.parts.append(partial(add, low, high, total, minus=node.high_sign < 0))
+        constants = [isinstance(self.graph.nodes[operand[0]], Constant) for operand in operands]
+        if any(constants):
+            number, cut, move, sign = operands[constants.index(False)]
+            constant, constant_cut, constant_move, constant_sign = operands[constants.index(True)]
+            value = self.graph.nodes[constant].value >> constant_cut << constant_move
+            return partial(
+                add_constant,
+                self.at(number, clock),
+                total,
+                value=constant_sign * value,
+                cut=cut,
+                move=move,
+                minus=sign < 0,
+            )
+        pair = self.at(node.low, clock), self.at(node.high, clock)
+        minus = node.low_sign != node.high_sign
+        if step.move and node.low_sign > 0:
+            return partial(add_above, *pair, total, step=step, minus=minus)
+        if minus:
+            return partial(subtract, *pair, total, step=step, reverse=node.low_sign < 0)
+        return partial(add, *pair, total, step=step)
 
-    def _moved(self, number, places: int):
-        if not places:
-            return number
-        wide = wrapping(len(number) + places)
-        self.parts.append(partial(moved, number, wide, places=places))
-        return wide
-
-    def result(self, row, drop: int, result) -> None:
-        """A row's result in the last clock."""
+    def finish(self, row: Row, result) -> None:
+        """A row's result, in the clock behind the last."""
         node = self.graph.nodes[row.node]
         if isinstance(node, Constant):
             number = wrapping(self.graph.widths[row.node])
@@ -238,23 +284,7 @@ class Numbers:
             inverted = wrapping(len(number))
             self.parts.append(partial(invert, number, inverted))
             number = inverted
-        if drop > 0:
-            word = wrapping(max(1, len(number) - drop))
-            self.parts.append(partial(cut, number, word, places=drop))
-        else:
-            word = self._moved(number, -drop)
-        self.parts.append(partial(saturate, word, result))
-
-
-@block
-def invert(number, inverted):
-    """Every bit of a number inverted: less by 1 than its negative."""
-
-    @always_comb
-    def turn():
-        inverted.next = ~number
-
-    return turn
+        self.parts.append(partial(finish, self.clk, number, result, drop=self.spec.drop(row)))
 
 
 @block
@@ -272,12 +302,10 @@ def constant_matrix(clk, in_data, out_data, *, spec: ConstantMatrix):
 
     Notes
     -----
-    No multiplier. Latency: ``spec.latency`` clocks, one for every ``spec.adders_per_clock`` adders one
-    behind the other; a frame every clock. No reset: data alone.
+    No multiplier. Latency: ``spec.latency`` clocks, one for every ``spec.adders_per_clock`` adders
+    one behind the other; a frame every clock. No reset: data alone.
     """
     numbers = Numbers(clk, in_data, spec)
-    results = [fixed(spec.out_fmt) for _ in spec.weights]
     for i, row in enumerate(spec.graph.rows):
-        numbers.result(row, spec.drop(row), results[i])
-    parts = [part() for part in numbers.parts]
-    return parts, [keep(clk, results[i], out_data[i]) for i in range(len(results))]
+        numbers.finish(row, out_data[i])
+    return [part() for part in numbers.parts]

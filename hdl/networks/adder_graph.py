@@ -57,6 +57,8 @@ def adder_graph(clk, rst, in_valid, in_data, out_valid, out_data, frame_error, *
     r_valid = Words(len(tables), flag)
     places = [(n, i, j) for n, nodes in enumerate(spec.groups) for i, j in enumerate(nodes)]
     return (
+        # The layer that saturates comes first: the first entity of a block stands for it in proofs.
+        constant_matrix(clk, r, out_data, spec=spec.second),
         constant_matrix(clk, in_data, q, spec=spec.first),
         delay(clk, rst, in_valid, q_valid, clocks=spec.first.latency),
         [connect(q[j], short[n][i]) for n, i, j in places],
@@ -67,7 +69,6 @@ def adder_graph(clk, rst, in_valid, in_data, out_valid, out_data, frame_error, *
             for n, table in enumerate(tables)
         ],
         [connect(result[n][i], r[j]) for n, i, j in places],
-        constant_matrix(clk, r, out_data, spec=spec.second),
         delay(clk, rst, r_valid[0], out_valid, clocks=spec.second.latency),
         never(clk, frame_error),
     )
