@@ -11,12 +11,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from golden.scene import Scene, load_scene
-from tb.common.collected import CASES
+from tb.common.collected import CASES, CASES_OF
 from tb.common.runner import Job, Outcome, compile_vhdl, export, jobs, run_jobs
 from tb.common.tools import language
 from tb.report.measure import store
 from tb.report.measure.steps import measured
 from tb.report.measure.table import Table
+from tb.sign_off.subject import first
 
 # A worker of several does one thing at a time: the others have the other cores.
 AT_ONCE = 1 if "PYTEST_XDIST_WORKER" in os.environ else os.cpu_count() or 1
@@ -67,6 +68,10 @@ class Shared:
         if simulator == "ghdl":
             self.once(f"{name} library", lambda: compile_vhdl(scene, self.build))
         return jobs(scene, simulator, build=self.build)
+
+    def subject(self, block: str, simulator: str = "icarus", case: str | None = None) -> Job:
+        """The entity that stands for a block, as in ``tb.sign_off.subject``, on those exports."""
+        return first(self.jobs(case or CASES_OF[block][0], simulator), block)
 
     def tables(self) -> dict[str, Table]:
         """Every table of the report, measured once in the run and in no earlier one."""

@@ -26,7 +26,7 @@ NETWORKS = ("digit", "digit-parallel", "digit-single-thesis")
 # Cases that drive what others drive too, in other sizes: they are left to ALL=1.
 LEFT = (
     *("deep-cascade", "slow-axis-cascade", "huge-exact", "wide-thesis", "pade-thesis"),
-    *("other-profile", "deep-reload", "three-engine", "huge-engine"),
+    *("profile", "other-profile", "deep-reload", "three-engine", "huge-engine"),
     *("one-past", "few-past", "three-past", "serial-past", "axis-past", "drawn-past"),
     *("instrument", "slower-cascade", "wide-multiple", "wide-parallel"),
     *("huge", "huge-parallel", "logic-huge", "block-ram-huge", "bipartite-low"),

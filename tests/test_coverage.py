@@ -13,25 +13,21 @@ from golden.activation.abs_unit import AbsUnit
 from golden.block import Block
 from golden.border import Border, State
 from golden.port import Unsigned, given, taken
-from tb.common.collected import BENCHES, CASES_OF
+from tb.common.collected import BENCHES
 from tb.common.coverage import Coverage, add, missing
 from tb.common.runner import Job, run_job
-from tb.sign_off.coverage import KIND, bench_files, source
+from tb.sign_off.coverage import KIND, source
 from tb.sign_off.record import read_record
-from tb.sign_off.subject import first
+from tb.sign_off.source import bench_modules
 
 AGAIN = "run: make coverage BLOCK={} RECORD=1"
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
 
-def job_of(shared: Shared, block: str) -> Job:
-    return first(shared.jobs(CASES_OF[block][0], "icarus"), block)
-
-
 @pytest.mark.parametrize("block", BENCHES)
 def test_the_record_is_of_this_source(shared: Shared, block: str) -> None:
-    assert read_record(KIND, block)["source"] == source(job_of(shared, block)), AGAIN.format(block)
+    assert read_record(KIND, block)["source"] == source(shared.subject(block)), AGAIN.format(block)
 
 
 @pytest.mark.parametrize("block", BENCHES)
@@ -45,7 +41,7 @@ def test_the_record_leaves_nothing_out(block: str) -> None:
 
 
 def test_another_source_is_noticed(shared: Shared, tmp_path: Path) -> None:
-    job = job_of(shared, "abs_unit")
+    job = shared.subject("abs_unit")
     changed = replace(job, build=tmp_path)
     changed.hdl_folder.mkdir(parents=True)
     for name in job.files:
@@ -55,16 +51,18 @@ def test_another_source_is_noticed(shared: Shared, tmp_path: Path) -> None:
 
 
 def test_another_border_is_another_source(shared: Shared, monkeypatch) -> None:
-    job = job_of(shared, "abs_unit")
+    job = shared.subject("abs_unit")
     before = source(job)
     monkeypatch.setattr(AbsUnit, "borders", property(lambda _: (Border("another", "code", 3),)))
     assert source(job) != before
 
 
 def test_the_bench_and_what_it_imports_are_part_of_the_source() -> None:
-    names = {path.name for path in bench_files("pade")}
-    assert {"tb_pade.py", "bench.py", "stream.py", "stimulus.py", "coverage.py"} <= names
-    assert "tb_lut.py" not in names
+    read = {name for name, code in bench_modules("activation", "pade").items() if code}
+    common = {f"tb.common.{name}" for name in ("bench", "stream", "stimulus", "coverage")}
+    assert {"tb.activation.tb_pade", *common} <= read
+    assert "tb.activation.tb_lut" not in read
+    assert bench_modules("instruments", "readout")["tb.common.readout"], "imported by name"
 
 
 class Counter(Block):
@@ -117,7 +115,7 @@ def test_what_is_not_met_is_named() -> None:
 
 def test_a_border_that_is_not_met_fails_the_bench(shared: Shared, tmp_path, monkeypatch) -> None:
     """The twin names one more border than the bench knows of."""
-    block = job_of(shared, "abs_unit")
+    block = shared.subject("abs_unit")
     known = AbsUnit.borders.fget
     more = property(lambda unit: (*known(unit), Border("another", "code", 10**6)))
     monkeypatch.setattr(AbsUnit, "borders", more)

@@ -13,8 +13,8 @@ from conftest import tiered
 from shared import Shared
 
 from golden.cli import CommandError
-from tb.common.collected import BENCHES, CASES_OF
-from tb.common.runner import Job, run_job
+from tb.common.collected import BENCHES
+from tb.common.runner import run_job
 from tb.sign_off import equal, record
 from tb.sign_off.equal import Pair, check_record, command, netlist_of, settle
 from tb.sign_off.equal_gates import synthesise
@@ -34,12 +34,7 @@ def pair(shared: Shared) -> Callable[[str], Pair]:
     """From a block to what stands for it, exported once a run."""
 
     def both(block: str) -> Pair:
-        case = CASES_OF[block][0]
-
-        def first(simulator: str) -> Job:
-            return next(j for j in reversed(shared.jobs(case, simulator)) if j.block == block)
-
-        return Pair(first("icarus"), first("ghdl"))
+        return Pair(shared.subject(block), shared.subject(block, "ghdl"))
 
     return both
 

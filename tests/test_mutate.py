@@ -12,18 +12,16 @@ import pytest
 from shared import Shared
 
 from golden.fingerprint import ROOT
-from tb.common.collected import CASES_OF
-from tb.common.runner import Job, run_job
+from tb.common.runner import run_job
 from tb.sign_off.mutate import kept
 from tb.sign_off.mutate.explained import explain, explanations
 from tb.sign_off.mutate.mutants import make_mutants, write_netlists
 from tb.sign_off.mutate.replay import ports_of, replay, write_bench, write_trace
 from tb.sign_off.mutate.same import OTHER, SAME, proved
 from tb.sign_off.mutate.score import Subject, prepare, run_bench
-from tb.sign_off.mutate.source import source
 from tb.sign_off.mutate.words import describe
 from tb.sign_off.record import RECORDS, read_record
-from tb.sign_off.subject import first
+from tb.sign_off.source import source
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
@@ -33,14 +31,10 @@ SCORED = sorted(path.stem for path in (RECORDS / "mutation").glob("*.json"))
 FEW = 12
 
 
-def job_of(shared: Shared, block: str) -> Job:
-    return first(shared.jobs(CASES_OF[block][0], "icarus"), block)
-
-
 @pytest.mark.parametrize("block", SCORED)
 def test_the_score_is_of_this_verilog_and_this_bench(shared: Shared, block: str) -> None:
     record = read_record("mutation", block)
-    job = job_of(shared, block)
+    job = shared.subject(block)
     assert (record["entity"], record["scene"]) == (job.entity, job.scene.name)
     again = f"run: make mutate BLOCK={block} RECORD=1"
     assert record["source"] == source(job), f"another source; {again}"
@@ -71,7 +65,7 @@ def small(shared: Shared, tmp_path_factory: pytest.TempPathFactory) -> Iterator[
     """An absolute value with a few mutants; nothing that was found before counts."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(kept, "STORE", tmp_path_factory.mktemp("store"))
-        job = job_of(shared, "abs_unit")
+        job = shared.subject("abs_unit")
         hdl = job.hdl_folder.resolve()
         job = replace(job, build=tmp_path_factory.mktemp("build"))
         job.hdl_folder.parent.mkdir(parents=True)

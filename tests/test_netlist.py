@@ -11,7 +11,7 @@ from conftest import tiered
 from shared import Shared, copied_job
 
 from golden.cli import CommandError
-from tb.common.collected import BENCHES, CASES_OF
+from tb.common.collected import BENCHES
 from tb.common.runner import Job, run_job
 from tb.sign_off.netlist import FAMILIES, chosen, on_cells
 from tb.sign_off.netlist_record import KIND, SCENES, Entity, source_of
@@ -30,12 +30,6 @@ def recorded_blocks(kind: str) -> list[str]:
     return [block for block in BENCHES if record_path(kind, block).is_file()]
 
 
-def job_of(shared: Shared, block: str) -> Job:
-    """The bench of a block's first entity in its first case."""
-    found = shared.jobs(CASES_OF[block][0], "icarus")
-    return next(job for job in reversed(found) if job.block == block)
-
-
 @pytest.mark.parametrize(
     "case",
     tiered(
@@ -47,7 +41,7 @@ def job_of(shared: Shared, block: str) -> Job:
 )
 def test_a_netlist_does_what_the_twin_does(shared: Shared, case: tuple[str, str]) -> None:
     block, family = case
-    job = on_cells(job_of(shared, block), family)
+    job = on_cells(shared.subject(block), family)
     assert f"make sim BLOCK={block} NETLIST={family} " in run_and_read(job)
 
 
@@ -75,7 +69,7 @@ def test_a_bit_of_a_cell_that_is_wrong_turns_the_bench_red(
     shared: Shared, tmp_path: Path, fault: tuple[str, str, str]
 ) -> None:
     block, family, pattern = fault
-    job = copied_job(on_cells(job_of(shared, block), family), tmp_path)
+    job = copied_job(on_cells(shared.subject(block), family), tmp_path)
     file = job.hdl_folder / job.files[0]
 
     def flip(found: re.Match[str]) -> str:
@@ -100,7 +94,7 @@ def test_one_is_every_family() -> None:
 
 @pytest.mark.parametrize("block", tiered(["abs_unit"], [b for b in BENCHES if b != "abs_unit"]))
 def test_nothing_that_is_valid_hangs_on_an_unknown_register(shared: Shared, block: str) -> None:
-    assert run_and_read(on_cells(job_of(shared, block), UNKNOWN))
+    assert run_and_read(on_cells(shared.subject(block), UNKNOWN))
 
 
 @pytest.mark.parametrize(
@@ -109,7 +103,7 @@ def test_nothing_that_is_valid_hangs_on_an_unknown_register(shared: Shared, bloc
 )
 def test_a_register_that_is_not_reset_is_found(shared: Shared, tmp_path: Path, block: str) -> None:
     """The recorded one; where there is none, none of the block's registers is reset."""
-    job = copied_job(job_of(shared, block), tmp_path)
+    job = copied_job(shared.subject(block), tmp_path)
     netlist = Netlist(job)
     reset = {register.name: register for register in netlist.registers() if register.reset}
     control = read_record(UNKNOWN, block)["control"]
@@ -127,7 +121,7 @@ def test_a_register_that_is_not_reset_is_found(shared: Shared, tmp_path: Path, b
 def test_what_is_proved_of_unknown_registers(shared: Shared, block: str) -> None:
     """As recorded; and not where the register is not reset that the bench needs."""
     found = read_record(UNKNOWN, block)
-    netlist = Netlist(job_of(shared, block))
+    netlist = Netlist(shared.subject(block))
     reset = {register.name: register for register in netlist.registers() if register.reset}
     if reset:
         assert clocks_to_prove(netlist) == found["proved over clocks"]
@@ -139,7 +133,7 @@ def test_an_unknown_condition_gives_what_both_branches_agree_on(
     shared: Shared, tmp_path: Path
 ) -> None:
     """Where the exported Verilog takes the else branch."""
-    job = copied_job(job_of(shared, "abs_unit"), tmp_path)
+    job = copied_job(shared.subject("abs_unit"), tmp_path)
     file = job.hdl_folder / job.files[0]
     file.write_text(
         """module abs_unit(input clk, input rst, input in, output reg same, output reg other);
@@ -186,7 +180,7 @@ def played(folder: Path, text: str) -> list[str]:
 def test_the_record_of_unknown_registers_is_of_this_source(shared: Shared, block: str) -> None:
     found = read_record(UNKNOWN, block)
     again = f"run: make sim NETLIST=unknown RECORD=1 BLOCK={block}"
-    assert (found["source"], found["passed"]) == (source_of(job_of(shared, block)), True), again
+    assert (found["source"], found["passed"]) == (source_of(shared.subject(block)), True), again
     assert bool(found["control"]) == bool(found["reset"])
     assert found["control proved over clocks"] is None
 
@@ -199,7 +193,7 @@ def test_the_record_of_netlists_is_of_this_source(shared: Shared, block: str) ->
     found: dict[str, set[str]] = {}
     for run in runs:
         found.setdefault(run["source"], set()).add(run["family"])
-    jobs = [job_of(shared, block)]
+    jobs = [shared.subject(block)]
     jobs += [job for name in SCENES for job in shared.jobs(name, "icarus") if job.block == block]
     assert found == {source_of(job): set(Entity(job, "").families()) for job in jobs}, again
 

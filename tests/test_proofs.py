@@ -16,8 +16,9 @@ from tb.common.runner import Job
 from tb.sign_off import record
 from tb.sign_off.proofs import PROOFS, properties_of
 from tb.sign_off.properties import Property
-from tb.sign_off.prove import blocks_to_prove, check_record, command, entities, settle
+from tb.sign_off.prove import check_record, command, entities, settle
 from tb.sign_off.solver import prove
+from tb.sign_off.subject import chosen_blocks
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
@@ -29,10 +30,7 @@ QUICK = ("output_collector",)
 def export(shared: Shared) -> Callable[[str, str], Job]:
     """From block and case to the first entity of the block, exported once a run."""
 
-    def first(block: str, case: str) -> Job:
-        return next(job for job in reversed(shared.jobs(case, "icarus")) if job.block == block)
-
-    return first
+    return lambda block, case: shared.subject(block, case=case)
 
 
 @pytest.fixture
@@ -133,4 +131,4 @@ def test_a_stale_record_names_the_command(
 
 def test_a_block_without_properties_is_named() -> None:
     with pytest.raises(CommandError, match="did you mean 'output_controller'"):
-        blocks_to_prove("output_controler")
+        chosen_blocks("output_controler")

@@ -191,6 +191,10 @@ def add_up(
         shift = high[1] - low[1]
         free = high[1] <= place or not terms
         sign = 1 if low_sign != high_sign and free else low_sign
+        constants = [isinstance(graph.nodes[term[0]], Constant) for term in (low, high)]
+        if any(constants) and terms:
+            # Of a constant either sign will do.
+            sign = low_sign = high_sign = high_sign if constants[0] else low_sign
         node = graph.sum(Sum(low[0], high[0], shift, low_sign * sign, high_sign * sign))
         terms.append(((node, low[1]), sign))
     return terms[0]

@@ -318,7 +318,7 @@ def node(clk, in_data, out_data, memory, *, activation: Bipartite):
     negative, negative_late = flag(), flag()
     base, wide_base, slope = unsigned(width), signed(width + 1), signed(width + 1)
     total = signed(width + 2)
-    result = unsigned(width - cut)
+    result, joined = unsigned(width - cut), unsigned(activation.out_fmt.width)
     words = clk, base_addr, slope_addr, negative, base, slope, negative_late
     if in_logic:
         find = from_logic(*words, activation=activation)
@@ -339,9 +339,13 @@ def node(clk, in_data, out_data, memory, *, activation: Bipartite):
     def drop():
         result.next = total[width:cut]
 
+    @always_comb
+    def join():
+        joined.next = concat(negative_late, result)
+
     @always(clk.posedge)
     def keep():
-        out_data.next = concat(negative_late, result)
+        out_data.next = joined.signed()
 
     return (
         place(clk, in_data, negative, base_addr, slope_addr, activation=activation),
@@ -349,6 +353,7 @@ def node(clk, in_data, out_data, memory, *, activation: Bipartite):
         widen,
         add,
         drop,
+        join,
         keep,
     )
 

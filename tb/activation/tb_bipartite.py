@@ -19,10 +19,11 @@ CASES = BIPARTITE
 FAULTS = [
     (r"(bases\[0\]) <= (\d+)", r"\1 <= \2 ^ 8"),
     (r"(corrections\[31\]) <= (\d+)", r"\1 <= \2 ^ 64"),
-    (r"raw \^ \d+", "raw"),
-    (r"base \^ \d+", "base"),
-    (r"is_wide = \(?[^;]*", "is_wide = 0"),
-    (r"negative_late <= [^;]+", "negative_late <= negative"),
+    (r"lower \^ \d+", "lower"),
+    (r"upper \^ \d+", "upper"),
+    (r"base_word \^ \d+", "base_word"),
+    (r"is_wide <= [^;]+", "is_wide <= 0"),
+    (r"(\w+)negative_late <= [^;]+", r"\1negative_late <= \1negative"),
 ]
 
 INPUTS, OUTPUTS = {"in_data": SIGNED}, {"out_data": SIGNED}

@@ -85,6 +85,11 @@ class Job:
         """Where GHDL has compiled them, once for all jobs."""
         return library(self.scene, self.build)
 
+    @property
+    def twin(self) -> Block:
+        """The twin of the entity."""
+        return next(part for part in walk(self.scene.twin()) if part.entity == self.entity)
+
 
 @dataclass(frozen=True)
 class Outcome:
@@ -301,8 +306,7 @@ def run_job(job: Job) -> Outcome:
 
 def _covered(job: Job, coverage: Counts) -> bool:
     """Whether the tests of a bench met all that the twin names; what they did not is logged."""
-    twin = next(block for block in walk(job.scene.twin()) if block.entity == job.entity)
-    lacking = missing(twin, coverage)
+    lacking = missing(job.twin, coverage)
     with (job.folder / "log.txt").open("a", encoding="utf-8") as log:
         log.writelines(f"Error: {job.entity}: not driven: {what}\n" for what in lacking)
     return not lacking

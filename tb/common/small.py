@@ -120,7 +120,6 @@ INSTRUMENTS = DRAWN | {
     ),
     # No profile; the narrowest counter, one clock after the address is there.
     "least-instrument": Case([(3, 2, 3)], "exact", sections=f"{FRONT_END}counter_width = 3\n"),
-    # The least scan that leaves the engine its clocks.
     # Scans that do not follow each other at once, of 71 clocks 16, and samples of earlier ones.
     "past-instrument": Case(
         [(3, 2, 3)],
@@ -130,6 +129,7 @@ INSTRUMENTS = DRAWN | {
         sections=f"{FRONT_END}counter_width = 4\nrate_hz = 900000\n",
         window=Window(((0, 2), (1,))),
     ),
+    # The least scan that leaves the engine its clocks.
     "engine-instrument": Case(
         [(3, 2, 3)],
         "exact",

@@ -1,7 +1,7 @@
 """What is proved of frame_check, whatever comes on its stream and whenever results are ready."""
 
 from tb.sign_off.properties import Property
-from tb.sign_off.watch import ago
+from tb.sign_off.watch import COMPUTED, MISPLACED, ago, operands
 
 
 def properties(twin):
@@ -24,11 +24,6 @@ def properties(twin):
             end
         end
     """
-    assumes = {
-        "Results come, and the last output leaves, only while a frame is computed.": "run || "
-        "!(store || finish)",
-        "The last output is no result that goes back to the memory.": "!(store && finish)",
-    }
     helps = (
         "running == computing",
         "dropping == skipping",
@@ -36,7 +31,7 @@ def properties(twin):
         "!computing || place == 0",
         f"computing || addr == (place == 0 ? {top} : place - 1)",
     )
-    common = {"assumes": assumes, "helps": helps}
+    common = {"assumes": COMPUTED, "helps": helps}
     return [
         Property(
             name="frame_error",
@@ -78,23 +73,10 @@ def properties(twin):
             watch=watch
             + ago("wrote_ago", "taken || store", 1)
             + ago("broke_ago", "taken && wrong", 1)
-            + f"""
-                // Operands of this frame so far, and the address of the one before.
-                reg [{twin.addr_width - 1}:0] operands = 0;
-                reg [{twin.addr_width - 1}:0] expected;
-                always @(posedge clk) begin
-                    expected <= operands;
-                    if (taken || store) operands <= wrong && taken ? 0 : operands + 1;
-                    if (rst || finish) operands <= 0;
-                end
-            """,
+            + operands(twin.addr_width, "taken || store", "finish || wrong && taken"),
             reached=("write && write_addr == 3",),
-            refuted_by=(
-                (r"addr <= \(addr \+ 1\)", "addr <= (addr + 2)"),
-                (r"write <= \(accept \|\| store\)", "write <= accept"),
-                (r"finish \|\| broken", "finish"),
-            ),
-            assumes=assumes,
+            refuted_by=MISPLACED,
+            assumes=COMPUTED,
             helps=(
                 *helps,
                 f"addr == ((operands + {top}) & {top})",

@@ -1,7 +1,7 @@
 """What is proved of frame_guard, whatever comes on its stream and whenever images are loaded."""
 
 from tb.sign_off.properties import Property
-from tb.sign_off.watch import ago
+from tb.sign_off.watch import COMPUTED, MISPLACED, ago, operands
 
 
 def properties(twin):
@@ -38,9 +38,7 @@ def properties(twin):
         end
     """
     assumes = {
-        "Results come, and the last output leaves, only while a frame is computed.": "run || "
-        "!(store || finish)",
-        "The last output is no result that goes back to the memory.": "!(store && finish)",
+        **COMPUTED,
         "halt never comes while a frame is computed.": "!(halt && run)",
         "before_last changes only while halt is high.": "was_halted || "
         "before_last == was_before_last",
@@ -101,22 +99,11 @@ def properties(twin):
             watch=watch
             + ago("wrote_ago", "fits || store", 1)
             + ago("broke_ago", "is_wrong", 1)
-            + f"""
-                // Operands of this frame so far, and the address of the one before.
-                reg [{twin.addr_width - 1}:0] operands = 0;
-                reg [{twin.addr_width - 1}:0] expected;
-                always @(posedge clk) begin
-                    expected <= operands;
-                    if (fits || store) operands <= operands + 1;
-                    if (rst || finish || is_wrong && !computing || halt) operands <= 0;
-                end
-            """,
-            reached=("write && write_addr == 3",),
-            refuted_by=(
-                (r"addr <= \(addr \+ 1\)", "addr <= (addr + 2)"),
-                (r"write <= \(accept \|\| store\)", "write <= accept"),
-                (r"finish \|\| broken", "finish"),
+            + operands(
+                twin.addr_width, "fits || store", "finish || is_wrong && !computing || halt"
             ),
+            reached=("write && write_addr == 3",),
+            refuted_by=MISPLACED,
             assumes=assumes,
             helps=(
                 *helps,

@@ -10,82 +10,34 @@ as everywhere; the record shows by how much it does not.
 from __future__ import annotations
 
 import argparse
-import ast
 import sys
-import tempfile
-from functools import cache
-from pathlib import Path
 from typing import Any
 
-from golden.block import Block, walk
 from golden.cli import CommandError, run
 from golden.fingerprint import fingerprint
 from golden.progress import Progress
-from hdl.synth.tools import digest
-from tb.common.collected import BENCHES
 from tb.common.coverage import values_of
-from tb.common.runner import ROOT, Job, run_job, run_jobs
+from tb.common.runner import Job, run_job, run_jobs
 from tb.sign_off.record import write_record
-from tb.sign_off.subject import subject
+from tb.sign_off.source import source as code_source
+from tb.sign_off.subject import chosen_blocks, subject
 
 KIND = "coverage"
 
 
-def twin_of(job: Job) -> Block:
-    """The twin of a job's entity."""
-    return next(block for block in walk(job.scene.twin()) if block.entity == job.entity)
-
-
-def bench_files(block: str) -> list[Path]:
-    """The bench of a block and every file of ``tb`` that it imports, directly or through others."""
-    found: set[Path] = set()
-    waiting = [Path(str(BENCHES[block].__file__))]
-    while waiting:
-        path = waiting.pop()
-        if path in found:
-            continue
-        found.add(path)
-        waiting += _imported(path)
-    return sorted(found)
-
-
-@cache
-def _imported(path: Path) -> list[Path]:
-    """The files of ``tb`` that a file imports."""
-    found: list[Path] = []
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.ImportFrom) and str(node.module).startswith("tb."):
-            found += _modules(str(node.module), [alias.name for alias in node.names])
-    return found
-
-
-def _modules(module: str, names: list[str]) -> list[Path]:
-    """The files that an import reads: a module's own, or of a package those of its modules."""
-    path = ROOT.joinpath(*module.split("."))
-    if path.is_dir():
-        return [path / f"{name}.py" for name in names if (path / f"{name}.py").is_file()]
-    return [path.with_suffix(".py")]
-
-
 def source(job: Job) -> str:
-    """A digest of what the counts are of: the entity's exported files, the bench's text, and what
-    the twin names.
+    """A digest of what the counts are of: the entity's exported files, its bench, and what the twin
+    names.
     """
-    with tempfile.TemporaryDirectory() as folder:
-        for name in job.files:
-            if name.endswith(".v"):
-                (Path(folder) / name).write_bytes((job.hdl_folder / name).read_bytes())
-        code = digest(Path(folder))
-    texts = (path.read_text(encoding="utf-8") for path in bench_files(job.block))
-    twin = twin_of(job)
+    twin = job.twin
     named = [f"{border}" for border in twin.borders] + [f"{state}" for state in twin.states]
     named += [f"{port.name} {values_of(port)}" for port in twin.ports]
-    return fingerprint([], code, *texts, *named, f"{twin.unreachable}")
+    return fingerprint([], code_source(job), *named, f"{twin.unreachable}")
 
 
 def summary(job: Job, counts: dict[str, dict[str, dict[str, int]]]) -> dict[str, Any]:
     """What is recorded of the counts of a bench."""
-    twin = twin_of(job)
+    twin = job.twin
     states = counts.get("states", {})
     met = counts.get("borders", {})
     return {
@@ -120,7 +72,7 @@ def main() -> int:
     parser.add_argument("--block")
     parser.add_argument("--record", action="store_true")
     arguments = parser.parse_args()
-    jobs = [subject(block) for block in ([arguments.block] if arguments.block else BENCHES)]
+    jobs = [subject(block) for block in chosen_blocks(arguments.block)]
     with Progress("coverage", len(jobs), "benches") as progress:
         outcomes = run_jobs(jobs, lambda outcome: progress.step(outcome.job.entity), work=run_job)
     failed = [outcome for outcome in outcomes if not outcome.passed]

@@ -1,4 +1,4 @@
-"""``python -m tb.sign_off.equal``: is a block's VHDL the same function as its Verilog?
+"""Is a block's VHDL the same function as its Verilog? ``make prove`` asks it of every block.
 
 For every input and every state, for ever: each register, each output and each input of a part gets
 the same value from both, if registers and outputs of parts are equal before (``equal_cut``). The
@@ -12,10 +12,8 @@ differ. Answers are kept by content in ``build/synth``.
 
 from __future__ import annotations
 
-import argparse
 import os
 import re
-import sys
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -25,11 +23,10 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from golden.cli import run
 from golden.fingerprint import fingerprint
 from hdl.export.exporter import ORDER
 from hdl.synth.tools import digest
-from tb.common.collected import BENCHES, FAULTS
+from tb.common.collected import FAULTS
 from tb.common.runner import Job, jobs
 from tb.sign_off.equal_gates import Module, synthesise
 from tb.sign_off.equal_netlist import list_lengths, to_verilog
@@ -207,17 +204,3 @@ def prove_equal(blocks: Iterable[str], record: bool) -> bool:
             print(line)
         sound = sound and not result.complaints and not stale
     return sound
-
-
-def main() -> int:
-    """Run as ``python -m tb.sign_off.equal``."""
-    parser = argparse.ArgumentParser(prog="python -m tb.sign_off.equal", description=__doc__)
-    parser.add_argument("--block", choices=sorted(BENCHES))
-    parser.add_argument("--record", action="store_true")
-    arguments = parser.parse_args()
-    blocks = [arguments.block] if arguments.block else sorted(BENCHES)
-    return 0 if prove_equal(blocks, arguments.record) else 1
-
-
-if __name__ == "__main__":
-    sys.exit(run(main))

@@ -21,12 +21,11 @@ from golden.fingerprint import ROOT, fingerprint, sources
 from golden.progress import Progress
 from golden.scene import load_scene
 from hdl.synth.tools import digest
-from tb.common.collected import BENCHES
 from tb.common.runner import BUILD, Job, Outcome, jobs, prepare, run_job, run_jobs
 from tb.common.tools import version
 from tb.sign_off.netlist import ALL, FAMILIES, NETLISTS_RUN_IN, ROUTED, chosen, on_cells
 from tb.sign_off.record import write_record
-from tb.sign_off.subject import subject
+from tb.sign_off.subject import chosen_blocks, subject
 from tb.sign_off.unknown import UNKNOWN, Netlist
 from tb.sign_off.unknown_proof import clocks_to_prove
 
@@ -165,7 +164,7 @@ def record(given: str, block: str | None, tell: Tell) -> list[Outcome]:
     CommandError
         For one family alone, and for a block that has no bench.
     """
-    blocks = [block] if block else list(BENCHES)
+    blocks = chosen_blocks(block)
     if chosen(given) == list(FAMILIES):
         return record_netlists(blocks, tell)
     if given != UNKNOWN:

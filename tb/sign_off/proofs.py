@@ -6,7 +6,6 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from golden.block import Block, walk
 from tb.common.collected import ROOT
 from tb.common.runner import Job
 from tb.sign_off.properties import Property
@@ -19,9 +18,8 @@ PROOFS = {
 
 def properties_of(job: Job) -> list[Property]:
     """What is to be proved of an entity: the list that ``properties`` makes for its twin."""
-    twin: Block = next(part for part in walk(job.scene.twin()) if part.entity == job.entity)
     module: Any = PROOFS[job.block]
-    found: list[Property] = module.properties(twin)
+    found: list[Property] = module.properties(job.twin)
     return found
 
 

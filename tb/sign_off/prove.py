@@ -21,19 +21,18 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from golden.cli import CommandError, run
+from golden.cli import run
 from golden.files import replace_file
 from golden.fingerprint import fingerprint
-from golden.table import suggest
 from hdl.synth.tools import digest
-from tb.common.collected import BENCHES, CASES_OF
+from tb.common.collected import CASES_OF
 from tb.common.runner import BUILD, Job
-from tb.sign_off.equal import prove_equal
+from tb.sign_off.equal import command, prove_equal
 from tb.sign_off.proofs import PROOFS, proof_file, properties_of
 from tb.sign_off.properties import Property
 from tb.sign_off.record import read_record, write_record
 from tb.sign_off.solver import Answer, prove, reach, refute
-from tb.sign_off.subject import subject
+from tb.sign_off.subject import chosen_blocks, subject
 
 KIND = "proof"
 
@@ -113,11 +112,6 @@ def source_of(planned: list[Job]) -> str:
     return fingerprint([], *(digest(job.hdl_folder, job.files) for job in planned))
 
 
-def command(block: str) -> str:
-    """What writes the record of a block."""
-    return f"make prove BLOCK={block} RECORD=1"
-
-
 def entities(block: str, export: Callable[[str, str], Job] = _exported) -> list[Job]:
     """What stands for a block: its first entity in the first case of its bench, and in others.
 
@@ -149,21 +143,6 @@ def check_record(planned: list[Job]) -> list[str]:
     if recorded != here:
         stale.append(f"has other properties than {proof_file(block).name}")
     return [f"{block}: the record of proofs {fault}; run: {command(block)}" for fault in stale]
-
-
-def blocks_to_prove(block: str | None) -> list[str]:
-    """One block, or all.
-
-    Raises
-    ------
-    CommandError
-        For a block that there is not.
-    """
-    if block is None:
-        return sorted(BENCHES)
-    if block not in BENCHES:
-        raise CommandError(f"BLOCK={block}: no such block{suggest(block, sorted(BENCHES))}")
-    return [block]
 
 
 def prove_blocks(blocks: list[str], record: bool) -> bool:
@@ -214,7 +193,7 @@ def main() -> int:
     parser.add_argument("--block")
     parser.add_argument("--record", action="store_true")
     arguments = parser.parse_args()
-    blocks = blocks_to_prove(arguments.block)
+    blocks = chosen_blocks(arguments.block)
     proved = prove_blocks([block for block in blocks if block in PROOFS], arguments.record)
     equal = prove_equal(blocks, arguments.record)
     return 0 if proved and equal else 1

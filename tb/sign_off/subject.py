@@ -24,9 +24,23 @@ def subject(
     CommandError
         For a block that has no bench.
     """
+    chosen_blocks(block)
+    return first(_case_jobs(case or CASES_OF[block][0], simulator, build), block)
+
+
+def chosen_blocks(block: str | None) -> list[str]:
+    """One block, or all.
+
+    Raises
+    ------
+    CommandError
+        For a block that has no bench.
+    """
+    if block is None:
+        return sorted(BENCHES)
     if block not in BENCHES:
         raise CommandError(f"BLOCK={block}: no such block{suggest(block, sorted(BENCHES))}")
-    return first(_case_jobs(case or CASES_OF[block][0], simulator, build), block)
+    return [block]
 
 
 def subjects_of(scene: str, block: str | None = None, simulator: str = "icarus") -> list[Job]:

@@ -19,7 +19,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from golden.block import walk
 from golden.cli import CommandError
 from golden.files import replace_file
 from hdl.synth.tools import run_tool
@@ -63,7 +62,7 @@ class Netlist:
 
     def __init__(self, job: Job) -> None:
         self.top = job.entity
-        self.twin = next(part for part in walk(job.scene.twin()) if part.entity == job.entity)
+        self.twin = job.twin
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
             for file in job.files:

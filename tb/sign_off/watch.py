@@ -96,6 +96,33 @@ def results(outputs: int, begin: str) -> str:
     """
 
 
+# What an engine promises those who watch its frames.
+COMPUTED = {
+    "Results come, and the last output leaves, only while a frame is computed.": "run || "
+    "!(store || finish)",
+    "The last output is no result that goes back to the memory.": "!(store && finish)",
+}
+# Broken copies of what gives operands their addresses.
+MISPLACED = (
+    (r"addr <= \(addr \+ 1\)", "addr <= (addr + 2)"),
+    (r"write <= \(accept \|\| store\)", "write <= accept"),
+    (r"finish \|\| broken", "finish"),
+)
+
+
+def operands(width: int, kept: str, cleared: str) -> str:
+    """``operands`` of this frame so far, and ``expected``, the address of the one before."""
+    return f"""
+        reg [{width - 1}:0] operands = 0;
+        reg [{width - 1}:0] expected;
+        always @(posedge clk) begin
+            expected <= operands;
+            if ({kept}) operands <= operands + 1;
+            if (rst || {cleared}) operands <= 0;
+        end
+    """
+
+
 def network(
     twin: Network,
     controller: str,

@@ -22,6 +22,11 @@ SECTION = "sign-off"
 Record = dict[str, Any]
 
 
+def recorded(kind: str, block: str) -> Record:
+    """What was recorded; nothing where it was not tried."""
+    return read_record(kind, block) if record_path(kind, block).exists() else {}
+
+
 def mutation(record: Record) -> str:
     """How many mutants the bench finds."""
     text = (
@@ -124,9 +129,9 @@ KINDS: dict[str, tuple[str, str, Callable[[Record], str]]] = {
 def sheet(block: str) -> str:
     """The list of a datasheet."""
     lines = [
-        f"- {title} (`{command.format(block)}`): {text(read_record(kind, block))}"
+        f"- {title} (`{command.format(block)}`): {text(record)}"
         for kind, (title, command, text) in KINDS.items()
-        if record_path(kind, block).exists()
+        if (record := recorded(kind, block))
     ]
     return "\n".join(lines) or "Nothing is recorded."
 
@@ -140,7 +145,7 @@ def overview() -> str:
     ]
     for block in sorted(BENCHES):
         mutants, proofs, met, equal, mapped, unreset = (
-            read_record(kind, block) if record_path(kind, block).exists() else {}
+            recorded(kind, block)
             for kind in ("mutation", "proof", "coverage", "equivalence", "netlist", "unknown")
         )
         row = [

@@ -8,11 +8,10 @@ import time
 from typing import Any
 
 from golden.cli import CommandError, run
-from tb.common.collected import BENCHES
 from tb.common.runner import Job
 from tb.sign_off.mutate.score import score
 from tb.sign_off.record import read_record, record_path, write_record
-from tb.sign_off.subject import subject, subjects_of
+from tb.sign_off.subject import chosen_blocks, subject, subjects_of
 
 KIND = "mutation"
 
@@ -38,7 +37,7 @@ def main() -> int:
     if arguments.scene:
         planned = subjects_of(arguments.scene, arguments.block)
     else:
-        planned = [subject(block) for block in ([arguments.block] if arguments.block else BENCHES)]
+        planned = [subject(block) for block in chosen_blocks(arguments.block)]
     found = True
     for job in planned:
         recorded = not arguments.scene and record_path(KIND, job.block).exists()

@@ -30,8 +30,8 @@ from tb.sign_off.mutate.kept import keep, kept, known, scripts
 from tb.sign_off.mutate.mutants import make_mutants, write_netlists
 from tb.sign_off.mutate.replay import Trace, ports_of, replay, write_bench, write_trace
 from tb.sign_off.mutate.same import OTHER, SAME, proved
-from tb.sign_off.mutate.source import bench, source
 from tb.sign_off.mutate.words import describe
+from tb.sign_off.source import bench, source
 
 COUNT = 200
 SEED = 1

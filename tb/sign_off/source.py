@@ -1,10 +1,8 @@
-"""What a score is of: the Verilog of an entity, and its bench."""
+"""What a record is of: the Verilog of an entity, and its bench."""
 
 from __future__ import annotations
 
 import ast
-import shutil
-import tempfile
 from functools import cache
 from pathlib import Path
 
@@ -19,15 +17,18 @@ NAMES = ("CASES", "FAULTS")
 
 def source(job: Job) -> str:
     """A digest of the files of a job and of its bench, whatever their comments say."""
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        for file in job.files:
-            shutil.copy(job.hdl_folder / file, folder)
-        return fingerprint([], digest(folder), bench(job.area, job.block))
+    code = digest(job.hdl_folder, sorted(job.files))
+    return fingerprint([], code, bench(job.area, job.block))
 
 
 def bench(area: str, block: str) -> str:
     """The code of a bench and of what it imports from ``tb``, without its cases and docstrings."""
+    modules = bench_modules(area, block)
+    return "\n".join(f"{name}\n{modules[name]}" for name in sorted(modules))
+
+
+def bench_modules(area: str, block: str) -> dict[str, str]:
+    """The same by module; of what is not from ``tb`` nothing but the name."""
     found: dict[str, str] = {}
     waiting = [f"tb.{area}.tb_{block}"]
     while waiting:
@@ -35,18 +36,28 @@ def bench(area: str, block: str) -> str:
         if name not in found:
             found[name], imported = _module(name)
             waiting += imported
-    return "\n".join(f"{name}\n{found[name]}" for name in sorted(found))
+    return found
 
 
 @cache
 def _module(name: str) -> tuple[str, list[str]]:
     """The code of a module of ``tb``, and what it imports; of any other module nothing."""
-    path = ROOT.joinpath(*name.split(".")).with_suffix(".py")
+    path = _file(name)
     if not name.startswith("tb.") or name in ELSEWHERE or not path.exists():
         return "", []
     tree = ast.parse(path.read_text(encoding="utf-8"))
-    imported = [n.module for n in tree.body if isinstance(n, ast.ImportFrom) and n.module]
+    imported = []
+    for node in tree.body:
+        if isinstance(node, ast.ImportFrom) and node.module:
+            imported.append(node.module)
+            # Of a package, its modules are imported by name.
+            members = (f"{node.module}.{alias.name}" for alias in node.names)
+            imported += [member for member in members if _file(member).exists()]
     return _code(tree), imported
+
+
+def _file(module: str) -> Path:
+    return ROOT.joinpath(*module.split(".")).with_suffix(".py")
 
 
 def _code(tree: ast.Module) -> str:
