@@ -13,6 +13,9 @@ EARLY_SIGN = (r"(\w+)negative_late <= [^;]+", r"\1negative_late <= \1negative")
 
 def sign(activation, node="", refuted_by=EARLY_SIGN):
     """The sign of one node, whatever the tables hold."""
+    number = node.strip("_") or "0"
+    tables = "memories" if activation.memory == "block_ram" else "logic"
+    inside = f"node{number}_from_{tables}{number}"
     late, last = activation.latency, activation.out_fmt.width - 1
     top = activation.in_fmt.width - 1
     return Property(
@@ -22,6 +25,7 @@ def sign(activation, node="", refuted_by=EARLY_SIGN):
         states=(f"!out_valid || out_data{node}[{last}] == sign_ago[{late - 1}]",),
         watch=ago("sign_ago", f"in_data{node}[{top}]", late) + ago("valid_ago", "in_valid", late),
         helps=(f"out_valid == valid_ago[{late - 1}]",),
+        free=(f"{inside}_base_word", f"{inside}_slope_word"),
         reached=(f"out_valid && out_data{node}[{last}]",),
         refuted_by=(refuted_by,),
         clocks=late + 3,
