@@ -14,6 +14,7 @@ from tb.report.measure import (
     honest,
     motions,
     networks,
+    one_network,
     parallel,
     past,
     physics,
@@ -31,6 +32,7 @@ from tb.report.measure.table import Table
 TABLES: dict[str, Callable[[int], Table]] = {
     "networks": networks.networks,
     "clocks": clocks.clocks,
+    "one_network": one_network.one_network,
     "activations": activations.activations,
     "iterations": activations.iterations,
     "tanh_words": tanh_words.tanh_words,

@@ -1,0 +1,77 @@
+"""One network in every design: its cells, its clocks, and the error of its arithmetic."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from golden.networks.arrangement import process_real
+from golden.networks.mlp import Real
+from golden.networks.network import Network
+from golden.networks.parallel import Parallel
+from golden.precision import SIGNAL
+from golden.scene import Scene, load_scene
+from hdl.synth.budget import budget_path, read_budget
+from tb.report.measure.costs import COST, FAMILY
+from tb.report.measure.networks import scenes
+from tb.report.measure.table import Cell, Table
+
+# The scene whose weights are taken.
+OF = "digit-single"
+RANDOM_FRAMES = 2000
+
+
+def one_network(seed: int) -> Table:
+    """Every scene with the network of ``OF``, and ``parallel``, which none of them names."""
+    source = load_scene(OF)
+    alike = [s for s in scenes() if s.weights_paths == source.weights_paths and s.window.plain]
+    parallel = Parallel.of(source.mlps()[0], source.precision, source.activation)
+    designs: list[tuple[str, Scene, Network]] = [(s.name, s, s.twin()) for s in alike]
+    designs.append(("", source, parallel))
+    recorded = source.vectors().codes
+    random = np.random.default_rng(seed).integers(
+        SIGNAL.low, SIGNAL.high + 1, (RANDOM_FRAMES, recorded.shape[1])
+    )
+    rows: list[list[Cell]] = []
+    for name, scene, design in designs:
+        path = budget_path(scene.path)
+        cells = read_budget(path)[FAMILY].get(design.entity) if path.is_file() and name else None
+        rows.append(
+            [
+                name or None,
+                design.block,
+                scene.activation_text,
+                *(cells[kind] if cells else None for kind in COST),
+                design.output_clocks[-1],
+                design.interval,
+                *(mean_error(source, design, frames) for frames in (recorded, random)),
+            ]
+        )
+    return Table(
+        "one_network",
+        [
+            "scene",
+            "design",
+            "activation",
+            *COST,
+            "latency clocks",
+            "interval clocks",
+            "recorded, 2^-13",
+            "random, 2^-13",
+        ],
+        rows,
+        f"The network 4:16:4 of {OF}, its weights of 18 bits, in every design. Cells for Virtex-II "
+        "with the hierarchy as exported, as recorded by make synth. Mean magnitude of the "
+        "difference from the same network in floating point, saturated as the outputs are, in "
+        f"units of 2^-13, over all outputs, of the recorded frames and of "
+        f"{RANDOM_FRAMES} random ones.",
+    )
+
+
+def mean_error(scene: Scene, design: Network, frames: np.ndarray) -> float:
+    """Mean magnitude of the difference from floating point, in units of the outputs."""
+    real: Real = process_real(
+        scene.arrangement, scene.mlps(), SIGNAL.to_real(frames), scene.scheme.real
+    )
+    ends = SIGNAL.to_real([SIGNAL.low, SIGNAL.high])
+    off = np.abs(SIGNAL.to_real(design.process(frames)) - np.clip(real, *ends))
+    return float(off.mean() * (1 << SIGNAL.frac))

@@ -1,0 +1,68 @@
+"""The design without a multiplier against real arithmetic, and networks side by side."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from golden.networks.adder_graph import AdderGraph
+from golden.networks.mlp import Mlp, tanh
+from golden.precision import EXACT, SIGNAL
+from golden.scene import load_scene
+from tb.common.cases import random_mlp
+from tb.common.stimulus import corner_frames
+
+SHAPES = [((1, 1, 1), 1.0), ((3, 4, 2), 20.0), ((5, 3, 4), 0.3)]
+
+
+def frames_of(inputs: int) -> np.ndarray:
+    random = np.random.default_rng(2).integers(SIGNAL.low, SIGNAL.high + 1, (300, inputs))
+    return np.concatenate([corner_frames(SIGNAL, inputs), random])
+
+
+def off(design: AdderGraph, mlp: Mlp, outputs: slice) -> np.ndarray:
+    """How far outputs are from real arithmetic that saturates, in real units."""
+    frames = frames_of(design.inputs)
+    real = mlp.process(SIGNAL.to_real(frames), tanh)
+    ends = SIGNAL.to_real([SIGNAL.low, SIGNAL.high])
+    results = SIGNAL.to_real(design.process(frames))[:, outputs]
+    return np.abs(results - np.clip(real, *ends))
+
+
+@pytest.mark.parametrize(("shape", "spread"), SHAPES)
+@pytest.mark.parametrize("memory", ["block_ram", "logic"])
+def test_outputs_are_within_their_bounds(
+    shape: tuple[int, int, int], spread: float, memory: str
+) -> None:
+    mlp = random_mlp(shape, spread, 4)
+    design = AdderGraph.of(mlp, EXACT, "bipartite", {"memory": memory})
+    bounds = design.error_bounds(mlp, EXACT, shape[0])
+    assert (off(design, mlp, slice(None)) <= bounds).all()
+    frames = frames_of(design.inputs)
+    assert (design.exact(frames) == design.process(frames)).all()
+
+
+def test_networks_side_by_side() -> None:
+    mlps = [random_mlp((3, hidden, 1), spread, hidden) for hidden, spread in ((2, 1.0), (4, 9.0))]
+    design = AdderGraph.of_several("multiple", mlps)
+    assert design is not None
+    assert (design.inputs, design.outputs) == (3, 2)
+    for i, mlp in enumerate(mlps):
+        bounds = AdderGraph.of(mlp, EXACT, "bipartite").error_bounds(mlp, EXACT, 3)
+        # Cut elsewhere than alone, by a unit or two.
+        assert (off(design, mlp, slice(i, i + 1)) <= bounds + 2.0**-12).all()
+
+
+def test_nodes_of_about_the_same_reach_share_their_tables() -> None:
+    design = AdderGraph.of(random_mlp((2, 5, 1), 5.0, 1), EXACT, "bipartite")
+    assert sorted(j for nodes in design.groups for j in nodes) == list(range(5))
+    widths = [design.first.result_widths[j] for nodes in design.groups for j in nodes]
+    assert widths == sorted(widths)
+    for nodes in design.groups:
+        assert len({design.activations[j] for j in nodes}) == 1
+
+
+def test_no_multiplier_and_a_frame_a_clock() -> None:
+    design = load_scene("digit-fast").twin()
+    assert design.interval == 1
+    assert any("every multiplier" in text for text in design.left_out())
