@@ -29,21 +29,24 @@ def test_the_record_has_fewer_digits_in_each_row_and_none_more_than_asked_for() 
 def test_fewer_digits_take_fewer_luts_where_each_weight_has_its_products() -> None:
     table = digits.digits(1)
     at = table.columns.index("parallel LUT")
-    luts = [row[at] for row in table.rows]
+    luts = [row[at] for row in table.rows if row[at] is not None]
     assert luts == sorted(luts, reverse=True)
+    assert len(luts) > 1
     folded = [table.columns.index(f"{name} LUT") for name in digits.FOLDED]
     for row in table.rows:
         measured = [row[c] is not None for c in folded]
         assert all(measured) == any(measured) == (row[0] in digits.FOLDED_COUNTS)
 
 
-def test_the_plot_shows_the_designs_that_every_row_holds() -> None:
+def test_the_plot_shows_the_designs_in_which_digits_save_luts() -> None:
     table = digits.digits(1)
     plot = digits_plot(table)
     assert "parallel" in plot.groups
     assert not set(digits.FOLDED) & set(plot.groups)
-    for (luts, error), row in zip(plot.groups["parallel"], table.rows, strict=True):
-        assert luts == row[table.columns.index("parallel LUT")]
+    at = table.columns.index("parallel LUT")
+    rows = [row for row in table.rows if row[at] is not None]
+    for (luts, error), row in zip(plot.groups["parallel"], rows, strict=True):
+        assert luts == row[at]
         assert error == pytest.approx(np.mean(row[2:6]))
 
 
@@ -67,9 +70,9 @@ def test_a_row_is_measured_of_networks_with_so_many_digits(
     row = dict(zip(digits.columns(scene), digits.measured(scene, stages, 40), strict=True))
     assert row["asked"] == 40
     assert row["digits"] <= 40
-    assert built == [("parallel", row["digits"])]
+    assert built == [(name, row["digits"]) for name in ("parallel", "adder_graph")]
     assert (row["parallel LUT"], row["parallel multiplier"], row["hybrid LUT"]) == (7, 3, None)
     whole = dict(zip(digits.columns(scene), digits.measured(scene, stages, 0), strict=True))
     assert whole["digits"] > 40
     assert [whole[name] for name in (*scene.outputs, "deviation")] == [1, 1, 0]
-    assert [design for design, _ in built[1:]] == list(digits.FORMS)
+    assert [design for design, _ in built[2:]] == list(digits.FORMS)

@@ -244,30 +244,33 @@ def robustness_plot(table: Table) -> Plot:
 
 
 def digits_plot(table: Table) -> Plot:
-    """What fewer digits cost in error, and save in LUTs, in designs measured at every count."""
-    rows = rows_of(table)
-    at = list(table.columns)
+    """What fewer digits cost in error, and save in LUTs, in designs in which they save any."""
+    rows, at = rows_of(table), list(table.columns)
     outputs = at[at.index("digits") + 1 : at.index("deviation")]
-    designs = [name for name in at if name.endswith(" LUT")]
-    points = {
-        name.removesuffix(" LUT"): [
-            (number(row, name), sum(number(row, output) for output in outputs) / len(outputs))
-            for row in rows
-        ]
-        for name in designs
-        if all(row[name] is not None for row in rows)
-    }
-    counts = ", ".join(f"{number(row, 'digits'):g}" for row in rows)
-    least = next(iter(points))
-    first, last = (points[least][n][0] for n in (0, -1))
+    points: dict[str, list[tuple[float, float]]] = {}
+    counts: set[int] = set()
+    for name in (name for name in at if name.endswith(" LUT")):
+        found = [row for row in rows if row[name] is not None]
+        # A hundredth is what any other words in a memory or a multiplexer make.
+        if number(found[-1], name) < 0.99 * number(found[0], name):
+            counts |= {int(number(row, "digits")) for row in found}
+            points[name.removesuffix(" LUT")] = [
+                (number(row, name), sum(number(row, output) for output in outputs) / len(outputs))
+                for row in found
+            ]
+    shrinks = [
+        f"{group[0][0]:,.0f} LUTs of {name} become {group[-1][0]:,.0f}"
+        for name, group in points.items()
+    ]
     return Plot(
         "digits",
         "Weights of fewer signed digits",
         "Virtex-II LUTs",
-        "held-out error, part of that with all digits",
+        "held-out error, part of that before",
         points,
-        f"Points are {counts} digits, along the lines; the error is the mean of the outputs on "
-        f"rows that were held out. In {least} {first:g} LUTs become {last:g}.",
+        f"Points are {', '.join(map(str, sorted(counts, reverse=True)))} digits, along the lines; "
+        "the error is the mean of the outputs on rows that were held out. "
+        f"{', and '.join(shrinks)}.",
         ["digits"],
         linear="y",
     )

@@ -37,7 +37,12 @@ SCENE = "digit-single"
 RECORD = Path(__file__).with_suffix(".csv")
 FAMILY = "xc2v"
 # Design and activation.
-FORMS = {"engine": "precise", "hybrid": "precise", "parallel": "precise"}
+FORMS = {
+    "engine": "precise",
+    "hybrid": "precise",
+    "parallel": "precise",
+    "adder_graph": "bipartite",
+}
 # Digits asked for, 0 for the network as it was trained.
 COUNTS = (0, 400, 320, 280, 260, 245, 230, 215, 200)
 # Folded designs hold weights as words, whatever their digits: two counts will do.
