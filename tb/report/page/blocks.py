@@ -21,6 +21,8 @@ from golden.block import Block, walk
 from golden.cli import run
 from golden.fingerprint import ROOT
 from golden.fixed import Fix
+from golden.instruments.converter_instrument import ConverterInstrument
+from golden.instruments.instrument import Instrument
 from golden.networks.axis_network import AxisNetwork
 from golden.networks.designs import DESIGNS
 from golden.networks.engine import Engine
@@ -59,13 +61,15 @@ def shipped() -> Iterator[tuple[str, Network]]:
     converter where it has a front end; then a network in every form that there is.
     """
     for scene in scenes():
-        yield scene.precision.name, scene.twin()
+        top = scene.twin()
+        yield scene.precision.name, top
         if DESIGNS[scene.design] is Engine:
             yield scene.precision.name, replace(scene, design=Hybrid.block).twin()
-        if scene.front_end:
+        if scene.front_end and isinstance(top, Instrument):
             for part in CONVERTERS:
-                read = replace(scene.front_end, converter=part, counter_width=WIDE)
-                yield scene.precision.name, replace(scene, front_end=read).twin()
+                front = replace(scene.front_end, converter=part, counter_width=WIDE)
+                reader = front.converter_reader(top.readout)
+                yield scene.precision.name, ConverterInstrument(reader, readout=top.readout)
     (mlp,) = load_scene(EXAMPLE).mlps()
     for design in DESIGNS.values():
         for name, scheme in SCHEMES.items():
