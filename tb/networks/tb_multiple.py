@@ -1,8 +1,8 @@
 """multiple, networks side by side, against its twin.
 
 Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one
-sensor alone); frames that drive each hidden sum to its ends; 100 random frames; frames too short
-and too long among good ones.
+sensor alone); frames that drive each hidden sum to its ends; 100 random frames; of many those with
+the least and the largest output of each network; frames too short and too long among good ones.
 Drives: as close as the design takes frames, with random gaps, closer than it takes them, with
 resets in mid-frame, and with one reset at each clock of a frame.
 Checks: every output, ``out_last`` and ``frame_error`` bit for bit in its clock, and that nothing
@@ -10,11 +10,20 @@ comes out in any other clock. Measures the clocks of a frame.
 Does not prove: anything about the accuracy of the network (the report of `make demo` does).
 """
 
+import cocotb
+import numpy as np
+
+from golden.precision import SIGNAL
+from tb.common.bench import Bench
 from tb.common.network import (
+    check,
     corners_and_random,
+    pauses,
+    random_elements,
     recorded,
     reset_at_every_clock,
     resets_in_mid_frame,
+    whole_frames,
     wrong_lengths,
 )
 from tb.common.small import MULTIPLES
@@ -25,6 +34,9 @@ FAULTS = [
     (r"aligned_2 <= result_2", "aligned_2 <= aligned_0"),
 ]
 
+# Of how many frames the least and the largest outputs are played, and how many of either.
+MANY, ENDS = 1 << 16, 4
+
 __all__ = [
     "corners_and_random",
     "recorded",
@@ -32,3 +44,17 @@ __all__ = [
     "resets_in_mid_frame",
     "wrong_lengths",
 ]
+
+
+@cocotb.test()
+async def ends_of_outputs(dut):
+    """An output whose sign seldom changes does so here, if it can."""
+    bench = Bench(dut)
+    frames = random_elements(bench, MANY * bench.twin.inputs).reshape(MANY, -1)
+    at_rail = bench.rng.random(frames.shape) < 0.5
+    frames[at_rail] = bench.rng.choice([SIGNAL.low, SIGNAL.high], at_rail.sum())
+    order = np.argsort(bench.twin.process(frames), axis=0, kind="stable")
+    ends = frames[np.concatenate([order[:ENDS], order[-ENDS:]]).ravel()]
+    elements, last = whole_frames(bench, ends)
+    await check(bench, elements, last, gap=0.0, pause=pauses(bench, last, closest=True))
+    bench.finish(at_least=len(ends) * bench.twin.outputs)
