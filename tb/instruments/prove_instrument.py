@@ -1,0 +1,53 @@
+"""What is proved of instrument: that its scans are frames that its network takes."""
+
+from tb.sign_off.properties import Property
+
+
+def properties(twin):
+    scan, network = twin.scan_sequencer, twin.readout.network
+    clocks, spacing = scan.scan_clocks, network.input_controller.spacing
+    taken = [n * scan.slot_clocks + scan.sample_clock for n in range(scan.slots)]
+    judge = f"u_readout_0.u_{network.entity}_0.u_input_controller_0"
+    at = " || ".join(f"clock_of_scan == {n}" for n in taken)
+    arrived = " + ".join(f"(clock_of_scan > {n + 1})" for n in taken)
+    # Clocks since the last sample of the scan before was judged.
+    since = f"((clock_of_scan + {clocks - taken[-1] - 2}) % {clocks})"
+    return [
+        Property(
+            name="right frames",
+            sentence=f"Its network never sees a wrong frame: each scan of {clocks} clocks is one "
+            f"of {scan.slots} samples, far enough behind the one before, from every reset on.",
+            states=("!broken",),
+            watch=f"""
+                reg [31:0] clock_of_scan = 0;
+                reg sampled = 0, ended = 0;
+                always @(posedge clk) begin
+                    clock_of_scan <= rst || clock_of_scan == {clocks - 1} ? 0 : clock_of_scan + 1;
+                    sampled <= !rst && ({at});
+                    ended <= !rst && clock_of_scan == {taken[-1]};
+                end
+            """,
+            helps=(
+                f"clock_of_scan < {clocks}",
+                "u_scan_sequencer_0.count == clock_of_scan",
+                "valid == sampled && last == ended",
+                f"!sampled || {' || '.join(f'clock_of_scan == {n + 1}' for n in taken)}",
+                f"ended == (sampled && clock_of_scan == {taken[-1] + 1})",
+                f"sampled || !({' || '.join(f'clock_of_scan == {n + 1}' for n in taken)})",
+                f"{judge}.count == ({arrived}) % {scan.slots}",
+                f"!{judge}.dropping",
+                *(
+                    (f"{judge}.remaining == 0 || {judge}.remaining + {since} < {spacing}",)
+                    if spacing
+                    else ()
+                ),
+            ),
+            reached=("last",),
+            refuted_by=(
+                (r"slot == 1\)\)", "slot == 0))"),
+                (r"count == 63", "count == 30"),
+                (r"\.in_last\(last\)", ".in_last(valid)"),
+            ),
+            clocks=clocks + 8,
+        ),
+    ]
