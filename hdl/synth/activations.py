@@ -5,9 +5,8 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
-from golden.activation.activation_block import ActivationBlock
 from golden.activation.schemes import forms
-from golden.networks.network import Network
+from golden.block import Block
 from golden.precision import EXACT
 from hdl.export.elaborate import elaborate
 from hdl.export.hierarchy import convert_hierarchy
@@ -16,8 +15,8 @@ from hdl.synth.cells import FAMILIES, synthesise
 from hdl.synth.netlist import KINDS
 
 
-def cells(spec: ActivationBlock | Network, family: str) -> dict[str, int]:
-    """Cells of an activation or a network, with its parts, after ``synth_xilinx``.
+def cells(spec: Block, family: str) -> dict[str, int]:
+    """Cells of a block, with its parts, after ``synth_xilinx``.
 
     Raises
     ------
