@@ -23,8 +23,8 @@ Term = tuple[int, int]
 # Two terms as one: their nodes, the places of the second above the first, and whether their signs
 # differ: then the second is taken from the first.
 Pattern = tuple[int, int, int, bool]
-# By how many per cent luck moves what a pattern is worth, in all runs but the first.
-SPREAD = 20
+# By how many per cent luck moves what a pattern is worth, in one run after the other.
+SPREADS = (0, 20)
 # Runs, the fewer the larger the matrix: about as many pairs of digits are looked at in all.
 RUNS = 40
 # A register more pays when it saves more than one in so many bits and itself.
@@ -257,7 +257,7 @@ def shared(matrix: Matrix, levels: int, spare: int) -> ShiftAdd:
     for run in range(max(1, min(RUNS, PAIRS // max(1, pairs)))):
         graph = Growing(len(matrix.weights[0]), matrix.low, matrix.high)
         rows = [dict(row) for row in digits]
-        Sharing(graph, rows, matrix.place, SPREAD if run else 0, Random(run)).run()
+        Sharing(graph, rows, matrix.place, SPREADS[run % len(SPREADS)], Random(run)).run()
         clocks, least = 1, 0
         while not least or clocks <= least + 1:
             depth = clocks * levels - spare

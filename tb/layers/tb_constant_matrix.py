@@ -18,11 +18,10 @@ from tb.common.stimulus import corner_frames, extreme_frames
 CASES = ADDER_GRAPHS
 FAULTS = [
     (r"turned = \(one \+ other\)", "turned = (one - other)"),
-    (r"result = \(one - high\)", "result = (one + high)"),
-    (r"turned = \((-?\d+) \+ one\)", r"turned = (\1 + one + 1)"),
-    (r"top == 0", "top == 1"),
+    (r"turned = \(one - other\)", "turned = (one - other - 64)"),
+    (r"turned = \((\(?-?\d+\)?) \+ one\)", r"turned = (\1 + one + 64)"),
+    (r"top == 0\)", "top == 1)"),
 ]
-
 
 # What is cut moves a result by a unit or so, so that a sum in the middle of one may miss it.
 TRIES = 6

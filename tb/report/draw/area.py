@@ -15,7 +15,7 @@ from tb.report.measure.table import Table
 # Of the thesis' front end: clocks of a scan, within which its networks are done.
 SCAN_CLOCKS = 4096
 WIDTH, ROW, COLUMNS = 400.0, 16.0, (206.0, 276.0, 328.0, 388.0)
-COLOURS = {"engine": ACCENT, "hybrid": INK, "printed": "#b34700"}
+COLOURS = {"engine": ACCENT, "hybrid": INK, "adder_graph": "#1b7a3d", "printed": "#b34700"}
 # Where a letter may stand beside its disc, as parts of the distance that its size asks for.
 _BESIDE = [(1.0, 0.0), (-1.0, 0.0), (0.0, -1.0), (0.0, 1.0), (0.7, -0.7), (0.7, 0.7)]
 _BESIDE += [(-0.7, -0.7), (-0.7, 0.7), (1.9, 0.0), (-1.9, 0.0), (0.0, -1.9), (0.0, 1.9)]
@@ -68,7 +68,7 @@ def designs(table: Table) -> list[Disc]:
 def area(table: Table) -> str:
     """One disc a design, its radius growing with the error, and below them what they are."""
     found = designs(table)
-    axes = Axes(46, 58, 334, 236, (15, 6000), (80, 12000))
+    axes = Axes(46, 58, 334, 236, (6, 6000), (80, 12000))
     title = "The same four outputs: area, clocks, error"
     body = [text((6, 18), title, 13, font_weight="bold")]
     body += axes.drawn("clocks a frame", "Virtex-II LUTs; the larger a disc, the larger the error")
@@ -84,7 +84,7 @@ def area(table: Table) -> str:
     heads = ("LUTs", "multipliers", "clocks", "error %")
     body += _row(top, heads)
     body += [
-        text((20 + 48 * n, top), kind, fill=colour, font_weight="bold")
+        text((6 + 80 * n, 38), kind, fill=colour, font_weight="bold")
         for n, (kind, colour) in enumerate(COLOURS.items())
     ]
     for n, (letter, design) in enumerate(zip(letters, found, strict=True), 1):
