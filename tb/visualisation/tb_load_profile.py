@@ -5,7 +5,8 @@ widths from the most negative code to the largest, with either shape; positions 
 it and outside; loads and shapes at their ends and about the threshold; shapes that differ from it
 in one bit; large loads with points far down the slope; random results.
 Drives: each frame in the clock of the last point before; then frames at random distances, so that
-many come while a ramp is being drawn, with and without resets.
+many come while a ramp is being drawn, with and without resets; a reset of one clock at each clock
+of the way to the first point and just behind it.
 Checks: every point bit for bit in its clock; that it stays until the next; that results which come
 during a ramp wait, and the latest of them are drawn.
 Does not prove: how close the points are to equation 3.18 (tests/test_visualisation.py bounds it).
@@ -97,11 +98,17 @@ def random_frames(bench, count):
 
 
 async def check(bench, frames, pause, resets=None):
-    """Play frames; ``pause`` idle clocks before each. Returns the numbers of those drawn."""
+    """Play frames; ``pause`` idle clocks before each. Returns the numbers of those drawn.
+
+    ``resets``: clocks of a reset, or about every how many clocks one comes at random.
+    """
     items = dict(zip(INPUTS, frames.T, strict=True))
     ramp = bench.twin.interval
     drive = spread(bench.rng, items, "in_valid", 0.0, tail=2 * ramp + 4, pause=pause)
-    if resets:
+    if isinstance(resets, np.ndarray):
+        drive["rst"] = np.zeros(len(drive["in_valid"]), dtype=np.int64)
+        drive["rst"][resets] = 1
+    elif resets:
         drive["rst"] = random_resets(bench.rng, len(drive["in_valid"]), resets)
     recording = await bench.play(drive, OUTPUTS)
     entered = recording.rows("in_valid")
@@ -162,4 +169,13 @@ async def resets(dut):
     frames = random_frames(bench, 30)
     for every in (ramp, ramp // 5):
         await check(bench, frames, bench.rng.integers(0, ramp, len(frames)), resets=every)
+    # Far enough apart that what a reset has left over would be seen before the next frame.
+    at = np.arange(bench.latency + 3)
+    apart = 3 * bench.latency
+    await check(
+        bench,
+        random_frames(bench, len(at)),
+        pause=apart - 1,
+        resets=apart * (at + 1) - 1 + at,
+    )
     bench.finish(at_least=10 * bench.twin.ramp.points)
