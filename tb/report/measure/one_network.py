@@ -1,4 +1,4 @@
-"""One network in every design: its cells, its clocks, and the error of its arithmetic."""
+"""One network in every design, and with fewer digits: cells, clocks, and error of arithmetic."""
 
 from __future__ import annotations
 
@@ -21,9 +21,16 @@ RANDOM_FRAMES = 2000
 
 
 def one_network(seed: int) -> Table:
-    """Every scene with the network of ``OF``, and ``parallel``, which none of them names."""
+    """Every scene with the network of ``OF``, or with one of few digits for the same task, and
+    ``parallel``, which none of them names.
+    """
     source = load_scene(OF)
-    alike = [s for s in scenes() if s.weights_paths == source.weights_paths and s.window.plain]
+    alike = [
+        scene
+        for scene in scenes()
+        if scene.weights_paths == source.weights_paths
+        or (scene.training.digits and scene.outputs == source.outputs)
+    ]
     parallel = Parallel.of(source.mlps()[0], source.precision, source.activation)
     designs: list[tuple[str, Scene, Network]] = [(s.name, s, s.twin()) for s in alike]
     designs.append(("", source, parallel))
@@ -43,7 +50,7 @@ def one_network(seed: int) -> Table:
                 *(cells[kind] if cells else None for kind in COST),
                 design.output_clocks[-1],
                 design.interval,
-                *(mean_error(source, design, frames) for frames in (recorded, random)),
+                *(mean_error(scene, design, frames) for frames in (recorded, random)),
             ]
         )
     return Table(
@@ -59,7 +66,8 @@ def one_network(seed: int) -> Table:
             "random, 2^-13",
         ],
         rows,
-        f"The network 4:16:4 of {OF}, its weights of 18 bits, in every design. Cells for Virtex-II "
+        f"The network 4:16:4 of {OF}, its weights of 18 bits, in every design; digit-fast and "
+        "digit-fast-clock have one with few digits in its weights. Cells for Virtex-II "
         "with the hierarchy as exported, as recorded by make synth. Mean magnitude of the "
         "difference from the same network in floating point, saturated as the outputs are, in "
         f"units of 2^-13, over all outputs, of the recorded frames and of "
