@@ -9,6 +9,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from golden.activation.activation_block import ActivationBlock
 from golden.activation.bipartite import Bipartite
 from golden.activation.bipartite_pair import NODES, BipartitePair, pair_for
 from golden.block import Block
@@ -130,7 +131,7 @@ class AdderGraph(Design):
             variant=f"{prefix}outputs",
         )
         widths = hidden.result_widths
-        activations = [a for a in constants.activations if isinstance(a, Bipartite)]
+        activations = [_halved(activation) for activation in constants.activations]
         for nodes in _groups(activations, widths):
             least = activations[nodes[0]].formats.group_width + 2
             width = max(least, *(widths[j] for j in nodes))
@@ -265,6 +266,12 @@ def _stacked(layers: Sequence[Layer]) -> Layer:
         Fix(width, frac),
         tuple(factor for layer in layers for factor in layer.factors),
     )
+
+
+def _halved(activation: ActivationBlock) -> Bipartite:
+    if not isinstance(activation, Bipartite):
+        raise ValueError(f"adder_graph: got activation {activation.block!r}, expected 'bipartite'")
+    return activation
 
 
 def _width(weights: Sequence[Sequence[int]], biases: Sequence[int], shift: int) -> int:

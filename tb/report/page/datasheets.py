@@ -24,6 +24,7 @@ COMMAND = "python -m tb.report.page.datasheets"
 # The networks of section 5.2.2 and the forms of an engine that no shipped scene has.
 COMPARED = [
     *(f"digit-parallel-{name}" for name in ("lut", "pade", "polynomial")),
+    *("digit-fast-clock", "digit-fast-full"),
     *("digit-serial", "digit-single-engine", "digit-single-fast", "digit-single-serial"),
 ]
 COLUMNS = [*KINDS, DEPTH]
