@@ -68,7 +68,7 @@ def designs(table: Table) -> list[Disc]:
 def area(table: Table) -> str:
     """One disc a design, its radius growing with the error, and below them what they are."""
     found = designs(table)
-    axes = Axes(46, 58, 334, 236, (6, 6000), (80, 12000))
+    axes = Axes(46, 74, 334, 236, (6, 6000), (80, 12000))
     title = "The same four outputs: area, clocks, error"
     body = [text((6, 18), title, 13, font_weight="bold")]
     body += axes.drawn("clocks a frame", "Virtex-II LUTs; the larger a disc, the larger the error")
@@ -84,7 +84,7 @@ def area(table: Table) -> str:
     heads = ("LUTs", "multipliers", "clocks", "error %")
     body += _row(top, heads)
     body += [
-        text((6 + 80 * n, 38), kind, fill=colour, font_weight="bold")
+        text((6 + 96 * n, 38), kind, fill=colour, font_weight="bold")
         for n, (kind, colour) in enumerate(COLOURS.items())
     ]
     for n, (letter, design) in enumerate(zip(letters, found, strict=True), 1):
