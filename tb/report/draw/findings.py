@@ -272,7 +272,7 @@ def digits_plot(table: Table) -> Plot:
         "the error is the mean of the outputs on rows that were held out. "
         f"{', and '.join(shrinks)}.",
         ["digits"],
-        linear="y",
+        linear="xy",
     )
 
 
