@@ -55,7 +55,7 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Step:
+class Alignment:
     """What the hardware of a sum adds: ``low >> low_cut`` and ``(high >> high_cut) << move``.
 
     One of ``high_cut`` and ``move`` is 0.
@@ -113,13 +113,13 @@ class ShiftAdd:
         """How many there are."""
         return sum(isinstance(node, Input) for node in self.nodes)
 
-    def step(self, place: int) -> Step:
+    def step(self, place: int) -> Alignment:
         """How the sum at ``place`` is made of the numbers of its operands."""
         node = self.nodes[place]
         assert isinstance(node, Sum)
         low = self.lows[place]
         move = self.lows[node.high] + node.shift - low
-        return Step(low - self.lows[node.low], max(0, -move), max(0, move))
+        return Alignment(low - self.lows[node.low], max(0, -move), max(0, move))
 
     @cached_property
     def levels(self) -> tuple[int, ...]:

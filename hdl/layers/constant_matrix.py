@@ -6,7 +6,7 @@ from functools import partial
 from myhdl import Signal, always, always_comb, block, concat, intbv, modbv
 
 from golden.layers.constant_matrix import ConstantMatrix
-from golden.layers.shift_add import Constant, Input, Row, Step, Sum
+from golden.layers.shift_add import Alignment, Constant, Input, Row, Sum
 from hdl.common.delay import delay
 
 # What is done to a sum is done in one process, in variables wide enough for each step: simulators
@@ -22,7 +22,7 @@ def wrapping(width: int):
 
 
 @block
-def add(low, high, total, *, step: Step):
+def add(low, high, total, *, step: Alignment):
     """Sum of two numbers, less their last bits, the high one moved left."""
     low_cut, high_cut, move, count = step.low_cut, step.high_cut, step.move, len(total)
     half = 1 << max(len(low), len(high) + move, count)
@@ -45,7 +45,7 @@ def add(low, high, total, *, step: Step):
 
 
 @block
-def subtract(low, high, total, *, step: Step, reverse: bool):
+def subtract(low, high, total, *, step: Alignment, reverse: bool):
     """The low number minus the high one, each as ``add`` takes it; or the other way round."""
     low_cut, high_cut, move, count = step.low_cut, step.high_cut, step.move, len(total)
     half = 1 << max(len(low), len(high) + move, count)
@@ -85,7 +85,7 @@ def subtract(low, high, total, *, step: Step, reverse: bool):
 
 
 @block
-def add_above(low, high, total, *, step: Step, minus: bool):
+def add_above(low, high, total, *, step: Alignment, minus: bool):
     """The low number plus or minus the high one, whose last bits are those of the low one."""
     end = step.low_cut
     start, count = end + step.move, len(total) - step.move
