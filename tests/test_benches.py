@@ -29,7 +29,8 @@ LEFT = (
     *("profile", "other-profile", "deep-reload", "three-engine", "huge-engine"),
     *("one-past", "few-past", "three-past", "serial-past", "axis-past", "drawn-past"),
     *("instrument", "slower-cascade", "wide-multiple", "wide-parallel"),
-    *("wide-converter", "signed-converter", "bipartite-low"),
+    *("wide-converter", "signed-converter", "bipartite-low", "short-graph", "logic-graph"),
+    *("chain-serial", "axis-cascade", "gradient_parallel-thesis"),
     *("huge", "huge-parallel", "logic-huge", "block-ram-huge"),
 )
 

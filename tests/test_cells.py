@@ -17,7 +17,7 @@ def count(name: str, family: str) -> dict[str, int]:
     return cells(forms()[name].build(EXACT, 1, EXACT.hidden_fmt.high), family)
 
 
-@pytest.mark.parametrize("family", tiered(["xc2v"], [f for f in FAMILIES if f != "xc2v"]))
+@pytest.mark.parametrize("family", tiered([], FAMILIES))
 def test_precise_takes_fewer_luts_than_gradient(family: str) -> None:
     gradient, logic = count("gradient", family), count("precise", family)
     block_ram = count("precise block_ram", family)
