@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -32,11 +30,6 @@ def signed_digits(number: int) -> tuple[tuple[int, int], ...]:
         rest >>= 1
         place += 1
     return tuple(found)
-
-
-def from_digits(digits: Iterable[tuple[int, int]]) -> int:
-    """The number that signed digits stand for."""
-    return sum(sign << place for place, sign in digits)
 
 
 def digit_counts(numbers: Codes) -> Codes:

@@ -15,8 +15,9 @@ from golden.precision import SIGNAL
 from golden.scene import load_scene
 from hdl.synth.netlist import KINDS
 from tb.peers import da4ml_rows, installed, nngen_rows, ours
-from tb.peers.comparison import RANDOM_FRAMES, Row, Task, compared, mean_error, task_of
+from tb.peers.comparison import Row, Task, compared, task_of
 from tb.peers.simulated import packed, simulated, unpacked
+from tb.report.measure.one_network import RANDOM_FRAMES, mean_error
 
 
 @pytest.fixture(scope="module")

@@ -32,6 +32,7 @@ from tb.report.page.content import content
 from tb.report.page.page import Page, Picture, Section
 
 SCENE = "digit-load"
+OWN = "reported"
 DATA = ROOT / "golden" / "data" / "appendix2.csv"
 WIDTHS = {"phone": 390, "desktop": 1280}
 
@@ -51,20 +52,23 @@ def data(report: Path) -> dict:
 
 @pytest.fixture(scope="module")
 def own(shared: Shared) -> Path:
-    """The report of a user's scene: no reference, and a network from elsewhere."""
-    folder = shared.folder / "mine"
+    """The report of a user's scene: no reference, and a network from elsewhere.
+
+    No other test may use its name: what commands build stands in one folder for all of a run.
+    """
+    folder = shared.folder / OWN
 
     def make() -> None:
         folder.mkdir()
-        shutil.copy(scene_path("digit-single").with_suffix(".npz"), folder / "mine.npz")
+        shutil.copy(scene_path("digit-single").with_suffix(".npz"), folder / f"{OWN}.npz")
         shutil.copy(DATA, folder)
-        text = scene_path("digit-single").read_text().replace("digit-single", "mine")
+        text = scene_path("digit-single").read_text().replace("digit-single", OWN)
         text = re.sub(r"reference = .*\n", "", text).replace("../../data/", "")
-        (folder / "mine.toml").write_text(text)
-        build.build_report(load_scene(str(folder / "mine.toml")))
+        (folder / f"{OWN}.toml").write_text(text)
+        build.build_report(load_scene(str(folder / f"{OWN}.toml")))
 
     shared.once("own report", make)
-    return BUILD / "mine" / "report.html"
+    return BUILD / OWN / "report.html"
 
 
 @pytest.fixture(scope="module")
@@ -332,6 +336,7 @@ document.getElementById("page").onload = function () {{
 def look(page: Path, width: int, folder: Path) -> dict:
     """What a browser makes of a page in a window of that width."""
     assert BROWSER, "chromium is not installed; on Debian: apt-get install chromium"
+    assert page.is_file()
     wrapper = folder / "look.html"
     wrapper.write_text(LOOK.format(page=page.as_uri(), width=width))
     found = browser(

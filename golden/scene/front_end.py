@@ -12,7 +12,8 @@ from golden.networks.network import Network
 from golden.precision import SIGNAL
 from golden.sensing.converter_parts import PARTS
 from golden.sensing.converter_reader import ConverterReader
-from golden.sensing.scan_sequencer import MOST_SCAN_CLOCKS, ScanSequencer
+from golden.sensing.scan import MOST_SCAN_CLOCKS
+from golden.sensing.scan_sequencer import ScanSequencer
 from golden.window import Window
 
 # Key, type, default; see ``golden.scene``.

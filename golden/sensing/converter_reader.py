@@ -8,16 +8,15 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from golden.block import Block
 from golden.border import Border, State
 from golden.fixed import Codes, Fix, Overflow, Rounding, check_unsigned, requantise
 from golden.port import CLOCKED, Port, given, taken
 from golden.sensing.converter_parts import STRAIGHT, ConverterPart
-from golden.sensing.scan_sequencer import COUNTER_WIDTHS, MOST_SCAN_CLOCKS
+from golden.sensing.scan import COUNTER_WIDTHS, Scan
 
 
 @dataclass(frozen=True)
-class ConverterReader(Block):
+class ConverterReader(Scan):
     """A transfer for each sensor in turn, and a frame of a scan whose transfers all were right.
 
     The upper bits of a counter are the turn, the lower ones the clock within it, as in
@@ -96,9 +95,7 @@ class ConverterReader(Block):
                 f"{COUNTER_WIDTHS.stop - 1}: for each of {1 << self.slot_width} turns {part} needs "
                 f"{turn} clocks of {at}"
             )
-        most = MOST_SCAN_CLOCKS - (1 << self.counter_width)
-        if not 0 <= self.pause <= most:
-            raise ValueError(f"{self.entity}: got pause={self.pause}, expected 0 to {most}")
+        self.check_pause()
 
     @property
     def clock(self) -> Fraction:
@@ -106,19 +103,8 @@ class ConverterReader(Block):
         return Fraction(str(self.clock_mhz))
 
     @property
-    def slot_width(self) -> int:
-        """Bits of the counter that are the turn."""
-        return max(1, (self.inputs - 1).bit_length())
-
-    @property
-    def slot_clocks(self) -> int:
-        """Clocks of a turn."""
-        return 1 << (self.counter_width - self.slot_width)
-
-    @property
-    def scan_clocks(self) -> int:
-        """Clocks from one scan to the next; turns above ``inputs`` pass idle."""
-        return (1 << self.counter_width) + self.pause
+    def turns(self) -> int:
+        return self.inputs
 
     @property
     def interval(self) -> int:

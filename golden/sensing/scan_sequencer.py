@@ -7,19 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from golden.block import Block
 from golden.border import State
 from golden.fixed import Codes, Fix
 from golden.port import CLOCKED, Port, Unsigned, given, taken
-
-# A counter of 24 bits makes a scan of 0.26 s at 64 MHz, slower than any contact.
-COUNTER_WIDTHS = range(2, 25)
-# From one scan to the next: 17 s at 64 MHz. MyHDL writes larger numbers wrongly.
-MOST_SCAN_CLOCKS = 1 << 30
+from golden.sensing.scan import COUNTER_WIDTHS, Scan
 
 
 @dataclass(frozen=True)
-class ScanSequencer(Block):
+class ScanSequencer(Scan):
     """A counter and its slices (thesis sections 5.4.4 and 5.5).
 
     The upper bits of the counter are the slot, the lower ones the clock within it. Slot n selects
@@ -78,29 +73,16 @@ class ScanSequencer(Block):
                 f"{self.entity}: got sample_clock={self.sample_clock}, expected 1 to "
                 f"{self.slot_clocks - 1}"
             )
-        most = MOST_SCAN_CLOCKS - (1 << self.counter_width)
-        if not 0 <= self.pause <= most:
-            raise ValueError(f"{self.entity}: got pause={self.pause}, expected 0 to {most}")
+        self.check_pause()
 
     @property
-    def slot_width(self) -> int:
-        """Bits of the counter that are the slot."""
-        return max(1, (self.slots - 1).bit_length())
+    def turns(self) -> int:
+        return self.slots
 
     @property
     def address_width(self) -> int:
         """Bits of the multiplexer's address."""
         return max(1, (self.inputs - 1).bit_length())
-
-    @property
-    def slot_clocks(self) -> int:
-        """Clocks of a slot."""
-        return 1 << (self.counter_width - self.slot_width)
-
-    @property
-    def scan_clocks(self) -> int:
-        """Clocks from one scan to the next; slots above ``slots`` pass idle."""
-        return (1 << self.counter_width) + self.pause
 
     @property
     def interval(self) -> int:

@@ -10,12 +10,12 @@ import numpy as np
 
 from golden.fixed import Codes
 from golden.networks.constants import Constants, constants_of
-from golden.networks.mlp import Mlp, Real, tanh
+from golden.networks.mlp import Mlp, tanh
 from golden.precision import SIGNAL
 from golden.scene import Scene
+from tb.report.measure.one_network import mean_error, random_frames
 from tb.report.measure.table import Cell, Table
 
-RANDOM_FRAMES = 2000
 # Headings, and the kinds of ``hdl.synth.netlist.KINDS`` under them.
 COLUMNS = {
     "LUT4": "LUT",
@@ -74,25 +74,9 @@ class Task:
 def task_of(scene: Scene, seed: int) -> Task:
     """The one network of a scene, its recorded frames and random ones, every code as likely."""
     (mlp,) = scene.mlps()
-    random = np.random.default_rng(seed).integers(
-        SIGNAL.low, SIGNAL.high + 1, (RANDOM_FRAMES, mlp.shape[0])
-    )
+    random = random_frames(seed, mlp.shape[0])
     constants = constants_of(mlp, scene.precision, scene.activation, scene.activation_options)
     return Task(mlp, constants, scene.vectors().codes, random)
-
-
-def mean_error(outputs: Codes, real: Real) -> float:
-    """Mean magnitude of the error in units of 2**-13, over frames and outputs.
-
-    Parameters
-    ----------
-    outputs : integer array, shape (frames, outputs)
-        Codes.
-    real : float array, the same shape
-        What floating point computes; outside the range of a code its end is what is right.
-    """
-    reached = np.clip(real, SIGNAL.to_real(SIGNAL.low), SIGNAL.to_real(SIGNAL.high))
-    return float(np.abs(SIGNAL.to_real(outputs) - reached).mean() * (1 << SIGNAL.frac))
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from golden.fixed import Codes
 from golden.networks.arrangement import process_real
 from golden.networks.mlp import Real
 from golden.networks.network import Network
@@ -35,9 +36,7 @@ def one_network(seed: int) -> Table:
     designs: list[tuple[str, Scene, Network]] = [(s.name, s, s.twin()) for s in alike]
     designs.append(("", source, parallel))
     recorded = source.vectors().codes
-    random = np.random.default_rng(seed).integers(
-        SIGNAL.low, SIGNAL.high + 1, (RANDOM_FRAMES, recorded.shape[1])
-    )
+    random = random_frames(seed, recorded.shape[1])
     rows: list[list[Cell]] = []
     for name, scene, design in designs:
         path = budget_path(scene.path)
@@ -50,7 +49,10 @@ def one_network(seed: int) -> Table:
                 *(cells[kind] if cells else None for kind in COST),
                 design.output_clocks[-1],
                 design.interval,
-                *(mean_error(scene, design, frames) for frames in (recorded, random)),
+                *(
+                    mean_error(design.process(x), floating_point(scene, x))
+                    for x in (recorded, random)
+                ),
             ]
         )
     return Table(
@@ -75,11 +77,27 @@ def one_network(seed: int) -> Table:
     )
 
 
-def mean_error(scene: Scene, design: Network, frames: np.ndarray) -> float:
-    """Mean magnitude of the difference from floating point, in units of the outputs."""
-    real: Real = process_real(
-        scene.arrangement, scene.mlps(), SIGNAL.to_real(frames), scene.scheme.real
-    )
-    ends = SIGNAL.to_real([SIGNAL.low, SIGNAL.high])
-    off = np.abs(SIGNAL.to_real(design.process(frames)) - np.clip(real, *ends))
-    return float(off.mean() * (1 << SIGNAL.frac))
+def random_frames(seed: int, inputs: int) -> Codes:
+    """Frames in which every code is as likely."""
+    shape = (RANDOM_FRAMES, inputs)
+    return np.random.default_rng(seed).integers(SIGNAL.low, SIGNAL.high + 1, shape)
+
+
+def floating_point(scene: Scene, frames: Codes) -> Real:
+    """What a scene's networks are in floating point."""
+    x = SIGNAL.to_real(frames)
+    return process_real(scene.arrangement, scene.mlps(), x, scene.scheme.real)
+
+
+def mean_error(outputs: Codes, real: Real) -> float:
+    """Mean magnitude of the error in units of 2**-13, over frames and outputs.
+
+    Parameters
+    ----------
+    outputs : integer array, shape (frames, outputs)
+        Codes.
+    real : float array, the same shape
+        What floating point computes; outside the range of a code its end is what is right.
+    """
+    reached = np.clip(real, SIGNAL.to_real(SIGNAL.low), SIGNAL.to_real(SIGNAL.high))
+    return float(np.abs(SIGNAL.to_real(outputs) - reached).mean() * (1 << SIGNAL.frac))
