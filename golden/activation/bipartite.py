@@ -14,13 +14,14 @@ from golden.activation.bipartite_table import (
     FINE_WIDTH,
     FORMATS,
     MAGNITUDE_WIDTH,
+    RESULT,
     TOP,
     BipartiteFormat,
     BipartiteTable,
     bipartite_table,
 )
 from golden.fixed import Codes, Fix
-from golden.precision import EXACT, SIGNAL, Precision
+from golden.precision import EXACT, Precision
 
 # Where the tables stand by default.
 MEMORY = "block_ram"
@@ -31,13 +32,13 @@ class Bipartite(ActivationBlock):
     """r = tanh(q): the sum of a base and a correction, two tables (Das Sarma and Matula 1995).
 
     A code stands for the middle of its step: c of q for (c + 1/2) 2**-14, c of r for
-    (c + 1/2) 2**-13. With the sign s of q, all ones where q is below 0, the magnitude is q xor s;
+    (c + 1/2) 2**-14. With the sign s of q, all ones where q is below 0, the magnitude is q xor s;
     r = floor((base(magnitude) xor s) + correction(magnitude, q)).
 
     Parameters
     ----------
     in_fmt, out_fmt : Fix
-        Formats of q and r: any with 14 fraction bits, and Fix(14,13).
+        Formats of q and r: any with 14 fraction bits, and Fix(15,14).
     memory : str
         Where the tables stand: "block_ram", or "logic", smaller ones in LUTs.
     reach_width : int
@@ -71,10 +72,10 @@ class Bipartite(ActivationBlock):
             raise ValueError(
                 f"{self.entity}: got memory={self.memory!r}, expected one of {', '.join(FORMATS)}"
             )
-        if self.in_fmt.frac != EXACT.hidden_fmt.frac or self.out_fmt != SIGNAL:
+        if self.in_fmt.frac != EXACT.hidden_fmt.frac or self.out_fmt != RESULT:
             raise ValueError(
                 f"{self.entity}: got in_fmt={self.in_fmt} and out_fmt={self.out_fmt}, expected "
-                f"{EXACT.hidden_fmt.frac} fraction bits and {SIGNAL}"
+                f"{EXACT.hidden_fmt.frac} fraction bits and {RESULT}"
             )
         least, most = self.formats.group_width + 1, self.in_fmt.width - 1
         if not least <= self.reach_width <= most:
@@ -185,5 +186,5 @@ def bipartite_for(precision: Precision, factor: int, reach: int, memory: str = M
     top = min(reach, precision.hidden_fmt.high)
     reach_width = max(top.bit_length(), FORMATS[memory].group_width + 1)
     return Bipartite(
-        precision.hidden_fmt, SIGNAL, memory, reach_width, variant=f"{memory}{reach_width}"
+        precision.hidden_fmt, RESULT, memory, reach_width, variant=f"{memory}{reach_width}"
     )

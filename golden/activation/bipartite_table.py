@@ -1,7 +1,7 @@
 """The words of ``bipartite``: tanh as a base by segment and a correction by place in it.
 
 A code m of Fix(18,14) stands for the middle of its step, (m + 1/2) 2**-14, and so does a code of
-the result, Fix(14,13). The magnitude of a negative code is then its complement, and one table of
+the result, Fix(15,14). The magnitude of a negative code is then its complement, and one table of
 magnitudes, 0 to 131071, makes a function that is odd to the last bit.
 
 Below 2 a segment is 2**w codes wide, from there on four times as wide. A base belongs to a segment.
@@ -18,10 +18,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from golden.fixed import Codes, real_texts
-from golden.precision import EXACT, SIGNAL
+from golden.fixed import Codes, Fix, real_texts
+from golden.precision import EXACT
 from golden.transcendental import tanh_floors
 
+# One place more than a sample has: rounding r to those would be most of a network's error.
+RESULT = Fix(15, 14)
 # Bits of a magnitude below 2, below 4 and below 8.
 FINE_WIDTH = EXACT.hidden_fmt.frac + 1
 CORRECTED_WIDTH = FINE_WIDTH + 1
@@ -72,7 +74,7 @@ class BipartiteFormat:
     @property
     def base_width(self) -> int:
         """Bits of a base, unsigned: those of a magnitude of the result, and ``frac``."""
-        return SIGNAL.width - 1 + self.frac
+        return RESULT.width - 1 + self.frac
 
     @property
     def fine_addr_width(self) -> int:
@@ -86,7 +88,7 @@ class BipartiteFormat:
 
     def texts(self, words: Sequence[int]) -> list[str]:
         """What bases or corrections stand for."""
-        return real_texts(words, SIGNAL.frac + self.frac)
+        return real_texts(words, RESULT.frac + self.frac)
 
     def addresses(self, data: Codes, mag: Codes) -> tuple[Codes, Codes]:
         """Where base and correction of a magnitude below 8 stand.
@@ -106,9 +108,9 @@ class BipartiteFormat:
         return (wide << self.fine_addr_width) + base, (wide << self.slope_addr_width) + slope
 
 
-# One block RAM of 18 Kbit each: 1024 bases, 2048 corrections.
+# One block RAM of 18 Kbit each: 1024 bases of 17 bits, 2048 corrections of 9.
 BLOCK_RAM = BipartiteFormat(6, 10, 5, 3)
-LOGIC = BipartiteFormat(8, 10, 4, 1)
+LOGIC = BipartiteFormat(8, 10, 4, 0)
 FORMATS = {"block_ram": BLOCK_RAM, "logic": LOGIC}
 
 
@@ -152,7 +154,7 @@ def bipartite_table(fmt: BipartiteFormat) -> BipartiteTable:
     mag = np.arange(1 << MAGNITUDE_WIDTH)
     base_addr, slope_addr = fmt.addresses(mag, mag)
     curve = tanh_floors(
-        Fraction(1, 2 << EXACT.hidden_fmt.frac), 2 * len(mag), SIGNAL.frac + _PLACES
+        Fraction(1, 2 << EXACT.hidden_fmt.frac), 2 * len(mag), RESULT.frac + _PLACES
     )[1::2]
     bases = np.zeros(2 << fmt.fine_addr_width, dtype=np.int64)
     corrections = np.zeros(2 << fmt.slope_addr_width, dtype=np.int64)

@@ -12,6 +12,7 @@ import numpy as np
 from golden.activation.activation_block import ActivationBlock
 from golden.activation.bipartite import Bipartite
 from golden.activation.bipartite_pair import NODES, BipartitePair, pair_for
+from golden.activation.bipartite_table import RESULT
 from golden.block import Block
 from golden.fixed import Codes, Fix, signed_width
 from golden.flow import Alike, Carried, Flow
@@ -26,7 +27,7 @@ from golden.precision import EXACT, SIGNAL, Precision
 # Adders between two registers, where a scene says nothing.
 ADDERS_PER_CLOCK = 5
 # Places below the last of q and of y that are added.
-GUARD = (1, 2)
+GUARD = (1, 1)
 
 
 @dataclass(frozen=True)
@@ -115,13 +116,13 @@ class AdderGraph(Design):
             variant=f"{prefix}hidden",
         )
         # Half a step of each r, and of the output.
-        shift = second.fmt.frac
+        shift = RESULT.frac + second.fmt.frac - SIGNAL.frac
         biases = tuple(
-            (bias << SIGNAL.frac) + (sum(row) >> 1) + ((1 << shift) >> 1)
+            (bias << RESULT.frac) + (sum(row) >> 1) + ((1 << shift) >> 1)
             for row, bias in zip(second.weights, second.biases, strict=True)
         )
         outputs = ConstantMatrix(
-            SIGNAL,
+            RESULT,
             SIGNAL,
             second.weights,
             biases,

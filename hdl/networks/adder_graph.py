@@ -4,7 +4,6 @@ from myhdl import always, block
 
 from golden.activation.bipartite_pair import NODES
 from golden.networks.adder_graph import AdderGraph
-from golden.precision import SIGNAL
 from hdl.activation.bipartite import bipartite
 from hdl.activation.bipartite_pair import bipartite_pair
 from hdl.common.delay import connect, delay
@@ -45,7 +44,7 @@ def adder_graph(clk, rst, in_valid, in_data, out_valid, out_data, frame_error, *
     """
     hidden = len(spec.activations)
     q = Words(hidden, lambda: fixed(spec.first.out_fmt))
-    r = Words(hidden, lambda: fixed(SIGNAL))
+    r = Words(hidden, lambda: fixed(spec.second.in_fmt))
     q_valid = flag()
     tables = [spec.shared(nodes) for nodes in spec.groups]
     # Of each q the bits that its nodes can have.
@@ -53,7 +52,7 @@ def adder_graph(clk, rst, in_valid, in_data, out_valid, out_data, frame_error, *
         Words(len(nodes), lambda fmt=spec.activations[nodes[0]].in_fmt: fixed(fmt))
         for nodes in spec.groups
     ]
-    result = [Words(len(nodes), lambda: fixed(SIGNAL)) for nodes in spec.groups]
+    result = [Words(len(nodes), lambda: fixed(spec.second.in_fmt)) for nodes in spec.groups]
     r_valid = Words(len(tables), flag)
     places = [(n, i, j) for n, nodes in enumerate(spec.groups) for i, j in enumerate(nodes)]
     return (
