@@ -179,7 +179,8 @@ def add_up(
 
     Terms of levels l can be added within d levels when the sum of ``2**l`` is ``2**d`` at most.
     Bits below ``place`` are of no use, so that of two terms there either may be taken from the
-    other: the negative one, or the row would have to be negated in the end.
+    other: the negative one, or the row would have to be negated in the end. What is taken from a
+    constant is positive, too.
     """
     while len(terms) > 1:
         terms.sort(key=lambda item: (graph.top(item[0]), graph.levels[item[0][0]], item))
@@ -194,7 +195,8 @@ def add_up(
         constants = [isinstance(graph.nodes[term[0]], Constant) for term in (low, high)]
         if any(constants) and terms:
             # Of a constant either sign will do.
-            sign = low_sign = high_sign = high_sign if constants[0] else low_sign
+            sign = 1
+            low_sign, high_sign = (1, high_sign) if constants[0] else (low_sign, 1)
         node = graph.sum(Sum(low[0], high[0], shift, low_sign * sign, high_sign * sign))
         terms.append(((node, low[1]), sign))
     return terms[0]

@@ -236,10 +236,11 @@ def indent_architecture(text: str) -> str:
 
 
 def shorten_bit_strings(text: str) -> str:
-    """``36X"..."`` is VHDL-2008; without its length, at four bits a digit, it is older."""
+    """``36X"..."`` is VHDL-2008; at four bits a digit, or else bit by bit, it is older."""
 
     def literal(found: re.Match[str]) -> str:
-        return found[0] if int(found[1]) != 4 * len(found[2]) else f'X"{found[2]}"'
+        width, digits = int(found[1]), found[2]
+        return f'X"{digits}"' if width == 4 * len(digits) else f'"{int(digits, 16):0{width}b}"'
 
     return re.sub(r'\b(\d+)X"([0-9a-f]+)"', literal, text)
 
