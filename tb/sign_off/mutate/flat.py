@@ -75,7 +75,20 @@ class Flat:
                 bits = [*ports["CLK"], *(d for d, q in pairs if q in read)]
             if cell["type"] in STATE:
                 ends.append((bits, None))
-        return self._product(number, ends, STATE)
+        return self._product(number, ends, STATE, self._reached(self.chosen[number], STATE))
+
+    def where_it_stands(self, number: int) -> Netlist:
+        """A mutant's ``trigger``: what it changes is not as without it, in the sound netlist.
+
+        Counted from the first clock of a reset on: as long as nothing differs here, nothing does
+        behind it, so that this takes no part.
+        """
+        changed = set(self.readers.get(self.chosen[number], []))
+        ends: list[End] = [(bits_of(self.cells[name], "output"), None) for name in sorted(changed)]
+        product = self._product(number, ends, (), changed)
+        if "rst" in self.ports:
+            self._reset_first(product, counts=True)
+        return product
 
     def over_clocks(self, number: int, masks: dict[str, str]) -> Netlist:
         """A mutant's ``trigger``: an output differs, after a first clock of reset.
@@ -87,15 +100,19 @@ class Flat:
             (bits, outputs[masks[name]][0] if name in masks else None)
             for name, bits in outputs.items()
         ]
-        product = self._product(number, ends, ())
+        product = self._product(number, ends, (), self._reached(self.chosen[number], ()))
         if "rst" in self.ports:
-            _reset_first(product, self.ports["clk"]["bits"], self.ports["rst"]["bits"])
+            self._reset_first(product, counts=False)
         return product
 
-    def _product(self, number: int, ends: list[End], shared: tuple[str, ...]) -> Netlist:
-        """Both netlists up to cells of the ``shared`` kinds, whose outputs are inputs here."""
+    def _product(
+        self, number: int, ends: list[End], shared: tuple[str, ...], twice: set[str]
+    ) -> Netlist:
+        """The netlist, with some cells ``twice``: as they are and as the mutant changes them.
+
+        It ends at cells of the ``shared`` kinds, whose outputs are inputs here.
+        """
         control = self.chosen[number]
-        twice = self._reached(control, shared)
         most = max((b for b in [*self.driver, *self.readers] if isinstance(b, int)), default=1)
         new = itertools.count(most + 1)
         sound: dict[Bit, Bit] = dict.fromkeys(self.chosen.values(), "0")
@@ -133,6 +150,29 @@ class Flat:
         }
         return {"attributes": {}, "ports": ports, "cells": cells, "netnames": {}}
 
+    def _reset_first(self, product: Netlist, counts: bool) -> None:
+        """In the first clock a product is reset; its trigger counts in it or not."""
+        clock, reset = (self.ports[name]["bits"] for name in ("clk", "rst"))
+        cells, ports = product["cells"], product["ports"]
+        found = ports["trigger"]["bits"]
+        started, begins, forced, trigger = (found[0] + n for n in range(1, 5))
+        for name, cell in cells.items():
+            cells[name] = _renamed(cell, {reset[0]: forced})
+        cells["started"] = {
+            "hide_name": 0,
+            "type": "$dff",
+            "parameters": {"CLK_POLARITY": "1", "WIDTH": "1"},
+            "attributes": {},
+            "port_directions": {"CLK": "input", "D": "input", "Q": "output"},
+            "connections": {"CLK": clock, "D": ["1"], "Q": [started]},
+        }
+        cells["begins"] = _cell("$not", begins, [started])
+        cells["forced"] = _cell("$or", forced, reset, [begins])
+        ports["given"]["bits"] = sorted({*ports["given"]["bits"], *clock, *reset})
+        if not counts:
+            cells["counts"] = _cell("$and", trigger, found, [started])
+            ports["trigger"]["bits"] = [trigger]
+
     def _reached(self, control: Bit, shared: tuple[str, ...]) -> set[str]:
         """The cells whose outputs may hang on a bit."""
         found: set[str] = set()
@@ -160,28 +200,6 @@ class Flat:
                 needed.add(name)
                 waiting += bits_of(self.cells[name], "input")
         return needed, sorted(inputs)
-
-
-def _reset_first(product: Netlist, clock: list[Bit], reset: list[Bit]) -> None:
-    """In the first clock a product is reset, whatever comes in, and its trigger does not count."""
-    cells, ports = product["cells"], product["ports"]
-    found = ports["trigger"]["bits"]
-    started, begins, forced, trigger = (found[0] + n for n in range(1, 5))
-    for name, cell in cells.items():
-        cells[name] = _renamed(cell, {reset[0]: forced})
-    cells["started"] = {
-        "hide_name": 0,
-        "type": "$dff",
-        "parameters": {"CLK_POLARITY": "1", "WIDTH": "1"},
-        "attributes": {},
-        "port_directions": {"CLK": "input", "D": "input", "Q": "output"},
-        "connections": {"CLK": clock, "D": ["1"], "Q": [started]},
-    }
-    cells["begins"] = _cell("$not", begins, [started])
-    cells["forced"] = _cell("$or", forced, reset, [begins])
-    cells["counts"] = _cell("$and", trigger, found, [started])
-    ports["given"]["bits"] = sorted({*ports["given"]["bits"], *clock, *reset})
-    ports["trigger"]["bits"] = [trigger]
 
 
 def bits_of(cell: Netlist, direction: str) -> list[Bit]:
