@@ -26,12 +26,13 @@ from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.cases import random_mlp
 from tb.common.network import recorded_frames
 from tb.common.profile import check_profile
-from tb.common.small import UARTS
+from tb.common.small import UART_INSTRUMENTS
 from tb.sensing.spi_converter import Converter
 from tb.sensing.spi_play import PINS, Timeline, check_error
 
-CASES = UARTS
+CASES = UART_INSTRUMENTS
 FAULTS = [
+    (r"\.mosi\(mosi\)", ".mosi()"),
     (r"\.rx\(rx\)", ".rx(1'b1)"),
     (r"\.miso\(miso\)", ".miso(1)"),
     (r"\.held_1\(held_1\)", ".held_1(held_0)"),
@@ -172,6 +173,9 @@ def check_results(bench, recording, runs, frames, ends):
     """Outputs, ``out_last`` and their clocks; gives the columns of the stream."""
     due = [np.empty((0, 3), dtype=np.int64)]
     for network, numbers in runs:
+        # Of another number of samples there are none, and these would be of the wrong shape.
+        if not len(numbers):
+            continue
         leave = ends[numbers, np.newaxis] + RESET_CLOCKS + np.array(network.output_clocks)
         final = np.zeros_like(leave)
         final[:, -1] = 1
@@ -276,10 +280,9 @@ async def check(bench, frames, resets, rx=None, fault=lambda number: None):
     result = check_results(bench, recording, runs, seen, ends)
     profile = check_shown(bench, recording, result)
     rows = np.arange(RESET_CLOCKS, recording.clocks)
-    for axis in "xy" if twin.analogue else "":
-        given = profile["profile_valid"], profile[f"profile_{axis}"]
-        bits = twin.pulse_density.process(*given, recording.unsigned("rst", rows))
-        bench.compare(f"dac_{axis}", recording.unsigned(f"dac_{axis}", rows), bits, clock=rows)
+    given = twin.dac(profile, recording.unsigned("rst", rows)) if dac else ()
+    for port, bits in zip(dac, given, strict=True):
+        bench.compare(port, recording.unsigned(port, rows), bits, clock=rows)
     columns = dict(
         zip(("sample_valid", "sample_data", "sample_last"), (valid, data, last), strict=True)
     )

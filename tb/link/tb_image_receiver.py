@@ -14,10 +14,10 @@ import numpy as np
 
 from golden.link.packets import FRAME, IMAGE, SYNC, VERSION, image_packet, kind_byte
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import UARTS
+from tb.common.small import UART
 from tb.common.stimulus import random_resets
 
-CASES = {"uart": UARTS["uart"]}
+CASES = {"uart": UART}
 FAULTS = [
     (r"idle == \d+", "idle == 5"),
     (r"in_data != 165", "in_data == 165"),
