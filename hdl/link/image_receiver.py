@@ -39,7 +39,7 @@ def image_receiver(
     sync, kind, final = SYNC, kind_byte(IMAGE), spec.idle_clocks - 1
     place, length = unsigned(3), unsigned(16)
     idle = unsigned(max(1, final.bit_length()))
-    over, inside, put, ends = (flag() for _ in range(4))
+    over, filling, put, ends = (flag() for _ in range(4))
     named = unsigned(16)
     byte_in = unsigned(8)
     entering, leaving = unsigned(9), unsigned(9)
@@ -47,12 +47,12 @@ def image_receiver(
     @always_comb
     def look():
         over.next = idle == final and not in_valid
-        inside.next = place == 4
+        filling.next = place == 4
         named.next = concat(length[8:], in_data)
 
     @always_comb
     def decide():
-        put.next = inside and (in_valid or over)
+        put.next = filling and (in_valid or over)
         ends.next = over or length == 1
 
     @always_seq(clk.posedge, reset=rst)
@@ -88,7 +88,7 @@ def image_receiver(
     @always_seq(clk.posedge, reset=rst)
     def count():
         if in_valid:
-            if inside:
+            if filling:
                 length.next = length - 1
             else:
                 length.next = named

@@ -24,7 +24,7 @@ FAULTS = [
     (r"in_data == 18", "in_data[3:0] == 2"),
     (r"named == 0", "named[7:0] == 0"),
     (r"over \|\| \(length == 1\)", "length == 1"),
-    (r"inside && \(in_valid \|\| over\)", "inside && in_valid"),
+    (r"filling && \(in_valid \|\| over\)", "filling && in_valid"),
     (r"length <= \(length - 1\)", "length <= length"),
     (r"byte_in = 0", "byte_in = 1"),
     (r"load_ready \|\| \(!fifo0_full\)", "1"),
