@@ -8,6 +8,7 @@ from golden.block import Block
 from golden.instruments.converter_instrument import ConverterInstrument
 from golden.link.image_receiver import ImageReceiver
 from golden.link.packet_sender import PacketSender
+from golden.link.packets import image_packet
 from golden.link.uart_receiver import UartReceiver
 from golden.link.uart_transmitter import BYTE_BITS, UartTransmitter
 from golden.networks.engine import Engine
@@ -61,7 +62,12 @@ class UartInstrument(ConverterInstrument):
 
     @property
     def reload(self) -> bool:
-        return bool(self.image)
+        return bool(self.readout.image)
+
+    @property
+    def image(self) -> bytes:
+        """As it comes over the line."""
+        return image_packet(self.readout.image) if self.reload else b""
 
     @property
     def ports(self) -> tuple[Port, ...]:
@@ -115,7 +121,7 @@ class UartInstrument(ConverterInstrument):
     @property
     def packet_clocks(self) -> int:
         """From one packet's begin to the next at least: the line is free when all has left it."""
-        return self.packet_sender.layout.packet_bytes * self.uart_transmitter.interval + 2
+        return self.packet_sender.layout.packet_bytes * self.uart_transmitter.interval + 1
 
     @property
     def packet_scans(self) -> int:

@@ -152,7 +152,9 @@ def uart_instrument(
             byte_data,
             spec=spec.packet_sender,
         ),
-        uart_transmitter(clk, rst, byte_valid, byte_data, byte_ready, tx, spec=spec.uart_transmitter),
+        uart_transmitter(
+            clk, rst, byte_valid, byte_data, byte_ready, tx, spec=spec.uart_transmitter
+        ),
         show,
         parts,
     )

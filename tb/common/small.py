@@ -284,7 +284,15 @@ UARTS = {
         sections=f'{VISUALISATION}stop = 0.9\nstep = 0.3\nanalogue = "pulse_density"\n'
         f'{FRONT_END}converter = "mcp3208-5v"\ncounter_width = 8\n\n[uart]\n',
     ),
-    "plain-uart": replace(
-        CONVERTER, sections=f"{CONVERTER.sections}\n[uart]\nbaud = 571_000\n"
+    "wide-uart": replace(
+        CONVERTER,
+        shapes=[(2, 3, 4)],
+        arrangement="single",
+        activation="precise",
+        design="engine",
+        hardware='clock_mhz = 4.0\nreload = true\npipeline = "deep"\nprogram_words = 1024\n'
+        "operand_words = 256",
+        sections=f'{FRONT_END}converter = "mcp3208-5v"\ncounter_width = 8\n\n[uart]\n',
     ),
+    "plain-uart": replace(CONVERTER, sections=f"{CONVERTER.sections}\n[uart]\nbaud = 571_000\n"),
 }

@@ -1,8 +1,8 @@
 """pulse_density against its twin.
 
 Sweeps: codes at random, both ends, and those about the middle.
-Drives: a new code in every clock, then one in about a hundred, and codes without ``in_valid``, which
-must not matter; resets.
+Drives: a new code in every clock, then one in about a hundred, and codes without ``in_valid``,
+which must not matter; resets.
 Checks: the bit in every clock.
 Does not prove: the low pass behind it (tests/test_pulse_density.py shows how many ones come).
 """
