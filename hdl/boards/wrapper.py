@@ -23,7 +23,8 @@ def outside(scene: Scene, design: Network, board: Board) -> dict[str, str]:
     Raises
     ------
     CommandError
-        When the design's inputs are no wires of a board, or a wire has no pin.
+        When the design's inputs are no wires of a board, or none of its outputs shows a result, or
+        a wire has no pin.
     """
     ports = [port for port in design.ports if port not in CLOCKED]
     others = [port.name for port in ports if port.direction == "in" and port.name not in WIRES]
@@ -31,6 +32,11 @@ def outside(scene: Scene, design: Network, board: Board) -> dict[str, str]:
         raise CommandError(
             f"{scene.path}: front_end.converter: got none, expected one: a board cannot drive "
             f"{', '.join(others)} of {design.entity}"
+        )
+    if "tx" not in {port.name for port in ports}:
+        raise CommandError(
+            f"{scene.path}: uart: got none, expected a section [uart]: without it nothing that "
+            f"{design.entity} computes leaves the board"
         )
     for port in ports:
         if port.name in WIRES and port.name not in board.pins:
@@ -99,7 +105,7 @@ def wrapper(scene: Scene, design: Network, board: Board, clock: Clock) -> str:
             *steps,
             "  end",
             *assigns,
-            f"  {design.entity} design (",
+            f"  {design.entity} inner (",
             ",\n".join(f"    {text}" for text in joined),
             "  );",
             "endmodule",
