@@ -12,7 +12,7 @@ SITE ?= build/site
 # What a user may give. Recipes read it from the environment, as "$$SCENE", and never as text that
 # make puts in: so no character of it is special, neither to make, which would expand a $ on the
 # way, nor to the shell. Only whether it is given may be asked of make: $(if $(BLOCK),...).
-GIVEN := ALL BESIDE BLOCK CLUSTER CSV FRAMES FULL HARDWARE LINKS MACHINE NETLIST ONLY OUTPUT OUTPUTS PYTHON RECORD RIG SCENE \
+GIVEN := ALL BESIDE BLOCK BOARD CLUSTER CSV DEVICE FRAMES FULL HARDWARE LINKS MACHINE NETLIST ONLY OUTPUT OUTPUTS PYTHON RECORD RIG SCENE \
 	SEED SIM SITE TABLE TESTS TO VENV WAVES WHOLE
 literal = $(if $(value $(1)),$(eval override $(1) := $$(value $(1)))$(eval export $(1)))
 $(foreach name,$(GIVEN),$(call literal,$(name)))
@@ -21,7 +21,7 @@ RUN := "$$VENV/bin/python"
 # A target by a name of its own: the path of the environment may hold what is special in one of make's.
 READY := ready
 
-.PHONY: help demo test machines sim vhdl verilog scene check train recalibrate predict network image bench listing activations figures sensors lean synth peers prove mutate coverage report docs pages lint clean tools browser ready
+.PHONY: help demo test machines sim vhdl verilog scene check train recalibrate predict network image bench listing activations figures sensors lean synth bitstream peers prove mutate coverage report docs pages lint clean tools browser ready
 
 help:
 	@echo "make demo    [SCENE=] [FULL=1]            a scene end to end: simulate, export, table of errors"
@@ -55,6 +55,8 @@ help:
 	@echo "make sensors [RIG=my-beam.toml]           where gauges on a beam should sit, with picture and table"
 	@echo "make lean    [SCENE=] [BESIDE=other]      what a scene leaves out, and what that saves"
 	@echo "make synth   [SCENE=] [RECORD=1]          cells of every block, clock, both beside the thesis; budget"
+	@echo "make bitstream BOARD=ulx3s [SCENE=] [DEVICE=] [RECORD=1]"
+	@echo "                                          a file to program a board with; what it takes of its device"
 	@echo "make peers   [SEED=]                      other projects' hardware for the same weights, beside ours"
 	@echo "make prove   [BLOCK=] [RECORD=1]          what is proved of every block, and that broken copies refute it"
 	@echo "make mutate  [BLOCK=] [SCENE=] [ALL=1] [RECORD=1]"
@@ -130,6 +132,9 @@ lean: $(READY)
 
 synth: $(READY)
 	@$(RUN) -m hdl.synth "$$SCENE" $(if $(filter-out 0,$(RECORD)),--record)
+
+bitstream: $(READY)
+	@$(RUN) -m hdl.boards "$$SCENE" "$$BOARD" $(if $(DEVICE),--device="$$DEVICE") $(if $(filter-out 0,$(RECORD)),--record)
 
 peers: $(READY) tools
 	@$(RUN) -m tb.peers --seed="$$SEED"

@@ -26,6 +26,7 @@ COMMANDS = {
     "figures": "tb.report.measure.__main__",
     "lean": "hdl.synth.lean",
     "synth": "hdl.synth.__main__",
+    "bitstream": "hdl.boards.__main__",
     "report": "tb.report.__main__",
     "demo": "tb.demo",
     "scene": "golden.rig.write_scene",

@@ -13,7 +13,7 @@ from golden.block import Block
 
 ROOT = Path(__file__).parents[1]
 # Parts are inlined into blocks and have no entity; the blocks that use them are their bench.
-OTHERS = {"common", "export", "synth"}
+OTHERS = {"boards", "common", "export", "synth"}
 BLOCKS = sorted(
     (path.parent.name, path.stem)
     for path in (ROOT / "hdl").glob("*/*.py")

@@ -38,8 +38,10 @@ ARGUMENTS = {
     "SCENE": (
         "",
         "demo sim vhdl verilog check train recalibrate predict network image bench listing lean "
-        "synth report",
+        "synth bitstream report",
     ),
+    "BOARD": ("", "bitstream"),
+    "DEVICE": ("--device=", "bitstream"),
     "BLOCK": ("--block=", "sim mutate prove coverage"),
     "SIM": ("--sim=", "sim"),
     "NETLIST": ("--netlist=", "sim"),

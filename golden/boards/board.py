@@ -1,0 +1,274 @@
+"""A board file: which device, which clock, and which pin is which port of a design."""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from golden.boards.devices import DEVICES
+from golden.files import check_file, reading
+from golden.table import refuse_unknown, suggest
+
+FOLDER = Path(__file__).parent
+# Ports of an instrument that leave the device: wires, without which it is of no use, and lamps.
+WIRES = ("miso", "sclk", "cs_n", "mosi", "rx", "tx", "dac_x", "dac_y")
+LAMPS = ("converter_error",)
+# Key, type, default; None as a default makes the key required.
+KEYS: dict[str, tuple[type, Any]] = {
+    "title": (str, None),
+    "sources": (list, None),
+    "load": (str, ""),
+    "flash": (str, None),
+    "device": (dict, None),
+    "clock": (dict, None),
+    "pins": (dict, None),
+    "high": (dict, {}),
+}
+DEVICE_KEYS: dict[str, tuple[type, Any]] = {
+    "family": (str, None),
+    "names": (list, None),
+    "package": (str, None),
+    "speed": (int, 0),
+    "configuration": (dict, {}),
+}
+CLOCK_KEYS: dict[str, tuple[type, Any]] = {
+    "pin": (str, None),
+    "mhz": (float, None),
+    "pll_pad": (bool, False),
+}
+PIN_KEYS: dict[str, tuple[type, Any]] = {
+    "pin": (str, None),
+    "at": (str, None),
+    "pull_up": (bool, False),
+    "inverted": (bool, False),
+}
+KINDS = {
+    str: "text",
+    bool: "true or false",
+    int: "a whole number",
+    float: "a number",
+    list: "a list of texts",
+    dict: "a table",
+}
+# What may stand in a pins file between quotes, in a command line or as a name in Verilog.
+PLAIN = re.compile(r"[A-Za-z0-9_.-]+")
+NAME = re.compile(r"[a-z][a-z0-9_]*")
+
+
+@dataclass(frozen=True)
+class Pin:
+    """One pin of the device.
+
+    Attributes
+    ----------
+    pin : str
+        Its name in the package.
+    at : str
+        Where the board has it.
+    pull_up : bool
+        The device's own resistor to its supply is on.
+    inverted : bool
+        A lamp that is lit by a 0.
+    """
+
+    pin: str
+    at: str
+    pull_up: bool = False
+    inverted: bool = False
+
+
+@dataclass(frozen=True)
+class Board:
+    """What a board file says.
+
+    Attributes
+    ----------
+    name : str
+        Of the file.
+    path : Path
+    title : str
+    sources : tuple of str
+        Where the pins were read.
+    load, flash : str
+        What stands before the bitstream's name in the command that programs the device until its
+        supply is cut (empty where there is no such), and for good.
+    family : str
+        Of ``DEVICES``.
+    device : str
+        The one that is built for, of ``devices``, which the board is sold with.
+    devices : tuple of str
+    package : str
+    speed : int
+        Grade; 0 where the family has none.
+    configuration : dict
+        How the device is to be configured, by the name that its pins file has for it.
+    clock_pin : str
+    clock_mhz : float
+        Of the oscillator.
+    pll_pad : bool
+        The clock's pin is the PLL's own input.
+    pins : dict
+        By the name of a design's port.
+    high : dict
+        Outputs that are always high, by a name.
+    """
+
+    name: str
+    path: Path
+    title: str
+    sources: tuple[str, ...]
+    load: str
+    flash: str
+    family: str
+    device: str
+    devices: tuple[str, ...]
+    package: str
+    speed: int
+    configuration: dict[str, str]
+    clock_pin: str
+    clock_mhz: float
+    pll_pad: bool
+    pins: dict[str, Pin]
+    high: dict[str, Pin]
+
+
+def board_names() -> list[str]:
+    """The boards that tactus ships."""
+    return sorted(path.stem for path in FOLDER.glob("*.toml"))
+
+
+def load_board(name: str, device: str = "") -> Board:
+    """Read a board by its name, or by a path that ends in ``.toml``.
+
+    Parameters
+    ----------
+    name : str
+    device : str
+        Of those that the board is sold with; empty takes the first.
+
+    Raises
+    ------
+    FileNotFoundError, CommandError
+        For an unknown board; the message lists those there are. For one that cannot be read.
+    ValueError
+        For a fault in the file, and for a device that the board has not; the message names file,
+        key, what was got and what was expected.
+    """
+    known = board_names()
+    path = FOLDER / f"{name}.toml" if name in known else Path(name)
+    try:
+        if path.suffix != ".toml":
+            raise FileNotFoundError
+        check_file(path)
+    except FileNotFoundError:
+        raise FileNotFoundError(
+            f"board {name!r}: no such board, expected a path to a .toml file or one of "
+            f"{', '.join(known)}{suggest(name, known)}"
+        ) from None
+    with reading(path, "TOML"):
+        raw = tomllib.loads(path.read_text(encoding="utf-8"))
+    return _board(raw, path, device)
+
+
+def _board(raw: dict[str, Any], path: Path, device: str) -> Board:
+    values = _table(raw, KEYS, path, "")
+    part = _table(values["device"], DEVICE_KEYS, path, "device.")
+    clock = _table(values["clock"], CLOCK_KEYS, path, "clock.")
+    family = part["family"]
+    if family not in DEVICES:
+        raise ValueError(
+            f"{path}: device.family: got {family!r}, expected one of {', '.join(DEVICES)}"
+            f"{suggest(family, list(DEVICES))}"
+        )
+    names = _texts(part["names"], path, "device.names")
+    for name in names:
+        if name not in DEVICES[family]:
+            raise ValueError(
+                f"{path}: device.names: got {name!r}, expected of {', '.join(DEVICES[family])}"
+                f"{suggest(name, list(DEVICES[family]))}"
+            )
+    if device and device not in names:
+        raise ValueError(
+            f"DEVICE={device}: {path} has {', '.join(names)}{suggest(device, list(names))}"
+        )
+    if not (0 < clock["mhz"] < math.inf):
+        raise ValueError(f"{path}: clock.mhz: got {clock['mhz']}, expected above 0")
+    pins = {name: _pin(pin, path, f"pins.{name}") for name, pin in values["pins"].items()}
+    refuse_unknown(pins, (*WIRES, *LAMPS), f"{path}: pins: port")
+    high = {name: _pin(pin, path, f"high.{name}") for name, pin in values["high"].items()}
+    for name in high:
+        if not NAME.fullmatch(name) or name in (*WIRES, *LAMPS):
+            raise ValueError(
+                f"{path}: high.{name}: expected a name of small letters, digits and _ that no port "
+                "has"
+            )
+    for name, pin in {**pins, **high}.items():
+        if pin.inverted and name not in LAMPS:
+            raise ValueError(f"{path}: pins.{name}.inverted: got true, expected it of a lamp alone")
+    _refuse_twice({"clock": clock["pin"]} | {n: p.pin for n, p in {**pins, **high}.items()}, path)
+    for key, text in {**part["configuration"], "package": part["package"]}.items():
+        if type(text) is not str or not PLAIN.fullmatch(text) or not PLAIN.fullmatch(key):
+            raise ValueError(
+                f"{path}: device: {key}: got {text!r}, expected text of letters, digits, _, . and -"
+            )
+    return Board(
+        name=path.stem,
+        path=path,
+        title=values["title"],
+        sources=_texts(values["sources"], path, "sources"),
+        load=values["load"],
+        flash=values["flash"],
+        family=family,
+        device=device or names[0],
+        devices=names,
+        package=part["package"],
+        speed=part["speed"],
+        configuration=part["configuration"],
+        clock_pin=clock["pin"],
+        clock_mhz=clock["mhz"],
+        pll_pad=clock["pll_pad"],
+        pins=pins,
+        high=high,
+    )
+
+
+def _table(raw: Any, keys: dict[str, tuple[type, Any]], path: Path, within: str) -> dict[str, Any]:
+    """Every key with its value, the type checked and defaults filled in."""
+    if not isinstance(raw, dict):
+        raise ValueError(f"{path}: {within.rstrip('.')}: got {raw!r}, expected a table")
+    refuse_unknown(raw, keys, f"{path}: {f'{within[:-1]}: ' if within else ''}key")
+    found = {}
+    for key, (kind, default) in keys.items():
+        value = raw.get(key, default)
+        if value is None:
+            raise ValueError(f"{path}: {within}{key}: missing, expected {KINDS[kind]}")
+        if kind is float and type(value) is int:
+            value = float(value)
+        if type(value) is not kind:
+            raise ValueError(f"{path}: {within}{key}: got {value!r}, expected {KINDS[kind]}")
+        found[key] = value
+    return found
+
+
+def _texts(values: list[Any], path: Path, key: str) -> tuple[str, ...]:
+    if not values or any(type(value) is not str or not value for value in values):
+        raise ValueError(f"{path}: {key}: got {values!r}, expected a list of texts")
+    return tuple(values)
+
+
+def _pin(raw: Any, path: Path, key: str) -> Pin:
+    return Pin(**_table(raw, PIN_KEYS, path, f"{key}."))
+
+
+def _refuse_twice(pins: dict[str, str], path: Path) -> None:
+    seen: dict[str, str] = {}
+    for name, pin in pins.items():
+        if not PLAIN.fullmatch(pin):
+            raise ValueError(f"{path}: {name}: got pin {pin!r}, expected such as 'B11' or '4'")
+        if pin in seen:
+            raise ValueError(f"{path}: {name}: got pin {pin}, which {seen[pin]} has")
+        seen[pin] = name

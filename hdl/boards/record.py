@@ -1,0 +1,46 @@
+"""What a shipped scene takes of a board, recorded beside the scene."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+from golden.boards import Board
+from golden.files import check_file, reading, replace_file
+from golden.fingerprint import fingerprint
+from golden.scene import Scene
+from hdl.boards.bitstream import WRAPPER, Report, Sources
+from hdl.synth.tools import digest
+
+
+def record_path(scene: Scene, board: Board) -> Path:
+    """Where it stands."""
+    return scene.path.with_suffix(f".{board.name}.json")
+
+
+def state(verilog: Path, made: Sources) -> str:
+    """A digest of what a bitstream is made of: code, wrapper and pins."""
+    names = [file.name for file in verilog.glob("*.v") if file.name != WRAPPER]
+    return fingerprint([], digest(verilog, names), made.verilog, made.pins)
+
+
+def write_record(path: Path, report: Report, verilog: Path, made: Sources) -> None:
+    """Record what was found, and of what."""
+    record = {"made of": state(verilog, made), "report": asdict(report)}
+    with replace_file(path) as temporary:
+        temporary.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+
+
+def read_record(path: Path) -> tuple[Report, str]:
+    """What was recorded, and the digest.
+
+    Raises
+    ------
+    FileNotFoundError, CommandError, ValueError
+        When nothing was recorded, or something else stands there.
+    """
+    check_file(path)
+    with reading(path, "a recorded bitstream; RECORD=1 records it"):
+        record = json.loads(path.read_text(encoding="utf-8"))
+        return Report(**record["report"]), record["made of"]

@@ -1,0 +1,85 @@
+"""``python -m hdl.boards.variants SCENE BOARD``: what each thing that a scene may have costs there.
+
+The scene is built without some of them, and with the multiplier that it does not choose.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import tempfile
+from dataclasses import asdict, replace
+from pathlib import Path
+
+from golden.boards import Board, load_board
+from golden.files import check_file, reading, replace_file
+from golden.progress import Progress
+from golden.scene import Scene, load_scene
+from hdl.boards.bitstream import Report, build, sources
+from hdl.export.exporter import export
+from hdl.export.repeatable import run_repeatable
+
+
+def variants(scene: Scene) -> dict[str, Scene]:
+    """By what the engine multiplies with and what is beside it."""
+    kinds = {"one multiplier": "dsp", "no multiplier": "serial"}
+    found = {}
+    for name, kind in kinds.items():
+        options = {"multiplier": kind}
+        bare = replace(scene, design_options=options, visualisation=None)
+        found[name] = bare
+        found[f"{name}, profile"] = replace(bare, visualisation=scene.visualisation)
+        if kind == "dsp":
+            loaded = {**options, **scene.design_options}
+            found[f"{name}, reload"] = replace(bare, design_options=loaded)
+    return found | {"as it is": scene}
+
+
+def variants_path(scene: Scene, board: Board) -> Path:
+    """Where they are recorded."""
+    return scene.path.with_suffix(f".{board.name}.variants.json")
+
+
+def read_variants(path: Path) -> dict[str, tuple[Report, int]]:
+    """By name what nextpnr says, and the clocks from the last bit of a scan to the last output.
+
+    Raises
+    ------
+    FileNotFoundError, CommandError, ValueError
+        When nothing was recorded, or something else stands there.
+    """
+    check_file(path)
+    with reading(path, "recorded variants"):
+        record = json.loads(path.read_text(encoding="utf-8"))
+        return {name: (Report(**one["report"]), one["clocks"]) for name, one in record.items()}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m hdl.boards.variants", description=__doc__)
+    parser.add_argument("scene")
+    parser.add_argument("board")
+    parser.add_argument("--record", action="store_true", help="write them beside the scene")
+    arguments = parser.parse_args()
+    scene, board = load_scene(arguments.scene), load_board(arguments.board)
+    wanted = variants(scene)
+    found = {}
+    with Progress(f"{scene.name} on {board.title}", len(wanted), "variants") as progress:
+        for name, variant in wanted.items():
+            design = variant.twin()
+            with tempfile.TemporaryDirectory() as folder:
+                verilog = Path(folder) / "verilog"
+                export(variant, "verilog", verilog)
+                _, report = build(verilog, sources(variant, design, board), board)
+            found[name] = {"report": asdict(report), "clocks": design.output_clocks[-1]}
+            counted = ", ".join(f"{used} {kind}" for kind, used in report.used.items())
+            progress.say(f"{name}: {counted}; {report.clock_mhz:g} MHz")
+            progress.step(name)
+    if arguments.record:
+        path = variants_path(scene, board)
+        with replace_file(path) as temporary:
+            temporary.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+        print(f"wrote {path}")
+
+
+if __name__ == "__main__":
+    run_repeatable("hdl.boards.variants", main)

@@ -1,0 +1,112 @@
+"""``python -m tb.report.page.boards``: wiring and resources of each board into ``docs/boards.md``.
+
+Wiring stands in the board's file; what a scene takes is recorded beside the scene by
+``make bitstream RECORD=1`` and ``python -m hdl.boards.variants``.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from golden.boards import board_names, load_board
+from golden.cli import run
+from golden.fingerprint import ROOT
+from golden.scene import load_scene, scene_names
+from hdl.boards.bitstream import Report
+from hdl.boards.record import read_record, record_path
+from hdl.boards.variants import read_variants, variants_path
+from tb.report.page.markers import put, write
+
+COMMAND = "python -m tb.report.page.boards"
+PAGE = ROOT / "docs" / "boards.md"
+KINDS = ("logic cells", "flip-flops", "multipliers", "block RAMs")
+HEADS = f"{' | '.join(KINDS)} | MHz needed | MHz reached | us"
+# Who drives a wire, as the board has it.
+INPUTS = ("miso", "rx")
+
+
+def wiring() -> str:
+    """A line a port, with its pin on each board."""
+    boards = [load_board(name) for name in board_names()]
+    heads = " | ".join(f"{board.title}, pin | where" for board in boards)
+    lines = [f"| port | direction | {heads} |", "|---|---|" + "---|---|" * len(boards)]
+    names = dict.fromkeys(name for board in boards for name in board.pins)
+    for name in names:
+        cells = []
+        for board in boards:
+            pin = board.pins.get(name)
+            more = ", lit by a 0" if pin and pin.inverted else ""
+            cells += [f"`{pin.pin}`", f"{pin.at}{more}"] if pin else ["", ""]
+        direction = "in" if name in INPUTS else "out"
+        lines.append(f"| `{name}` | {direction} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def pin_sources() -> str:
+    """Where the pins were read."""
+    lines = []
+    for name in board_names():
+        board = load_board(name)
+        lines += [f"- {board.title}:", *(f"  - {source}" for source in board.sources)]
+    return "\n".join(lines)
+
+
+def resources() -> str:
+    """What each recorded scene takes of each board."""
+    lines = [f"| scene | board | {HEADS} |", "|" + "---|" * (5 + len(KINDS))]
+    for scene in map(load_scene, scene_names()):
+        for board in map(load_board, board_names()):
+            path = record_path(scene, board)
+            if path.is_file():
+                report, _ = read_record(path)
+                cells = _cells(report, scene.twin().output_clocks[-1])
+                lines.append(f"| {scene.name} | {board.title}, {board.device} | {cells} |")
+    return "\n".join(lines)
+
+
+def variant_rows() -> str:
+    """What a scene takes with less in it, or with another engine."""
+    lines = []
+    for scene in map(load_scene, scene_names()):
+        for board in map(load_board, board_names()):
+            path = variants_path(scene, board)
+            if path.is_file():
+                lines += [f"| {scene.name} on {board.title} | {HEADS} |"]
+                lines += ["|" + "---|" * (4 + len(KINDS))]
+                for name, (report, clocks) in read_variants(path).items():
+                    lines.append(f"| {name} | {_cells(report, clocks)} |")
+    return "\n".join(lines)
+
+
+def _cells(report: Report, clocks: int) -> str:
+    counts = [
+        f"{report.used[kind]} of {report.available[kind]} "
+        f"({100 * report.used[kind] / report.available[kind]:.0f} %)"
+        if kind in report.used
+        else "in the logic cells"
+        for kind in KINDS
+    ]
+    microseconds = f"{clocks / report.needed_mhz:.1f}"
+    return " | ".join([*counts, f"{report.needed_mhz:g}", f"{report.clock_mhz:g}", microseconds])
+
+
+def pages() -> dict[Path, str]:
+    """The page, as it must be."""
+    text = PAGE.read_text(encoding="utf-8")
+    for section, made in (
+        ("wiring", wiring()),
+        ("sources", pin_sources()),
+        ("resources", resources()),
+        ("variants", variant_rows()),
+    ):
+        text = put(PAGE, text, made, COMMAND, section)
+    return {PAGE: text}
+
+
+def main() -> None:
+    write(pages())
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

@@ -1,0 +1,319 @@
+"""Boards: their files, the clock, what stands around a design, and bitstreams."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import subprocess
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+from refused import Desk
+from shared import Shared
+
+from golden.boards import Board, board_names, load_board
+from golden.boards.board import FOLDER
+from golden.cli import CommandError
+from golden.scene import Scene, load_scene
+from hdl.boards import bitstream
+from hdl.boards.bitstream import Report, build, sources
+from hdl.boards.families import FAMILIES
+from hdl.boards.pll import clock_for
+from hdl.boards.record import read_record, record_path, state
+from hdl.boards.wrapper import RESET_WIDTH, wrapper
+from hdl.export.exporter import export
+from hdl.synth import tools
+from tb.common.cases import FRONT_END, random_mlp, write_scene
+from tb.report.page import boards as page
+
+# The scenes that are shipped for each board.
+SHIPPED = [("digit-board", "ulx3s"), ("digit-board-small", "icebreaker")]
+CONVERTER = f'{FRONT_END}converter = "mcp3208"\n'
+LINE = "\n[uart]\n"
+
+
+def scene_with(folder: Path, clock_mhz: float, sections: str = CONVERTER + LINE) -> Scene:
+    """The smallest instrument that there is, on an engine."""
+    path = write_scene(
+        folder,
+        "tiny",
+        "exact",
+        [random_mlp((1, 1, 3), 1.0, 1)],
+        activation="precise",
+        design="engine",
+        sections=sections,
+        hardware=f"clock_mhz = {clock_mhz}",
+    )
+    return load_scene(str(path))
+
+
+@pytest.mark.parametrize("name", board_names())
+def test_a_shipped_board_is_read_with_each_of_its_devices(name: str) -> None:
+    board = load_board(name)
+    assert board.device == board.devices[0]
+    for device in board.devices:
+        assert load_board(name, device) == replace(board, device=device)
+    assert load_board(str(FOLDER / f"{name}.toml")) == board
+
+
+def test_a_board_of_a_user_is_a_file(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text((FOLDER / "icebreaker.toml").read_text())
+    board = load_board(str(path))
+    assert board == replace(load_board("icebreaker"), name="mine", path=path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('title = "ULX3S"\n', "", "title: missing, expected text"),
+        ('title = "ULX3S"', "title = 3", "title: got 3, expected text"),
+        ("[clock]", "colour = 1\n[clock]", "device: key 'colour' is not known"),
+        ('title = "ULX3S"', 'titel = "ULX3S"', "key 'titel' is not known.*'title'"),
+        ('"ecp5"', '"ecp6"', "device.family: got 'ecp6', expected one of ecp5, ice40.*'ecp5'"),
+        ('"LFE5U-45F"', '"LFE5U-45"', "device.names: got 'LFE5U-45', expected of LFE5U-12F"),
+        ("speed = 6", 'speed = "6"', "device.speed: got '6', expected a whole number"),
+        ('"CABGA381"', '"CABGA 381"', "device: package: got 'CABGA 381', expected text of let"),
+        ("mhz = 25.0", "mhz = 0", "clock.mhz: got 0.0, expected above 0"),
+        ("[clock]", "[clocks]", "key 'clocks' is not known"),
+        ("\nmiso =", "\nmisso =", "pins: port 'misso' is not known.*'miso'"),
+        ('"A9", at', '"A9", att', "pins.miso: key 'att' is not known"),
+        ('miso = { pin = "A9", at = "J1, GP2", pull_up = true }', 'miso = "A9"', "pins.miso: got"),
+        ('pin = "A9"', 'pin = "B11"', "miso: got pin B11, which sclk has"),
+        ('pin = "A9"', 'pin = "G2"', "miso: got pin G2, which clock has"),
+        ('pin = "A9"', 'pin = "A9;"', "miso: got pin 'A9;', expected such as"),
+        ("pull_up = true }\ncs_n", "inverted = true }\ncs_n", "pins.miso.inverted: got true"),
+        ("wifi_gpio0 =", "tx =", "high.tx: expected a name of small letters"),
+    ],
+)
+def test_a_board_that_cannot_be_is_refused(
+    tmp_path: Path, old: str, new: str, message: str
+) -> None:
+    text = (FOLDER / "ulx3s.toml").read_text()
+    assert old in text
+    path = tmp_path / "mine.toml"
+    path.write_text(text.replace(old, new, 1))
+    with pytest.raises(ValueError, match=rf"^{re.escape(str(path))}: {message}"):
+        load_board(str(path))
+
+
+def number(text: str, name: str) -> int:
+    found = re.search(rf"\.{name}\((?:\d'd)?(\d+)\)", text)
+    assert found, name
+    return int(found[1])
+
+
+@pytest.mark.parametrize("mhz", [10, 12, 24, 25.175, 33.3333, 48, 62.5, 64, 100, 125])
+def test_the_pll_of_an_ecp5(mhz: float) -> None:
+    """What its numbers give, by the formula of ecppll, and every limit."""
+    clock = clock_for(load_board("ulx3s"), mhz)
+    names = ("CLKI_DIV", "CLKFB_DIV", "CLKOP_DIV", "CLKOS_DIV")
+    divide_in, factor, closing, divide_out = (number(clock.text, name) for name in names)
+    compared = Fraction(25, divide_in)
+    inside = compared * factor * closing
+    assert clock.mhz == inside / divide_out
+    assert Fraction(str(mhz)) * Fraction(199, 200) <= clock.mhz <= Fraction(str(mhz))
+    assert compared >= Fraction(25, 8)
+    assert 400 <= inside <= 800
+    assert 10 <= inside / closing <= 400
+    assert max(divide_in, closing, divide_out) <= 128
+    assert factor <= 80
+
+
+@pytest.mark.parametrize("mhz", [16.5, 18, 24, 30, 36, 48])
+def test_the_pll_of_an_ice40(mhz: float) -> None:
+    """What its numbers give, by the formula of icepll, and every limit."""
+    clock = clock_for(load_board("icebreaker"), mhz)
+    assert "SB_PLL40_PAD" in clock.text
+    divide_in, loop = number(clock.text, "DIVR") + 1, number(clock.text, "DIVF") + 1
+    inside = Fraction(12, divide_in) * loop
+    assert clock.mhz == inside / 2 ** number(clock.text, "DIVQ")
+    assert Fraction(str(mhz)) * Fraction(199, 200) <= clock.mhz <= Fraction(str(mhz))
+    assert 533 <= inside <= 1066
+    assert 1 <= number(clock.text, "DIVQ") <= 6
+
+
+@pytest.mark.parametrize(("board", "mhz"), [("ulx3s", 5), ("ulx3s", 500), ("icebreaker", 50)])
+def test_a_clock_that_no_pll_makes_is_refused(board: str, mhz: float) -> None:
+    with pytest.raises(CommandError, match=f"hardware.clock_mhz: got {mhz}, no PLL of .* makes it"):
+        clock_for(load_board(board), mhz)
+
+
+# A design of the same ports that shows its clock's edges in reset, and a PLL that locks at once.
+STUBS = """
+module SB_PLL40_PAD #(parameter FEEDBACK_PATH = "", DIVR = 0, DIVF = 0, DIVQ = 0, FILTER_RANGE = 0)
+  (input PACKAGEPIN, RESETB, BYPASS, output PLLOUTGLOBAL, output reg LOCK);
+  assign PLLOUTGLOBAL = PACKAGEPIN;
+  initial begin LOCK = 0; #100 LOCK = 1; end
+endmodule
+module {entity} ({ports});
+  input clk, rst, miso;
+  output sclk, cs_n, mosi, tx, {others};
+  output converter_error;
+  assign tx = miso, converter_error = miso;
+  integer edges = 0;
+  always @(posedge clk) if (rst) edges = edges + 1;
+endmodule
+module bench;
+  reg oscillator = 0, miso = 0;
+  wire tx, converter_error;
+  board board(.oscillator(oscillator), .miso(miso), .tx(tx), .converter_error(converter_error));
+  always #1 oscillator = !oscillator;
+  task show;
+    $display("%0d %b%b%b", board.inner.edges, board.inner.rst, tx, converter_error);
+  endtask
+  initial begin
+    #{most} show;
+    miso = 1; #100 show;
+    $finish;
+  end
+endmodule
+"""
+
+
+@pytest.mark.parametrize("clock_mhz", [12.0, 24.0])
+def test_a_design_begins_in_reset(tmp_path: Path, clock_mhz: float) -> None:
+    """For 2**RESET_WIDTH edges of its clock, from when a PLL has locked; a lamp may be inverted."""
+    scene, board = scene_with(tmp_path, clock_mhz), load_board("icebreaker")
+    design = scene.twin()
+    text = wrapper(scene, design, board, clock_for(board, clock_mhz))
+    own = {"clk", "rst", "miso", "sclk", "cs_n", "mosi", "tx", "converter_error"}
+    names = [port.name for port in design.ports]
+    others = ", ".join(name for name in names if name not in own)
+    most = 2 * (1 << RESET_WIDTH) + 400
+    stubs = STUBS.format(entity=design.entity, ports=", ".join(names), others=others, most=most)
+    (tmp_path / "text.v").write_text(f"{text}{stubs}")
+    for command in (["iverilog", "-g2012", "-o", "text", "text.v"], ["vvp", "-n", "text"]):
+        run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+    (edges, first), (same, second) = (line.split() for line in run.stdout.splitlines())
+    # The PLL locks behind the 50th edge, and two registers see it.
+    waited = 52 if clock_mhz != board.clock_mhz else 0
+    assert int(edges) == int(same) == (1 << RESET_WIDTH) + waited
+    assert (first, second) == ("001", "010")
+
+
+def test_a_scene_without_what_a_board_needs_is_refused(tmp_path: Path) -> None:
+    board = load_board("ulx3s")
+    for sections, message in (
+        ("", "front_end.converter: got none, expected one: a board cannot drive in_valid, in_data"),
+        (CONVERTER, r"uart: got none, expected a section \[uart\]: without it nothing"),
+    ):
+        scene = scene_with(tmp_path, 25.0, sections)
+        with pytest.raises(CommandError, match=rf"tiny\.toml: {message}"):
+            sources(scene, scene.twin(), board)
+    scene = scene_with(tmp_path, 25.0)
+    pins = {name: pin for name, pin in board.pins.items() if name != "tx"}
+    with pytest.raises(CommandError, match=r"ulx3s\.toml: pins.tx: missing, expected a pin"):
+        sources(scene, scene.twin(), replace(board, pins=pins))
+
+
+def test_the_pins_files_name_every_pin_that_is_used(tmp_path: Path) -> None:
+    scene = scene_with(tmp_path, 25.0)
+    lines = sources(scene, scene.twin(), load_board("ulx3s")).pins.splitlines()
+    found = {tuple(line.split('"')[1::2]) for line in lines if line.startswith("LOCATE")}
+    pins = {"oscillator": "G2", "wifi_gpio0": "L2", "tx": "L4", "miso": "A9", "mosi": "A10"}
+    pins |= {"sclk": "B11", "cs_n": "B9", "converter_error": "B2"}
+    assert found == set(pins.items())
+    assert 'IOBUF PORT "miso" IO_TYPE=LVCMOS33 PULLMODE=UP;' in lines
+    assert 'FREQUENCY PORT "oscillator" 25 MHZ;' in lines
+    scene = scene_with(tmp_path, 12.0)
+    lines = sources(scene, scene.twin(), load_board("icebreaker")).pins.splitlines()
+    assert "set_io -pullup yes miso 47" in lines
+    assert {"set_io tx 9", "set_frequency oscillator 12"} <= set(lines)
+
+
+def test_the_command(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A bitstream, from the store the second time; one that is too slow, or does not fit."""
+    scene_with(desk.folder, 12.0)
+    desk.refuses("bitstream", "tiny.toml", "icebraker", says="'icebraker'.*'icebreaker'?")
+    desk.refuses("bitstream", "mine.toml", "ulx3s", says="front_end.converter: got none, expected")
+    words = ("tiny.toml", "ulx3s", "--device=LFE5U-86F")
+    desk.refuses("bitstream", *words, says="DEVICE=LFE5U-86F: .*LFE5U-85F, .*mean 'LFE5U-85F'?")
+    assert desk.call("bitstream", "tiny.toml", "icebreaker") == (0, "")
+    folder = desk.folder / "build" / "tiny" / "bitstream" / "icebreaker"
+    packed = (folder / "tiny.bin").read_bytes()
+    facts = json.loads((folder / "bitstream.json").read_text())
+    assert facts["sha256"] == hashlib.sha256(packed).hexdigest()
+    # What a bitstream of an iCE40 begins with, behind its comment.
+    assert bytes.fromhex("7eaa997e") in packed[:200]
+    assert facts["report"]["clock_mhz"] > facts["report"]["needed_mhz"] == 12
+    assert 0 < facts["report"]["used"]["block RAMs"] < facts["report"]["available"]["block RAMs"]
+
+    def none(*_: object, **__: object) -> None:
+        raise AssertionError("a tool was asked")
+
+    monkeypatch.setattr(tools, "run_tool", none)
+    monkeypatch.setattr(bitstream, "run_tool", none)
+    assert desk.call("bitstream", "tiny.toml", "icebreaker") == (0, "")
+    assert (folder / "tiny.bin").read_bytes() == packed
+
+    slow = {"report": facts["report"] | {"clock_mhz": 11.5}, "bitstream": ""}
+    monkeypatch.setattr(bitstream, "stored", lambda *_: slow)
+    says = "iCEBreaker, iCE40UP5K: 11.5 MHz reached, 12 MHz needed"
+    desk.refuses("bitstream", "tiny.toml", "icebreaker", says=says)
+
+
+def test_what_does_not_fit_is_named() -> None:
+    said = """Info: Device utilisation:
+Info: \t         ICESTORM_LC:    5281/   5280   100%
+Info: \t        ICESTORM_RAM:      30/     30   100%
+ERROR: Unable to place cell 'x', no BELs remaining to implement cell type 'ICESTORM_LC'
+"""
+    family = FAMILIES["ice40"]
+    assert bitstream._why_not(said, family) == "does not fit: logic cells: 5281 of 5280"
+    few = said.replace("5281", "1")
+    assert bitstream._why_not(few, family).startswith("nextpnr-ice40: Unable to place cell 'x'")
+
+
+@pytest.mark.parametrize(("name", "board"), SHIPPED)
+def test_the_record_is_of_this_design(shared: Shared, name: str, board: str) -> None:
+    scene, target = load_scene(name), load_board(board)
+    report, made_of = read_record(record_path(scene, target))
+    made = sources(scene, scene.twin(), target)
+    again = f"run: make bitstream RECORD=1 SCENE={name} BOARD={board}"
+    assert state(shared.export(name, "verilog"), made) == made_of, again
+    assert report.clock_mhz >= report.needed_mhz == made.clock_mhz
+    assert all(report.used[kind] <= report.available[kind] for kind in report.used)
+
+
+def test_the_page_holds_what_is_recorded() -> None:
+    for file, text in page.pages().items():
+        assert file.read_text(encoding="utf-8") == text, f"{file}: run: {page.COMMAND}"
+
+
+def built(scene: Scene, board: Board, folder: Path) -> tuple[bytes, Report]:
+    verilog = folder / "verilog"
+    export(scene, "verilog", verilog)
+    return build(verilog, sources(scene, scene.twin(), board), board)
+
+
+@pytest.mark.all_only
+@pytest.mark.parametrize(("name", "board"), SHIPPED)
+def test_the_same_bytes_twice(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, board: str
+) -> None:
+    """From the tools themselves, and they take what is recorded."""
+    scene, target = load_scene(name), load_board(board)
+    found = []
+    for run in ("one", "other"):
+        monkeypatch.setattr(tools, "STORE", tmp_path / run)
+        found.append(built(scene, target, tmp_path))
+    assert found[0] == found[1]
+    assert found[0][1] == read_record(record_path(scene, target))[0]
+
+
+@pytest.mark.all_only
+@pytest.mark.parametrize("device", load_board("ulx3s").devices)
+def test_every_device_and_a_pll(tmp_path: Path, device: str) -> None:
+    board = load_board("ulx3s", device)
+    _, report = built(scene_with(tmp_path, 48.0), board, tmp_path)
+    assert report.clock_mhz >= report.needed_mhz == 48
+
+
+@pytest.mark.all_only
+def test_a_pll_of_an_ice40_is_placed(tmp_path: Path) -> None:
+    _, report = built(scene_with(tmp_path, 24.0), load_board("icebreaker"), tmp_path)
+    assert report.clock_mhz >= report.needed_mhz == 24
