@@ -130,6 +130,7 @@ def test_every_kind_of_damage_in_one_stream() -> None:
     draw, found_in_all = random.Random(5), 0
     for _ in range(60):
         data = bytearray(MOST_WAITING)
+        unheard = PLAIN.packet_bytes - 1
         for number in range(40):
             samples = tuple(draw.choice((BEGINS, draw.randrange(-8192, 8192))) for _ in range(2))
             packet = bytearray(PLAIN.to_bytes(Frame(number, (), number, samples, (3,))))
@@ -154,7 +155,7 @@ def test_every_kind_of_damage_in_one_stream() -> None:
         ]
         sound = sum(decoder.tally.others.values())
         assert sound == 0, "their bytes would not be among those that are skipped"
-        assert decoder.tally.skipped == len(data) - len(found) * PLAIN.packet_bytes
+        assert decoder.tally.skipped == len(data) - len(found) * PLAIN.packet_bytes - unheard
         found_in_all += len(found)
     assert found_in_all > 1000
 
@@ -179,7 +180,7 @@ def test_who_begins_in_the_middle_of_a_packet_is_told_of_no_garbage() -> None:
         assert decoder.tally == Tally(frames=1)
     decoder = Decoder(PLAIN)
     decoder.feed(bytes(len(packet)) + packet)
-    assert decoder.tally == Tally(frames=1, skipped=len(packet))
+    assert decoder.tally == Tally(frames=1, skipped=1)
 
 
 def other(version: int, length: int) -> bytes:

@@ -34,7 +34,8 @@ class Tally:
     ----------
     frames : int
     skipped : int
-        Bytes that are part of no packet.
+        Bytes that are part of no packet, without those that may be the end of one that began
+        before anybody listened.
     failed : int
         Packets whose check failed; their bytes are among those that were skipped.
     missed : int
@@ -102,7 +103,8 @@ class Decoder:
         self.tally = Tally()
         self._kept = bytearray()
         self._number: int | None = None
-        self._joined_at = 0
+        # Who begins to listen hears the end of a packet first: that is no fault.
+        self._joining = layout.packet_bytes - 1
 
     def feed(self, data: bytes) -> list[Frame]:
         """The frames that end in ``data``, in their order."""
@@ -112,7 +114,7 @@ class Decoder:
         at = 0
         while True:
             start = kept.find(SYNC, at)
-            tally.skipped += (start if start >= 0 else len(kept)) - at
+            self._skip((start if start >= 0 else len(kept)) - at)
             at = start if start >= 0 else len(kept)
             if len(kept) - at < FRAME_HEADER:
                 break
@@ -120,12 +122,12 @@ class Decoder:
             end = at + FRAME_HEADER + length + CHECK_BYTES
             if kind & _KIND != FRAME:
                 end = at + 1
-                tally.skipped += 1
+                self._skip(1)
             elif len(kept) < end:
                 break
             elif not _sound(kept, at, end):
                 tally.failed += self._own(kind, length)
-                tally.skipped += 1
+                self._skip(1)
                 end = at + 1
             elif self._own(kind, length):
                 payload = bytes(kept[at + FRAME_HEADER : end - CHECK_BYTES])
@@ -139,10 +141,10 @@ class Decoder:
 
     def restart(self) -> None:
         """The line was cut: what was half read is dropped, and any number may come next."""
-        self.tally.skipped += len(self._kept)
+        self._skip(len(self._kept))
         self._kept.clear()
         self._number = None
-        self._joined_at = self.tally.skipped
+        self._joining = self.layout.packet_bytes - 1
 
     def _own(self, kind: int, length: int) -> bool:
         return kind == kind_byte(FRAME) and length == self.layout.payload_bytes
@@ -150,13 +152,14 @@ class Decoder:
     def _count(self, number: int) -> None:
         tally = self.tally
         tally.frames += 1
-        if self._number is None:
-            # Who begins to listen hears the end of a packet first: that is no fault.
-            if tally.skipped - self._joined_at < self.layout.packet_bytes:
-                tally.skipped = self._joined_at
-        else:
+        if self._number is not None:
             tally.missed += (number - self._number - 1) % _NUMBERS
-        self._number = number
+        self._number, self._joining = number, 0
+
+    def _skip(self, count: int) -> None:
+        unheard = min(count, self._joining)
+        self._joining -= unheard
+        self.tally.skipped += count - unheard
 
 
 def _sound(kept: bytearray, at: int, end: int) -> bool:
