@@ -92,7 +92,12 @@ class Readout(Network):
         return (
             *serial_ports("an element", "element of the network's frame", "of the wrong length"),
             *self.result_ports,
+            *self.network.load_ports,
         )
+
+    @property
+    def image(self) -> bytes:
+        return self.network.image
 
     @property
     def latency(self) -> int:

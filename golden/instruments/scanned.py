@@ -51,8 +51,13 @@ class Scanned(Network):
     @property
     def shown_ports(self) -> tuple[Port, ...]:
         """What is shown of the results; there are no frames of the wrong length."""
+        hidden = {"frame_error", *(port.name for port in self.readout.network.load_ports)}
         results = [port for port in self.readout.ports if port.direction == "out"]
-        return tuple(port for port in results if port.name != "frame_error")
+        return tuple(port for port in results if port.name not in hidden)
+
+    @property
+    def image(self) -> bytes:
+        return self.readout.image
 
     @property
     def inputs(self) -> int:

@@ -248,7 +248,11 @@ class Engine(Design):
 
     @property
     def ports(self) -> tuple[Port, ...]:
-        return super().ports + (LOAD_PORTS if self.loaded else ())
+        return super().ports + self.load_ports
+
+    @property
+    def load_ports(self) -> tuple[Port, ...]:
+        return LOAD_PORTS if self.loaded else ()
 
     @property
     def image(self) -> bytes:

@@ -100,6 +100,11 @@ class Network(Block):
         return b""
 
     @property
+    def load_ports(self) -> tuple[Port, ...]:
+        """Those through which the image comes; none where nothing is loaded."""
+        return ()
+
+    @property
     def core(self) -> Network:
         """The network without front end, readout or another interface around it."""
         return self

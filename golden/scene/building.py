@@ -10,6 +10,7 @@ from golden.cli import naming
 from golden.instruments.converter_instrument import ConverterInstrument
 from golden.instruments.instrument import Instrument
 from golden.instruments.readout import Readout
+from golden.instruments.uart_instrument import UartInstrument
 from golden.networks.arrangement import arrange
 from golden.networks.axis_network import AxisNetwork
 from golden.networks.constants import constants_of
@@ -57,6 +58,13 @@ def build_twin(scene: Scene, lean: bool) -> Network:
     with naming(f"{scene.path}: front_end"):
         if scene.front_end.converter:
             reader = scene.front_end.converter_reader(network)
+            if scene.uart:
+                return UartInstrument(
+                    reader,
+                    readout=readout,
+                    divisor=scene.uart.divisor,
+                    analogue=bool(drawn and drawn.analogue),
+                )
             return ConverterInstrument(reader, readout=readout)
         return Instrument(scene.front_end.scan_sequencer(network), readout=readout)
 

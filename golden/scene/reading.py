@@ -23,6 +23,7 @@ from golden.scene.sections import (
     members,
     training,
 )
+from golden.scene.uart import uart
 from golden.scene.visualisation import visualisation
 from golden.table import suggest
 
@@ -123,4 +124,5 @@ def _scene(values: dict[str, dict[str, Any]], files: list[str], path: Path) -> S
             if "visualisation" in values
             else None
         ),
+        uart=uart(values["uart"], hardware["clock_mhz"], path) if "uart" in values else None,
     )

@@ -24,6 +24,7 @@ from golden.scene.past import tap_names, window_text
 from golden.scene.scale import AUTO, Scale, on_signals, readings, signals
 from golden.scene.sections import Member, Training
 from golden.scene.trained_scale import trained_scales
+from golden.scene.uart import Uart
 from golden.scene.vectors import Vectors, read_vectors
 from golden.scene.visualisation import Visualisation
 from golden.window import Window
@@ -77,6 +78,8 @@ class Scene:
         How the sensors are read, where the scene has that section.
     visualisation : Visualisation or None
         The profile of the load, where the scene has that section.
+    uart : Uart or None
+        The serial line, where the scene has that section.
     """
 
     name: str
@@ -104,6 +107,7 @@ class Scene:
     training: Training
     front_end: FrontEnd | None
     visualisation: Visualisation | None
+    uart: Uart | None
 
     @property
     def weights_paths(self) -> list[Path]:

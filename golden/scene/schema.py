@@ -11,6 +11,8 @@ from golden.networks.designs import DESIGNS
 from golden.precision import PRECISIONS
 from golden.scene.front_end import CONVERTERS
 from golden.scene.front_end import KEYS as FRONT_END_KEYS
+from golden.scene.uart import KEYS as UART_KEYS
+from golden.scene.visualisation import ANALOGUE
 from golden.scene.visualisation import KEYS as VISUALISATION_KEYS
 from golden.table import refuse_unknown, suggest
 
@@ -76,9 +78,10 @@ KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
     },
     "front_end": FRONT_END_KEYS,
     "visualisation": VISUALISATION_KEYS,
+    "uart": UART_KEYS,
 }
 # Sections without which a scene has no such thing; of the others the defaults stand.
-OPTIONAL = ("front_end", "visualisation")
+OPTIONAL = ("front_end", "visualisation", "uart")
 CHOICES = {
     ("network", "arrangement"): ARRANGEMENTS,
     ("hardware", "design"): tuple(DESIGNS),
@@ -91,6 +94,7 @@ CHOICES = {
     ("training", "earlier_outputs"): ("bit-true", "float"),
     ("training", "split"): ("random", "blocks", "groups"),
     ("front_end", "converter"): CONVERTERS,
+    ("visualisation", "analogue"): ANALOGUE,
 }
 
 

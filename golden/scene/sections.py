@@ -279,11 +279,9 @@ def check_hardware(values: dict[str, dict[str, Any]], path: Path) -> None:
             f"{path}: hardware.interface: got 'axi_stream' with a section [{around[0]}], "
             "expected stream"
         )
-    check_reload(
-        hardware,
-        [*(["interface 'axi_stream'"] * framed), *(f"a section [{s}]" for s in around)],
-        path,
-    )
+    check_uart(values, path)
+    unloaded = [*(["interface 'axi_stream'"] * framed), *(f"a section [{s}]" for s in around)]
+    check_reload(hardware, [] if "uart" in values else unloaded, path)
     if design.stream == "serial":
         return
     serial = " or ".join(name for name, other in DESIGNS.items() if other.stream == "serial")
@@ -300,6 +298,26 @@ def check_hardware(values: dict[str, dict[str, Any]], path: Path) -> None:
         )
 
 
+def check_uart(values: dict[str, dict[str, Any]], path: Path) -> None:
+    """Refuse a serial line without an instrument that has one, and what needs such a line.
+
+    Raises
+    ------
+    ValueError
+    """
+    lined, drawn = "uart" in values, values.get("visualisation", {})
+    if lined and not values.get("front_end", {}).get("converter"):
+        raise ValueError(
+            f"{path}: front_end.converter: got none with a section [uart], expected a part: the "
+            "line is that of an instrument with a converter of its own"
+        )
+    if drawn.get("analogue") and not lined:
+        raise ValueError(
+            f"{path}: visualisation.analogue: got {drawn['analogue']!r} without a section [uart], "
+            "expected one: it belongs to the same instrument"
+        )
+
+
 def check_reload(hardware: dict[str, Any], around: list[str], path: Path) -> None:
     """Refuse what an engine that can be reloaded does not go with.
 
@@ -311,7 +329,7 @@ def check_reload(hardware: dict[str, Any], around: list[str], path: Path) -> Non
     if hardware["reload"] and around:
         raise ValueError(
             f"{path}: hardware.reload: got true with {around[0]}, expected false: what stands "
-            "around an engine does not load it"
+            "around an engine does not load it, but for a section [uart]"
         )
     for key in ("program_words", "operand_words"):
         if hardware[key] and not hardware["reload"]:

@@ -20,7 +20,10 @@ KEYS: dict[str, tuple[Any, Any]] = {
     "stop": (float, 0.8),
     "step": (float, 0.05),
     "shape_threshold": (float, SHAPE_THRESHOLD),
+    "analogue": (str, ""),
 }
+# How a profile leaves for an oscilloscope, beside its codes.
+ANALOGUE = ("pulse_density",)
 
 
 @dataclass(frozen=True)
@@ -32,10 +35,13 @@ class Visualisation:
     load_profile : LoadProfile
     results : tuple of int
         Which outputs of the scene are load, position, width and shape.
+    analogue : str
+        One of ``ANALOGUE``, or nothing.
     """
 
     load_profile: LoadProfile
     results: tuple[int, int, int, int]
+    analogue: str = ""
 
 
 def visualisation(values: dict[str, Any], data: dict[str, Any], path: Path) -> Visualisation:
@@ -96,4 +102,4 @@ def visualisation(values: dict[str, Any], data: dict[str, Any], path: Path) -> V
     except ValueError as error:
         raise ValueError(f"{path}: visualisation: {error}") from None
     first, second, third, fourth = (outputs.index(name) for name in names)
-    return Visualisation(profile, (first, second, third, fourth))
+    return Visualisation(profile, (first, second, third, fourth), values["analogue"])

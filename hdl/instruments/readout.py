@@ -57,6 +57,8 @@ def readout(
     frame_error,
     held,
     profile,
+    load=None,
+    image=None,
     *,
     spec: Readout,
 ):
@@ -72,6 +74,9 @@ def readout(
         ``profile_valid``, ``profile_x``, ``profile_y``, ``profile_last`` (bool, signed Fix(14,13)
         twice, bool): a point, i_p and f, which stays until the next, and whether it is the last of
         the ramp. Empty where ``spec`` draws nothing.
+    load, image : Group
+        Those of an engine that can be reloaded. Outputs of an image beyond the held ones are on the
+        stream alone.
     spec : Readout
 
     Notes
@@ -91,6 +96,7 @@ def readout(
         out_data.next = result
         out_last.next = result_last
 
+    loading = (load, image) if spec.image else ()
     parts = [
         hardware(spec.network)(
             clk,
@@ -102,6 +108,7 @@ def readout(
             result,
             result_last,
             frame_error,
+            *loading,
             spec=spec.network,
         ),
         show,

@@ -271,3 +271,20 @@ CONVERTERS = {
         "counter_width = 8\n",
     ),
 }
+# With a serial line. An engine that can be reloaded, a short ramp as codes and as pulse density; no
+# reload and no profile, slots, more clocks in a bit than a half has twice.
+UARTS = {
+    "uart": replace(
+        CONVERTER,
+        shapes=[(2, 3, 4)],
+        arrangement="single",
+        activation="precise",
+        design="engine",
+        hardware="clock_mhz = 4.0\nreload = true",
+        sections=f'{VISUALISATION}stop = 0.9\nstep = 0.3\nanalogue = "pulse_density"\n'
+        f'{FRONT_END}converter = "mcp3208-5v"\ncounter_width = 8\n\n[uart]\n',
+    ),
+    "plain-uart": replace(
+        CONVERTER, sections=f"{CONVERTER.sections}\n[uart]\nbaud = 571_000\n"
+    ),
+}

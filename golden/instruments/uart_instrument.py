@@ -1,0 +1,141 @@
+"""UART instrument: a converter instrument with a serial line to a computer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from golden.block import Block
+from golden.instruments.converter_instrument import ConverterInstrument
+from golden.link.image_receiver import ImageReceiver
+from golden.link.packet_sender import PacketSender
+from golden.link.uart_receiver import UartReceiver
+from golden.link.uart_transmitter import BYTE_BITS, UartTransmitter
+from golden.networks.engine import Engine
+from golden.port import Port, given, taken
+from golden.precision import SIGNAL
+from golden.visualisation.pulse_density import PulseDensity
+
+# Bytes for which the line is idle before an image counts as cut.
+IDLE_BYTES = 20
+
+
+@dataclass(frozen=True)
+class UartInstrument(ConverterInstrument):
+    """``ConverterInstrument`` that tells a computer of its frames, and takes images from it (ours).
+
+    As a network it is the one inside on what the converter makes of its samples, with a frame every
+    scan.
+
+    Parameters
+    ----------
+    converter_reader, readout
+        Those of ``ConverterInstrument``; the engine inside may be one that can be reloaded.
+    divisor : int
+        Clocks of a bit on the line.
+    analogue : bool
+        Whether the profile is given as two bits of pulse density.
+
+    Raises
+    ------
+    ValueError
+        See ``ConverterInstrument``; also when the outputs of a frame leave after the next one has
+        begun, for a divisor that is too small, and for ``analogue`` without a profile.
+    """
+
+    block = "uart_instrument"
+    divisor: int = field(kw_only=True)
+    analogue: bool = field(kw_only=True, default=False)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        left = self.converter_reader.scan_clocks - self.converter_reader.slots
+        if self.readout.output_clocks[-1] > left:
+            raise ValueError(
+                f"{self.entity}: got a scan of {self.interval} clocks, expected "
+                f"{self.readout.output_clocks[-1] + self.converter_reader.slots} or more: outputs "
+                "leave before the next samples come"
+            )
+        if self.analogue and self.readout.load_profile is None:
+            raise ValueError(f"{self.entity}: got analogue without a profile, expected one")
+        _ = self.parts()
+
+    @property
+    def reload(self) -> bool:
+        return bool(self.image)
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        own = super().ports
+        dac = ("x", "i_p"), ("y", "f(i_p)")
+        return (
+            *own[:6],
+            *([taken("rx", "from the computer: images; comes at any time")] if self.reload else []),
+            given("tx", "to the computer: packets; from a register"),
+            *(
+                given(f"dac_{axis}", f"the density of its ones is {name}; from a register")
+                for axis, name in dac
+                if self.analogue
+            ),
+            *own[6:],
+        )
+
+    @property
+    def packet_sender(self) -> PacketSender:
+        profile = self.readout.load_profile
+        return PacketSender(
+            self.inputs,
+            self.outputs,
+            profile.ramp.points if profile else 0,
+            self.reload,
+            self.interval,
+        )
+
+    @property
+    def uart_transmitter(self) -> UartTransmitter:
+        return UartTransmitter(self.divisor)
+
+    @property
+    def uart_receiver(self) -> UartReceiver:
+        return UartReceiver(self.divisor)
+
+    @property
+    def image_receiver(self) -> ImageReceiver:
+        """With room for the bytes that come while any program runs that the memory holds."""
+        engine = self.core
+        assert isinstance(engine, Engine), "only an engine takes images"
+        waits = 1 << engine.image_loader.program_addr_width
+        return ImageReceiver(
+            IDLE_BYTES * BYTE_BITS * self.divisor, waits // self.uart_receiver.interval + 2
+        )
+
+    @property
+    def pulse_density(self) -> PulseDensity:
+        return PulseDensity(SIGNAL)
+
+    @property
+    def packet_clocks(self) -> int:
+        """From one packet's begin to the next at least: the line is free when all has left it."""
+        return self.packet_sender.layout.packet_bytes * self.uart_transmitter.interval + 2
+
+    @property
+    def packet_scans(self) -> int:
+        """Scans from one packet to the next, where each yields a frame."""
+        return -(-self.packet_clocks // self.interval)
+
+    def parts(self) -> tuple[Block, ...]:
+        return (
+            *super().parts(),
+            self.packet_sender,
+            self.uart_transmitter,
+            *((self.uart_receiver, self.image_receiver) if self.reload else ()),
+            *((self.pulse_density,) if self.analogue else ()),
+        )
+
+    def facts(self) -> tuple[str, ...]:
+        baud = self.converter_reader.clock * 1_000_000 / self.divisor
+        rate = self.converter_reader.clock * 1_000_000 / (self.packet_scans * self.interval)
+        return (
+            f"{float(baud):.6g} bits a second on the line, {self.divisor} clocks each",
+            f"{float(rate):.6g} packets a second, one every "
+            f"{self.packet_scans} scan{'s' * (self.packet_scans > 1)}",
+        )

@@ -1,0 +1,128 @@
+"""uart_receiver: bits on a line become bytes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from golden.block import Block
+from golden.border import State
+from golden.fixed import Codes
+from golden.link.uart_transmitter import BYTE_BITS, check_divisor
+from golden.port import CLOCKED, Port, Unsigned, given, taken
+
+
+@dataclass(frozen=True)
+class Received:
+    """What stands on the outputs in each clock.
+
+    Attributes
+    ----------
+    out_valid, line_error : bool array
+    out_data : int64 array
+        The byte in a clock of ``out_valid``, 0 in others.
+    """
+
+    out_valid: NDArray[np.bool_]
+    out_data: Codes
+    line_error: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class UartReceiver(Block):
+    """The bytes of a line: start bit, eight bits from the lowest, stop bit (ours).
+
+    A fall of the line begins a byte if the line is 0 half a bit later, too. Each further bit is
+    read in its middle. Where the stop bit is 0 there is no byte, but an error, and the next byte
+    begins with the next fall.
+
+    Parameters
+    ----------
+    divisor : int
+        Clocks of a bit.
+
+    Raises
+    ------
+    ValueError
+        For fewer clocks than ``golden.link.uart_transmitter.LEAST_DIVISOR``.
+
+    Notes
+    -----
+    The stop bit is read ``9 * divisor + divisor // 2`` clocks after the first clock of the start
+    bit, and at most one clock later than that after its edge: the sender's bit may be 2.5 % shorter
+    or 5 % longer with a divisor of 4, 4.8 % and 5.3 % with 25.
+    """
+
+    block = "uart_receiver"
+    area = "link"
+    divisor: int
+
+    def __post_init__(self) -> None:
+        check_divisor(self.entity, self.divisor)
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            *CLOCKED,
+            taken("rx", "the line; comes at any time"),
+            given("out_valid", "`out_data` holds a byte, for this clock"),
+            given("out_data", "the byte, where `out_valid`", Unsigned(8)),
+            given("line_error", "one clock long: a byte without a stop bit, which is dropped"),
+        )
+
+    @property
+    def states(self) -> tuple[State, ...]:
+        return (State("bit that a reset cuts", range(BYTE_BITS)),)
+
+    @property
+    def synchroniser(self) -> int:
+        """Registers that the line goes through first."""
+        return 2
+
+    @property
+    def stop_clocks(self) -> int:
+        """From the first clock of the start bit to that in which the stop bit is read."""
+        return (BYTE_BITS - 1) * self.divisor + self.divisor // 2
+
+    @property
+    def latency(self) -> int:
+        """From the first clock of the start bit on ``rx`` to the byte."""
+        return self.synchroniser + self.stop_clocks + 1
+
+    @property
+    def interval(self) -> int:
+        """A start bit may come as soon as the stop bit is read."""
+        return self.stop_clocks + 1
+
+    def process(self, rx: ArrayLike, reset: ArrayLike) -> Received:
+        """What happens in each clock; all arrays have one element a clock."""
+        line, clears = np.asarray(rx).tolist(), np.asarray(reset).tolist()
+        count = len(line)
+        valid, error = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
+        data = np.zeros(count, dtype=np.int64)
+        # What the line was, after the registers and one clock before; the clock of the start bit.
+        late, before, began = [1] * self.synchroniser, 1, -1
+        bits: list[int] = []
+        for t in range(count):
+            now = late[-1]
+            if clears[t]:
+                late, before, began = [1] * self.synchroniser, 1, -1
+                continue
+            if began >= 0:
+                past = t - began - self.divisor // 2
+                if past >= 0 and past % self.divisor == 0:
+                    bits.append(now)
+                    if bits[0]:
+                        began = -1
+                    elif len(bits) == BYTE_BITS:
+                        began = -1
+                        if t + 1 < count:
+                            valid[t + 1], error[t + 1] = now == 1, now == 0
+                            data[t + 1] = sum(b << n for n, b in enumerate(bits[1:-1])) * now
+            elif before and not now:
+                began, bits = t, []
+            before = now
+            late = [line[t], *late[:-1]]
+        return Received(valid, data, error)

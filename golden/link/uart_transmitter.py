@@ -1,0 +1,98 @@
+"""uart_transmitter: bytes become bits on a line."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from golden.block import Block
+from golden.border import State
+from golden.fixed import Codes
+from golden.port import CLOCKED, Port, Unsigned, given, taken
+
+# Start bit, eight bits from the lowest, stop bit.
+BYTE_BITS = 10
+LEAST_DIVISOR = 4
+
+
+def check_divisor(entity: str, divisor: int) -> None:
+    """Refuse fewer clocks in a bit than a receiver needs to find its middle.
+
+    Raises
+    ------
+    ValueError
+    """
+    if divisor < LEAST_DIVISOR:
+        raise ValueError(f"{entity}: got divisor={divisor}, expected {LEAST_DIVISOR} or more")
+
+
+def bits_of(byte: int) -> tuple[int, ...]:
+    """What stands on the line for a byte, bit after bit."""
+    return (0, *(byte >> n & 1 for n in range(8)), 1)
+
+
+@dataclass(frozen=True)
+class UartTransmitter(Block):
+    """Bytes as start bit, eight bits from the lowest, stop bit; the line is 1 between them (ours).
+
+    Parameters
+    ----------
+    divisor : int
+        Clocks of a bit.
+
+    Raises
+    ------
+    ValueError
+        For fewer clocks than ``LEAST_DIVISOR``.
+    """
+
+    block = "uart_transmitter"
+    area = "link"
+    divisor: int
+
+    def __post_init__(self) -> None:
+        check_divisor(self.entity, self.divisor)
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            *CLOCKED,
+            taken("in_valid", "`in_data` holds a byte"),
+            taken("in_data", "the byte", Unsigned(8)),
+            given("in_ready", "a byte is taken in this clock if there is one"),
+            given("tx", "the line; from a register"),
+        )
+
+    @property
+    def states(self) -> tuple[State, ...]:
+        return (State("bit that a reset cuts", range(BYTE_BITS)),)
+
+    @property
+    def latency(self) -> int:
+        """From the clock in which a byte is taken to its start bit."""
+        return 1
+
+    @property
+    def interval(self) -> int:
+        return BYTE_BITS * self.divisor
+
+    def process(
+        self, in_valid: ArrayLike, in_data: ArrayLike, reset: ArrayLike
+    ) -> tuple[NDArray[np.bool_], Codes]:
+        """``in_ready`` and ``tx`` in each clock; all arrays have one element a clock."""
+        columns = [np.asarray(column).tolist() for column in (in_valid, in_data, reset)]
+        count = len(columns[0])
+        ready, tx = np.ones(count, dtype=bool), np.ones(count, dtype=np.int64)
+        # The first clock in which a byte is taken.
+        free = 0
+        for t, (valid, data, clears) in enumerate(zip(*columns, strict=True)):
+            ready[t] = t >= free
+            if clears:
+                # What is on its way stops.
+                tx[t + 1 :], free = 1, t + 1
+            elif valid and ready[t]:
+                sent = np.repeat(bits_of(data), self.divisor)[: count - t - 1]
+                tx[t + 1 : t + 1 + len(sent)], free = sent, t + self.interval
+        return ready, tx

@@ -1,0 +1,57 @@
+"""The section ``[uart]`` of a scene: the serial line between the instrument and a computer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from golden.link.uart_transmitter import LEAST_DIVISOR
+
+# Key, type, default; see ``golden.scene``.
+KEYS: dict[str, tuple[Any, Any]] = {"baud": (int, 1_000_000)}
+# What a computer's UART stands, with what its own clock is off.
+TOLERANCE = Fraction(2, 100)
+
+
+@dataclass(frozen=True)
+class Uart:
+    """What a scene says of its serial line.
+
+    Attributes
+    ----------
+    baud : int
+        Bits a second that are asked for.
+    divisor : int
+        Clocks of a bit.
+    """
+
+    baud: int
+    divisor: int
+
+
+def uart(values: dict[str, Any], clock_mhz: float, path: Path) -> Uart:
+    """The section's values, types checked and defaults filled in.
+
+    Raises
+    ------
+    ValueError
+        For a rate that the clock does not make within 2 %.
+    """
+    baud = values["baud"]
+    clock = Fraction(str(clock_mhz)) * 1_000_000
+    most = clock / LEAST_DIVISOR
+    if not 1 <= baud <= most:
+        raise ValueError(
+            f"{path}: uart.baud: got {baud}, expected 1 to {int(most)}, a bit of {LEAST_DIVISOR} "
+            f"clocks of {clock_mhz:g} MHz"
+        )
+    divisor = round(clock / baud)
+    rate = clock / divisor
+    if abs(rate / baud - 1) > TOLERANCE:
+        raise ValueError(
+            f"{path}: uart.baud: got {baud}, expected within 2 % of a whole part of "
+            f"{clock_mhz:g} MHz, such as {float(rate):.6g}"
+        )
+    return Uart(baud, divisor)

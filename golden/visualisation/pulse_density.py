@@ -1,0 +1,67 @@
+"""pulse_density: codes become a bit whose density is the code."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from golden.block import Block
+from golden.fixed import Codes, Fix
+from golden.port import CLOCKED, Port, given, taken
+
+
+@dataclass(frozen=True)
+class PulseDensity(Block):
+    """A digital-to-analogue converter of one bit and the first order (ours).
+
+    Behind a low pass of the board, a resistor and a capacitor, code c is the voltage
+    (c - low) / 2**width of the bit's. The sum of what was asked for, without the ones that were
+    given, stays below 2**width: so in any 2**width clocks of one code there are as many ones as it
+    asks for, and in any other stretch one more or fewer at most.
+
+    Parameters
+    ----------
+    fmt : Fix
+        Format of the codes.
+    """
+
+    block = "pulse_density"
+    area = "visualisation"
+    fmt: Fix
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return (
+            *CLOCKED,
+            taken("in_valid", "`in_data` holds a new code"),
+            taken("in_data", "the code, which is given until the next", self.fmt, "fmt"),
+            given("out_bit", "the bit; from a register"),
+        )
+
+    @property
+    def latency(self) -> int:
+        """From a code to the first bit that it takes part in."""
+        return 2
+
+    def process(self, in_valid: ArrayLike, in_data: ArrayLike, reset: ArrayLike) -> Codes:
+        """``out_bit`` in each clock; all arrays have one element a clock.
+
+        Raises
+        ------
+        ValueError
+            For a code outside ``fmt``.
+        """
+        data = self.fmt.check(in_data, f"{self.entity} in_data").tolist()
+        valid, clears = np.asarray(in_valid).tolist(), np.asarray(reset).tolist()
+        bits = np.zeros(len(data), dtype=np.int64)
+        code = total = bit = 0
+        for t, (comes, new, cleared) in enumerate(zip(valid, data, clears, strict=True)):
+            bits[t] = bit
+            if cleared:
+                code = total = bit = 0
+                continue
+            bit, total = divmod(total + code - self.fmt.low, 1 << self.fmt.width)
+            code = new if comes else code
+        return bits

@@ -1,0 +1,158 @@
+"""UART instrument: a converter instrument with a serial line to a computer."""
+
+from myhdl import always_comb, block
+
+from golden.instruments.uart_instrument import UartInstrument
+from golden.precision import SIGNAL
+from hdl.common.signals import Group, fixed, flag, unsigned
+from hdl.instruments.readout import readout
+from hdl.link.image_receiver import image_receiver
+from hdl.link.packet_sender import packet_sender
+from hdl.link.uart_receiver import uart_receiver
+from hdl.link.uart_transmitter import uart_transmitter
+from hdl.sensing.converter_reader import converter_reader
+from hdl.visualisation.pulse_density import pulse_density
+
+
+@block
+def show_profile(inner, profile):
+    """Output ports, which VHDL cannot read."""
+
+    @always_comb
+    def show():
+        profile.valid.next = inner.valid
+        profile.x.next = inner.x
+        profile.y.next = inner.y
+        profile.last.next = inner.last
+
+    return show
+
+
+@block
+def uart_instrument(
+    clk,
+    rst,
+    miso,
+    sclk,
+    cs_n,
+    mosi,
+    rx,
+    tx,
+    dac,
+    converter_error,
+    out_valid,
+    out_data,
+    out_last,
+    held,
+    profile,
+    *,
+    spec: UartInstrument,
+):
+    """Bits of a converter in, results out, and packets on a line.
+
+    Parameters
+    ----------
+    miso, sclk, cs_n, mosi, converter_error
+        Those of converter_reader: to the converter, and whether it is missing or stuck.
+    rx : bool
+        A line with images, where the engine inside can be reloaded.
+    tx : bool
+        A line with packets.
+    dac : Group
+        ``x`` and ``y``: the profile as bits of pulse density; empty without ``spec.analogue``.
+    out_valid, out_data, out_last, held, profile
+        Those of readout.
+    spec : UartInstrument
+
+    Notes
+    -----
+    Latency from the last bit of a scan to the first output: that of converter_reader, a clock for
+    each further element of a frame, and that of readout. A frame every scan, and none while
+    ``converter_error`` is up. A bit of the line takes ``spec.divisor`` clocks. Reset starts a scan,
+    clears every flag and counter, and forgets a loaded image.
+    """
+    valid, data, last, missing = flag(), fixed(SIGNAL), flag(), flag()
+    result_valid, result, result_last = flag(), fixed(SIGNAL), flag()
+    broken, unsound, wrong = flag(), flag(), flag()
+    byte_valid, byte_data, byte_ready = flag(), unsigned(8), flag()
+    load, image, drawn = Group(), Group(), Group()
+    # Without a reload frames are not refused, and nothing comes over the line.
+    told = (broken, unsound, wrong) if spec.reload else (Group(), Group(), Group())
+    parts = []
+
+    if spec.readout.load_profile is not None:
+        drawn = Group(valid=flag(), x=fixed(SIGNAL), y=fixed(SIGNAL), last=flag())
+        parts.append(show_profile(drawn, profile))
+    if spec.analogue:
+        density = spec.pulse_density
+        parts += [
+            pulse_density(clk, rst, drawn.valid, drawn.x, dac.x, spec=density),
+            pulse_density(clk, rst, drawn.valid, drawn.y, dac.y, spec=density),
+        ]
+    if spec.reload:
+        load = Group(valid=flag(), data=unsigned(8), last=flag(), ready=flag())
+        image = Group(error=unsound)
+        heard_valid, heard = flag(), unsigned(8)
+        parts += [
+            uart_receiver(clk, rst, rx, heard_valid, heard, wrong, spec=spec.uart_receiver),
+            image_receiver(
+                clk,
+                rst,
+                heard_valid,
+                heard,
+                load.ready,
+                load.valid,
+                load.data,
+                load.last,
+                spec=spec.image_receiver,
+            ),
+        ]
+
+    @always_comb
+    def show():
+        converter_error.next = missing
+        out_valid.next = result_valid
+        out_data.next = result
+        out_last.next = result_last
+
+    return (
+        converter_reader(
+            clk, rst, miso, sclk, cs_n, mosi, valid, data, last, missing, spec=spec.converter_reader
+        ),
+        readout(
+            clk,
+            rst,
+            valid,
+            data,
+            last,
+            result_valid,
+            result,
+            result_last,
+            broken,
+            held,
+            drawn,
+            load,
+            image,
+            spec=spec.readout,
+        ),
+        packet_sender(
+            clk,
+            rst,
+            valid,
+            data,
+            last,
+            result_valid,
+            result,
+            result_last,
+            missing,
+            *told,
+            drawn,
+            byte_ready,
+            byte_valid,
+            byte_data,
+            spec=spec.packet_sender,
+        ),
+        uart_transmitter(clk, rst, byte_valid, byte_data, byte_ready, tx, spec=spec.uart_transmitter),
+        show,
+        parts,
+    )

@@ -1,0 +1,1 @@
+"""MyHDL blocks: link."""

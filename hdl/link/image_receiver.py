@@ -1,0 +1,122 @@
+"""image_receiver: packets become the bytes of an image, as an engine takes them."""
+
+from myhdl import always_comb, always_seq, block, concat
+
+from golden.link.image_receiver import ImageReceiver
+from golden.link.packets import IMAGE, SYNC, kind_byte
+from hdl.common.fifo import fifo
+from hdl.common.signals import flag, unsigned
+
+
+@block
+def image_receiver(
+    clk,
+    rst,
+    in_valid,
+    in_data,
+    load_ready,
+    load_valid,
+    load_data,
+    load_last,
+    *,
+    spec: ImageReceiver,
+):
+    """Finds the packets of images among bytes, and hands the images on.
+
+    Parameters
+    ----------
+    in_valid, in_data : bool, unsigned 8 bits
+        Bytes from the line, never more of them while ``load_ready`` is low than ``spec.depth``.
+    load_ready, load_valid, load_data, load_last : bool, bool, unsigned 8 bits, bool
+        Bytes of an image; one leaves in a clock in which ready and valid are high.
+    spec : ImageReceiver
+
+    Notes
+    -----
+    Latency 2 clocks, where nothing waits. A packet in which no byte comes for ``spec.idle_clocks``
+    clocks ends: inside an image with a byte 0 and ``load_last``. Reset forgets what has come.
+    """
+    sync, kind, final = SYNC, kind_byte(IMAGE), spec.idle_clocks - 1
+    place, length = unsigned(3), unsigned(16)
+    idle = unsigned(max(1, final.bit_length()))
+    over, filling, put, ends = (flag() for _ in range(4))
+    named = unsigned(16)
+    byte_in = unsigned(8)
+    entering, leaving = unsigned(9), unsigned(9)
+
+    @always_comb
+    def look():
+        over.next = idle == final and not in_valid
+        filling.next = place == 4
+        named.next = concat(length[8:], in_data)
+
+    @always_comb
+    def decide():
+        put.next = filling and (in_valid or over)
+        ends.next = over or length == 1
+
+    @always_seq(clk.posedge, reset=rst)
+    def wait_for_byte():
+        if in_valid or over:
+            idle.next = 0
+        else:
+            idle.next = idle + 1
+
+    @always_seq(clk.posedge, reset=rst)
+    def step():
+        if over:
+            place.next = 0
+        elif in_valid:
+            if place == 0:
+                if in_data == sync:
+                    place.next = 1
+            elif place == 1:
+                if in_data == kind:
+                    place.next = 2
+                elif in_data != sync:
+                    place.next = 0
+            elif place == 2:
+                place.next = 3
+            elif place == 3:
+                if named == 0:
+                    place.next = 0
+                else:
+                    place.next = 4
+            elif length == 1:
+                place.next = 0
+
+    @always_seq(clk.posedge, reset=rst)
+    def count():
+        if in_valid:
+            if filling:
+                length.next = length - 1
+            else:
+                length.next = named
+
+    @always_comb
+    def choose():
+        if over:
+            byte_in.next = 0
+        else:
+            byte_in.next = in_data
+
+    @always_comb
+    def enter():
+        entering.next = concat(ends, byte_in)
+
+    @always_comb
+    def show():
+        load_data.next = leaving[8:]
+        load_last.next = leaving[8]
+
+    return (
+        look,
+        decide,
+        wait_for_byte,
+        step,
+        count,
+        choose,
+        enter,
+        fifo(clk, rst, put, entering, load_ready, load_valid, leaving, None, depth=spec.depth),
+        show,
+    )

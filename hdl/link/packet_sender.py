@@ -1,0 +1,317 @@
+"""packet_sender: what an instrument shows becomes packets, byte after byte."""
+
+from myhdl import Signal, always, always_comb, always_seq, block, intbv, modbv
+
+from golden.link.packet_sender import PacketSender
+from golden.link.packets import (
+    CHECK_BYTES,
+    CHECK_PRESET,
+    COUNT_BYTES,
+    FRAME,
+    SYNC,
+    kind_byte,
+)
+from golden.precision import SIGNAL
+from hdl.common.check_byte import check_byte
+from hdl.common.signals import fixed, flag, unsigned
+from hdl.common.stream import position
+
+
+@block
+def keep_word(clk, rst, valid, count, data, word, *, slot: int):
+    """``word`` is the latest element at position ``slot``, 0 before the first."""
+
+    @always_seq(clk.posedge, reset=rst)
+    def keep():
+        if valid and count == slot:
+            word.next = data
+
+    return keep
+
+
+@block
+def keep_frame(clk, rst, valid, data, last, words):
+    """The latest elements of a stream's frames."""
+    count = unsigned(len(words).bit_length())
+    return (
+        position(clk, rst, valid, last, count, stop=len(words)),
+        [keep_word(clk, rst, valid, count, data, words[i], slot=i) for i in range(len(words))],
+    )
+
+
+@block
+def keep_point(clk, rst, begins, profile, number, x, y, *, points: int):
+    """The point behind the one that the packet before carried, of the newest profile."""
+    final = points - 1
+    width = max(1, final.bit_length())
+    place, wanted = unsigned(width), unsigned(width)
+
+    @always_seq(clk.posedge, reset=rst)
+    def count():
+        if profile.valid:
+            if profile.last:
+                place.next = 0
+            else:
+                place.next = place + 1
+
+    @always_seq(clk.posedge, reset=rst)
+    def keep():
+        if profile.valid and place == wanted:
+            number.next = place
+            x.next = profile.x
+            y.next = profile.y
+
+    @always_seq(clk.posedge, reset=rst)
+    def ask():
+        if begins:
+            if number == final:
+                wanted.next = 0
+            else:
+                wanted.next = number + 1
+
+    return count, keep, ask
+
+
+@block
+def since_packet(clk, rst, begins, event, told):
+    """Whether ``event`` has come since the packet before; this clock counts."""
+    seen = flag()
+
+    @always_comb
+    def look():
+        told.next = seen or event
+
+    @always_seq(clk.posedge, reset=rst)
+    def remember():
+        seen.next = told and not begins
+
+    return look, remember
+
+
+@block
+def refused_frame(clk, rst, complete, frame_error, told, flag_out):
+    """Whether a frame was refused since the packet before, or since the frame before."""
+    refused = flag()
+
+    @always_seq(clk.posedge, reset=rst)
+    def remember():
+        refused.next = not complete and (refused or frame_error)
+
+    @always_comb
+    def look():
+        flag_out.next = told or refused
+
+    return remember, look
+
+
+@block
+def two_bytes(code, high, low):
+    """A code in two's complement of 16 bits."""
+    width, sign = SIGNAL.width, SIGNAL.width - 1
+    above = width - 8
+
+    @always_comb
+    def split():
+        low.next = code[8:]
+        high.next = 0
+        high.next[above:] = code[width:8]
+        if code[sign]:
+            high.next[8:above] = 3
+
+    return split
+
+
+@block
+def stage(clk, begins, taken, fresh, following, here):
+    """A byte on its way: it comes with the begin of a packet, or from the byte behind it."""
+
+    @always(clk.posedge)
+    def move():
+        if begins:
+            here.next = fresh
+        elif taken:
+            here.next = following
+
+    return move
+
+
+@block
+def packet_sender(
+    clk,
+    rst,
+    sample_valid,
+    sample_data,
+    sample_last,
+    result_valid,
+    result_data,
+    result_last,
+    converter_error,
+    frame_error,
+    image_error,
+    line_error,
+    profile,
+    out_ready,
+    out_valid,
+    out_data,
+    *,
+    spec: PacketSender,
+):
+    """Frames of an instrument as packets, one whenever the line is free.
+
+    Parameters
+    ----------
+    sample_valid, sample_data, sample_last : bool, signed Fix(14,13), bool
+        What goes into the network.
+    result_valid, result_data, result_last : bool, signed Fix(14,13), bool
+        What comes out of it.
+    converter_error : bool
+        Told as it is now.
+    frame_error, image_error, line_error : bool
+        Told when they come between two packets; only with ``spec.reload``.
+    profile : Group
+        ``valid``, ``x``, ``y`` and ``last`` of load_profile; empty where none is drawn.
+    out_ready, out_valid, out_data : bool, bool, unsigned 8 bits
+        A byte leaves in a clock in which both flags are high.
+    spec : PacketSender
+
+    Notes
+    -----
+    Latency 2 clocks from the last output of a frame to the first byte. A packet has
+    ``spec.layout.packet_bytes`` bytes. One goes without a new frame when the line has been free for
+    ``spec.patience`` clocks. Reset forgets everything.
+    """
+    layout, last_wait = spec.layout, spec.patience - 1
+    size = layout.packet_bytes
+    final_place, check_place = size - 1, size - CHECK_BYTES
+    preset = CHECK_PRESET
+    samples = [fixed(SIGNAL) for _ in range(spec.inputs)]
+    outputs = [fixed(SIGNAL) for _ in range(spec.outputs)]
+    complete, free, begins, sending, taken = (flag() for _ in range(5))
+    waited = unsigned(last_wait.bit_length())
+    place = unsigned(final_place.bit_length())
+    number = Signal(modbv(0, min=0, max=256))
+    count = Signal(modbv(0, min=0, max=1 << 8 * COUNT_BYTES))
+    flags = unsigned(8)
+    check, following = Signal(intbv(preset, min=0, max=1 << 16)), unsigned(16)
+    shown = unsigned(8)
+
+    @always_seq(clk.posedge, reset=rst)
+    def note():
+        complete.next = result_valid and result_last
+        if result_valid and result_last:
+            count.next = count + 1
+
+    @always_comb
+    def look():
+        free.next = out_ready and not sending
+        taken.next = out_ready and sending
+
+    @always_comb
+    def decide():
+        begins.next = free and (complete or waited == last_wait)
+
+    @always_seq(clk.posedge, reset=rst)
+    def wait_for_frame():
+        if free and not begins:
+            waited.next = waited + 1
+        else:
+            waited.next = 0
+
+    @always_seq(clk.posedge, reset=rst)
+    def step():
+        if begins:
+            sending.next = True
+            place.next = 0
+            number.next = number + 1
+        elif taken:
+            place.next = place + 1
+            if place == final_place:
+                sending.next = False
+                place.next = 0
+
+    @always_seq(clk.posedge, reset=rst)
+    def follow_check():
+        if taken:
+            if place == 0:
+                check.next = preset
+            else:
+                check.next = following
+
+    parts = [
+        note,
+        look,
+        decide,
+        wait_for_frame,
+        step,
+        follow_check,
+        check_byte(check, shown, following),
+        keep_frame(clk, rst, sample_valid, sample_data, sample_last, samples),
+        keep_frame(clk, rst, result_valid, result_data, result_last, outputs),
+    ]
+    if spec.reload:
+        frames, images, lines, refused = (flag() for _ in range(4))
+
+        @always_comb
+        def tell():
+            flags.next = 0
+            flags.next[0] = converter_error
+            flags.next[1] = refused
+            flags.next[2] = images
+            flags.next[3] = lines
+
+        parts += [
+            tell,
+            since_packet(clk, rst, begins, frame_error, frames),
+            since_packet(clk, rst, begins, image_error, images),
+            since_packet(clk, rst, begins, line_error, lines),
+            refused_frame(clk, rst, complete, frame_error, frames, refused),
+        ]
+    else:
+
+        @always_comb
+        def tell():
+            flags.next = 0
+            flags.next[0] = converter_error
+
+        parts.append(tell)
+
+    high, low = unsigned(8), unsigned(8)
+
+    @always_comb
+    def split():
+        high.next = count[16:8]
+        low.next = count[8:]
+
+    # In the order of golden.link.packets, up to the check.
+    fresh = [SYNC, kind_byte(FRAME), layout.payload_bytes, number, flags, high, low]
+    codes = [*samples, *outputs]
+    if spec.points:
+        point, x, y = unsigned(8), fixed(SIGNAL), fixed(SIGNAL)
+        parts.append(keep_point(clk, rst, begins, profile, point, x, y, points=spec.points))
+        codes += [x, y]
+    halves = [(unsigned(8), unsigned(8)) for _ in codes]
+    parts += [two_bytes(code, *pair) for code, pair in zip(codes, halves, strict=True)]
+    words = [half for pair in halves for half in pair]
+    if spec.points:
+        words.insert(-4, point)
+    fresh += words
+    line = [unsigned(8) for _ in fresh]
+    parts += [
+        stage(clk, begins, taken, new, behind, here)
+        for new, here, behind in zip(fresh, line, [*line[1:], 0], strict=True)
+    ]
+    first = line[0]
+
+    @always_comb
+    def choose():
+        if place >= check_place:
+            shown.next = check[16:8]
+        else:
+            shown.next = first
+
+    @always_comb
+    def show():
+        out_valid.next = sending
+        out_data.next = shown
+
+    return parts, split, choose, show

@@ -1,0 +1,65 @@
+"""uart_transmitter: bytes become bits on a line."""
+
+from myhdl import Signal, always_comb, always_seq, block, concat, intbv
+
+from golden.link.uart_transmitter import BYTE_BITS, UartTransmitter
+from hdl.common.signals import flag, unsigned
+
+
+@block
+def uart_transmitter(clk, rst, in_valid, in_data, in_ready, tx, *, spec: UartTransmitter):
+    """Bytes as start bit, eight bits from the lowest, stop bit; the line is 1 between them.
+
+    Parameters
+    ----------
+    in_valid, in_data, in_ready : bool, unsigned 8 bits, bool
+        A byte is taken in a clock in which both flags are high; it stands until then.
+    tx : bool
+        The line; from a register, so that it does not glitch. Reset raises it.
+    spec : UartTransmitter
+
+    Notes
+    -----
+    A bit takes ``spec.divisor`` clocks. The start bit begins 1 clock after the byte is taken, and
+    one byte follows another without a pause. Reset ends what is on its way.
+    """
+    top, bits = spec.divisor - 1, BYTE_BITS
+    line = Signal(intbv((1 << bits) - 1, min=0, max=1 << bits))
+    left = unsigned(bits.bit_length())
+    tick = unsigned(top.bit_length())
+    ends, ready, accept = flag(), flag(), flag()
+
+    @always_comb
+    def look():
+        ends.next = tick == top
+
+    @always_comb
+    def decide():
+        ready.next = left == 0 or (left == 1 and ends)
+
+    @always_comb
+    def take():
+        accept.next = in_valid and ready
+
+    @always_seq(clk.posedge, reset=rst)
+    def divide():
+        if accept or ends:
+            tick.next = 0
+        elif left != 0:
+            tick.next = tick + 1
+
+    @always_seq(clk.posedge, reset=rst)
+    def step():
+        if accept:
+            left.next = bits
+            line.next = concat(True, in_data, False)
+        elif ends:
+            left.next = left - 1
+            line.next = concat(True, line[bits:1])
+
+    @always_comb
+    def show():
+        in_ready.next = ready
+        tx.next = line[0]
+
+    return look, decide, take, divide, step, show

@@ -1,0 +1,145 @@
+"""image_receiver against its twin.
+
+Sweeps: images of 1 to 600 random bytes; packets of another version or kind, of length 0, cut at each
+of their places and at random; bytes that begin no packet, with many SYNC among them.
+Drives: bytes at random clocks and back to back; an engine that waits while as many bytes come as are
+kept; a line that falls idle; resets.
+Checks: ``load_valid``, the byte and ``load_last`` in every clock; that every image that was sent
+whole arrives, byte by byte.
+Does not prove: more bytes while the engine waits than it can wait for.
+"""
+
+import cocotb
+import numpy as np
+
+from golden.link.packets import FRAME, IMAGE, SYNC, VERSION, image_packet, kind_byte
+from tb.common.bench import RESET_CLOCKS, Bench
+from tb.common.small import UARTS
+from tb.common.stimulus import random_resets
+
+CASES = {"uart": UARTS["uart"]}
+FAULTS = [
+    (r"idle == \d+", "idle == 5"),
+    (r"in_data != 165", "in_data == 165"),
+    (r"in_data == 18", "in_data[3:0] == 2"),
+    (r"named == 0", "named[7:0] == 0"),
+    (r"over \|\| \(length == 1\)", "length == 1"),
+    (r"filling && \(in_valid \|\| over\)", "filling && in_valid"),
+    (r"length <= \(length - 1\)", "length <= length"),
+    (r"byte_in = 0", "byte_in = 1"),
+    (r"load_ready \|\| \(!fifo0_full\)", "1"),
+    (r"if \(rst == 1\) begin", "if (0) begin"),
+]
+WATCH = ["load_valid", "load_data", "load_last"]
+
+
+def timeline(bench, packets):
+    """Bytes and whether they are taken; each packet is data, its spacing, and idle clocks behind.
+
+    With a spacing of 0 its first bytes come back to back while none is taken.
+    """
+    twin, rng = bench.twin, bench.rng
+    valid, data, ready = [], [], []
+
+    def wait(clocks, takes=None):
+        valid.extend([0] * clocks)
+        data.extend(rng.integers(0, 256, clocks).tolist())
+        ready.extend(rng.integers(0, 2, clocks).tolist() if takes is None else [takes] * clocks)
+
+    for sent, spacing, idle in packets:
+        for place, byte in enumerate(sent):
+            # The first bytes of an image stand behind four of its head.
+            holds = spacing == 0 and place < 4 + twin.depth
+            valid.append(1)
+            data.append(byte)
+            ready.append(0 if holds else 1)
+            if not holds:
+                wait(int(rng.integers(0, spacing + 1)), takes=1)
+            if spacing == 0 and place == 4 + twin.depth - 1:
+                wait(5, takes=0)
+                wait(2 * twin.depth, takes=1)
+        wait(3, takes=1)
+        wait(idle)
+    columns = {"in_valid": valid, "in_data": data, "load_ready": ready}
+    return {name: np.array(column, dtype=np.int64) for name, column in columns.items()}
+
+
+async def check(bench, drive):
+    """Compare every clock; gives the bytes that left, and which of them were last."""
+    recording = await bench.play(drive, WATCH)
+    rows = np.arange(RESET_CLOCKS, recording.clocks)
+    names = ("in_valid", "in_data", "load_ready", "rst")
+    seen = {name: recording.unsigned(name, rows) for name in names}
+    expected = bench.twin.process(*seen.values())
+    offered = rows[expected.load_valid]
+    bench.compare("clocks of load_valid", recording.rows("load_valid"), offered)
+    for port in ("load_data", "load_last"):
+        got = recording.unsigned(port, offered)
+        bench.compare(port, got, getattr(expected, port)[expected.load_valid], clock=offered)
+    places, kept = bench.twin.states
+    over = np.flatnonzero(idle_ends(seen["in_valid"], seen["rst"], bench.twin.idle_clocks))
+    bench.visit(places, expected.place[over])
+    bench.visit(kept, expected.stored)
+    taken = np.intersect1d(offered, rows[seen["load_ready"] == 1])
+    return recording.unsigned("load_data", taken), recording.unsigned("load_last", taken)
+
+
+def idle_ends(valid, clears, clocks):
+    """The clocks in which a line has been idle for so long."""
+    found, idle = np.zeros(len(valid), dtype=bool), 0
+    for t, (comes, cleared) in enumerate(zip(valid, clears, strict=True)):
+        found[t] = not (comes or cleared) and idle == clocks - 1
+        idle = 0 if comes or cleared or found[t] else idle + 1
+    return found
+
+
+def whole_packet(rng, most):
+    return image_packet(rng.integers(0, 256, int(rng.integers(1, most))).astype(np.uint8).tobytes())
+
+
+@cocotb.test()
+async def images_among_others(dut):
+    """Images, and between them what is none; of cut ones a byte 0 comes last."""
+    bench = Bench(dut)
+    twin, rng = bench.twin, bench.rng
+    idle = twin.idle_clocks + 10
+    packets, due = [], []
+
+    def send(data, spacing, image=None, behind=0):
+        packets.append((data, spacing, behind))
+        if image is not None:
+            due.append(image)
+
+    noise = rng.choice([SYNC, kind_byte(FRAME), 0, 7], 60)
+    send(noise.astype(np.uint8).tobytes(), 3)
+    for other in (kind_byte(FRAME), kind_byte(IMAGE, VERSION + 1), kind_byte(3)):
+        send(bytes([SYNC, other, 0, 3, 1, 2, 3]), 2)
+    send(bytes([SYNC, kind_byte(IMAGE), 0, 0]), 2)
+    for size in (1, 2, 3, 255, 256, 257, 600):
+        image = rng.integers(0, 256, size).astype(np.uint8).tobytes()
+        # A head behind another SYNC is a head.
+        send(bytes([SYNC]) * (size % 2) + image_packet(image), 3 * (size < 5), image)
+    for cut in (1, 2, 3, 4, 5, 30):
+        data = whole_packet(rng, 20)[:4] + bytes(40)
+        send(bytes([SYNC, kind_byte(IMAGE), 0, 60]) [:cut] + data[: max(0, cut - 4)], 4, behind=idle)
+        if cut > 3:
+            due.append(bytes(max(0, cut - 4)) if cut > 4 else b"")
+            due[-1] = data[: max(0, cut - 4)] + b"\0"
+        image = rng.integers(0, 256, 2 * twin.depth).astype(np.uint8).tobytes()
+        send(image_packet(image), 0 if cut % 2 else 5, image, behind=idle if cut == 30 else 0)
+    data, last = await check(bench, timeline(bench, packets))
+    bench.compare("bytes of the images", data, np.frombuffer(b"".join(due), np.uint8))
+    ends = np.cumsum([len(image) for image in due]) - 1
+    bench.compare("their ends", np.flatnonzero(last), ends)
+    bench.finish(at_least=1500)
+
+
+@cocotb.test()
+async def resets(dut):
+    bench = Bench(dut)
+    rng = bench.rng
+    packets = [(whole_packet(rng, 60), int(rng.integers(0, 4)), 0) for _ in range(60)]
+    drive = timeline(bench, packets)
+    drive["rst"] = random_resets(rng, len(drive["in_valid"]), 60)
+    await check(bench, drive)
+    bench.finish(at_least=300)

@@ -1,0 +1,153 @@
+"""packet_sender against its twin.
+
+Sweeps: codes at random and both ends; frames of the right length, shorter and longer.
+Drives: samples, outputs, points of a profile and flags at random clocks, often and seldom; a line
+that takes bytes at once, slowly and not at all; more packets than their number counts; resets in
+each byte of a packet.
+Checks: ``out_valid`` and the byte in every clock; that the bytes are packets that a computer reads,
+with numbers in order.
+Does not prove: more than a few hundred frames; the count of them has 16 bits.
+"""
+
+import cocotb
+import numpy as np
+
+from golden.link.packets import FRAME_HEADER, SYNC, check_of
+from golden.precision import SIGNAL
+from tb.common.bench import RESET_CLOCKS, Bench
+from tb.common.small import UARTS
+
+CASES = UARTS
+FAULTS = [
+    (r"\(complete \|\| \(waited == \d+\)\)", "(complete)"),
+    (r"waited == \d+", "waited == 20"),
+    (r"check <= 65535;\s+end\s+else begin\s+check <= following", "check <= following; end else begin check <= following"),
+    (r"complete <= \(result_valid && result_last\)", "complete <= result_valid"),
+    (r"count <= \(count \+ 1\)", "count <= (count + 2)"),
+    (r"number <= \(number \+ 1\)", "number <= number"),
+    (r"flags\[1\] = refused", "flags[1] = 0"),
+    (r"refused <= \(\(!complete\) && ", "refused <= ("),
+    (r"since_packet1_seen <= \(images && \(!begins\)\)", "since_packet1_seen <= images"),
+    (r"keep_point0_place == keep_point0_wanted", "1"),
+    (r"keep_point0_wanted <= 0", "keep_point0_wanted <= 1"),
+    (r"two_bytes\d+_high\[8-1:6\] = 3", "two_bytes0_low = 3"),
+    (r"out_ready && \(!sending\)", "(!sending)"),
+    (r"if \(rst == 1\) begin", "if (0) begin"),
+]
+
+
+def frames_of(rng, length, right, chance):
+    """A stream of frames: valid, data and last, an element in ``chance`` of the clocks."""
+    valid = (rng.random(length) < chance).astype(np.int64)
+    data = rng.integers(SIGNAL.low, SIGNAL.high + 1, length)
+    data = np.where(rng.random(length) < 1 / 8, rng.choice([SIGNAL.low, SIGNAL.high], length), data)
+    last, place, size = np.zeros(length, dtype=np.int64), 0, right
+    for t in np.flatnonzero(valid):
+        last[t] = place == size - 1
+        place = 0 if last[t] else place + 1
+        if last[t]:
+            size = right if rng.random() < 3 / 4 else int(rng.integers(1, 2 * right + 2))
+    return valid, data, last
+
+
+def drive_for(bench, length, chance, ready):
+    """One column a clock for every input."""
+    twin, rng = bench.twin, bench.rng
+    drive = {}
+    for name, size in (("sample", twin.inputs), ("result", twin.outputs)):
+        drive |= dict(
+            zip(
+                (f"{name}_valid", f"{name}_data", f"{name}_last"),
+                frames_of(rng, length, size, chance),
+                strict=True,
+            )
+        )
+    if twin.points:
+        valid, x, last = frames_of(rng, length, twin.points, chance)
+        place = np.cumsum(valid) - valid
+        last = (place % twin.points == twin.points - 1) & (valid == 1)
+        drive |= {"profile_valid": valid, "profile_x": x, "profile_last": last.astype(np.int64)}
+        drive["profile_y"] = rng.permutation(x)
+    flags = ["converter_error", *(["frame_error", "image_error", "line_error"] * twin.reload)]
+    for name in flags:
+        drive[name] = (rng.random(length) < chance / 8).astype(np.int64)
+    drive["out_ready"] = (rng.random(length) < ready).astype(np.int64)
+    return drive
+
+
+async def check(bench, drive):
+    """Compare every clock; gives the bytes that were taken, and the twin's view."""
+    recording = await bench.play(drive, ["out_valid", "out_data"])
+    rows = np.arange(RESET_CLOCKS, recording.clocks)
+    signed = [port.name for port in bench.twin.ports if port.signed]
+    seen = {
+        name: (recording.signed if name in signed else recording.unsigned)(name, rows)
+        for name in [*drive, "rst"]
+    }
+    expected = bench.twin.process(seen, seen["rst"])
+    offered = rows[expected.out_valid]
+    bench.compare("clocks of out_valid", recording.rows("out_valid"), offered)
+    got = recording.unsigned("out_data", offered)
+    bench.compare("out_data", got, expected.out_data[expected.out_valid], clock=offered)
+    return recording, rows, seen, expected
+
+
+def read(bench, recording, rows, seen, expected):
+    """The bytes are those packets, as a computer reads them."""
+    layout = bench.twin.layout
+    taken = np.intersect1d(recording.rows("out_valid"), rows[seen["out_ready"] == 1])
+    data = bytes(recording.unsigned("out_data", taken).tolist())
+    size, frames = layout.packet_bytes, []
+    for start in range(0, len(data) - size + 1, size):
+        packet = data[start : start + size]
+        assert packet[0] == SYNC and packet[2] == layout.payload_bytes, f"no packet at {start}"
+        assert check_of(packet[1:]) == 0, f"a wrong check at {start}"
+        frames.append(layout.from_payload(packet[3], packet[FRAME_HEADER:-2]))
+    assert frames == expected.frames[: len(frames)], "got other frames than were sent"
+    assert [frame.number for frame in frames] == [n % 256 for n in range(len(frames))]
+    bench.compared += len(frames)
+    if bench.twin.points:
+        bench.visit("point", np.array([frame.point[0] for frame in frames]))
+    return frames
+
+
+@cocotb.test()
+async def packets(dut):
+    """Of frames that come often and seldom, on a fast line and on a slow one."""
+    bench = Bench(dut)
+    size = bench.twin.layout.packet_bytes
+    for packets_due, chance, ready in ((260, 0.5, 1.0), (10, 0.3, 0.1), (5, 0.002, 1.0)):
+        between = bench.twin.patience if chance < 0.01 else 10
+        length = int(packets_due * (size / ready + between))
+        frames = read(bench, *await check(bench, drive_for(bench, length, chance, ready)))
+        assert len(frames) >= packets_due / 2, f"got {len(frames)} packets"
+    bench.finish(at_least=10_000)
+
+
+def ahead(bench, drive, at):
+    """Where packets begin in the clocks after a reset."""
+    some = slice(at, at + 4 * bench.twin.layout.packet_bytes)
+    return bench.twin.process({n: c[some] for n, c in drive.items()}, 0 * drive["out_ready"][some]).begins
+
+
+@cocotb.test()
+async def resets(dut):
+    """One in each byte of a packet, in random order."""
+    bench = Bench(dut)
+    state, rng = bench.twin.states[0], bench.rng
+    drive = drive_for(bench, 12 * len(state.values) * (len(state.values) + 8), 0.5, 1.0)
+    # Where packets begin hangs on the resets before them: one after the other is placed.
+    column = np.zeros(len(drive["out_ready"]), dtype=np.int64)
+    at = 0
+    for byte in [*rng.permutation(len(state.values)), *rng.permutation(len(state.values))]:
+        begins = ahead(bench, drive, at)
+        at += begins[min(1, len(begins) - 1)] + 1 + int(byte)
+        column[at] = 1
+        at += 1
+    drive = {name: values[: at + 50] for name, values in (drive | {"rst": column}).items()}
+    _, _, seen, expected = await check(bench, drive)
+    cut = np.flatnonzero(seen["rst"])
+    since = np.searchsorted(expected.begins, cut) - 1
+    into = cut - np.array(expected.begins)[since] - 1
+    bench.visit(state, into)
+    bench.finish(at_least=500)

@@ -1,0 +1,102 @@
+"""uart_transmitter against its twin.
+
+Sweeps: every byte.
+Drives: bytes as they are taken, then at random clocks; resets at random, in each bit; a UART of
+cocotbext-uart that listens.
+Checks: ``tx`` and ``in_ready`` in every clock; that the UART hears every byte.
+Does not prove: a computer whose clock is off (tb_uart_receiver drives a line that is).
+"""
+
+import cocotb
+import numpy as np
+from cocotb.clock import Clock
+from cocotb.triggers import ClockCycles, FallingEdge
+from cocotbext.uart import UartSink
+
+from golden.link.uart_transmitter import BYTE_BITS
+from tb.common.bench import RESET_CLOCKS, Bench
+from tb.common.small import UARTS
+from tb.common.stimulus import random_resets
+
+CASES = UARTS
+FAULTS = [
+    (r"tick == \d+", "tick == 0"),
+    (r"\(left == 1\) && ends", "(left == 1)"),
+    (r"left <= 10", "left <= 9"),
+    (r"\{1'b1, in_data, 1'b0\}", "{1'b1, ~in_data, 1'b0}"),
+    (r"\{1'b1, line", "{1'b0, line"),
+    (r"if \(rst == 1\) begin", "if (0) begin"),
+]
+CLOCK_NS = 10
+
+
+async def check(bench, valid, resets=None):
+    """Play bytes and compare every clock."""
+    length = len(valid)
+    data = bench.rng.permutation(np.arange(length) % 256)
+    drive = {"in_valid": valid, "in_data": data}
+    if resets is not None:
+        drive["rst"] = resets
+    recording = await bench.play(drive, ["in_ready", "tx"])
+    rows = np.arange(RESET_CLOCKS, recording.clocks)
+    names = ("in_valid", "in_data", "rst")
+    seen = [recording.unsigned(name, rows) for name in names]
+    ready, tx = bench.twin.process(*seen)
+    bench.compare("in_ready", recording.unsigned("in_ready", rows), ready, clock=rows)
+    bench.compare("tx", recording.unsigned("tx", rows), tx, clock=rows)
+    taken = rows[ready & (seen[0] == 1) & (seen[2] == 0)]
+    cut = recording.resets()
+    if len(taken) and len(cut):
+        before = np.searchsorted(taken, cut) - 1
+        into = (cut - taken[before] - 1)[before >= 0]
+        bench.visit("bit that a reset cuts", into[into >= 0] // bench.twin.divisor)
+
+
+@cocotb.test()
+async def back_to_back(dut):
+    bench = Bench(dut)
+    await check(bench, np.ones(12 * bench.twin.interval, dtype=np.int64))
+    bench.finish(at_least=10 * bench.twin.interval)
+
+
+@cocotb.test()
+async def gaps_and_resets(dut):
+    bench = Bench(dut)
+    length = 40 * bench.twin.interval
+    valid = (bench.rng.random(length) < 1 / bench.twin.interval).astype(np.int64)
+    await check(bench, valid)
+    resets = random_resets(bench.rng, length, bench.twin.interval)
+    await check(bench, valid, resets)
+    # A byte is taken in the clock after a reset, and the next reset falls into the next of its bits.
+    into = bench.rng.integers(0, bench.twin.divisor, BYTE_BITS)
+    at = np.cumsum(2 + np.arange(BYTE_BITS) * bench.twin.divisor + into)
+    resets = np.zeros(at[-1] + 5, dtype=np.int64)
+    resets[at] = 1
+    await check(bench, np.ones_like(resets), resets)
+    bench.finish(at_least=length)
+
+
+@cocotb.test()
+async def a_uart_listens(dut):
+    """Every byte, in random order and with random pauses."""
+    bench = Bench(dut)
+    dut.in_valid.value, dut.rst.value = 0, 1
+    cocotb.start_soon(Clock(dut.clk, CLOCK_NS, unit="ns").start(start_high=False))
+    await ClockCycles(dut.clk, 3)
+    await FallingEdge(dut.clk)
+    dut.rst.value = 0
+    sink = UartSink(dut.tx, baud=1e9 / (CLOCK_NS * bench.twin.divisor))
+    sink.log.setLevel("WARNING")
+    sent = bench.rng.permutation(256)
+    for byte in sent.tolist():
+        await FallingEdge(dut.clk)
+        dut.in_valid.value, dut.in_data.value = 1, byte
+        while not int(dut.in_ready.value):
+            await FallingEdge(dut.clk)
+        await FallingEdge(dut.clk)
+        dut.in_valid.value = 0
+        if bench.rng.random() < 1 / 8:
+            await ClockCycles(dut.clk, int(bench.rng.integers(1, 2 * bench.twin.interval)))
+    await ClockCycles(dut.clk, (BYTE_BITS + 1) * bench.twin.divisor)
+    bench.compare("bytes", np.frombuffer(bytes(sink.read_nowait()), np.uint8), sent)
+    bench.finish(at_least=256)

@@ -1,0 +1,48 @@
+"""pulse_density against its twin.
+
+Sweeps: codes at random, both ends, and those about the middle.
+Drives: a new code in every clock, then one in about a hundred, and codes without ``in_valid``, which
+must not matter; resets.
+Checks: the bit in every clock.
+Does not prove: the low pass behind it (tests/test_pulse_density.py shows how many ones come).
+"""
+
+import cocotb
+import numpy as np
+
+from tb.common.bench import RESET_CLOCKS, Bench
+from tb.common.small import UARTS
+from tb.common.stimulus import random_resets
+
+CASES = {"uart": UARTS["uart"]}
+FAULTS = [
+    (r"asked\[13\] = \(!code\[13\]\)", "asked[13] = code[13]"),
+    (r"\(remainder \+ asked\)", "(remainder | asked)"),
+    (r"given <= total\[14\]", "given <= total[13]"),
+    (r"if \(in_valid\)", "if (1)"),
+    (r"if \(rst == 1\) begin", "if (0) begin"),
+]
+
+
+async def check(bench, length, chance, resets=False):
+    fmt, rng = bench.twin.fmt, bench.rng
+    data = rng.integers(fmt.low, fmt.high + 1, length)
+    marks = [fmt.low, fmt.high, -1, 0, 1]
+    data = np.where(rng.random(length) < 1 / 4, rng.choice(marks, length), data)
+    drive = {"in_valid": (rng.random(length) < chance).astype(np.int64), "in_data": data}
+    if resets:
+        drive["rst"] = random_resets(rng, length, 200)
+    recording = await bench.play(drive, ["out_bit"])
+    rows = np.arange(RESET_CLOCKS, recording.clocks)
+    seen = [recording.unsigned("in_valid", rows), recording.signed("in_data", rows)]
+    expected = bench.twin.process(*seen, recording.unsigned("rst", rows))
+    bench.compare("out_bit", recording.unsigned("out_bit", rows), expected, clock=rows)
+
+
+@cocotb.test()
+async def codes(dut):
+    bench = Bench(dut)
+    await check(bench, 2000, 1.0)
+    await check(bench, 6000, 0.01)
+    await check(bench, 1000, 0.3, resets=True)
+    bench.finish(at_least=9000)
