@@ -14,6 +14,7 @@ import urllib.error
 import urllib.request
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -40,8 +41,8 @@ LONGEST = 30.0
 
 @pytest.fixture(scope="module")
 def scene() -> Scene:
-    """With a converter, a cascade and a profile."""
-    return load_scene("digit-instrument")
+    """With a cascade and a profile, and with its program in the hardware."""
+    return replace(load_scene("digit-board"), design_options={})
 
 
 def wait(until: Callable[[], bool]) -> None:
@@ -375,14 +376,22 @@ def test_the_page_fits_and_takes_names_as_text(scene: Scene, tmp_path: Path, wid
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["digit", ""], "PORT=: missing, expected sim or a serial port"),
-        (["digit", "/dev/nowhere"], "PORT=/dev/nowhere: cannot be opened: no such port; there is"),
-        (["digit", "."], "PORT=.: cannot be opened: Is a directory"),
-        (["digit", "sim", "--baud=fast"], "BAUD=fast: expected a whole number, 300 to 12000000"),
+        (["digit-board", ""], "PORT=: missing, expected sim or a serial port"),
+        (
+            ["digit-board", "/dev/nowhere"],
+            "PORT=/dev/nowhere: cannot be opened: no such port; there is",
+        ),
+        (["digit-board", "."], "PORT=.: cannot be opened: Is a directory"),
+        (
+            ["digit-board", "sim", "--baud=fast"],
+            "BAUD=fast: expected a whole number, 300 to 12000000",
+        ),
         (["digit-lode", "sim"], "did you mean 'digit-load'?"),
-        (["swing-single", "sim", "--hardware=digit"], "data.sensors: got 3, expected 4, as the"),
-        (["digit", "sim", "--hardware=digit-load"], "data.outputs: got 4, expected 1 at most"),
-        (["digit", "sim", "--to=README.md"], "README.md: is there already"),
+        (["swing-single", "sim", "--hardware=digit-board"], "data.sensors: got 3, expected 4, as"),
+        (
+            ["digit", "sim"],
+            "got no section [uart], expected one, as scene digit-board has, or HARD",
+        ),
     ],
 )
 def test_what_cannot_be_is_one_line(
@@ -404,5 +413,48 @@ def test_two_programs_do_not_share_a_port(scene: Scene) -> None:
         Line(simulated.port, BAUD)
 
 
-def test_a_layout_of_a_scene_is_that_of_its_packets(scene: Scene) -> None:
+def test_a_recording_that_is_there_is_refused_before_anything(
+    scene: Scene,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture,
+) -> None:
+    there = tmp_path / "there.csv"
+    there.touch()
+    with TwinBoard(scene, 10.0) as simulated:
+        words = ["monitor", "digit-board", simulated.port, f"--to={there}"]
+        monkeypatch.setattr("sys.argv", words)
+        assert run(main) == 2
+    assert f"error: {there}: is there already" in capfd.readouterr().err
+
+
+def test_the_command_ends_with_what_it_saw(
+    scene: Scene,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture,
+) -> None:
+    with TwinBoard(scene, 200.0) as simulated:
+        words = [
+            "monitor",
+            "digit-board",
+            simulated.port,
+            "--seconds=0.5",
+            f"--to={tmp_path}/a.csv",
+        ]
+        monkeypatch.setattr("sys.argv", words)
+        assert run(main) == 0
+    first, *_, counted, wrote = capfd.readouterr().out.splitlines()
+    assert first.startswith(f"{simulated.port}, 1000000 baud: look at http://127.0.0.1:")
+    assert re.fullmatch(r"\d+ packets, 0 missed, 0 damaged", counted)
+    rows = len((tmp_path / "a.csv").read_text().splitlines()) - 1
+    assert wrote == f"wrote {tmp_path}/a.csv, {rows} rows"
+    assert counted.startswith(f"{rows} ")
+
+
+def test_the_layout_is_that_of_the_hardware(scene: Scene) -> None:
     assert Board(scene, scene).layout == FrameLayout(4, 4, drawn=True)
+    with pytest.raises(
+        ValueError, match=r"data.outputs: got 5, expected 4 at most, as the packets"
+    ):
+        Board(replace(scene, outputs=(*scene.outputs, "more")), scene)

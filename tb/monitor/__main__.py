@@ -10,7 +10,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from golden.cli import run, whole
-from tb.monitor.board import BAUD, MOST_BAUD, board_of
+from tb.monitor.board import MOST_BAUD, board_of
 from tb.monitor.csv_file import GrowingCsv
 from tb.monitor.load import load
 from tb.monitor.monitor import HEAD, Monitor
@@ -24,14 +24,15 @@ def main() -> None:
     parser.add_argument("port", help="a serial port, or sim")
     parser.add_argument("--hardware", default="", help="scene whose hardware the board has")
     parser.add_argument("--to", type=Path, help="CSV that takes every frame")
-    parser.add_argument("--baud", type=whole("BAUD", 300, MOST_BAUD), default=BAUD)
+    parser.add_argument("--baud", type=whole("BAUD", 300, MOST_BAUD))
     parser.add_argument("--page", type=whole("PAGE", 0, 65535), default=0)
     parser.add_argument("--seconds", type=float, help="end after so long")
     arguments = parser.parse_args()
     board = board_of(arguments.scene, arguments.hardware)
     with ExitStack() as stack:
         line = stack.enter_context(open_line(arguments.port, arguments.baud, board))
-        if line.simulated and board.hardware.twin().image:
+        if line.simulated and board.instrument.reload:
+            print("the simulated board is loaded", flush=True)
             load(line, board)
         csv = None
         if arguments.to:

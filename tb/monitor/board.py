@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from golden.instruments.uart_instrument import UartInstrument
 from golden.link.packets import Frame, FrameLayout
 from golden.networks.mlp import Real
 from golden.precision import SIGNAL
@@ -14,7 +15,7 @@ from golden.rig.predict import decimals
 from golden.scene import Scene, load_scene
 from golden.scene.scale import readings
 
-BAUD, MOST_BAUD = 1_000_000, 12_000_000
+MOST_BAUD = 12_000_000
 
 
 @dataclass(frozen=True)
@@ -31,13 +32,18 @@ class Board:
     Raises
     ------
     ValueError
-        When the hardware has other inputs, or fewer outputs.
+        When the hardware has no serial line, other inputs, or fewer outputs.
     """
 
     scene: Scene
     hardware: Scene
 
     def __post_init__(self) -> None:
+        if self.hardware.uart is None:
+            raise ValueError(
+                f"{self.hardware.path}: got no section [uart], expected one, as scene digit-board "
+                "has, or HARDWARE= a scene with one"
+            )
         for key in ("sensors", "outputs"):
             got, most = (len(getattr(one, key)) for one in (self.scene, self.hardware))
             if got != most and (got > most or key == "sensors"):
@@ -49,9 +55,20 @@ class Board:
 
     @cached_property
     def layout(self) -> FrameLayout:
-        hardware = self.hardware
-        drawn = hardware.visualisation is not None
-        return FrameLayout(len(hardware.sensors), len(hardware.outputs), drawn)
+        return self.instrument.packet_sender.layout
+
+    @cached_property
+    def instrument(self) -> UartInstrument:
+        """The twin of what the board holds."""
+        twin = self.hardware.twin()
+        assert isinstance(twin, UartInstrument), "a scene with a section [uart] is that"
+        return twin
+
+    @property
+    def baud(self) -> int:
+        """Of the line."""
+        assert self.hardware.uart is not None, "looked at when it was made"
+        return self.hardware.uart.baud
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -65,7 +82,7 @@ class Board:
     def in_units(self, frames: list[Frame]) -> Real:
         """Samples and outputs in the units of their columns, shape (frames, columns)."""
         count = len(self.columns)
-        # Packets have room for as many outputs as the hardware has; others are 0.
+        # Packets have room for as many outputs as the hardware has.
         codes = np.array([(frame.samples + frame.outputs)[:count] for frame in frames])
         return readings(SIGNAL.to_real(codes), self.scene.scales(self.columns))
 

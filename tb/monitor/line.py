@@ -45,6 +45,8 @@ class Line:
         Why the port is gone; empty while it is open.
     simulated : Simulated or None
         The board that is simulated behind the port.
+    patience : float
+        Seconds that somebody who asked for something waits for a packet.
 
     Raises
     ------
@@ -56,6 +58,7 @@ class Line:
         self.name, self.baud, self.label = name, baud, label or name
         self.cut = ""
         self.simulated: Simulated | None = None
+        self.patience = 10.0
         self._port: serial.Serial | None = None
         try:
             self._port = self._opened()

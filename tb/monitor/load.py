@@ -11,14 +11,12 @@ from golden.link.decoder import Decoder
 from golden.link.packets import image_packet
 from golden.scene.image import scene_image
 from golden.scene.write_image import hardware_of
-from tb.monitor.board import BAUD, MOST_BAUD, Board, board_of
+from tb.monitor.board import MOST_BAUD, Board, board_of
 from tb.monitor.line import Line
 from tb.monitor.ports import open_line
 
 # Packets in a row that say the same, before it is believed: the first may tell of what was before.
 SURE = 3
-# Seconds without a packet before it is given up.
-WAIT = 10.0
 
 
 def check_readings(board: Board) -> None:
@@ -48,15 +46,8 @@ def check_readings(board: Board) -> None:
             )
 
 
-def load(line: Line, board: Board, wait: float = WAIT) -> int:
+def load(line: Line, board: Board) -> int:
     """Send the image of a scene and wait until it runs; returns its bytes.
-
-    Parameters
-    ----------
-    line : Line
-    board : Board
-    wait : float
-        Seconds for which no packet may come.
 
     Raises
     ------
@@ -73,7 +64,7 @@ def load(line: Line, board: Board, wait: float = WAIT) -> int:
     good = refused = 0
     count = -1
     last = time.monotonic()
-    while time.monotonic() - last < wait:
+    while time.monotonic() - last < line.patience:
         for frame in decoder.feed(line.read()):
             last = time.monotonic()
             refused = refused + 1 if "image_error" in frame.flags else 0
@@ -92,7 +83,7 @@ def load(line: Line, board: Board, wait: float = WAIT) -> int:
             raise CommandError(f"PORT={line.label}: the line was cut: {line.cut}")
     faults = "; ".join(decoder.tally.faults(Decoder(board.layout).tally, board.layout).values())
     raise CommandError(
-        f"PORT={line.label}: the image was sent, but no frame came for {wait:g} s"
+        f"PORT={line.label}: the image was sent, but no frame came for {line.patience:g} s"
         + (f": {faults}" if faults else ": is the bitstream loaded, and are TX and RX crossed?")
     )
 
@@ -102,7 +93,7 @@ def main() -> None:
     parser.add_argument("scene")
     parser.add_argument("port", help="a serial port, or sim")
     parser.add_argument("--hardware", default="", help="scene whose hardware the board has")
-    parser.add_argument("--baud", type=whole("BAUD", 300, MOST_BAUD), default=BAUD)
+    parser.add_argument("--baud", type=whole("BAUD", 300, MOST_BAUD))
     arguments = parser.parse_args()
     board = board_of(arguments.scene, arguments.hardware)
     check_readings(board)

@@ -205,7 +205,7 @@ class Monitor:
             "outputs": outputs,
             "course": [[round(t - now, 3), *values] for t, values in self._course],
             "seconds": SHOWN_SECONDS,
-            "profile": [p for p in self._profile if p],
+            "profile": [p for p in self._profile if p] if _position(board) else [],
             "profile_mm": board.millimetres(_position(board)),
             "packets": tally.frames,
             "packets_a_second": packets,
@@ -225,9 +225,8 @@ class Monitor:
 
 
 def _position(board: Board) -> str:
-    """The output that the profile is drawn over; nothing where none is drawn."""
-    visualisation = board.hardware.visualisation
-    if visualisation is None:
+    """The output that the profile is drawn over; nothing where none is drawn of the scene."""
+    visualisation, outputs = board.hardware.visualisation, board.scene.outputs
+    if visualisation is None or max(visualisation.results) >= len(outputs):
         return ""
-    place = visualisation.results[1]
-    return board.scene.outputs[place] if place < len(board.scene.outputs) else ""
+    return outputs[visualisation.results[1]]

@@ -7,14 +7,18 @@ from contextlib import contextmanager
 
 from tb.monitor.board import Board
 from tb.monitor.line import Line, ports_there
-from tb.monitor.twin_board import TwinBoard
+from tb.monitor.simulated_board import SimulatedBoard
 
 SIMULATED = "sim"
+# Scans for which a row of the recording stays: with a profile, so that all of its points are seen.
+HOLD = 64
+# Seconds: an image takes as many clocks as on the board, and each of them longer.
+PATIENCE = 600.0
 
 
 @contextmanager
-def open_line(port: str, baud: int, board: Board) -> Iterator[Line]:
-    """The line to a board.
+def open_line(port: str, baud: int | None, board: Board) -> Iterator[Line]:
+    """The line to a board, at the rate of its scene if no other is given.
 
     Raises
     ------
@@ -25,12 +29,13 @@ def open_line(port: str, baud: int, board: Board) -> Iterator[Line]:
     """
     if not port:
         raise ValueError(f"PORT=: missing, expected sim or a serial port; there is {ports_there()}")
+    baud = baud or board.baud
     if port == SIMULATED:
         with (
-            TwinBoard(board.hardware, 100.0, 40) as simulated,
+            SimulatedBoard(board.hardware, HOLD) as simulated,
             Line(simulated.port, baud, SIMULATED) as line,
         ):
-            line.simulated = simulated
+            line.simulated, line.patience = simulated, PATIENCE
             yield line
     else:
         with Line(port, baud) as line:

@@ -18,7 +18,7 @@ from golden.link.packets import Frame
 from golden.networks.mlp import Real
 from golden.rig.csv_file import read_csv_file
 from golden.rig.finding import fault, refuse
-from tb.monitor.board import BAUD, MOST_BAUD, Board, board_of
+from tb.monitor.board import MOST_BAUD, Board, board_of
 from tb.monitor.csv_file import GrowingCsv, refuse_there
 from tb.monitor.line import Line, Simulated
 from tb.monitor.ports import open_line
@@ -26,8 +26,6 @@ from tb.monitor.ports import open_line
 FRAMES = 16
 # Packets that may be of before: one in the board, one on the line.
 SETTLE = 2
-# Seconds without a packet before it is given up.
-WAIT = 10.0
 
 Placement = tuple[str, ...]
 
@@ -99,7 +97,7 @@ def listed(
         yield placement
 
 
-def gather(line: Line, board: Board, frames: int, wait: float = WAIT) -> Real:
+def gather(line: Line, board: Board, frames: int) -> Real:
     """Readings of the next frames, shape (frames, sensors).
 
     Raises
@@ -119,8 +117,8 @@ def gather(line: Line, board: Board, frames: int, wait: float = WAIT) -> Real:
             found.append(frame)
         if line.cut:
             raise CommandError(f"PORT={line.label}: the line was cut: {line.cut}")
-        if time.monotonic() - last > wait:
-            raise CommandError(f"PORT={line.label}: no packet for {wait:g} s")
+        if time.monotonic() - last > line.patience:
+            raise CommandError(f"PORT={line.label}: no packet for {line.patience:g} s")
     values = board.in_units(found[SETTLE : SETTLE + frames])
     return values[:, : len(board.scene.sensors)]
 
@@ -132,7 +130,6 @@ def record(
     csv: GrowingCsv,
     frames: int,
     say: Callable[[str], None],
-    wait: float = WAIT,
 ) -> Real:
     """A row for each placement: the means of its readings, and its values.
 
@@ -144,7 +141,7 @@ def record(
     spreads = []
     sensors = board.scene.sensors
     for placement in placements:
-        readings = gather(line, board, frames, wait)
+        readings = gather(line, board, frames)
         # A mean of so many has a digit more.
         cells = [
             f"{mean.round(d + 1) + 0:.{d + 1}f}"
@@ -178,7 +175,7 @@ def main() -> None:
     parser.add_argument("to")
     parser.add_argument("--labels", default="", help="CSV of placements, a column for each output")
     parser.add_argument("--frames", type=whole("FRAMES", 1, 100_000), default=FRAMES)
-    parser.add_argument("--baud", type=whole("BAUD", 300, MOST_BAUD), default=BAUD)
+    parser.add_argument("--baud", type=whole("BAUD", 300, MOST_BAUD))
     arguments = parser.parse_args()
     if not arguments.to:
         raise ValueError("TO=: missing, expected a .csv file")

@@ -21,11 +21,9 @@ from golden.engine.image import Image
 from golden.fixed import Codes
 from golden.link.packets import IMAGE, SYNC, Frame, kind_byte
 from golden.networks.engine import Engine
-from golden.precision import SIGNAL
 from golden.scene import Scene
-from golden.scene.scale import signals
-from golden.scene.vectors import read_recorded
 from tb.monitor.board import Board
+from tb.monitor.placements import nearest_row, samples_of
 
 # Seconds between two looks at what is to be done.
 PAUSE = 0.01
@@ -53,7 +51,7 @@ class TwinBoard:
     def __init__(self, scene: Scene, rate: float = 0.0, hold: int = 1) -> None:
         self.scene, self.rate, self.hold = scene, rate, hold
         self.layout = Board(scene, scene).layout
-        self._samples = _samples(scene)
+        self._samples = samples_of(scene)
         self._visualisation = scene.visualisation
         self._row: int | None = None
         self._noise = b""
@@ -89,10 +87,7 @@ class TwinBoard:
 
     def place(self, targets: dict[str, float]) -> None:
         """Stay at the recorded row whose outputs are nearest to these."""
-        recorded = read_recorded(self.scene)
-        columns = [self.scene.outputs.index(name) for name in targets]
-        far = recorded.targets[:, columns] - np.array(list(targets.values()))
-        self._row = int(np.argmin((far**2).sum(axis=1)))
+        self._row = nearest_row(self.scene, targets)
 
     def noise(self, data: bytes) -> None:
         """Put bytes on the line, between two packets."""
@@ -120,7 +115,10 @@ class TwinBoard:
         """Outputs and profiles of every row; nothing where no image runs."""
         engine = self._engine
         core = engine if engine else self.scene.twin().core
-        self._outputs: Codes = core.process(self._samples)
+        outputs = core.process(self._samples)
+        # Of an image with fewer outputs the others are as after a reset.
+        self._outputs: Codes = np.zeros((len(outputs), self.layout.outputs), dtype=np.int64)
+        self._outputs[:, : outputs.shape[1]] = outputs
         if self._visualisation:
             results = self._outputs[:, list(self._visualisation.results)]
             self._ramp, self._profile = self._visualisation.load_profile.process(results)
@@ -151,10 +149,8 @@ class TwinBoard:
             point = (at, int(self._ramp[at]), int(self._profile[row, at]))
         flags = (*["frame_error"] * (not self._runs), *["image_error"] * self._error)
         samples = tuple(self._samples[row].tolist())
-        outputs = self._outputs[row].tolist() if self._runs else []
-        room = self.layout.outputs
-        held = tuple((outputs + [0] * room)[:room])
-        return Frame(number % 256, flags, computed % 65536, samples, held, point)
+        outputs = tuple((self._outputs[row] * self._runs).tolist())
+        return Frame(number % 256, flags, computed % 65536, samples, outputs, point)
 
     def _exchange(self, line: bytes) -> bytes:
         """Send what the line takes, and take what came; returns what is left."""
@@ -197,9 +193,3 @@ class TwinBoard:
             loaded = Image(self._engine.loaded.sizes, inputs, tuple(words))
             self._engine = self._engine.running(loaded)
             self._compute()
-
-
-def _samples(scene: Scene) -> Codes:
-    """Codes of the sensors in every recorded row, shape (rows, sensors)."""
-    sensors = read_recorded(scene).sensors
-    return SIGNAL.quantise(signals(sensors, scene.scales(scene.sensors)), "readings")[0]
