@@ -12,8 +12,8 @@ SITE ?= build/site
 # What a user may give. Recipes read it from the environment, as "$$SCENE", and never as text that
 # make puts in: so no character of it is special, neither to make, which would expand a $ on the
 # way, nor to the shell. Only whether it is given may be asked of make: $(if $(BLOCK),...).
-GIVEN := ALL BESIDE BLOCK BOARD CLUSTER CSV DEVICE FRAMES FULL HARDWARE LINKS MACHINE NETLIST ONLY OUTPUT OUTPUTS PYTHON RECORD RIG SCENE \
-	SEED SIM SITE TABLE TESTS TO VENV WAVES WHOLE
+GIVEN := ALL BAUD BESIDE BLOCK BOARD CLUSTER CSV DEVICE FRAMES FULL HARDWARE LABELS LINKS MACHINE NETLIST ONLY OUTPUT OUTPUTS PORT PYTHON \
+	RECORD RIG SCENE SEED SIM SITE TABLE TESTS TO VENV WAVES WHOLE
 literal = $(if $(value $(1)),$(eval override $(1) := $$(value $(1)))$(eval export $(1)))
 $(foreach name,$(GIVEN),$(call literal,$(name)))
 
@@ -21,7 +21,7 @@ RUN := "$$VENV/bin/python"
 # A target by a name of its own: the path of the environment may hold what is special in one of make's.
 READY := ready
 
-.PHONY: help demo test machines sim vhdl verilog scene check train recalibrate predict network image bench listing activations figures sensors lean synth bitstream peers prove mutate coverage report docs pages lint clean tools browser ready
+.PHONY: help demo test machines sim vhdl verilog scene check train recalibrate predict network image monitor record load bench listing activations figures sensors lean synth bitstream peers prove mutate coverage report docs pages lint clean tools browser ready
 
 help:
 	@echo "make demo    [SCENE=] [FULL=1]            a scene end to end: simulate, export, table of errors"
@@ -48,6 +48,12 @@ help:
 	@echo "make network TO=file.onnx [SCENE=] [OUTPUT=]"
 	@echo "                                          write a network of the scene as .npz, .mat or .onnx"
 	@echo "make image   [SCENE=] [HARDWARE=scene]    what makes an engine that can be reloaded run the scene"
+	@echo "make monitor PORT=/dev/ttyUSB0|sim [SCENE=] [HARDWARE=scene] [TO=all.csv] [BAUD=]"
+	@echo "                                          what a board sends, in the browser; sim: a simulated board"
+	@echo "make record  PORT=/dev/ttyUSB0 TO=readings.csv [SCENE=] [LABELS=placements.csv] [FRAMES=]"
+	@echo "                                          readings of known placements from a board, as make scene takes them"
+	@echo "make load    PORT=/dev/ttyUSB0 [SCENE=] [HARDWARE=scene]"
+	@echo "                                          the scene's image to a board, until it runs there"
 	@echo "make bench   [SCENE=] [FRAMES=]           speed and memory of the bit-true twin"
 	@echo "make listing [SCENE=]                     the program of an engine, step by step"
 	@echo "make activations                          errors of every activation against tanh, and their plots"
@@ -111,6 +117,16 @@ network: $(READY)
 
 image: $(READY)
 	@$(RUN) -m golden.scene.write_image "$$SCENE" $(if $(HARDWARE),--hardware="$$HARDWARE")
+
+monitor: $(READY)
+	@$(RUN) -m tb.monitor "$$SCENE" "$$PORT" $(if $(HARDWARE),--hardware="$$HARDWARE") $(if $(TO),--to="$$TO") $(if $(BAUD),--baud="$$BAUD")
+
+record: $(READY)
+	@$(RUN) -m tb.monitor.record "$$SCENE" "$$PORT" "$$TO" \
+		$(if $(LABELS),--labels="$$LABELS") $(if $(FRAMES),--frames="$$FRAMES") $(if $(BAUD),--baud="$$BAUD")
+
+load: $(READY)
+	@$(RUN) -m tb.monitor.load "$$SCENE" "$$PORT" $(if $(HARDWARE),--hardware="$$HARDWARE") $(if $(BAUD),--baud="$$BAUD")
 
 bench: $(READY)
 	@$(RUN) -m tb.report.measure.benchmark "$$SCENE" $(if $(FRAMES),--frames="$$FRAMES")

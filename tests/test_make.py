@@ -37,8 +37,8 @@ NASTY = [
 ARGUMENTS = {
     "SCENE": (
         "",
-        "demo sim vhdl verilog check train recalibrate predict network image bench listing lean "
-        "synth bitstream report",
+        "demo sim vhdl verilog check train recalibrate predict network image monitor record "
+        "load bench listing lean synth bitstream report",
     ),
     "BOARD": ("", "bitstream"),
     "DEVICE": ("--device=", "bitstream"),
@@ -46,13 +46,16 @@ ARGUMENTS = {
     "SIM": ("--sim=", "sim"),
     "NETLIST": ("--netlist=", "sim"),
     "SEED": ("--seed=", "sim figures peers"),
-    "FRAMES": ("--frames=", "sim bench"),
+    "FRAMES": ("--frames=", "sim record bench"),
     "CLUSTER": ("--cluster=", "train"),
     "CSV": ("", "scene recalibrate predict"),
     "OUTPUTS": ("", "scene"),
-    "TO": ("", "recalibrate predict network"),
+    "TO": ("", "recalibrate predict network record"),
     "OUTPUT": ("--output=", "network"),
-    "HARDWARE": ("--hardware=", "image"),
+    "HARDWARE": ("--hardware=", "image monitor load"),
+    "PORT": ("", "monitor record load"),
+    "BAUD": ("--baud=", "monitor record load"),
+    "LABELS": ("--labels=", "record"),
     "TABLE": ("", "figures"),
     "RIG": ("", "sensors"),
     "BESIDE": ("--beside=", "lean"),

@@ -91,7 +91,7 @@ def write_prediction(scene: Scene, recording: CsvFile, found: Prediction, path: 
     for name in added:
         if name in recording.names:
             raise ValueError(f"{recording.path}: column {name!r} is there already; rename it")
-    decimals = [_decimals(scale.factor) for scale in scene.scales(scene.outputs)]
+    places = [decimals(scale.factor) for scale in scene.scales(scene.outputs)]
     with replace_file(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([*recording.names, *added])
@@ -102,11 +102,11 @@ def write_prediction(scene: Scene, recording: CsvFile, found: Prediction, path: 
             recording.rows[past:], found.outputs, found.distances, found.reasons, strict=True
         ):
             # Adding 0 turns -0 into 0.
-            texts = [f"{v.round(d) + 0:.{d}f}" for v, d in zip(outputs, decimals, strict=True)]
+            texts = [f"{v.round(d) + 0:.{d}f}" for v, d in zip(outputs, places, strict=True)]
             writer.writerow([*row, *texts, f"{distance:.3f}", int(bool(reason)), reason])
 
 
-def _decimals(factor: float) -> int:
+def decimals(factor: float) -> int:
     """Decimals that tell two codes of an output apart."""
     return max(0, -math.floor(math.log10(math.ldexp(factor, -SIGNAL.frac))))
 

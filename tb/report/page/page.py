@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined, select_autoescape
 
 from tb.report.measure.table import Cell, Table, shown
 
@@ -101,16 +101,21 @@ class Page:
 
     def render(self) -> str:
         """The page as HTML."""
-        environment = Environment(
-            loader=PackageLoader("tb.report.page", "."),
-            autoescape=select_autoescape(["jinja"]),
-            undefined=StrictUndefined,
-            trim_blocks=True,
-            lstrip_blocks=True,
-            keep_trailing_newline=True,
-        )
-        environment.filters["shown"] = _cell
-        return environment.get_template("page.html.jinja").render(page=self)
+        return environment("tb.report.page").get_template("page.html.jinja").render(page=self)
+
+
+def environment(package: str) -> Environment:
+    """What renders the templates of a package, which may include those of this one."""
+    found = Environment(
+        loader=ChoiceLoader([PackageLoader(name, ".") for name in (package, "tb.report.page")]),
+        autoescape=select_autoescape(["jinja"]),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    found.filters["shown"] = _cell
+    return found
 
 
 def _cell(cell: Cell) -> str:

@@ -1,0 +1,109 @@
+"""What a scene says of the board that it is shown from: packets, units, baud."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from golden.instruments.uart_instrument import UartInstrument
+from golden.link.packets import Frame, FrameLayout
+from golden.networks.mlp import Real
+from golden.precision import SIGNAL
+from golden.rig.predict import decimals
+from golden.scene import Scene, load_scene
+from golden.scene.scale import readings
+
+MOST_BAUD = 12_000_000
+
+
+@dataclass(frozen=True)
+class Board:
+    """A scene that runs on a board.
+
+    Parameters
+    ----------
+    scene : Scene
+        Whose networks run: it names the columns and their units.
+    hardware : Scene
+        Whose hardware the board has: it says what the packets hold.
+
+    Raises
+    ------
+    ValueError
+        When the hardware has no serial line, other inputs, or fewer outputs.
+    """
+
+    scene: Scene
+    hardware: Scene
+
+    def __post_init__(self) -> None:
+        if self.hardware.uart is None:
+            raise ValueError(
+                f"{self.hardware.path}: got no section [uart], expected one, as scene digit-board "
+                "has, or HARDWARE= a scene with one"
+            )
+        for key in ("sensors", "outputs"):
+            got, most = (len(getattr(one, key)) for one in (self.scene, self.hardware))
+            if got != most and (got > most or key == "sensors"):
+                raise ValueError(
+                    f"{self.scene.path}: data.{key}: got {got}, expected {most}"
+                    f"{' at most' if key == 'outputs' else ''}, as the packets of "
+                    f"{self.hardware.path} hold"
+                )
+
+    @cached_property
+    def layout(self) -> FrameLayout:
+        return self.instrument.packet_sender.layout
+
+    @cached_property
+    def instrument(self) -> UartInstrument:
+        """The twin of what the board holds."""
+        twin = self.hardware.twin()
+        assert isinstance(twin, UartInstrument), "a scene with a section [uart] is that"
+        return twin
+
+    @property
+    def baud(self) -> int:
+        """Of the line."""
+        assert self.hardware.uart is not None, "looked at when it was made"
+        return self.hardware.uart.baud
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        return (*self.scene.sensors, *self.scene.outputs)
+
+    @cached_property
+    def decimals(self) -> list[int]:
+        """Of each column, so many that two codes differ."""
+        return [decimals(scale.factor) for scale in self.scene.scales(self.columns)]
+
+    def in_units(self, frames: list[Frame]) -> Real:
+        """Samples and outputs in the units of their columns, shape (frames, columns)."""
+        count = len(self.columns)
+        # Packets have room for as many outputs as the hardware has.
+        codes = np.array([(frame.samples + frame.outputs)[:count] for frame in frames])
+        return readings(SIGNAL.to_real(codes), self.scene.scales(self.columns))
+
+    def millimetres(self, name: str) -> float:
+        """Millimetres in one unit of an output; 0 where it is no length."""
+        scene = self.scene
+        length = scene.length_mm.get(name, 0.0)
+        return length / scene.full_scale[name] if length else 0.0
+
+    def texts(self, values: Real) -> list[str]:
+        """The values of one frame with their decimals; -0 is 0."""
+        return [f"{v.round(d) + 0:.{d}f}" for v, d in zip(values, self.decimals, strict=True)]
+
+
+def board_of(scene: str, hardware: str = "") -> Board:
+    """The board of a scene by name or path, with its own hardware or that of another scene.
+
+    Raises
+    ------
+    FileNotFoundError, ValueError
+        See ``load_scene`` and ``Board``.
+    """
+    own = load_scene(scene)
+    return Board(own, load_scene(hardware) if hardware else own)

@@ -1,0 +1,90 @@
+"""A CSV that grows row by row and is whole at any time."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from types import TracebackType
+
+from golden.cli import CommandError
+from golden.files import check_writable, writing
+
+
+class GrowingCsv:
+    """Rows appended to a new file, whole lines at once.
+
+    Whoever reads it meanwhile, or after the power went, finds whole rows; what a full disk took of
+    a row is taken back.
+
+    Parameters
+    ----------
+    path : Path
+    columns : sequence of str
+        The header.
+
+    Raises
+    ------
+    ValueError
+        When the file is there already, or a column stands twice.
+    CommandError
+        When it cannot be written, then and later.
+    """
+
+    def __init__(self, path: Path, columns: Sequence[str]) -> None:
+        self.path, self.rows = path, 0
+        for name in columns:
+            if columns.count(name) > 1:
+                raise ValueError(f"{path}: column {name!r} would stand twice; rename it")
+        refuse_there(path)
+        check_writable([path])
+        with writing(path):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND
+            self._file = os.open(path, flags, 0o666)
+        self._end = 0
+        self._append([columns])
+
+    def __enter__(self) -> GrowingCsv:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        os.close(self._file)
+
+    def append(self, rows: Sequence[Sequence[object]]) -> None:
+        """Rows behind those that are there."""
+        if rows:
+            self._append(rows)
+            self.rows += len(rows)
+
+    def _append(self, rows: Iterable[Sequence[object]]) -> None:
+        text = io.StringIO(newline="")
+        csv.writer(text, lineterminator="\n").writerows(rows)
+        data = text.getvalue().encode()
+        written = 0
+        try:
+            with writing(self.path):
+                while written < len(data):
+                    written += os.write(self._file, data[written:])
+        except CommandError:
+            os.ftruncate(self._file, self._end)
+            raise
+        self._end += len(data)
+
+
+def refuse_there(path: Path) -> None:
+    """Refuse to write over a file.
+
+    Raises
+    ------
+    ValueError
+    """
+    if path.exists() or path.is_symlink():
+        raise ValueError(f"{path}: is there already; choose another name with TO=")

@@ -1,0 +1,160 @@
+"""A serial port whose cable may be cut: what comes over it, until it is closed."""
+
+from __future__ import annotations
+
+import os
+import termios
+import time
+from contextlib import suppress
+from types import TracebackType
+from typing import Protocol
+
+import serial
+from serial.tools import list_ports
+
+from golden.cli import CommandError
+
+# Seconds that one call waits at most, for bytes or for a port that is gone.
+PAUSE = 0.1
+FAULTS = (OSError, ValueError, termios.error)
+
+
+class Simulated(Protocol):
+    """A board that is simulated."""
+
+    port: str
+
+    def place(self, targets: dict[str, float]) -> None:
+        """Stay at the recorded row whose outputs are nearest to these."""
+
+
+class Line:
+    """A serial port, 8 bits, no parity, one stop bit.
+
+    Parameters
+    ----------
+    name : str
+        As the system names it: ``/dev/ttyUSB0``.
+    baud : int
+    label : str
+        What a user calls it, if not by its name.
+
+    Attributes
+    ----------
+    cut : str
+        Why the port is gone; empty while it is open.
+    simulated : Simulated or None
+        The board that is simulated behind the port.
+    patience : float
+        Seconds that somebody who asked for something waits for a packet.
+
+    Raises
+    ------
+    CommandError
+        When it cannot be opened; the message names the ports that there are.
+    """
+
+    def __init__(self, name: str, baud: int, label: str = "") -> None:
+        self.name, self.baud, self.label = name, baud, label or name
+        self.cut = ""
+        self.simulated: Simulated | None = None
+        self.patience = 10.0
+        self._port: serial.Serial | None = None
+        try:
+            self._port = self._opened()
+        except FAULTS as error:
+            raise CommandError(f"PORT={self.label}: cannot be opened: {_reason(error)}") from None
+
+    def __enter__(self) -> Line:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._close()
+
+    def read(self) -> bytes:
+        """What has come, after ``PAUSE`` at the latest; nothing while the port is gone."""
+        if self._port is None and not self._back():
+            time.sleep(PAUSE)
+            return b""
+        assert self._port is not None, "a port that is back is open"
+        try:
+            first: bytes = self._port.read(1)
+            return first + self._port.read(self._port.in_waiting) if first else b""
+        except FAULTS as error:
+            self._lost(error)
+            return b""
+
+    def drop(self) -> None:
+        """Forget what has come and was not read."""
+        try:
+            if self._port is not None:
+                self._port.reset_input_buffer()
+        except FAULTS as error:
+            self._lost(error)
+
+    def write(self, data: bytes) -> None:
+        """Send bytes, and wait until they have left.
+
+        Raises
+        ------
+        CommandError
+            When the port is gone.
+        """
+        try:
+            if self._port is not None:
+                self._port.write(data)
+                self._port.flush()
+                return
+        except FAULTS as error:
+            self._lost(error)
+        raise CommandError(f"PORT={self.label}: the line was cut: {self.cut}")
+
+    def _opened(self) -> serial.Serial:
+        # Two programs that read one port would each get a part.
+        return serial.Serial(self.name, self.baud, timeout=PAUSE, exclusive=True)
+
+    def _back(self) -> bool:
+        try:
+            self._port = self._opened()
+        except FAULTS:
+            return False
+        self.cut = ""
+        return True
+
+    def _lost(self, error: Exception) -> None:
+        self.cut = _reason(error)
+        self._close()
+
+    def _close(self) -> None:
+        port, self._port = self._port, None
+        if port is not None:
+            with suppress(*FAULTS):  # of a device that is gone
+                port.close()
+
+
+def ports_there() -> str:
+    """The serial ports of this machine, for a message."""
+    found = [f"{port.device} ({port.description})" for port in sorted(list_ports.comports())]
+    return ", ".join(found) or "no serial port"
+
+
+def _reason(error: Exception) -> str:
+    """What a user can do something about."""
+    # What termios raises has its number as an argument alone.
+    number = getattr(error, "errno", None) or next(iter(error.args), None)
+    number = number if isinstance(number, int) else None
+    text = str(error)
+    if number == 2 or "No such file" in text:
+        return f"no such port; there is {ports_there()}"
+    if number == 13:
+        return "permission denied; on Debian: sudo adduser $USER dialout, then log in anew"
+    if "exclusively lock" in text:
+        return "another program has it open"
+    if number == 5 or "returned no data" in text or "Bad file descriptor" in text:
+        return "the device is gone"
+    return os.strerror(number) if number else text or type(error).__name__

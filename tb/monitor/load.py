@@ -1,0 +1,107 @@
+"""``make load``: a scene's image over the serial line, until the board says that it runs."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+
+from golden.cli import CommandError, run, whole
+from golden.link.decoder import Decoder
+from golden.link.packets import image_packet
+from golden.scene.image import scene_image
+from golden.scene.write_image import hardware_of
+from tb.monitor.board import MOST_BAUD, Board, board_of
+from tb.monitor.line import Line
+from tb.monitor.ports import open_line
+
+# Packets in a row that say the same, before it is believed: the first may tell of what was before.
+SURE = 3
+
+
+def check_readings(board: Board) -> None:
+    """Refuse a scene whose sensors are not those that the board reads.
+
+    Its networks would be given other sensors, or codes that stand for other readings.
+
+    Raises
+    ------
+    ValueError
+    """
+    scene, hardware = board.scene, board.hardware
+    if scene.sensors != hardware.sensors:
+        raise ValueError(
+            f"{scene.path}: data.sensors: got {', '.join(scene.sensors)}, expected "
+            f"{', '.join(hardware.sensors)}, as {hardware.path} reads them"
+        )
+    if not (scene.window.plain and hardware.window.plain):
+        raise ValueError(f"{scene.path}: data.window: got past samples, expected none for an image")
+    names = scene.sensors
+    for name, got, expected in zip(names, scene.scales(names), hardware.scales(names), strict=True):
+        if got != expected:
+            raise ValueError(
+                f"{scene.path}: data.scale.{name}: got offset {got.offset:g}, factor "
+                f"{got.factor:g}, expected offset {expected.offset:g}, factor "
+                f"{expected.factor:g}, as {hardware.path} reads it"
+            )
+
+
+def load(line: Line, board: Board) -> int:
+    """Send the image of a scene and wait until it runs; returns its bytes.
+
+    Raises
+    ------
+    ValueError
+        For a scene that the hardware cannot run; see ``scene_image`` too.
+    CommandError
+        When the board refuses the image, or does not answer.
+    """
+    check_readings(board)
+    data = scene_image(board.scene, hardware_of(board.hardware)).to_bytes()
+    line.drop()
+    line.write(image_packet(data))
+    decoder = Decoder(board.layout)
+    good = refused = 0
+    count = -1
+    last = time.monotonic()
+    while time.monotonic() - last < line.patience:
+        for frame in decoder.feed(line.read()):
+            last = time.monotonic()
+            refused = refused + 1 if "image_error" in frame.flags else 0
+            bad = {"image_error", "frame_error"} & set(frame.flags)
+            # Packets come without frames, too.
+            good = 0 if bad or frame.count == count else good + 1
+            count = frame.count
+            if good == SURE:
+                return len(data)
+            if refused == SURE:
+                raise CommandError(
+                    f"PORT={line.label}: image_error: the board refused the image: it was cut or "
+                    f"changed on its way, or the board is not the hardware of {board.hardware.path}"
+                )
+        if line.cut:
+            raise CommandError(f"PORT={line.label}: the line was cut: {line.cut}")
+    faults = "; ".join(decoder.tally.faults(Decoder(board.layout).tally, board.layout).values())
+    raise CommandError(
+        f"PORT={line.label}: the image was sent, but no frame came for {line.patience:g} s"
+        + (f": {faults}" if faults else ": is the bitstream loaded, and are TX and RX crossed?")
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="make load", description=__doc__)
+    parser.add_argument("scene")
+    parser.add_argument("port", help="a serial port, or sim")
+    parser.add_argument("--hardware", default="", help="scene whose hardware the board has")
+    parser.add_argument("--baud", type=whole("BAUD", 300, MOST_BAUD))
+    arguments = parser.parse_args()
+    board = board_of(arguments.scene, arguments.hardware)
+    check_readings(board)
+    hardware_of(board.hardware)
+    with open_line(arguments.port, arguments.baud, board) as line:
+        count = load(line, board)
+        print(f"{line.label}: {board.scene.name} runs, {count} bytes")
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

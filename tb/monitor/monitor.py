@@ -1,0 +1,232 @@
+"""What a board sends becomes what is shown: numbers, their course, a profile, faults."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from golden.link.decoder import Decoder, Tally
+from golden.link.packets import FLAGS, Frame
+from golden.networks.mlp import Real
+from golden.precision import SIGNAL
+from tb.monitor.board import Board
+from tb.monitor.csv_file import GrowingCsv
+from tb.monitor.line import Line
+from tb.monitor.told import Told
+
+# Columns of a recording before those of the scene.
+HEAD = ("seconds", "packet", "computed", "flags")
+# Of the course that is shown: seconds, and the time for which one point stands.
+SHOWN_SECONDS, POINT_SECONDS = 30.0, 0.05
+# Seconds that a rate is counted over, and that a flag stays lit.
+RATE_SECONDS, LIT_SECONDS = 1.0, 1.0
+# Seconds without a packet before it is said.
+SILENCE = 2.0
+_COUNTS = 1 << 16
+FLAG_TEXTS = {
+    "converter_error": "the converter is missing or stuck: no frame is made of what it sends",
+    "frame_error": "a frame was refused: none is computed before an image is loaded",
+    "image_error": "an image was cut on its way, or is not for this hardware",
+    "line_error": "the board received a byte without a stop bit: another baud rate, or noise",
+}
+
+
+class Monitor:
+    """Takes what comes over a line, and tells at any time what is to be shown.
+
+    Parameters
+    ----------
+    board : Board
+    say : callable
+        Takes lines for a terminal.
+    csv : GrowingCsv, optional
+        Takes every frame.
+    clock : callable
+        Seconds from some beginning.
+    """
+
+    def __init__(
+        self,
+        board: Board,
+        say: Callable[[str], None],
+        csv: GrowingCsv | None = None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self.board, self.csv = board, csv
+        self.decoder = Decoder(board.layout)
+        self.told = Told(say, clock)
+        self.computed = 0
+        self._clock = clock
+        self._lock = threading.Lock()
+        self._before: dict[str, Tally] = {}
+        self._began = self._packet_at = clock()
+        self._line = "waiting"
+        self._newest: Frame | None = None
+        self._values: Real = np.empty(0)
+        self._course: deque[tuple[float, list[float]]] = deque()
+        self._arrivals: deque[tuple[float, int, int]] = deque()
+        self._lit = dict.fromkeys(FLAGS, -LIT_SECONDS)
+        self._flagged = dict.fromkeys(FLAGS, 0)
+        visualisation = board.hardware.visualisation
+        points = visualisation.load_profile.ramp.points if visualisation else 0
+        self._profile: list[tuple[float, float] | None] = [None] * points
+
+    def listen(self, line: Line, until: Callable[[], bool]) -> None:
+        """Take what comes until ``until`` says so; a cut cable is told and waited for."""
+        while not until():
+            data = line.read()
+            with self._lock:
+                self._take(data)
+                self._watch(line)
+
+    def _take(self, data: bytes) -> None:
+        frames, now = self.decoder.feed(data), self._clock()
+        if frames:
+            self._take_frames(frames, now)
+        self._tell_faults()
+
+    def _take_frames(self, frames: list[Frame], now: float) -> None:
+        values = self.board.in_units(frames)
+        last = self._newest
+        computed = 0
+        for frame in frames:
+            computed += (frame.count - last.count) % _COUNTS if last else 1
+            for flag in frame.flags:
+                self._lit[flag] = now
+                self._flagged[flag] += 1
+            if frame.point:
+                self._take_point(frame.point)
+            last = frame
+        for flag in FLAGS:
+            if self._lit[flag] == now and self.told.due(flag):
+                self.told.tell(flag, FLAG_TEXTS[flag])
+        self.computed += computed
+        self._newest, self._values = last, values[-1]
+        self._packet_at = now
+        self._arrivals.append((now, len(frames), computed))
+        outputs = [float(value) for value in values[-1, len(self.board.scene.sensors) :]]
+        if not self._course or now - self._course[-1][0] >= POINT_SECONDS:
+            self._course.append((now, outputs))
+        while now - self._course[0][0] > SHOWN_SECONDS:
+            self._course.popleft()
+        if self.csv:
+            self.csv.append(self._rows(frames, values, now))
+
+    def _take_point(self, point: tuple[int, int, int]) -> None:
+        number, *codes = point
+        if number < len(self._profile):
+            x, y = (float(value) for value in SIGNAL.to_real(np.array(codes)))
+            self._profile[number] = (x, y)
+        elif self.told.due("point"):
+            self.told.tell(
+                "point",
+                f"the profile has a point {number}, expected 0 to {len(self._profile) - 1}: the "
+                "board runs the hardware of another scene",
+            )
+
+    def _rows(self, frames: list[Frame], values: Real, now: float) -> list[Sequence[object]]:
+        seconds = f"{now - self._began:.3f}"
+        return [
+            [seconds, frame.number, frame.count, " ".join(frame.flags), *self.board.texts(row)]
+            for frame, row in zip(frames, values, strict=True)
+        ]
+
+    def _tell_faults(self) -> None:
+        """Each kind that there is more of than when it was told, where it is time again."""
+        tally, layout = self.decoder.tally, self.board.layout
+        for kind in tally.faults(Tally(), layout):
+            line = tally.faults(self._before.get(kind, Tally()), layout).get(kind)
+            if line and self.told.due(kind):
+                self.told.tell(kind, line)
+                self._before[kind] = tally.copy()
+
+    def _watch(self, line: Line) -> None:
+        """What became of the line itself."""
+        now = self._clock()
+        if line.cut:
+            if self._line != "cut":
+                self.decoder.restart()
+                self._newest = None
+                self.told.tell("line", f"the line was cut: {line.cut}; waiting for {line.label}")
+            self._line = "cut"
+        elif self._line == "cut":
+            self.told.tell("line", f"{line.label} is back")
+            self._line, self._packet_at = "waiting", now
+        elif now - self._packet_at > SILENCE:
+            if self._line != "silent":
+                self.told.tell("line", f"no packet for {SILENCE:g} s")
+            self._line = "silent"
+        elif self._newest is not None:
+            if self._line == "silent":
+                self.told.tell("line", "packets come again")
+            self._line = "packets" if self.rates()[1] else "idle"
+
+    def rates(self) -> tuple[float, float]:
+        """Packets and computed frames a second, over the last."""
+        now = self._clock()
+        while self._arrivals and now - self._arrivals[0][0] > RATE_SECONDS:
+            self._arrivals.popleft()
+        packets, computed = (sum(a[n] for a in self._arrivals) for n in (1, 2))
+        return packets / RATE_SECONDS, computed / RATE_SECONDS
+
+    def state(self) -> dict[str, Any]:
+        """Everything that the page shows."""
+        with self._lock:
+            return self._state()
+
+    def _state(self) -> dict[str, Any]:
+        now, board, tally = self._clock(), self.board, self.decoder.tally
+        scene, known = board.scene, self._newest
+        texts = board.texts(self._values) if len(self._values) else [""] * len(board.columns)
+        columns: list[dict[str, Any]] = [
+            {"name": name, "text": text, "unit": scene.units.get(name, ""), "factor": scale.factor}
+            for name, text, scale in zip(
+                board.columns, texts, scene.scales(board.columns), strict=True
+            )
+        ]
+        sensors, outputs = columns[: len(scene.sensors)], columns[len(scene.sensors) :]
+        if known:
+            for column, code in zip(sensors, known.samples, strict=True):
+                column["code"] = code
+        for name, column in zip(scene.outputs, outputs, strict=True):
+            scale = board.millimetres(name)
+            value = self._values[board.columns.index(name)] if scale and column["text"] else None
+            column["mm"] = "" if value is None else f"{value * scale:.1f}"
+        packets, computed = self.rates()
+        return {
+            "scene": scene.name,
+            "line": self._line,
+            "sensors": sensors,
+            "outputs": outputs,
+            "course": [[round(t - now, 3), *values] for t, values in self._course],
+            "seconds": SHOWN_SECONDS,
+            "profile": [p for p in self._profile if p] if _position(board) else [],
+            "profile_mm": board.millimetres(_position(board)),
+            "packets": tally.frames,
+            "packets_a_second": packets,
+            "computed": self.computed,
+            "computed_a_second": computed,
+            "missed": tally.missed,
+            "failed": tally.failed,
+            "skipped": tally.skipped,
+            "flags": [
+                {"name": name, "lit": now - self._lit[name] < LIT_SECONDS, "count": count}
+                for name, count in self._flagged.items()
+            ],
+            "told": list(self.told.lines),
+            "recorded": self.csv.rows if self.csv else 0,
+            "recording": str(self.csv.path) if self.csv else "",
+        }
+
+
+def _position(board: Board) -> str:
+    """The output that the profile is drawn over; nothing where none is drawn of the scene."""
+    visualisation, outputs = board.hardware.visualisation, board.scene.outputs
+    if visualisation is None or max(visualisation.results) >= len(outputs):
+        return ""
+    return outputs[visualisation.results[1]]

@@ -1,0 +1,37 @@
+"""What a simulated board reads: the rows of its scene's recording."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from golden.fixed import Codes
+from golden.precision import SIGNAL
+from golden.scene import Scene
+from golden.scene.scale import signals
+from golden.scene.vectors import read_recorded
+
+
+def samples_of(scene: Scene) -> Codes:
+    """Codes of the sensors in every recorded row, shape (rows, sensors)."""
+    sensors = read_recorded(scene).sensors
+    return SIGNAL.quantise(signals(sensors, scene.scales(scene.sensors)), "readings")[0]
+
+
+def nearest_row(scene: Scene, targets: dict[str, float]) -> int:
+    """The recorded row whose outputs are nearest to these, each in parts of its range.
+
+    Raises
+    ------
+    ValueError
+        When the recording has no such output.
+    """
+    for name in targets:
+        if name not in scene.outputs:
+            raise ValueError(
+                f"{scene.path}: data.outputs: got no {name!r}, expected that of a placement: a "
+                "simulated board is touched where its recording was"
+            )
+    recorded = read_recorded(scene).targets[:, [scene.outputs.index(name) for name in targets]]
+    ranges = np.ptp(recorded, axis=0)
+    far = (recorded - np.array(list(targets.values()))) / np.where(ranges > 0, ranges, 1.0)
+    return int(np.argmin((far**2).sum(axis=1)))

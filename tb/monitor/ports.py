@@ -1,0 +1,42 @@
+"""The port that a user names: a serial one, or that of a simulated board."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from tb.monitor.board import Board
+from tb.monitor.line import Line, ports_there
+from tb.monitor.simulated_board import SimulatedBoard
+
+SIMULATED = "sim"
+# Scans for which a row of the recording stays: with a profile, so that all of its points are seen.
+HOLD = 64
+# Seconds: an image takes as many clocks as on the board, and each of them longer.
+PATIENCE = 600.0
+
+
+@contextmanager
+def open_line(port: str, baud: int | None, board: Board) -> Iterator[Line]:
+    """The line to a board, at the rate of its scene if no other is given.
+
+    Raises
+    ------
+    ValueError
+        Without a port.
+    CommandError
+        See ``Line``.
+    """
+    if not port:
+        raise ValueError(f"PORT=: missing, expected sim or a serial port; there is {ports_there()}")
+    baud = baud or board.baud
+    if port == SIMULATED:
+        with (
+            SimulatedBoard(board.hardware, HOLD) as simulated,
+            Line(simulated.port, baud, SIMULATED) as line,
+        ):
+            line.simulated, line.patience = simulated, PATIENCE
+            yield line
+    else:
+        with Line(port, baud) as line:
+            yield line

@@ -1,0 +1,217 @@
+"""``make record``: readings of placements that are known, as ``make scene`` takes them."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from golden.cli import CommandError, run, whole
+from golden.files import same_file
+from golden.link.decoder import Decoder
+from golden.link.packets import Frame
+from golden.networks.mlp import Real
+from golden.rig.csv_file import read_csv_file
+from golden.rig.finding import fault, refuse
+from tb.monitor.board import MOST_BAUD, Board, board_of
+from tb.monitor.csv_file import GrowingCsv, refuse_there
+from tb.monitor.line import Line, Simulated
+from tb.monitor.ports import open_line
+
+FRAMES = 16
+# Packets that may be of before: one in the board, one on the line.
+SETTLE = 2
+
+Placement = tuple[str, ...]
+
+
+def labels_of(path: Path) -> tuple[list[str], list[Placement]]:
+    """Names of the outputs, and a placement for each row of a CSV.
+
+    Raises
+    ------
+    ValueError
+        See ``read_csv_file``; also for a cell that is no number.
+    """
+    table = read_csv_file(path)
+    refuse([fault(text) for name in table.names if (text := table.column(name).fault(path))])
+    return list(table.names), [tuple(cell.strip() for cell in row) for row in table.rows]
+
+
+def read_placement(line: str, outputs: Sequence[str]) -> Placement:
+    """The values that were typed, between blanks or commas.
+
+    Raises
+    ------
+    ValueError
+        For another number of them, or for what is no number.
+    """
+    cells = tuple(line.replace(",", " ").split())
+    if len(cells) != len(outputs):
+        raise ValueError(f"got {len(cells)} values, expected {len(outputs)}: {', '.join(outputs)}")
+    for name, cell in zip(outputs, cells, strict=True):
+        try:
+            good = math.isfinite(float(cell))
+        except ValueError:
+            good = False
+        if not good:
+            raise ValueError(f"{name}: got {cell!r}, expected a number")
+    return cells
+
+
+def typed(
+    outputs: Sequence[str], ask: Callable[[str], str], say: Callable[[str], None]
+) -> Iterator[Placement]:
+    """Placements as they are typed, until an empty line or the end of the input."""
+    say(f"type {', '.join(outputs)} of a placement when it is there; an empty line ends it")
+    while True:
+        try:
+            line = ask("> ")
+        except EOFError:
+            return
+        if not line.strip():
+            return
+        try:
+            placement = read_placement(line, outputs)
+        except ValueError as error:
+            say(str(error))
+            continue
+        yield placement
+
+
+def listed(
+    outputs: Sequence[str], placements: Sequence[Placement], ask: Callable[[str], str]
+) -> Iterator[Placement]:
+    """Placements of a list, each once it is said to be there."""
+    for number, placement in enumerate(placements, 1):
+        told = ", ".join(f"{n} {cell}" for n, cell in zip(outputs, placement, strict=True))
+        try:
+            ask(f"{number} of {len(placements)}: {told}; Enter when it is there ")
+        except EOFError:
+            return
+        yield placement
+
+
+def gather(line: Line, board: Board, frames: int) -> Real:
+    """Readings of the next frames, shape (frames, sensors).
+
+    Raises
+    ------
+    CommandError
+        When no frame comes, or the converter is in error.
+    """
+    line.drop()
+    decoder = Decoder(board.layout)
+    found: list[Frame] = []
+    last = time.monotonic()
+    while len(found) < SETTLE + frames:
+        for frame in decoder.feed(line.read()):
+            last = time.monotonic()
+            if "converter_error" in frame.flags:
+                raise CommandError(f"PORT={line.label}: converter_error: it is missing or stuck")
+            found.append(frame)
+        if line.cut:
+            raise CommandError(f"PORT={line.label}: the line was cut: {line.cut}")
+        if time.monotonic() - last > line.patience:
+            raise CommandError(f"PORT={line.label}: no packet for {line.patience:g} s")
+    values = board.in_units(found[SETTLE : SETTLE + frames])
+    return values[:, : len(board.scene.sensors)]
+
+
+def record(
+    line: Line,
+    board: Board,
+    placements: Iterator[Placement],
+    csv: GrowingCsv,
+    frames: int,
+    say: Callable[[str], None],
+) -> Real:
+    """A row for each placement: the means of its readings, and its values.
+
+    Returns
+    -------
+    float array, shape (sensors,)
+        The standard deviation of a reading within a placement.
+    """
+    spreads = []
+    sensors = board.scene.sensors
+    for placement in placements:
+        readings = gather(line, board, frames)
+        # A mean of so many has a digit more.
+        cells = [
+            f"{mean.round(d + 1) + 0:.{d + 1}f}"
+            for mean, d in zip(readings.mean(axis=0), board.decimals, strict=False)
+        ]
+        csv.append([[*cells, *placement]])
+        spreads.append(readings.var(axis=0))
+        shown = ", ".join(f"{name} {cell}" for name, cell in zip(sensors, cells, strict=True))
+        say(f"{csv.rows}: {shown}")
+    return np.sqrt(np.mean(spreads, axis=0)) if spreads else np.zeros(len(sensors))
+
+
+def simulated_ask(
+    simulated: Simulated, placements: Sequence[Placement], outputs: Sequence[str]
+) -> Callable[[str], str]:
+    """Nobody need press anything: the simulated board is touched where the list says."""
+    rows = iter(placements)
+
+    def ask(_: str) -> str:
+        values = dict(zip(outputs, map(float, next(rows)), strict=True))
+        simulated.place(values)
+        return ""
+
+    return ask
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="make record", description=__doc__)
+    parser.add_argument("scene")
+    parser.add_argument("port", help="a serial port, or sim")
+    parser.add_argument("to")
+    parser.add_argument("--labels", default="", help="CSV of placements, a column for each output")
+    parser.add_argument("--frames", type=whole("FRAMES", 1, 100_000), default=FRAMES)
+    parser.add_argument("--baud", type=whole("BAUD", 300, MOST_BAUD))
+    arguments = parser.parse_args()
+    if not arguments.to:
+        raise ValueError("TO=: missing, expected a .csv file")
+    board = board_of(arguments.scene)
+    to = Path(arguments.to)
+    refuse_there(to)
+    outputs, placements = list(board.scene.outputs), None
+    if arguments.labels:
+        labels = Path(arguments.labels)
+        if same_file(labels, to):
+            raise ValueError(f"TO={to}: is read, expected another file")
+        outputs, placements = labels_of(labels)
+    with (
+        open_line(arguments.port, arguments.baud, board) as line,
+        GrowingCsv(to, [*board.scene.sensors, *outputs]) as csv,
+    ):
+        ask: Callable[[str], str] = input
+        if placements is None:
+            source = typed(outputs, ask, print)
+        else:
+            if line.simulated:
+                ask = simulated_ask(line.simulated, placements, outputs)
+            source = listed(outputs, placements, ask)
+        try:
+            spread = record(line, board, source, csv, arguments.frames, print)
+        except KeyboardInterrupt:
+            print()
+            spread = np.zeros(len(board.scene.sensors))
+        print(f"wrote {to}, {csv.rows} placements")
+        if spread.any():
+            worst = int(spread.argmax())
+            print(
+                f"noise of a reading: {spread[worst]:.2g} at most ({board.scene.sensors[worst]}): "
+                f"of the mean of {arguments.frames} {spread[worst] / arguments.frames**0.5:.2g}"
+            )
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

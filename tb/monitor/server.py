@@ -1,0 +1,92 @@
+"""The page of a monitor, served on this machine alone."""
+
+from __future__ import annotations
+
+import json
+import threading
+from collections.abc import Callable
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from types import TracebackType
+from typing import Any
+
+from golden.cli import CommandError
+from tb.report.page.page import environment
+
+HOST = "127.0.0.1"
+# Nothing but what the page itself brings may run in it.
+POLICY = (
+    "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; "
+    "connect-src 'self'; img-src data:"
+)
+
+
+class Server:
+    """Serves a page and the state that it shows, from a thread.
+
+    Only this machine can ask, and only by this address: a page from elsewhere that a browser here
+    has open cannot, under any name.
+
+    Parameters
+    ----------
+    title : str
+    state : callable
+        What the page shows.
+    port : int
+        0 for one that is free.
+
+    Raises
+    ------
+    CommandError
+        When the port is taken.
+    """
+
+    def __init__(self, title: str, state: Callable[[], dict[str, Any]], port: int = 0) -> None:
+        page = environment("tb.monitor").get_template("page.html.jinja").render(title=title)
+
+        class Handler(BaseHTTPRequestHandler):
+            def do_GET(self) -> None:
+                if self.headers.get("Host") not in known:
+                    self.send_error(HTTPStatus.FORBIDDEN)
+                elif self.path == "/":
+                    self._answer("text/html", page)
+                elif self.path == "/state":
+                    self._answer("application/json", json.dumps(state()))
+                else:
+                    self.send_error(HTTPStatus.NOT_FOUND)
+
+            def _answer(self, kind: str, text: str) -> None:
+                data = text.encode()
+                self.send_response(HTTPStatus.OK)
+                self.send_header("Content-Type", f"{kind}; charset=utf-8")
+                self.send_header("Content-Length", str(len(data)))
+                self.send_header("Content-Security-Policy", POLICY)
+                self.send_header("Cache-Control", "no-store")
+                self.end_headers()
+                self.wfile.write(data)
+
+            def log_message(self, *_: object) -> None:
+                """The terminal is for what the board says."""
+
+        try:
+            self._server = ThreadingHTTPServer((HOST, port), Handler)
+        except OSError as error:
+            raise CommandError(f"PAGE={port}: cannot be served: {error.strerror}") from None
+        self._server.daemon_threads = True
+        port = self._server.server_port
+        known = {f"{HOST}:{port}", f"localhost:{port}"}
+        self.address = f"http://{HOST}:{port}/"
+        self._thread = threading.Thread(target=self._server.serve_forever, daemon=True)
+
+    def __enter__(self) -> Server:
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._server.shutdown()
+        self._server.server_close()

@@ -1,0 +1,177 @@
+"""A simulated board: the exported hardware in GHDL, a converter on its wires, a port to open."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import tty
+from contextlib import suppress
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from types import TracebackType
+
+from golden.instruments.uart_instrument import UartInstrument
+from golden.scene import Scene
+from hdl.export.exporter import ORDER
+from tb.common.runner import ROOT, export
+from tb.common.simulate import Run, analyse, commands, machine
+from tb.common.tools import check_simulator, language
+from tb.monitor.inside_simulator import CONFIGURATION
+from tb.monitor.placements import nearest_row, samples_of
+
+# Ten times as fast as Icarus here, which looks through a memory word by word in every clock.
+SIMULATOR = "ghdl"
+# Around the hardware: its oscillator, which from inside the simulator would take half of the time.
+TOP = "simulated_board"
+VHDL = """\
+library ieee;
+use ieee.std_logic_1164.all;
+
+entity {top} is
+end entity {top};
+
+architecture board of {top} is
+    signal clk: std_logic := '0';
+    signal rst: std_logic := '1';
+    signal miso, rx: std_logic := '1';
+    signal cs_n, sclk, mosi, tx: std_logic;
+begin
+    clk <= not clk after {half} ps;
+    rst <= '0' after {reset} ps;
+    inside: entity work.{entity} port map (
+        clk => clk, rst => rst, miso => miso, cs_n => cs_n, sclk => sclk, mosi => mosi, tx => tx{rx}
+    );
+end architecture board;
+"""
+RESET_CLOCKS = 4
+
+
+class SimulatedBoard:
+    """The hardware of a scene, bit by bit, playing the scene's recording.
+
+    The simulation runs as fast as it can, which is slower than the hardware; it waits while nobody
+    reads what it sends.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a section ``[uart]``.
+    hold : int
+        Scans for which a row of the recording stays.
+
+    Attributes
+    ----------
+    port : str
+        What to open as a serial port.
+
+    Raises
+    ------
+    CommandError
+        Where the simulator is not installed, or the hardware cannot be built.
+    """
+
+    def __init__(self, scene: Scene, hold: int) -> None:
+        check_simulator(SIMULATOR)
+        self.scene, self.hold = scene, hold
+        self.port = ""
+        self._folder = TemporaryDirectory()
+
+    def __enter__(self) -> SimulatedBoard:
+        folder = Path(self._folder.name)
+        tongue = language(SIMULATOR)
+        export(self.scene, tongue, folder)
+        files = folder / self.scene.name / tongue
+        twin = self.scene.twin()
+        assert isinstance(twin, UartInstrument), "a scene with a section [uart] is that"
+        half = round(500_000 / float(twin.converter_reader.clock_mhz))
+        top = folder / f"{TOP}.vhd"
+        top.write_text(
+            VHDL.format(
+                top=TOP,
+                half=half,
+                reset=2 * RESET_CLOCKS * half + half // 2,
+                entity=twin.entity,
+                rx=", rx => rx" if twin.reload else "",
+            )
+        )
+        sources = (*(files / name for name in (files / ORDER).read_text().split()), top)
+        run = Run(
+            SIMULATOR,
+            TOP,
+            "tb.monitor.inside_simulator",
+            sources,
+            folder,
+            folder,
+            False,
+        )
+        analyse(sources, folder)
+        build, simulate = commands(run)
+        # Before an image is there, memories hold nothing, which would be told in every clock.
+        simulate = [word.replace("disable-at-0", "disable") for word in simulate]
+        built = subprocess.run(build, cwd=folder, capture_output=True, text=True, check=False)
+        if built.returncode:
+            raise RuntimeError(built.stderr)
+        board, computer = os.openpty()
+        tty.setraw(board)
+        self.port = os.ttyname(computer)
+        orders, self._orders = os.pipe()
+        configuration = {
+            "part": twin.converter_reader.part.name,
+            "part_clocks": twin.converter_reader.part.clocks,
+            "bit_ps": 2 * half * twin.divisor,
+            "reload": twin.reload,
+            "samples": samples_of(self.scene).tolist(),
+            "hold": self.hold,
+            "line": board,
+            "orders": orders,
+        }
+        environment = {k: v for k, v in os.environ.items() if not k.startswith("COCOTB")}
+        environment |= machine() | {
+            CONFIGURATION: json.dumps(configuration),
+            "COCOTB_TOPLEVEL": run.entity,
+            "COCOTB_TEST_MODULES": run.module,
+            "COCOTB_RESULTS_FILE": str(folder / "results.xml"),
+            "TOPLEVEL_LANG": tongue,
+            "PYTHONPATH": str(ROOT),
+            "OPENBLAS_NUM_THREADS": "1",
+        }
+        with (folder / "log.txt").open("w") as log:
+            self._process = subprocess.Popen(
+                simulate,
+                cwd=folder,
+                env=environment,
+                pass_fds=(board, orders),
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                # GHDL runs it in a process of its own; and Ctrl-C ends the command, which ends it.
+                start_new_session=True,
+            )
+        os.close(orders)
+        os.close(board)
+        # Kept open, so that the line is not cut before somebody opens it.
+        self._computer = computer
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        ended = self._process.poll() is not None
+        with suppress(ProcessLookupError):
+            os.killpg(self._process.pid, signal.SIGKILL)
+        self._process.wait()
+        os.close(self._orders)
+        os.close(self._computer)
+        log = (Path(self._folder.name) / "log.txt").read_text(errors="replace")
+        self._folder.cleanup()
+        if ended:
+            raise RuntimeError(f"the simulation ended by itself:\n{log}")
+
+    def place(self, targets: dict[str, float]) -> None:
+        """Stay at the recorded row whose outputs are nearest to these."""
+        os.write(self._orders, f"{nearest_row(self.scene, targets)}\n".encode())

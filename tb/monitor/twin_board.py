@@ -1,0 +1,195 @@
+"""A board made of twins, behind a port that is none: what it sends, as fast as is asked.
+
+It answers images as the hardware does, and its cable can be cut. For what hangs on the line and not
+on the hardware: tests, and how fast the monitor is.
+"""
+
+from __future__ import annotations
+
+import os
+import select
+import threading
+import time
+import tty
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from types import TracebackType
+
+import numpy as np
+
+from golden.engine.image import Image
+from golden.fixed import Codes
+from golden.link.packets import IMAGE, SYNC, Frame, kind_byte
+from golden.networks.engine import Engine
+from golden.scene import Scene
+from tb.monitor.board import Board
+from tb.monitor.placements import nearest_row, samples_of
+
+# Seconds between two looks at what is to be done.
+PAUSE = 0.01
+_HEADER = 4
+
+
+class TwinBoard:
+    """A board on a pseudo-terminal, playing a scene's recording, a row after the other.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its hardware, its networks and its recording.
+    rate : float
+        Packets a second; 0 for as many as are read.
+    hold : int
+        Packets for which a row stays.
+
+    Attributes
+    ----------
+    port : str
+        What to open as a serial port.
+    """
+
+    def __init__(self, scene: Scene, rate: float = 0.0, hold: int = 1) -> None:
+        self.scene, self.rate, self.hold = scene, rate, hold
+        self.layout = Board(scene, scene).layout
+        self._samples = samples_of(scene)
+        self._visualisation = scene.visualisation
+        self._row: int | None = None
+        self._noise = b""
+        self._error = False
+        self._received = bytearray()
+        self._folder = TemporaryDirectory()
+        self.port = str(Path(self._folder.name) / "board")
+        self._stop = threading.Event()
+        self._lock = threading.Lock()
+        self._ends: tuple[int, int] | None = None
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        core = scene.twin().core
+        self._engine = core if isinstance(core, Engine) and core.loaded else None
+        # One that is loaded computes nothing before.
+        self._runs = self._engine is None
+        self._compute()
+
+    def __enter__(self) -> TwinBoard:
+        self.mend()
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._stop.set()
+        self._thread.join()
+        self.cut()
+        self._folder.cleanup()
+
+    def place(self, targets: dict[str, float]) -> None:
+        """Stay at the recorded row whose outputs are nearest to these."""
+        self._row = nearest_row(self.scene, targets)
+
+    def noise(self, data: bytes) -> None:
+        """Put bytes on the line, between two packets."""
+        with self._lock:
+            self._noise += data
+
+    def cut(self) -> None:
+        """Pull the plug."""
+        with self._lock:
+            ends, self._ends = self._ends, None
+            Path(self.port).unlink(missing_ok=True)
+            for end in ends or ():
+                os.close(end)
+
+    def mend(self) -> None:
+        """Put it in again."""
+        board, computer = os.openpty()
+        tty.setraw(board)
+        os.set_blocking(board, False)
+        with self._lock:
+            self._ends = (board, computer)
+            Path(self.port).symlink_to(os.ttyname(computer))
+
+    def _compute(self) -> None:
+        """Outputs and profiles of every row; nothing where no image runs."""
+        engine = self._engine
+        core = engine if engine else self.scene.twin().core
+        outputs = core.process(self._samples)
+        # Of an image with fewer outputs the others are as after a reset.
+        self._outputs: Codes = np.zeros((len(outputs), self.layout.outputs), dtype=np.int64)
+        self._outputs[:, : outputs.shape[1]] = outputs
+        if self._visualisation:
+            results = self._outputs[:, list(self._visualisation.results)]
+            self._ramp, self._profile = self._visualisation.load_profile.process(results)
+
+    def _run(self) -> None:
+        began, line = time.monotonic(), b""
+        sent = computed = 0
+        while not self._stop.is_set():
+            line = self._exchange(line)
+            if line:
+                continue
+            if self.rate and sent >= (time.monotonic() - began) * self.rate:
+                time.sleep(PAUSE)
+                continue
+            with self._lock:
+                line, self._noise = self._noise, b""
+            line += self.layout.to_bytes(self._frame(sent, computed))
+            computed += self._runs
+            sent += 1
+
+    def _frame(self, number: int, computed: int) -> Frame:
+        row = self._row
+        if row is None:
+            row = number // self.hold % len(self._samples)
+        point = None
+        if self._visualisation:
+            at = number % len(self._ramp)
+            point = (at, int(self._ramp[at]), int(self._profile[row, at]))
+        flags = (*["frame_error"] * (not self._runs), *["image_error"] * self._error)
+        samples = tuple(self._samples[row].tolist())
+        outputs = tuple((self._outputs[row] * self._runs).tolist())
+        return Frame(number % 256, flags, computed % 65536, samples, outputs, point)
+
+    def _exchange(self, line: bytes) -> bytes:
+        """Send what the line takes, and take what came; returns what is left."""
+        with self._lock:
+            if self._ends is None:
+                time.sleep(PAUSE)
+                return b""
+            board = self._ends[0]
+            reads, writes, _ = select.select([board], [board] if line else [], [], PAUSE)
+            if reads:
+                self._take(os.read(board, 4096))
+            if not writes:
+                return line
+            try:
+                return line[os.write(board, line) :]
+            except BlockingIOError:
+                return line
+
+    def _take(self, data: bytes) -> None:
+        """Bytes from the computer: an image is loaded when it is whole."""
+        self._received += data
+        start = self._received.find(bytes([SYNC, kind_byte(IMAGE)]))
+        if start < 0:
+            return
+        del self._received[:start]
+        length = int.from_bytes(self._received[2:_HEADER], "big")
+        if len(self._received) < _HEADER + length or len(self._received) < _HEADER:
+            return
+        image = bytes(self._received[_HEADER : _HEADER + length])
+        del self._received[: _HEADER + length]
+        if self._engine is None:
+            return
+        found = self._engine.image_loader.judge(image)
+        self._error, self._runs = found is None, found is not None
+        if found is not None:
+            before_last, words = found
+            sizes = self._engine.image_loader
+            inputs = (before_last + 2) % (1 << sizes.operand_addr_width)
+            assert self._engine.loaded is not None, "an engine that can be reloaded holds an image"
+            loaded = Image(self._engine.loaded.sizes, inputs, tuple(words))
+            self._engine = self._engine.running(loaded)
+            self._compute()

@@ -1,0 +1,225 @@
+"""The decoder of the serial line: whatever is between packets, every whole one is found."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import replace
+from itertools import pairwise
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from golden.link.decoder import MOST_WAITING, Decoder, Tally
+from golden.link.packets import FLAGS, FRAME, SYNC, Frame, FrameLayout, check_of, image_packet
+
+LAYOUT = FrameLayout(4, 2, drawn=True)
+PLAIN = FrameLayout(2, 1)
+# A code whose bytes are those of a packet's beginning.
+BEGINS = int.from_bytes(bytes([SYNC, 0x10 | FRAME]), "big", signed=True)
+
+codes = st.integers(-(1 << 15), (1 << 15) - 1) | st.just(BEGINS)
+
+
+@st.composite
+def some_frames(draw: st.DrawFn, layout: FrameLayout = LAYOUT) -> list[Frame]:
+    first, count = draw(st.integers(0, 255)), draw(st.integers(0, 6))
+    found = []
+    for number in range(first, first + count):
+        values = draw(st.lists(codes, min_size=6, max_size=6))
+        flags = draw(st.sets(st.sampled_from(FLAGS)))
+        point = (draw(st.integers(0, 255)), draw(codes), draw(codes))
+        found.append(
+            Frame(
+                number % 256,
+                tuple(name for name in FLAGS if name in flags),
+                draw(st.integers(0, 65535)),
+                tuple(values[:4]),
+                tuple(values[4:]),
+                point,
+            )
+        )
+    return found
+
+
+def pieces(data: bytes, cuts: list[int]) -> list[bytes]:
+    """The same bytes as a port gives them: some at a time."""
+    ends = sorted({min(cut, len(data)) for cut in cuts} | {0, len(data)})
+    return [data[a:b] for a, b in pairwise(ends)]
+
+
+def whole(data: bytes, layout: FrameLayout) -> list[int]:
+    """Where packets begin, told from the definition alone: the first, and the next behind its
+    end."""
+    found, at = [], 0
+    while at + 6 <= len(data):
+        end = at + 4 + data[at + 2] + 2
+        head = data[at] == SYNC and data[at + 1] & 15 == FRAME and end <= len(data)
+        if head and check_of(data[at + 1 : end - 2]) == int.from_bytes(data[end - 2 : end], "big"):
+            if data[at + 1] >> 4 == 1 and data[at + 2] == layout.payload_bytes:
+                found.append(at)
+            at = end
+        else:
+            at += 1
+    return found
+
+
+@given(some_frames(), st.lists(st.integers(0, 300)))
+def test_frames_come_out_as_they_went_in(frames: list[Frame], cuts: list[int]) -> None:
+    data = b"".join(map(LAYOUT.to_bytes, frames))
+    decoder = Decoder(LAYOUT)
+    assert [f for piece in pieces(data, cuts) for f in decoder.feed(piece)] == frames
+    assert decoder.tally == Tally(frames=len(frames))
+
+
+@given(some_frames(), st.lists(st.binary(max_size=60)), st.lists(st.integers(0, 600)))
+def test_every_packet_between_garbage_is_found(
+    frames: list[Frame], garbage: list[bytes], cuts: list[int]
+) -> None:
+    garbage = (garbage + [b""] * len(frames))[: len(frames)]
+    data = b"".join(
+        noise + LAYOUT.to_bytes(f) for noise, f in zip(garbage, frames, strict=True)
+    ) + bytes(MOST_WAITING)
+    places = whole(data, LAYOUT)
+    decoder = Decoder(LAYOUT)
+    found = [f for piece in pieces(data, cuts) for f in decoder.feed(piece)]
+    assert len(found) == len(places)
+    for frame, place in zip(found, places, strict=True):
+        assert LAYOUT.to_bytes(frame) == data[place : place + LAYOUT.packet_bytes]
+    # Noise that passes its check may hide some; what hypothesis makes up does not.
+    assert found == frames
+
+
+def test_the_beginning_of_a_packet_hides_none_behind_it() -> None:
+    """Garbage that begins like a packet as long as can be, cut anywhere, before true packets."""
+    frames = [Frame(n, (), n, (BEGINS,) * 4, (BEGINS,) * 2, (0, n, BEGINS)) for n in range(12)]
+    data = b"".join(map(LAYOUT.to_bytes, frames))
+    for head in (
+        b"\xa5\x11\xff",
+        b"\xa5\x21\x00",
+        b"\xa5\xa5",
+        b"\xa5\x11",
+        LAYOUT.to_bytes(frames[0])[:9],
+    ):
+        decoder = Decoder(LAYOUT)
+        found = decoder.feed(head)
+        for byte in data:
+            found += decoder.feed(bytes([byte]))
+        assert found + decoder.feed(bytes(MOST_WAITING)) == frames, head
+
+
+def test_a_turned_bit_costs_its_packet_alone() -> None:
+    frames = [Frame(n, (), n, (n, -n, BEGINS, 5), (7, -7), (n, n, n)) for n in range(5)]
+    packets = list(map(LAYOUT.to_bytes, frames))
+    for bit in range(8 * LAYOUT.packet_bytes):
+        broken = bytearray(packets[2])
+        broken[bit // 8] ^= 1 << bit % 8
+        decoder = Decoder(LAYOUT)
+        data = b"".join([*packets[:2], bytes(broken), *packets[3:], bytes(MOST_WAITING)])
+        assert decoder.feed(data) == frames[:2] + frames[3:], bit
+        tally = decoder.tally
+        assert tally.missed == 1
+        # Where it begins like a packet of its length the check is what fails.
+        assert tally.failed == (bit >= 8 * 3)
+        assert tally.skipped == LAYOUT.packet_bytes + MOST_WAITING
+
+
+def test_every_kind_of_damage_in_one_stream() -> None:
+    """Random streams in which bytes are lost, turned, doubled and put in; compared with a search
+    of the whole stream."""
+    draw, found_in_all = random.Random(5), 0
+    for _ in range(60):
+        data = bytearray(MOST_WAITING)
+        unheard = PLAIN.packet_bytes - 1
+        for number in range(40):
+            samples = tuple(draw.choice((BEGINS, draw.randrange(-8192, 8192))) for _ in range(2))
+            packet = bytearray(PLAIN.to_bytes(Frame(number, (), number, samples, (3,))))
+            place = draw.randrange(len(packet))
+            match draw.randrange(8):
+                case 0:
+                    del packet[place:]
+                case 1:
+                    packet[place] ^= 1 << draw.randrange(8)
+                case 2:
+                    packet[place:place] = draw.randbytes(draw.randrange(40))
+                case 3:
+                    packet += bytes([SYNC])
+            data += packet
+        data += bytes(MOST_WAITING)
+        decoder = Decoder(PLAIN)
+        cuts = [draw.randrange(len(data)) for _ in range(30)]
+        found = [f for piece in pieces(bytes(data), cuts) for f in decoder.feed(piece)]
+        places = whole(bytes(data), PLAIN)
+        assert [PLAIN.to_bytes(f) for f in found] == [
+            bytes(data[p : p + PLAIN.packet_bytes]) for p in places
+        ]
+        sound = sum(decoder.tally.others.values())
+        assert sound == 0, "their bytes would not be among those that are skipped"
+        assert decoder.tally.skipped == len(data) - len(found) * PLAIN.packet_bytes - unheard
+        found_in_all += len(found)
+    assert found_in_all > 1000
+
+
+def test_missed_packets_are_counted_and_not_those_of_a_cut_cable() -> None:
+    frame = Frame(0, (), 0, (1, 2), (3,))
+    decoder = Decoder(PLAIN)
+    for number in (250, 251, 254, 2):
+        decoder.feed(PLAIN.to_bytes(replace(frame, number=number)))
+    assert decoder.tally == Tally(frames=4, missed=2 + 3)
+    decoder.feed(PLAIN.to_bytes(frame)[:5])
+    decoder.restart()
+    decoder.feed(PLAIN.to_bytes(replace(frame, number=77)))
+    assert decoder.tally == Tally(frames=5, missed=5, skipped=5)
+
+
+def test_who_begins_in_the_middle_of_a_packet_is_told_of_no_garbage() -> None:
+    packet = PLAIN.to_bytes(Frame(0, (), 0, (1, 2), (3,)))
+    for start in range(1, len(packet)):
+        decoder = Decoder(PLAIN)
+        assert len(decoder.feed(packet[start:] + packet)) == 1
+        assert decoder.tally == Tally(frames=1)
+    decoder = Decoder(PLAIN)
+    decoder.feed(bytes(len(packet)) + packet)
+    assert decoder.tally == Tally(frames=1, skipped=1)
+
+
+def other(version: int, length: int) -> bytes:
+    body = bytes([version << 4 | FRAME, length, 9]) + bytes(length)
+    return bytes([SYNC]) + body + check_of(body).to_bytes(2, "big")
+
+
+@pytest.mark.parametrize(
+    ("version", "length", "said"),
+    [
+        (2, PLAIN.payload_bytes, "packets are of version 2 of the protocol, expected 1"),
+        (0, 3, "packets are of version 0 of the protocol, expected 1"),
+        (1, 30, "a payload of 30 bytes, expected 9: the board runs the hardware of another scene"),
+    ],
+)
+def test_another_board_is_told_and_not_at_its_first_packet(
+    version: int, length: int, said: str
+) -> None:
+    decoder = Decoder(PLAIN)
+    assert decoder.feed(other(version, length)) == []
+    assert decoder.tally.faults(Tally(), PLAIN) == {}
+    before = decoder.tally.copy()
+    decoder.feed(other(version, length) * 3)
+    (line,) = decoder.tally.faults(before, PLAIN).values()
+    assert said in line
+    assert decoder.tally.faults(decoder.tally, PLAIN) == {}
+    assert decoder.tally.skipped == 0
+
+
+def test_each_fault_is_one_line() -> None:
+    tally = Tally(9, 5, 2, 3)
+    assert set(tally.faults(Tally(), PLAIN)) == {"skipped", "failed", "missed"}
+    assert all("\n" not in line for line in tally.faults(Tally(), PLAIN).values())
+    assert set(tally.faults(Tally(skipped=5, failed=2), PLAIN)) == {"missed"}
+
+
+def test_an_image_is_no_frame() -> None:
+    decoder = Decoder(PLAIN)
+    packet = PLAIN.to_bytes(Frame(0, (), 0, (1, 2), (3,)))
+    assert len(decoder.feed(packet + image_packet(bytes(50)) + packet)) == 2
+    assert decoder.tally.skipped == 54
+    assert decoder.tally.missed == 255

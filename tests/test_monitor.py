@@ -1,0 +1,460 @@
+"""What is shown, told and recorded of a board, from a pseudo-terminal to the browser."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import re
+import shutil
+import subprocess
+import threading
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from golden.cli import CommandError, run
+from golden.link.packets import FRAME, SYNC, Frame, FrameLayout, check_of
+from golden.precision import SIGNAL
+from golden.scene import Scene, load_scene
+from tb.monitor.__main__ import main
+from tb.monitor.board import Board
+from tb.monitor.csv_file import GrowingCsv
+from tb.monitor.line import Line
+from tb.monitor.monitor import HEAD, Monitor
+from tb.monitor.server import Server
+from tb.monitor.told import PAUSE
+from tb.monitor.twin_board import TwinBoard
+from tb.report.page.page import environment
+
+BAUD = 1_000_000
+LONGEST = 30.0
+
+
+@pytest.fixture(scope="module")
+def scene() -> Scene:
+    """With a cascade and a profile, and with its program in the hardware."""
+    return replace(load_scene("digit-board"), design_options={})
+
+
+def wait(until: Callable[[], bool]) -> None:
+    """A fault of the test, and not a slow machine, ends it otherwise."""
+    began = time.monotonic()
+    while not until():
+        assert time.monotonic() - began < LONGEST
+        time.sleep(0.01)
+
+
+@contextmanager
+def listening(monitor: Monitor, line: Line) -> Iterator[None]:
+    done = threading.Event()
+    thread = threading.Thread(target=monitor.listen, args=(line, done.is_set))
+    thread.start()
+    try:
+        yield
+    finally:
+        done.set()
+        thread.join()
+
+
+def twin_outputs(scene: Scene) -> np.ndarray:
+    return scene.twin().core.process(scene.vectors().codes)
+
+
+def test_what_a_board_sends_is_shown_and_recorded(scene: Scene, tmp_path: Path) -> None:
+    board, path, said = Board(scene, scene), tmp_path / "all.csv", []
+    with (
+        TwinBoard(scene, 2000.0) as simulated,
+        Line(simulated.port, BAUD) as line,
+        GrowingCsv(path, [*HEAD, *board.columns]) as file,
+    ):
+        monitor = Monitor(board, said.append, file)
+        with listening(monitor, line):
+            wait(lambda: monitor.decoder.tally.frames >= 300)
+        state = monitor.state()
+    tally = monitor.decoder.tally
+    assert (tally.missed, tally.failed, tally.skipped, said) == (0, 0, 0, [])
+    with path.open(newline="") as handle:
+        rows = list(csv.DictReader(handle))
+    assert len(rows) == file.rows == tally.frames
+    outputs, codes = twin_outputs(scene), scene.vectors().codes
+    first = int(rows[0]["computed"])
+    for number, row in enumerate(rows):
+        at = (first + number) % len(codes)
+        samples = [float(row[name]) for name in scene.sensors]
+        assert np.array_equal(np.round(np.array(samples) * 8192), codes[at])
+        results = np.array([float(row[name]) for name in scene.outputs])
+        assert np.array_equal(np.round(results * 8192), outputs[at])
+    newest = rows[-1]
+    for shown in (*state["sensors"], *state["outputs"]):
+        assert shown["text"] == newest[shown["name"]]
+    position = next(o for o in state["outputs"] if o["name"] == "position")
+    assert float(position["mm"]) == pytest.approx(float(position["text"]) / 0.9 * 127, abs=0.06)
+    assert [x for x, _ in state["profile"]] == list(
+        SIGNAL.to_real(scene.visualisation.load_profile.ramp.process())
+    )
+    assert state["line"] == "packets"
+
+
+def test_the_profile_is_that_of_the_placement(scene: Scene) -> None:
+    board = Board(scene, scene)
+    with TwinBoard(scene) as simulated, Line(simulated.port, BAUD) as line:
+        simulated.place({"load": 0.9, "position": 0.45, "width": 0.9, "shape": 0.45})
+        line.drop()
+        monitor = Monitor(board, print)
+        with listening(monitor, line):
+            wait(lambda: monitor.decoder.tally.frames >= 600)
+        state = monitor.state()
+    row = int(np.argmin(np.abs(scene.vectors().targets - [0.9, 0.45, 0.9, 0.45]).sum(axis=1)))
+    x, y = scene.twin().readout.profile(twin_outputs(scene)[row])
+    expected = np.stack([SIGNAL.to_real(x), SIGNAL.to_real(y)], axis=1)
+    assert np.array_equal(state["profile"], expected)
+
+
+def test_a_cut_cable_and_noise_are_told_and_it_goes_on(scene: Scene) -> None:
+    said: list[str] = []
+    with TwinBoard(scene, 500.0) as simulated, Line(simulated.port, BAUD) as line:
+        monitor = Monitor(Board(scene, scene), said.append)
+        with listening(monitor, line):
+            wait(lambda: monitor.decoder.tally.frames > 20)
+            simulated.noise(b"noise" * 9)
+            wait(lambda: any("are part of no packet" in text for text in said))
+            simulated.cut()
+            wait(lambda: monitor.state()["line"] == "cut")
+            before = monitor.decoder.tally.frames
+            simulated.mend()
+            wait(lambda: monitor.decoder.tally.frames > before + 20)
+            assert monitor.state()["line"] == "packets"
+        assert monitor.decoder.tally.missed == 0
+        assert monitor.decoder.tally.skipped >= 45
+    texts = [text.partition(" ")[2] for text in said]
+    assert texts[0] == "45 bytes are part of no packet: garbage on the line, or another baud rate"
+    assert texts[1].startswith("the line was cut: the device is gone; waiting for ")
+    assert texts[2].endswith("board is back")
+    assert len(texts) == 3
+
+
+class Wire:
+    """A line that brings what a test gives it."""
+
+    label, cut = "wire", ""
+
+    def __init__(self) -> None:
+        self.data = b""
+
+    def read(self) -> bytes:
+        data, self.data = self.data, b""
+        return data
+
+
+class Still:
+    """A monitor on such a line, with a clock that stands."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.now, self.said, self.wire = 100.0, [], Wire()
+        self.board = Board(scene, scene)
+        self.monitor = Monitor(self.board, self.said.append, clock=lambda: self.now)
+
+    def bring(self, data: bytes) -> list[str]:
+        """What is said of these bytes."""
+        self.wire.data, before = data, len(self.said)
+        ends = iter((False, True))
+        self.monitor.listen(self.wire, lambda: next(ends))
+        return [text.partition(" ")[2] for text in self.said[before:]]
+
+    def packet(self, number: int, *flags: str, count: int = 0, point: int = 0) -> bytes:
+        layout = self.board.layout
+        zeros = (0,) * layout.inputs, (0,) * layout.outputs
+        return layout.to_bytes(Frame(number, flags, count, *zeros, (point, 0, 0)))
+
+
+def test_a_fault_is_told_once_and_again_after_a_while(scene: Scene) -> None:
+    still = Still(scene)
+    other = bytes([0x20 | FRAME, 3, 0, 0, 0, 0])
+    other = bytes([SYNC]) + other + check_of(other).to_bytes(2, "big")
+    (line,) = still.bring(other * 2)
+    assert line.startswith("packets are of version 2 of the protocol, expected 1")
+    assert still.bring(other * 50) == []
+    (line,) = still.bring(still.packet(0) + still.packet(3))
+    assert line == "2 packets are missing: the numbers jump"
+    assert still.bring(still.packet(6)) == []
+    still.now += PAUSE
+    assert set(still.bring(other + still.packet(9))) == {
+        "4 packets are missing: the numbers jump",
+        "packets are of version 2 of the protocol, expected 1: board and tactus are not of one age",
+    }
+    state = still.monitor.state()
+    assert state["missed"] == 6
+    assert state["told"] == still.said[::-1]
+
+
+def test_flags_silence_and_a_point_too_many_are_told(scene: Scene) -> None:
+    still = Still(scene)
+    assert still.bring(still.packet(0, "converter_error")) == [
+        "the converter is missing or stuck: no frame is made of what it sends"
+    ]
+    flag = still.monitor.state()["flags"][0]
+    assert flag == {"name": "converter_error", "lit": True, "count": 1}
+    (line,) = still.bring(still.packet(1, point=99))
+    assert line.startswith("the profile has a point 99, expected 0 to 16: the board runs")
+    still.now += 5
+    assert still.bring(b"") == ["no packet for 2 s"]
+    assert still.bring(b"") == []
+    assert still.monitor.state()["line"] == "silent"
+    assert not still.monitor.state()["flags"][0]["lit"]
+    assert still.bring(still.packet(2, count=1)) == ["packets come again"]
+    assert still.monitor.state()["line"] == "packets"
+
+
+def test_packets_without_frames_are_not_taken_for_frames(scene: Scene) -> None:
+    still = Still(scene)
+    for number, count in enumerate((65534, 65535, 2, 2, 2)):
+        still.bring(still.packet(number, count=count))
+    state = still.monitor.state()
+    assert (state["packets_a_second"], state["computed_a_second"]) == (5, 5)
+    still.now += 1.5
+    still.bring(still.packet(5, count=2))
+    assert still.monitor.state()["line"] == "idle"
+
+
+def test_a_recording_replaces_nothing_and_holds_whole_rows(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "there.csv"
+    path.write_text("mine")
+    with pytest.raises(ValueError, match="is there already; choose another name with TO="):
+        GrowingCsv(path, ["a"])
+    assert path.read_text() == "mine"
+    with pytest.raises(ValueError, match="column 'a' would stand twice"):
+        GrowingCsv(tmp_path / "new.csv", ["a", "a"])
+    with GrowingCsv(tmp_path / "new.csv", ["a, b", "c"]) as file:
+        file.append([[1, "x y"], [2, ""]])
+        write = os.write
+
+        def full(handle: int, data: bytes) -> int:
+            if len(data) < 6:
+                raise OSError(28, "No space left on device")
+            return write(handle, data[:5])
+
+        monkeypatch.setattr(os, "write", full)
+        with pytest.raises(CommandError, match=r"new.csv: cannot be written: No space left"):
+            file.append([[3, "three"]])
+        monkeypatch.undo()
+        assert file.rows == 2
+        file.append([[4, ""]])
+    assert (tmp_path / "new.csv").read_text() == '"a, b",c\n1,x y\n2,\n4,\n'
+
+
+def test_only_this_machine_is_served() -> None:
+    with Server("a <b>", lambda: {"x": 1}) as server:
+        page = urllib.request.urlopen(server.address)
+        assert "a &lt;b&gt;" in page.read().decode()
+        assert "default-src 'none'" in page.headers["Content-Security-Policy"]
+        assert json.load(urllib.request.urlopen(server.address + "state")) == {"x": 1}
+        assert server._server.server_address[0] == "127.0.0.1"
+        for path, host, code in (("secret", None, 404), ("state", "evil.example", 403)):
+            request = urllib.request.Request(server.address + path)
+            if host:
+                request.add_header("Host", host)
+            with pytest.raises(urllib.error.HTTPError) as refused:
+                urllib.request.urlopen(request)
+            assert refused.value.code == code
+        taken = int(server.address.split(":")[2].strip("/"))
+        with pytest.raises(CommandError, match=f"PAGE={taken}: cannot be served"):
+            Server("b", dict, taken)
+
+
+def test_the_page_needs_nothing_from_elsewhere() -> None:
+    page = environment("tb.monitor").get_template("page.html.jinja").render(title="t")
+    links = re.findall(r"""(?:src|href)=["']([^"']*)""", page)
+    assert links == ["data:,"]
+    assert set(re.findall(r"https?://[^\"' ]+", page)) == {"http://www.w3.org/2000/svg"}
+
+
+BROWSER = shutil.which("chromium")
+
+
+def browse(address: str, folder: Path, *options: str) -> str:
+    """The page as it stands after two seconds of its own clock."""
+    assert BROWSER, "chromium is not installed; on Debian: apt-get install chromium"
+    command = [BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"]
+    command += ["--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1", *options]
+    command += [f"--user-data-dir={folder / 'browser'}", "--virtual-time-budget=2000"]
+    done = subprocess.run(
+        [*command, "--dump-dom", address], capture_output=True, text=True, timeout=120, check=True
+    )
+    return done.stdout
+
+
+def plain(page: str, name: str) -> str:
+    """The text of an element."""
+    found = re.search(rf'<(\w+) [^>]*id="{name}".*?</\1>', page, re.S)
+    assert found, name
+    return re.sub(r"\s+", " ", re.sub(r"<[^>]*>", " ", found[0])).strip()
+
+
+def test_the_browser_shows_numbers_profile_and_faults(scene: Scene, tmp_path: Path) -> None:
+    with TwinBoard(scene, 200.0) as simulated, Line(simulated.port, BAUD) as line:
+        simulated.place({"load": 0.9, "position": 0.45, "width": 0.9, "shape": 0.45})
+        monitor = Monitor(Board(scene, scene), print)
+        with listening(monitor, line), Server("t", monitor.state) as server:
+            wait(lambda: monitor.decoder.tally.frames > 60)
+            page = browse(server.address, tmp_path)
+            state = monitor.state()
+            assert "packets come" in plain(page, "line")
+            for shown in state["outputs"]:
+                # The board stays where it was placed.
+                assert f"{shown['name']} {shown['text']}" in plain(page, "outputs")
+            assert f"{state['outputs'][1]['mm']} mm" in plain(page, "outputs")
+            for shown in state["sensors"]:
+                assert f"{shown['text']} code {shown['code']}" in plain(page, "sensors")
+            assert page.count("<circle") == 17
+            assert page.count('class="course"') == 4
+            assert "nothing yet" in plain(page, "told")
+            simulated.noise(b"noise")
+            simulated.cut()
+            wait(lambda: line.cut != "")
+            page = browse(server.address, tmp_path)
+            assert "the line is cut" in plain(page, "line")
+            assert "the line was cut: the device is gone" in plain(page, "told")
+            simulated.mend()
+            wait(lambda: monitor.state()["line"] == "packets")
+            page = browse(server.address, tmp_path)
+            assert "packets come" in plain(page, "line")
+            assert "is back" in plain(page, "told")
+
+
+LOOK = """<script>
+setTimeout(() => {{
+  const beyond = [...document.querySelectorAll("body *")].filter(e => !e.closest(".scroll")
+    && !e.closest("svg") && e.getBoundingClientRect().right > {width} + 1).map(e => e.outerHTML);
+  document.title = JSON.stringify({{inner: innerWidth, wide: document.documentElement.scrollWidth,
+    beyond, letters: [...document.querySelectorAll("svg text")].map(t => t.getScreenCTM().a)}});
+}}, 1000);
+</script>"""
+
+
+@pytest.mark.parametrize("width", [390, 1280])
+def test_the_page_fits_and_takes_names_as_text(scene: Scene, tmp_path: Path, width: int) -> None:
+    still = Still(scene)
+    for number in range(17):
+        still.bring(still.packet(number, "line_error", count=number, point=number))
+    state: dict[str, Any] = still.monitor.state()
+    state["outputs"][0]["name"] = "<b>" + "a very long name " * 9
+    state["sensors"][0] |= {"name": "<img src=x>" + "long" * 30, "unit": "micrometres per metre"}
+    state |= {"recording": "/a/very/long/path" * 9, "told": ["08:00:00 " + "word" * 90]}
+    page = environment("tb.monitor").get_template("page.html.jinja").render(title="t" * 60)
+    stub = f"<script>window.fetch = async () => ({{json: async () => ({json.dumps(state)})}});"
+    page = page.replace("<body>", f"<body>{stub}</script>{LOOK.format(width=width)}")
+    # A window of a browser is no narrower than 500: the page stands in a frame.
+    (tmp_path / "page.html").write_text(page)
+    (tmp_path / "frame.html").write_text(
+        f'<body style="margin:0"><iframe id="f" src="page.html" width="{width}" height="2000" '
+        'style="border:0"></iframe><pre id="said"></pre><script>setTimeout(() => { said.textContent'
+        ' = f.contentDocument.title + f.contentDocument.getElementById("sensors").innerText },'
+        " 1500);</script>"
+    )
+    shown = browse((tmp_path / "frame.html").as_uri(), tmp_path, "--allow-file-access-from-files")
+    said = re.search(r'<pre id="said">(.*?)</pre>', shown, re.S)
+    assert said
+    text = said[1].replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")
+    seen, rest = json.JSONDecoder().raw_decode(text)
+    assert seen["beyond"] == []
+    assert (seen["inner"], seen["wide"]) == (width, width)
+    assert min(seen["letters"]) >= 0.8, "letters too small to read"
+    assert text[rest:].startswith("<img src=x>long")
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["digit-board", ""], "PORT=: missing, expected sim or a serial port"),
+        (
+            ["digit-board", "/dev/nowhere"],
+            "PORT=/dev/nowhere: cannot be opened: no such port; there is",
+        ),
+        (["digit-board", "."], "PORT=.: cannot be opened: Is a directory"),
+        (
+            ["digit-board", "sim", "--baud=fast"],
+            "BAUD=fast: expected a whole number, 300 to 12000000",
+        ),
+        (["digit-lode", "sim"], "did you mean 'digit-load'?"),
+        (["swing-single", "sim", "--hardware=digit-board"], "data.sensors: got 3, expected 4, as"),
+        (
+            ["digit", "sim"],
+            "got no section [uart], expected one, as scene digit-board has, or HARD",
+        ),
+    ],
+)
+def test_what_cannot_be_is_one_line(
+    words: list[str], message: str, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
+) -> None:
+    monkeypatch.setattr("sys.argv", ["monitor", *words])
+    assert run(main) == 2
+    said = capfd.readouterr().err
+    assert message in said
+    assert said.count("\n") == 1
+
+
+def test_two_programs_do_not_share_a_port(scene: Scene) -> None:
+    with (
+        TwinBoard(scene, 10.0) as simulated,
+        Line(simulated.port, BAUD),
+        pytest.raises(CommandError, match="another program has it open"),
+    ):
+        Line(simulated.port, BAUD)
+
+
+def test_a_recording_that_is_there_is_refused_before_anything(
+    scene: Scene,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture,
+) -> None:
+    there = tmp_path / "there.csv"
+    there.touch()
+    with TwinBoard(scene, 10.0) as simulated:
+        words = ["monitor", "digit-board", simulated.port, f"--to={there}"]
+        monkeypatch.setattr("sys.argv", words)
+        assert run(main) == 2
+    assert f"error: {there}: is there already" in capfd.readouterr().err
+
+
+def test_the_command_ends_with_what_it_saw(
+    scene: Scene,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture,
+) -> None:
+    with TwinBoard(scene, 200.0) as simulated:
+        words = [
+            "monitor",
+            "digit-board",
+            simulated.port,
+            "--seconds=0.5",
+            f"--to={tmp_path}/a.csv",
+        ]
+        monkeypatch.setattr("sys.argv", words)
+        assert run(main) == 0
+    first, *_, counted, wrote = capfd.readouterr().out.splitlines()
+    assert first.startswith(f"{simulated.port}, 1000000 baud: look at http://127.0.0.1:")
+    assert re.fullmatch(r"\d+ packets, 0 missed, 0 damaged", counted)
+    rows = len((tmp_path / "a.csv").read_text().splitlines()) - 1
+    assert wrote == f"wrote {tmp_path}/a.csv, {rows} rows"
+    assert counted.startswith(f"{rows} ")
+
+
+def test_the_layout_is_that_of_the_hardware(scene: Scene) -> None:
+    assert Board(scene, scene).layout == FrameLayout(4, 4, drawn=True)
+    with pytest.raises(
+        ValueError, match=r"data.outputs: got 5, expected 4 at most, as the packets"
+    ):
+        Board(replace(scene, outputs=(*scene.outputs, "more")), scene)

@@ -1,0 +1,237 @@
+"""What is asked of a board: readings of known placements, and to run an image."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from golden.cli import CommandError, run
+from golden.link.decoder import Decoder
+from golden.networks.engine import Engine
+from golden.scene import Scene, load_scene
+from golden.scene.scale import Scale
+from tb.monitor import load as loading
+from tb.monitor import record as recording
+from tb.monitor.board import Board
+from tb.monitor.csv_file import GrowingCsv
+from tb.monitor.line import Line
+from tb.monitor.twin_board import TwinBoard
+
+BAUD = 1_000_000
+
+
+@pytest.fixture(scope="module")
+def hardware() -> Scene:
+    return load_scene("digit-board")
+
+
+@pytest.fixture
+def simulated(hardware: Scene) -> Iterator[TwinBoard]:
+    with TwinBoard(hardware, 1000.0) as board:
+        yield board
+
+
+@pytest.mark.parametrize("name", ["digit-board", "digit-single", "digit-load"])
+def test_a_scene_that_is_loaded_runs(name: str, hardware: Scene, simulated: TwinBoard) -> None:
+    scene = load_scene(name)
+    board = Board(scene, hardware)
+    with Line(simulated.port, BAUD) as line:
+        count = loading.load(line, board)
+        assert count > 1000
+        line.drop()
+        decoder = Decoder(board.layout)
+        frames = []
+        while len(frames) < 50:
+            frames += decoder.feed(line.read())
+    core = Engine.of_several(scene.arrangement, scene.mlps())
+    for frame in frames:
+        expected = core.process(np.array([frame.samples]))[0].tolist()
+        assert list(frame.outputs[: len(expected)]) == expected
+        assert frame.flags == ()
+        assert frame.point is not None
+
+
+def test_nothing_is_computed_before_an_image(simulated: TwinBoard) -> None:
+    with Line(simulated.port, BAUD) as line:
+        decoder, frames = Decoder(simulated.layout), []
+        while len(frames) < 5:
+            frames += decoder.feed(line.read())
+    assert {frame.flags for frame in frames} == {("frame_error",)}
+    assert {frame.count for frame in frames} == {0}
+
+
+def other_sizes(hardware: Scene) -> Scene:
+    """The same scene for hardware with a larger memory."""
+    return replace(hardware, design_options=hardware.design_options | {"program_words": 1024})
+
+
+def test_a_board_that_refuses_an_image_is_told(hardware: Scene, simulated: TwinBoard) -> None:
+    with (
+        Line(simulated.port, BAUD, "there") as line,
+        pytest.raises(CommandError, match="PORT=there: image_error: the board refused the image"),
+    ):
+        loading.load(line, Board(hardware, other_sizes(hardware)))
+
+
+def test_a_board_that_is_silent_is_told(hardware: Scene) -> None:
+    with TwinBoard(hardware, 1e-9) as still, Line(still.port, BAUD, "there") as line:
+        line.patience = 0.2
+        with pytest.raises(CommandError, match=r"no frame came for 0.2 s: is the bitstream loaded"):
+            loading.load(line, Board(hardware, hardware))
+        with pytest.raises(CommandError, match=r"PORT=there: no packet for 0.2 s"):
+            recording.gather(line, Board(hardware, hardware), 4)
+
+
+def test_a_line_that_is_cut_is_told(hardware: Scene, simulated: TwinBoard) -> None:
+    with Line(simulated.port, BAUD, "there") as line:
+        simulated.cut()
+        for ask in (
+            lambda: loading.load(line, Board(hardware, hardware)),
+            lambda: recording.gather(line, Board(hardware, hardware), 4),
+        ):
+            with pytest.raises(CommandError, match="PORT=there: the line was cut: the device is"):
+                ask()
+
+
+def test_a_scene_of_other_sensors_is_not_loaded(hardware: Scene) -> None:
+    other = replace(hardware, sensors=("sensor2", "sensor1", "sensor3", "sensor4"))
+    with pytest.raises(ValueError, match=r"data.sensors: got sensor2, sensor1.*expected sensor1,"):
+        loading.check_readings(Board(other, hardware))
+    other = replace(hardware, scale={"sensor2": Scale(1.0, 2.0)})
+    with pytest.raises(ValueError, match=r"data.scale.sensor2: got offset 1, factor 2, expected o"):
+        loading.check_readings(Board(other, hardware))
+
+
+def test_an_image_is_only_for_an_engine_that_is_loaded() -> None:
+    fixed = replace(load_scene("digit-board"), design_options={})
+    with (
+        TwinBoard(fixed, 10.0) as simulated,
+        Line(simulated.port, BAUD) as line,
+        pytest.raises(ValueError, match=r"hardware.reload: got false, expected true"),
+    ):
+        loading.load(line, Board(fixed, fixed))
+
+
+def test_placements_of_a_list_become_a_recording(
+    hardware: Scene,
+    simulated: TwinBoard,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture,
+) -> None:
+    """Each row is the mean of what the board reads there; the labels stand as they were given."""
+    labels, to = tmp_path / "labels.csv", tmp_path / "mine.csv"
+    labels.write_text("position,load\n0.225,0.9\n0.450,0.90\n")
+    words = ["record", "digit-board", simulated.port, str(to), f"--labels={labels}", "--frames=4"]
+    monkeypatch.setattr("sys.argv", words)
+    asked = []
+
+    def touch(text: str) -> str:
+        """Whoever is asked touches the board there and presses Enter."""
+        asked.append(text)
+        told = re.findall(r"(position|load) ([\d.]+)", text)
+        simulated.place({name: float(value) for name, value in told})
+        return ""
+
+    monkeypatch.setattr("builtins.input", touch)
+    assert run(recording.main) == 0, capfd.readouterr().err
+    assert f"wrote {to}, 2 placements" in capfd.readouterr().out
+    assert asked[1] == "2 of 2: position 0.450, load 0.90; Enter when it is there "
+    with to.open(newline="") as handle:
+        rows = list(csv.reader(handle))
+    assert rows[0] == [*hardware.sensors, "position", "load"]
+    assert [row[4:] for row in rows[1:]] == [["0.225", "0.9"], ["0.450", "0.90"]]
+    recorded = hardware.vectors()
+    for row in rows[1:]:
+        readings = np.array([float(cell) for cell in row[:4]])
+        assert np.abs(recorded.codes / 8192 - readings).max(axis=1).min() <= 0.5e-5
+    assert run(recording.main) == 2
+    assert "is there already" in capfd.readouterr().err
+
+
+def test_means_and_noise_are_those_of_the_readings(hardware: Scene, tmp_path: Path) -> None:
+    """A board that goes through its recording, four rows to a placement."""
+    board, said = Board(hardware, hardware), []
+    with (
+        TwinBoard(hardware, 1000.0) as simulated,
+        Line(simulated.port, BAUD) as line,
+        GrowingCsv(tmp_path / "a.csv", [*hardware.sensors, "load"]) as file,
+    ):
+        spread = recording.record(line, board, iter([("1",)]), file, 143, said.append)
+    codes = hardware.vectors().codes / 8192
+    assert spread == pytest.approx(codes.std(axis=0))
+    cells = (tmp_path / "a.csv").read_text().splitlines()[1].split(",")
+    assert [float(c) for c in cells[:4]] == pytest.approx(codes.mean(axis=0), abs=1e-5)
+
+
+def test_typed_placements() -> None:
+    lines, said = iter(["0.5 1", "0.5", "0.5, x", "1,2", "", "3 4"]), []
+    found = list(recording.typed(["load", "place"], lambda _: next(lines), said.append))
+    assert found == [("0.5", "1"), ("1", "2")]
+    assert said[1:] == [
+        "got 1 values, expected 2: load, place",
+        "place: got 'x', expected a number",
+    ]
+
+    def ended(_: str) -> str:
+        raise EOFError
+
+    assert list(recording.typed(["load"], ended, said.append)) == []
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["sim", ""], "TO=: missing, expected a .csv file"),
+        (["sim", "a.csv", "--labels=no.csv"], "no.csv: no such file"),
+        (["sim", "a.csv", "--labels=bad.csv"], "bad.csv:2: column 'load': got 'x', expected a num"),
+        (["sim", "bad.csv"], "bad.csv: is there already"),
+        (["sim", "a.csv", "--frames=0"], "FRAMES=0: expected a whole number, 1 to"),
+    ],
+)
+def test_what_record_refuses(
+    words: list[str],
+    message: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("bad.csv").write_text("load\nx\n")
+    Path("twice.csv").write_text("sensor1\n1\n")
+    monkeypatch.setattr("sys.argv", ["record", "digit-board", *words])
+    assert run(recording.main) == 2
+    said = capfd.readouterr().err
+    assert message in said
+    assert said.count("\n") == 1
+    assert not Path("a.csv").exists()
+
+
+def test_load_at_the_front_door(
+    simulated: TwinBoard, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
+) -> None:
+    words = ["load", "digit-single", simulated.port, "--hardware=digit-board"]
+    monkeypatch.setattr("sys.argv", words)
+    assert run(loading.main) == 0
+    assert capfd.readouterr().out == f"{simulated.port}: digit-single runs, 1762 bytes\n"
+
+
+def test_a_simulated_board_is_touched_by_itself(hardware: Scene, simulated: TwinBoard) -> None:
+    placements = [("0.9", "0.225"), ("0.45", "0.45")]
+    ask = recording.simulated_ask(simulated, placements, ["load", "position"])
+    found = recording.listed(["load", "position"], placements, ask)
+    with Line(simulated.port, BAUD) as line:
+        for placement in found:
+            codes = recording.gather(line, Board(hardware, hardware), 3) * 8192
+            row = np.argmin(
+                np.abs(hardware.vectors().targets[:, :2] - np.float64(placement)).sum(1)
+            )
+            assert np.array_equal(codes, [hardware.vectors().codes[row]] * 3)
+    with pytest.raises(ValueError, match=r"data.outputs: got no 'where', expected that of a plac"):
+        simulated.place({"where": 1.0})
