@@ -1,7 +1,9 @@
 """What benches find on netlists, recorded: ``make sim NETLIST=1 RECORD=1``, ``NETLIST=unknown``.
 
 Of every block the first entity in the first case of its bench, and the entities of the scenes whose
-network is an engine. A bench that has passed is kept until its netlist or what it does changes.
+network is an engine. A bench that has passed is kept until its netlist or what it does changes. An
+engine plays recorded frames, in its own image and, where it takes others, in theirs; the rest of
+its bench takes minutes on cells, and its parts go through the whole of theirs.
 """
 
 from __future__ import annotations
@@ -30,9 +32,17 @@ from tb.sign_off.unknown import UNKNOWN, Netlist
 from tb.sign_off.unknown_proof import clocks_to_prove
 
 KIND = "netlist"
-# Scenes whose network is an engine. The first one's plays all tests of its bench, the others' one.
-SCENES = ("digit", "digit-load", "digit-multiple", "digit-reload", "digit-instrument")
-RECORDED = "recorded"
+# Scenes whose network is an engine; not the rig swing's, whose 5000 frames take half an hour.
+SCENES = (
+    "digit",
+    "digit-load",
+    "digit-multiple",
+    "digit-reload",
+    "digit-instrument",
+    "comparison/digit-single-engine",
+)
+# By block: the tests of its bench that are played, as a regular expression; of others, all.
+PLAYED = {"engine": "(recorded|images_one_after_the_other)"}
 STORE = BUILD / "netlist"
 Tell = Callable[[Outcome, Callable[[str], None]], None]
 
@@ -67,7 +77,11 @@ class Entity:
 
     job: Job
     top: str
-    test: str = ""
+
+    @property
+    def test(self) -> str:
+        """The tests that are played; empty where all are."""
+        return PLAYED.get(self.job.block, "")
 
     def families(self) -> list[str]:
         """Only a whole design is placed."""
@@ -90,8 +104,7 @@ def entities(blocks: Collection[str], build: Path = BUILD) -> Iterator[Entity]:
         for job in jobs(scene, NETLISTS_RUN_IN, build=build):
             if job.block in blocks and source_of(job) not in seen:
                 seen.add(source_of(job))
-                some = job.block == "engine" and name != SCENES[0]
-                yield Entity(job, scene.twin().entity, RECORDED if some else "")
+                yield Entity(job, scene.twin().entity)
 
 
 def record_netlists(blocks: Collection[str], tell: Tell, build: Path = BUILD) -> list[Outcome]:

@@ -104,7 +104,9 @@ class Netlist:
         return {"0": low, "1": high}.get(str(select), low if low == high else "x")
 
     def is_reset(self, bit: Bit) -> bool:
-        """Whether reset gives a register a value."""
+        """Whether reset gives a register a value; one that is constant needs none."""
+        if self.rst is None:
+            return False
         name, n = self.flip_flops[bit]
         return self.in_reset(self.module["cells"][name]["connections"]["D"][n]) in ("0", "1")
 

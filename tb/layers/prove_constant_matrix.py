@@ -1,0 +1,171 @@
+"""What is proved of constant_matrix, for all samples: that no sum of its graph leaves its width."""
+
+from golden.layers.shift_add import Constant, Input, Sum
+from tb.sign_off.properties import Property
+
+BEGUN = "reg begun = 0; always @(posedge clk) begun <= 1;"
+# By list of sums, a broken copy of one in it.
+WRONG_SUMS = (
+    (r"one = \$signed\(in_data_1 >>> 2\)", "one = $signed(in_data_1 >>> 1)"),
+    (r"reg signed \[14:0\] add1_total", "reg signed [13:0] add1_total"),
+    (r"result = \(one - subtract1_total\)", "result = (one + subtract1_total)"),
+)
+
+
+class Signals:
+    """The block's signals, named in the order in which it makes them.
+
+    Attributes
+    ----------
+    there : dict
+        By node and clock.
+    late : dict
+        By signal that is one a clock later, that.
+    results : list of str
+        Numbers of the rows in the clock before their results.
+    """
+
+    def __init__(self, twin):
+        self.graph = twin.graph
+        self.made, self.there, self.late = {}, {}, {}
+        for place, node in enumerate(self.graph.nodes):
+            clock = twin.clocks[place]
+            if isinstance(node, Input):
+                self.there[place, 0] = f"in_data_{node.number}"
+            elif isinstance(node, Sum):
+                for operand in (node.low, node.high):
+                    self.at(operand, clock)
+                self.there[place, clock] = self._name(self._kind(place, node), "total")
+        self.results = [self.at(row.node, twin.latency - 1) for row in self.graph.rows]
+
+    def at(self, place, clock):
+        node = self.graph.nodes[place]
+        if isinstance(node, Constant):
+            return f"{node.value}"
+        if (place, clock) not in self.there:
+            before = self.at(place, clock - 1)
+            self.there[place, clock] = self._name("delay", "data_late")
+            self.late[self.there[place, clock]] = before
+        return self.there[place, clock]
+
+    def _kind(self, place, node):
+        if any(isinstance(self.graph.nodes[n], Constant) for n in (node.low, node.high)):
+            return "add_constant"
+        if self.graph.step(place).move and node.low_sign > 0:
+            return "add_above"
+        return "add" if node.low_sign == node.high_sign else "subtract"
+
+    def _name(self, kind, signal):
+        self.made[kind] = self.made.get(kind, -1) + 1
+        return f"{kind}{self.made[kind]}_{signal}"
+
+
+def apart(graph):
+    """The sums in lists: none is in that of an operand."""
+    lists = {}
+    for place, node in enumerate(graph.nodes):
+        if isinstance(node, Sum):
+            taken = {lists.get(node.low), lists.get(node.high)}
+            lists[place] = next(n for n in range(3) if n not in taken)
+    return [[p for p, n in lists.items() if n == number] for number in sorted(set(lists.values()))]
+
+
+def sums(twin, signals, places, number):
+    """That each of some sums is right if its operands are, which may be anything."""
+    graph = twin.graph
+    ends = [end for reach in graph.reaches for end in (reach.least, reach.most)]
+    width = max(abs(end) for end in ends).bit_length() + 4
+    watch, states, exacts = [], [], set()
+
+    def word(value):
+        return f"({'-' if value < 0 else ''}{width}'sd{abs(value)})"
+
+    def within(value, least, most):
+        return f"{value} >= {word(least)} && {value} <= {word(most)}"
+
+    def right(place, signal, exact):
+        reach = graph.reaches[place]
+        return within(f"(({signal} <<< {graph.lows[place]}) - {exact})", reach.below, reach.above)
+
+    for place in places:
+        node, clock = graph.nodes[place], twin.clocks[place]
+        given, exact = [], word(0)
+        for operand, shift, sign in (
+            (node.low, 0, node.low_sign),
+            (node.high, node.shift, node.high_sign),
+        ):
+            if isinstance(graph.nodes[operand], Constant):
+                value = word(graph.nodes[operand].value)
+            else:
+                value, signal = f"exact_{operand}", signals.at(operand, clock)
+                if operand not in exacts:
+                    watch.append(f"(* anyseq *) reg signed [{width - 1}:0] {value};")
+                exacts.add(operand)
+                given.append(right(operand, signal, value))
+            exact += f" {'-' if sign < 0 else '+'} ({value} <<< {shift})"
+        reach = graph.reaches[place]
+        watch.append(f"wire signed [{width - 1}:0] exact_{place} = {exact};")
+        given.append(within(f"exact_{place}", reach.least, reach.most))
+        own = right(place, signals.there[place, clock], f"exact_{place}")
+        states.append(f"!({' && '.join(given)}) || ({own})")
+    own = {signals.there[place, twin.clocks[place]] for place in places}
+    # The last bits of an add_above are its operand's: freeing it would free those.
+    kept = ("in_data", "add_above")
+    return Property(
+        name=f"sums {number}",
+        sentence=f"Each of {len(places)} sums is the exact sum of products that it stands for, "
+        "moved by no more than the twin says of what is cut, if both its operands are, and if the "
+        "exact sum lies between the ends that weights and samples give it; so none wraps.",
+        states=tuple(states),
+        watch="\n".join(watch),
+        free=tuple(s for s in signals.there.values() if s not in own and not s.startswith(kept)),
+        refuted_by=(WRONG_SUMS[number],),
+        clocks=1,
+        induction=1,
+    )
+
+
+def results(twin, signals):
+    """That each result is its row's number, and that numbers are kept from clock to clock."""
+    fmt, graph = twin.out_fmt, twin.graph
+    watch, states = [BEGUN], []
+    for number, (row, signal) in enumerate(zip(graph.rows, signals.results, strict=True)):
+        drop, invert = twin.drop(row), "~" if row.minus else ""
+        moved = f">>> {drop}" if drop >= 0 else f"<<< {-drop}"
+        watch.append(
+            f"""
+                wire signed [63:0] row_{number} = {signal};
+                reg signed [63:0] due_{number};
+                always @(posedge clk) due_{number} <= ({invert}row_{number}) {moved};
+            """
+        )
+        due = f"due_{number}"
+        ends = f"{due} < {fmt.low} ? {fmt.low} : {due} > {fmt.high} ? {fmt.high} : {due}"
+        states.append(f"!begun || out_data_{number} == ({ends})")
+    for late, early in signals.late.items():
+        watch.append(f"reg signed [63:0] ago_{late}; always @(posedge clk) ago_{late} <= {early};")
+        states.append(f"!begun || {late} == ago_{late}")
+    return Property(
+        name="results",
+        sentence="Each result is the number of its row a clock before, without its last bits, "
+        f"saturated; {len(signals.late)} numbers that a later clock needs are kept as they were.",
+        states=tuple(states),
+        watch="\n".join(watch),
+        refuted_by=(
+            (r"\(top == 0\) \|\| ", ""),
+            (r"else if \(word\[(\d+)\]\)", r"else if (!word[\1])"),
+            (r"(delay3_data_late) <= in_data_1", r"\1 <= in_data_2"),
+        ),
+        free=tuple(s for (_, clock), s in signals.there.items() if not clock and "total" in s),
+        clocks=3,
+        induction=1,
+    )
+
+
+def properties(twin):
+    signals = Signals(twin)
+    lists = apart(twin.graph)
+    return [
+        *(sums(twin, signals, places, number) for number, places in enumerate(lists)),
+        results(twin, signals),
+    ]
