@@ -286,8 +286,8 @@ UART = replace(
 )
 PLAIN_UART = replace(CONVERTER, sections=f"{CONVERTER.sections}\n[uart]\nbaud = 571_000\n")
 UARTS = {"uart": UART, "plain-uart": PLAIN_UART}
-# Of the whole top: the same, whose image takes thousands of clocks; without one; with room for other
-# images.
+# Of the whole top: the same, whose image takes thousands of clocks; without one; with room for
+# other images.
 UART_INSTRUMENTS = {
     "reload-uart": UART,
     "drawn-uart": replace(UART, hardware="clock_mhz = 4.0"),

@@ -27,7 +27,7 @@ FAULTS = [
     (r"filling && \(in_valid \|\| over\)", "filling && in_valid"),
     (r"length <= \(length - 1\)", "length <= length"),
     (r"byte_in = 0", "byte_in = 1"),
-    (r"load_ready \|\| \(!fifo0_full\)", "1"),
+    (r"queue0_some && load_ready", "queue0_some"),
     (r"if \(rst == 1\) begin\s+place", "if (0) begin place"),
 ]
 WATCH = ["load_valid", "load_data", "load_last"]
