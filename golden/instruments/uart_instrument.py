@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from golden.block import Block
+from golden.fixed import Codes
 from golden.instruments.converter_instrument import ConverterInstrument
 from golden.link.image_receiver import ImageReceiver
 from golden.link.packet_sender import PacketSender
@@ -34,7 +39,8 @@ class UartInstrument(ConverterInstrument):
     divisor : int
         Clocks of a bit on the line.
     analogue : bool
-        Whether the profile is given as two bits of pulse density.
+        Whether the profile is given as two bits of pulse density: of each profile a point, the next
+        of every next one, so that a point stands as long as a low pass takes to follow.
 
     Raises
     ------
@@ -117,6 +123,33 @@ class UartInstrument(ConverterInstrument):
     @property
     def pulse_density(self) -> PulseDensity:
         return PulseDensity(SIGNAL)
+
+    def dac(self, profile: Mapping[str, ArrayLike], reset: ArrayLike) -> tuple[Codes, Codes]:
+        """``dac_x`` and ``dac_y`` in each clock.
+
+        Parameters
+        ----------
+        profile : mapping
+            Columns of the ports ``profile_*``, by name.
+        """
+        names = ("profile_valid", "profile_x", "profile_y", "profile_last")
+        columns = [np.asarray(profile[name]).tolist() for name in names]
+        shown = np.zeros((2, len(columns[0])), dtype=np.int64)
+        point, place, number, wanted, ended = (0, 0), 0, 0, 0, False
+        for t, (valid, x, y, last, clears) in enumerate(
+            zip(*columns, np.asarray(reset).tolist(), strict=True)
+        ):
+            shown[:, t] = point
+            if clears:
+                point, place, number, wanted, ended = (0, 0), 0, 0, 0, False
+                continue
+            following = (number + 1) % self.packet_sender.points if ended else wanted
+            if valid and place == wanted:
+                point, number = (x, y), place
+            place = (0 if last else place + 1) if valid else place
+            wanted, ended = following, bool(last)
+        given_x, given_y = (self.pulse_density.process(codes, reset) for codes in shown)
+        return given_x, given_y
 
     @property
     def packet_clocks(self) -> int:

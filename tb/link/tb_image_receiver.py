@@ -14,10 +14,10 @@ import numpy as np
 
 from golden.link.packets import FRAME, IMAGE, SYNC, VERSION, image_packet, kind_byte
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import UARTS
+from tb.common.small import UART
 from tb.common.stimulus import random_resets
 
-CASES = {"uart": UARTS["uart"]}
+CASES = {"uart": UART}
 FAULTS = [
     (r"idle == \d+", "idle == 5"),
     (r"in_data != 165", "in_data == 165"),
@@ -27,7 +27,7 @@ FAULTS = [
     (r"filling && \(in_valid \|\| over\)", "filling && in_valid"),
     (r"length <= \(length - 1\)", "length <= length"),
     (r"byte_in = 0", "byte_in = 1"),
-    (r"load_ready \|\| \(!fifo0_full\)", "1"),
+    (r"queue0_some && load_ready", "queue0_some"),
     (r"if \(rst == 1\) begin\s+place", "if (0) begin place"),
 ]
 WATCH = ["load_valid", "load_data", "load_last"]

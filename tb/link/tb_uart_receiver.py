@@ -17,10 +17,10 @@ from cocotbext.uart import UartSource
 
 from golden.link.uart_transmitter import bits_of
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import UARTS
+from tb.common.small import UART
 from tb.common.stimulus import random_resets
 
-CASES = UARTS
+CASES = {"uart": UART}
 FAULTS = [
     (r"earlier && \(!line\)", "(!line)"),
     (r"tick <= 2;", "tick <= 0;"),
