@@ -31,7 +31,7 @@ help:
 	@echo "                                          the tests that other machines may change, as on each; WHOLE=1 all"
 	@echo "make sim     [BLOCK=] [SIM=ghdl|icarus] [SCENE=] [SEED=] [WAVES=1] [FRAMES=]"
 	@echo "                                          one bench, or every bench of the scene"
-	@echo "             NETLIST=virtex-2|series-7|ecp5|unknown [RECORD=1]"
+	@echo "             NETLIST=virtex-2|series-7|ecp5|ice40|unknown [RECORD=1]"
 	@echo "                                          on the cells of a family (1: of each), or on registers that are"
 	@echo "                                          unknown until they are written; RECORD=1 records it of every block"
 	@echo "make vhdl    [SCENE=]                     export to build/<scene>/vhdl"
@@ -180,7 +180,7 @@ docs: $(READY)
 
 # What stands between markers in the pages: ports and clocks that the twins publish, recorded cells.
 pages: $(READY)
-	@$(RUN) -m tb.report.page.blocks && $(RUN) -m tb.report.page.datasheets && $(RUN) -m tb.report.page.lists && $(RUN) -m tb.report.page.sign_off
+	@$(RUN) -m tb.report.page.blocks && $(RUN) -m tb.report.page.datasheets && $(RUN) -m tb.report.page.boards && $(RUN) -m tb.report.page.lists && $(RUN) -m tb.report.page.sign_off
 
 lint: $(READY)
 	@$(RUN) -m ruff check . && $(RUN) -m ruff format --check . && $(RUN) -m mypy

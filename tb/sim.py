@@ -15,7 +15,7 @@ from golden.progress import Progress
 from golden.scene import load_scene
 from tb.common.runner import FRAMES, SEED, Outcome, plan, run_jobs
 from tb.common.tools import SIMULATORS
-from tb.sign_off.netlist import FAMILIES, NETLISTS_RUN_IN, chosen, on_cells_of
+from tb.sign_off.netlist import CELLS, NETLISTS_RUN_IN, chosen, on_cells_of
 from tb.sign_off.netlist_record import record
 
 MOST_FRAMES = 1_000_000
@@ -49,7 +49,7 @@ def main() -> int:
     parser.add_argument("--seed", type=whole("SEED", 0, MOST_SEED), default=SEED)
     parser.add_argument("--frames", type=whole("FRAMES", 1, MOST_FRAMES), default=FRAMES)
     parser.add_argument("--waves", action="store_true")
-    parser.add_argument("--netlist", help=f"1, unknown, or one of {', '.join(FAMILIES)}")
+    parser.add_argument("--netlist", help=f"1, unknown, or one of {', '.join(CELLS)}")
     parser.add_argument("--record", action="store_true", help="with --netlist: every block's")
     arguments = parser.parse_args()
     if arguments.record:

