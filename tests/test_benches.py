@@ -32,6 +32,7 @@ LEFT = (
     *("wide-converter", "signed-converter", "bipartite-low", "short-graph", "logic-graph"),
     *("chain-serial", "axis-cascade", "gradient_parallel-thesis"),
     *("huge", "huge-parallel", "logic-huge", "block-ram-huge"),
+    *("reload-uart", "wide-uart", "plain-uart"),
 )
 
 

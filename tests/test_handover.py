@@ -27,11 +27,12 @@ ROOT = Path(__file__).parents[1]
 SHIPPED = ("digit", "digit-parallel")
 # A profile beside the outputs; single values; frames further apart than they are long; networks of
 # different depth; slots; the same behind AXI4-Stream; an engine that is loaded first; frames that
-# yield nothing, because they are the past of others; a converter on an SPI.
+# yield nothing, because they are the past of others; a converter on an SPI; the same with a line
+# over which the engine is loaded.
 OTHERS = (
     *("profile", "least", "wide", "pade-parallel", "wide-multiple", "other-profile"),
     *("axis", "axis-cascade", "one-sensor", "rails-reload"),
-    *("past", "past-instrument", "converter"),
+    *("past", "past-instrument", "converter", "uart"),
 )
 
 

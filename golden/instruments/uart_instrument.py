@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from golden.block import Block
+from golden.fixed import Codes
 from golden.instruments.converter_instrument import ConverterInstrument
 from golden.link.image_receiver import ImageReceiver
 from golden.link.packet_sender import PacketSender
+from golden.link.packets import image_packet
 from golden.link.uart_receiver import UartReceiver
 from golden.link.uart_transmitter import BYTE_BITS, UartTransmitter
 from golden.networks.engine import Engine
@@ -33,7 +39,8 @@ class UartInstrument(ConverterInstrument):
     divisor : int
         Clocks of a bit on the line.
     analogue : bool
-        Whether the profile is given as two bits of pulse density.
+        Whether the profile is given as two bits of pulse density: of each profile a point, the next
+        of every next one, so that a point stands as long as a low pass takes to follow.
 
     Raises
     ------
@@ -61,7 +68,12 @@ class UartInstrument(ConverterInstrument):
 
     @property
     def reload(self) -> bool:
-        return bool(self.image)
+        return bool(self.readout.image)
+
+    @property
+    def image(self) -> bytes:
+        """As it comes over the line."""
+        return image_packet(self.readout.image) if self.reload else b""
 
     @property
     def ports(self) -> tuple[Port, ...]:
@@ -112,10 +124,37 @@ class UartInstrument(ConverterInstrument):
     def pulse_density(self) -> PulseDensity:
         return PulseDensity(SIGNAL)
 
+    def dac(self, profile: Mapping[str, ArrayLike], reset: ArrayLike) -> tuple[Codes, Codes]:
+        """``dac_x`` and ``dac_y`` in each clock.
+
+        Parameters
+        ----------
+        profile : mapping
+            Columns of the ports ``profile_*``, by name.
+        """
+        names = ("profile_valid", "profile_x", "profile_y", "profile_last")
+        columns = [np.asarray(profile[name]).tolist() for name in names]
+        shown = np.zeros((2, len(columns[0])), dtype=np.int64)
+        point, place, number, wanted, ended = (0, 0), 0, 0, 0, False
+        for t, (valid, x, y, last, clears) in enumerate(
+            zip(*columns, np.asarray(reset).tolist(), strict=True)
+        ):
+            shown[:, t] = point
+            if clears:
+                point, place, number, wanted, ended = (0, 0), 0, 0, 0, False
+                continue
+            following = (number + 1) % self.packet_sender.points if ended else wanted
+            if valid and place == wanted:
+                point, number = (x, y), place
+            place = (0 if last else place + 1) if valid else place
+            wanted, ended = following, bool(last)
+        given_x, given_y = (self.pulse_density.process(codes, reset) for codes in shown)
+        return given_x, given_y
+
     @property
     def packet_clocks(self) -> int:
         """From one packet's begin to the next at least: the line is free when all has left it."""
-        return self.packet_sender.layout.packet_bytes * self.uart_transmitter.interval + 2
+        return self.packet_sender.layout.packet_bytes * self.uart_transmitter.interval + 1
 
     @property
     def packet_scans(self) -> int:

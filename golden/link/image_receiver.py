@@ -30,7 +30,7 @@ class Loaded:
     place : int64 array
         What a byte of this clock would be, of ``PLACES``.
     stored : int64 array
-        Bytes in the memory.
+        Bytes that are kept.
     """
 
     load_valid: NDArray[np.bool_]
@@ -89,7 +89,7 @@ class ImageReceiver(Block):
     def states(self) -> tuple[State, ...]:
         return (
             State("place in a packet where the line falls idle", range(PLACES)),
-            State("bytes kept", range(self.depth)),
+            State("bytes kept", range(self.depth + 1)),
         )
 
     @property
@@ -99,7 +99,7 @@ class ImageReceiver(Block):
     @property
     def latency(self) -> int:
         """From a byte of an image to the same byte, where nothing waits."""
-        return 2
+        return 1
 
     def process(
         self, in_valid: ArrayLike, in_data: ArrayLike, load_ready: ArrayLike, reset: ArrayLike
@@ -111,23 +111,17 @@ class ImageReceiver(Block):
         data, places, stored = (np.zeros(count, dtype=np.int64) for _ in range(3))
         place = length = idle = 0
         kept: deque[tuple[int, bool]] = deque()
-        shown: tuple[int, bool] | None = None
         for t, (comes, byte, ready, clears) in enumerate(zip(*columns, strict=True)):
             places[t], stored[t] = place, len(kept)
-            if shown:
+            if kept:
                 valid[t] = True
-                data[t], last[t] = shown
+                data[t], last[t] = kept[0]
             if clears:
                 place = length = idle = 0
                 kept.clear()
-                shown = None
                 continue
-            # What was kept before this clock leaves the memory first.
-            fetch = bool(kept) and (ready or shown is None)
-            if fetch:
-                shown = kept.popleft()
-            elif ready:
-                shown = None
+            if kept and ready:
+                kept.popleft()
             over = not comes and idle == self.idle_clocks - 1
             idle = 0 if comes or over else idle + 1
             if place == PLACES - 1 and (comes or over):

@@ -138,7 +138,9 @@ class PacketSender(Block):
         """From one packet's begin to the next, where each byte is taken at once."""
         return self.layout.packet_bytes + 1
 
-    def process(self, columns: Mapping[str, ArrayLike], reset: ArrayLike) -> Sending:
+    def process(
+        self, columns: Mapping[str, ArrayLike], reset: ArrayLike, byte_clocks: int = 0
+    ) -> Sending:
         """What happens in each clock.
 
         Parameters
@@ -146,22 +148,31 @@ class PacketSender(Block):
         columns : mapping
             By the name of each input but clock and reset, one element a clock. Data matter in
             clocks of their ``valid`` alone.
+        reset : array_like
+        byte_clocks : int
+            Of a transmitter that takes the bytes, instead of a column ``out_ready``.
         """
         names = [p.name for p in self.ports if p.direction == "in" and p not in CLOCKED]
+        if byte_clocks:
+            names.remove("out_ready")
         given_ = [np.asarray(columns[name]).tolist() for name in names]
         clears = np.asarray(reset).tolist()
         count = len(clears)
         valid, data = np.zeros(count, dtype=bool), np.zeros(count, dtype=np.int64)
         begins: list[int] = []
         frames: list[Frame] = []
-        state = _State(self)
+        # With a transmitter, the first clock in which it takes a byte.
+        state, free = _State(self), 0
         for t in range(count):
+            now = dict(zip(names, (column[t] for column in given_), strict=True))
+            if byte_clocks:
+                now["out_ready"] = int(t >= free)
             if state.packet:
                 valid[t], data[t] = True, state.packet[0]
-            now = dict(zip(names, (column[t] for column in given_), strict=True))
+                free = t + byte_clocks if now["out_ready"] else free
             frame = state.step(now)
             if clears[t]:
-                state = _State(self)
+                state, free = _State(self), t + 1
             elif frame is not None:
                 begins.append(t)
                 frames.append(frame)

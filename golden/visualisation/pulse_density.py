@@ -35,17 +35,15 @@ class PulseDensity(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             *CLOCKED,
-            taken("in_valid", "`in_data` holds a new code"),
-            taken("in_data", "the code, which is given until the next", self.fmt, "fmt"),
+            taken("in_data", "the code, in every clock", self.fmt, "fmt"),
             given("out_bit", "the bit; from a register"),
         )
 
     @property
     def latency(self) -> int:
-        """From a code to the first bit that it takes part in."""
-        return 2
+        return 1
 
-    def process(self, in_valid: ArrayLike, in_data: ArrayLike, reset: ArrayLike) -> Codes:
+    def process(self, in_data: ArrayLike, reset: ArrayLike) -> Codes:
         """``out_bit`` in each clock; all arrays have one element a clock.
 
         Raises
@@ -53,15 +51,12 @@ class PulseDensity(Block):
         ValueError
             For a code outside ``fmt``.
         """
-        data = self.fmt.check(in_data, f"{self.entity} in_data").tolist()
-        valid, clears = np.asarray(in_valid).tolist(), np.asarray(reset).tolist()
-        bits = np.zeros(len(data), dtype=np.int64)
-        code = total = bit = 0
-        for t, (comes, new, cleared) in enumerate(zip(valid, data, clears, strict=True)):
+        asked = self.fmt.check(in_data, f"{self.entity} in_data") - self.fmt.low
+        bits = np.zeros(len(asked), dtype=np.int64)
+        total = bit = 0
+        for t, (code, cleared) in enumerate(
+            zip(asked.tolist(), np.asarray(reset).tolist(), strict=True)
+        ):
             bits[t] = bit
-            if cleared:
-                code = total = bit = 0
-                continue
-            bit, total = divmod(total + code - self.fmt.low, 1 << self.fmt.width)
-            code = new if comes else code
+            bit, total = (0, 0) if cleared else divmod(total + code, 1 << self.fmt.width)
         return bits

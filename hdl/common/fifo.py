@@ -2,7 +2,6 @@
 
 from myhdl import Signal, always, always_comb, always_seq, block, intbv
 
-from hdl.common.delay import connect
 from hdl.common.signals import flag, unsigned
 
 
@@ -32,7 +31,7 @@ def fifo(clk, rst, in_valid, in_data, out_ready, out_valid, out_data, fetch, *, 
     out_ready, out_valid, out_data : bool, bool, the format of ``in_data``
         A word leaves in a clock in which both flags are high; it stays until then.
     fetch : bool
-        In this clock a word leaves the memory for ``out_data``; None where nobody asks.
+        In this clock a word leaves the memory for ``out_data``.
     depth : int
         Words of the memory, 1 or more; ``out_data`` holds one more.
 
@@ -69,14 +68,10 @@ def fifo(clk, rst, in_valid, in_data, out_ready, out_valid, out_data, fetch, *, 
             stored.next = stored - 1
         full.next = take or (full and not out_ready)
 
-    if fetch is None:
-        show = connect(full, out_valid)
-    else:
-
-        @always_comb
-        def show():
-            out_valid.next = full
-            fetch.next = take
+    @always_comb
+    def show():
+        out_valid.next = full
+        fetch.next = take
 
     return (
         decide,

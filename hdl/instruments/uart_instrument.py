@@ -1,9 +1,10 @@
 """UART instrument: a converter instrument with a serial line to a computer."""
 
-from myhdl import always_comb, block
+from myhdl import always_comb, always_seq, block
 
 from golden.instruments.uart_instrument import UartInstrument
 from golden.precision import SIGNAL
+from hdl.common.next_point import next_point
 from hdl.common.signals import Group, fixed, flag, unsigned
 from hdl.instruments.readout import readout
 from hdl.link.image_receiver import image_receiver
@@ -26,6 +27,25 @@ def show_profile(inner, profile):
         profile.last.next = inner.last
 
     return show
+
+
+@block
+def slow_profile(clk, rst, profile, dac, *, design: UartInstrument):
+    """A point of each profile, the next of every next one, as densities of ones."""
+    points, density = design.readout.load_profile.ramp.points, design.pulse_density
+    ended = flag()
+    number, x, y = unsigned(max(1, (points - 1).bit_length())), fixed(SIGNAL), fixed(SIGNAL)
+
+    @always_seq(clk.posedge, reset=rst)
+    def end():
+        ended.next = profile.last
+
+    return (
+        end,
+        next_point(clk, rst, ended, profile, number, x, y, points=points),
+        pulse_density(clk, rst, x, dac.x, spec=density),
+        pulse_density(clk, rst, y, dac.y, spec=density),
+    )
 
 
 @block
@@ -59,7 +79,8 @@ def uart_instrument(
     tx : bool
         A line with packets.
     dac : Group
-        ``x`` and ``y``: the profile as bits of pulse density; empty without ``spec.analogue``.
+        ``x`` and ``y``: the profile as bits of pulse density, a point of each; empty without
+        ``spec.analogue``.
     out_valid, out_data, out_last, held, profile
         Those of readout.
     spec : UartInstrument
@@ -84,11 +105,7 @@ def uart_instrument(
         drawn = Group(valid=flag(), x=fixed(SIGNAL), y=fixed(SIGNAL), last=flag())
         parts.append(show_profile(drawn, profile))
     if spec.analogue:
-        density = spec.pulse_density
-        parts += [
-            pulse_density(clk, rst, drawn.valid, drawn.x, dac.x, spec=density),
-            pulse_density(clk, rst, drawn.valid, drawn.y, dac.y, spec=density),
-        ]
+        parts.append(slow_profile(clk, rst, drawn, dac, design=spec))
     if spec.reload:
         load = Group(valid=flag(), data=unsigned(8), last=flag(), ready=flag())
         image = Group(error=unsound)
@@ -152,7 +169,9 @@ def uart_instrument(
             byte_data,
             spec=spec.packet_sender,
         ),
-        uart_transmitter(clk, rst, byte_valid, byte_data, byte_ready, tx, spec=spec.uart_transmitter),
+        uart_transmitter(
+            clk, rst, byte_valid, byte_data, byte_ready, tx, spec=spec.uart_transmitter
+        ),
         show,
         parts,
     )

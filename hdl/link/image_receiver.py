@@ -1,11 +1,75 @@
 """image_receiver: packets become the bytes of an image, as an engine takes them."""
 
-from myhdl import always_comb, always_seq, block, concat
+from myhdl import always, always_comb, always_seq, block, concat
 
 from golden.link.image_receiver import ImageReceiver
 from golden.link.packets import IMAGE, SYNC, kind_byte
-from hdl.common.fifo import fifo
 from hdl.common.signals import flag, unsigned
+
+
+@block
+def queue_place(clk, put, take, behind, new, following, here, *, place: int):
+    """One word of a queue: it moves up when the first leaves, and is new behind the last."""
+
+    @always(clk.posedge)
+    def move():
+        if put and behind == place:
+            here.next = new
+        elif take:
+            here.next = following
+
+    return move
+
+
+@block
+def queue(clk, rst, in_valid, in_data, out_ready, out_valid, out_data, *, depth: int):
+    """Words in order, kept until they are taken, one clock at least.
+
+    In registers: of so few words a memory is none on every device.
+    """
+    stored, behind = unsigned(depth.bit_length()), unsigned(depth.bit_length())
+    words = [unsigned(len(in_data)) for _ in range(depth)]
+    first = words[0]
+    some, take = flag(), flag()
+
+    @always_comb
+    def look():
+        some.next = stored != 0
+
+    @always_comb
+    def decide():
+        take.next = some and out_ready
+
+    @always_comb
+    def find():
+        if take:
+            behind.next = stored - 1
+        else:
+            behind.next = stored
+
+    @always_seq(clk.posedge, reset=rst)
+    def count():
+        if in_valid:
+            stored.next = behind + 1
+        else:
+            stored.next = behind
+
+    @always_comb
+    def show():
+        out_valid.next = some
+        out_data.next = first
+
+    return (
+        look,
+        decide,
+        find,
+        count,
+        show,
+        [
+            queue_place(clk, in_valid, take, behind, in_data, following, here, place=i)
+            for i, (here, following) in enumerate(zip(words, [*words[1:], 0], strict=True))
+        ],
+    )
 
 
 @block
@@ -33,7 +97,7 @@ def image_receiver(
 
     Notes
     -----
-    Latency 2 clocks, where nothing waits. A packet in which no byte comes for ``spec.idle_clocks``
+    Latency 1 clock, where nothing waits. A packet in which no byte comes for ``spec.idle_clocks``
     clocks ends: inside an image with a byte 0 and ``load_last``. Reset forgets what has come.
     """
     sync, kind, final = SYNC, kind_byte(IMAGE), spec.idle_clocks - 1
@@ -117,6 +181,6 @@ def image_receiver(
         count,
         choose,
         enter,
-        fifo(clk, rst, put, entering, load_ready, load_valid, leaving, None, depth=spec.depth),
+        queue(clk, rst, put, entering, load_ready, load_valid, leaving, depth=spec.depth),
         show,
     )

@@ -13,6 +13,7 @@ from golden.link.packets import (
 )
 from golden.precision import SIGNAL
 from hdl.common.check_byte import check_byte
+from hdl.common.next_point import next_point
 from hdl.common.signals import fixed, flag, unsigned
 from hdl.common.stream import position
 
@@ -37,39 +38,6 @@ def keep_frame(clk, rst, valid, data, last, words):
         position(clk, rst, valid, last, count, stop=len(words)),
         [keep_word(clk, rst, valid, count, data, words[i], slot=i) for i in range(len(words))],
     )
-
-
-@block
-def keep_point(clk, rst, begins, profile, number, x, y, *, points: int):
-    """The point behind the one that the packet before carried, of the newest profile."""
-    final = points - 1
-    width = max(1, final.bit_length())
-    place, wanted = unsigned(width), unsigned(width)
-
-    @always_seq(clk.posedge, reset=rst)
-    def count():
-        if profile.valid:
-            if profile.last:
-                place.next = 0
-            else:
-                place.next = place + 1
-
-    @always_seq(clk.posedge, reset=rst)
-    def keep():
-        if profile.valid and place == wanted:
-            number.next = place
-            x.next = profile.x
-            y.next = profile.y
-
-    @always_seq(clk.posedge, reset=rst)
-    def ask():
-        if begins:
-            if number == final:
-                wanted.next = 0
-            else:
-                wanted.next = number + 1
-
-    return count, keep, ask
 
 
 @block
@@ -287,7 +255,7 @@ def packet_sender(
     codes = [*samples, *outputs]
     if spec.points:
         point, x, y = unsigned(8), fixed(SIGNAL), fixed(SIGNAL)
-        parts.append(keep_point(clk, rst, begins, profile, point, x, y, points=spec.points))
+        parts.append(next_point(clk, rst, begins, profile, point, x, y, points=spec.points))
         codes += [x, y]
     halves = [(unsigned(8), unsigned(8)) for _ in codes]
     parts += [two_bytes(code, *pair) for code, pair in zip(codes, halves, strict=True)]

@@ -2,8 +2,8 @@
 
 from myhdl import Signal, always, always_comb, always_seq, block, concat
 
-from golden.link.uart_transmitter import BYTE_BITS
 from golden.link.uart_receiver import UartReceiver
+from golden.link.uart_transmitter import BYTE_BITS
 from hdl.common.signals import flag, unsigned
 
 

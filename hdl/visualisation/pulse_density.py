@@ -3,42 +3,36 @@
 from myhdl import always_comb, always_seq, block
 
 from golden.visualisation.pulse_density import PulseDensity
-from hdl.common.signals import fixed, flag, unsigned
+from hdl.common.signals import flag, unsigned
 
 
 @block
-def pulse_density(clk, rst, in_valid, in_data, out_bit, *, spec: PulseDensity):
+def pulse_density(clk, rst, in_data, out_bit, *, spec: PulseDensity):
     """A digital-to-analogue converter of one bit and the first order.
 
     Parameters
     ----------
-    in_valid, in_data : bool, signed ``spec.fmt``
-        A code, which is given until the next one comes.
+    in_data : signed ``spec.fmt``
+        The code, in every clock.
     out_bit : bool
         From a register; its density is the code's place between the ends of the format.
     spec : PulseDensity
 
     Notes
     -----
-    Latency 2 clocks. Reset gives code 0, which is half of the voltage.
+    Latency 1 clock. Reset forgets what was not given yet.
     """
     width, sign = spec.fmt.width, spec.fmt.width - 1
-    code = fixed(spec.fmt)
     # From 0 on.
     asked = unsigned(width)
     remainder = unsigned(width)
     total = unsigned(width + 1)
     given = flag()
 
-    @always_seq(clk.posedge, reset=rst)
-    def keep():
-        if in_valid:
-            code.next = in_data
-
     @always_comb
     def offset():
-        asked.next = code[width:]
-        asked.next[sign] = not code[sign]
+        asked.next = in_data[width:]
+        asked.next[sign] = not in_data[sign]
 
     @always_comb
     def add():
@@ -53,4 +47,4 @@ def pulse_density(clk, rst, in_valid, in_data, out_bit, *, spec: PulseDensity):
     def show():
         out_bit.next = given
 
-    return keep, offset, add, divide, show
+    return offset, add, divide, show

@@ -272,19 +272,30 @@ CONVERTERS = {
     ),
 }
 # With a serial line. An engine that can be reloaded, a short ramp as codes and as pulse density; no
-# reload and no profile, slots, more clocks in a bit than a half has twice.
-UARTS = {
-    "uart": replace(
-        CONVERTER,
-        shapes=[(2, 3, 4)],
-        arrangement="single",
-        activation="precise",
-        design="engine",
-        hardware="clock_mhz = 4.0\nreload = true",
-        sections=f'{VISUALISATION}stop = 0.9\nstep = 0.3\nanalogue = "pulse_density"\n'
-        f'{FRONT_END}converter = "mcp3208-5v"\ncounter_width = 8\n\n[uart]\n',
+# reload and no profile, slots, a number of clocks in a bit that has no half.
+_LINE = f'{FRONT_END}converter = "mcp3208-5v"\ncounter_width = 8\n\n[uart]\n'
+_DRAWN = f'{VISUALISATION}stop = 0.9\nstep = 0.3\nanalogue = "pulse_density"\n{_LINE}'
+UART = replace(
+    CONVERTER,
+    shapes=[(2, 3, 4)],
+    arrangement="single",
+    activation="precise",
+    design="engine",
+    hardware="clock_mhz = 4.0\nreload = true",
+    sections=_DRAWN,
+)
+PLAIN_UART = replace(CONVERTER, sections=f"{CONVERTER.sections}\n[uart]\nbaud = 571_000\n")
+UARTS = {"uart": UART, "plain-uart": PLAIN_UART}
+# Of the whole top: the same, whose image takes thousands of clocks; without one; with room for
+# other images.
+UART_INSTRUMENTS = {
+    "reload-uart": UART,
+    "drawn-uart": replace(UART, hardware="clock_mhz = 4.0"),
+    "wide-uart": replace(
+        UART,
+        hardware='clock_mhz = 4.0\nreload = true\npipeline = "deep"\nprogram_words = 1024\n'
+        "operand_words = 256",
+        sections=_LINE,
     ),
-    "plain-uart": replace(
-        CONVERTER, sections=f"{CONVERTER.sections}\n[uart]\nbaud = 571_000\n"
-    ),
+    "plain-uart": PLAIN_UART,
 }

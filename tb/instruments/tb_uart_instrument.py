@@ -1,0 +1,389 @@
+"""uart_instrument against its twin: from the sensors' voltages to the bits on the line.
+
+Sweeps: recorded frames, then random ones. Where the engine can be reloaded: its own image, and in a
+memory of 1024 words images of other numbers of samples and outputs, and of a program longer than a
+scan.
+Drives: what the part on the wires sends of these voltages; transfers that no converter can have
+sent; on the line noise, bytes without a stop bit, a cut image and whole ones, while frames are
+computed; resets in all of it.
+Checks: ``tx`` in every clock, and that a receiver hears the twin's packets; outputs, held outputs
+and every point of the profile bit for bit in their clocks, and the bits of its pulse density;
+``converter_error`` in every clock; every limit of the part's timing.
+Does not prove: each bit that tells of a converter (tb_converter_reader drives them); bytes at every
+speed (tb_uart_receiver does).
+"""
+
+import cocotb
+import numpy as np
+
+from golden.engine.image import Image
+from golden.link.packets import IMAGE, SYNC, image_packet, kind_byte
+from golden.link.uart_receiver import UartReceiver
+from golden.link.uart_transmitter import bits_of
+from golden.networks.engine import Engine
+from tb.common import readout
+from tb.common.bench import RESET_CLOCKS, Bench
+from tb.common.cases import random_mlp
+from tb.common.network import recorded_frames
+from tb.common.profile import check_profile
+from tb.common.small import UART_INSTRUMENTS
+from tb.sensing.spi_converter import Converter
+from tb.sensing.spi_play import PINS, Timeline, check_error
+
+CASES = UART_INSTRUMENTS
+FAULTS = [
+    (r"\.mosi\(mosi\)", ".mosi()"),
+    (r"\.rx\(rx\)", ".rx(1'b1)"),
+    (r"\.miso\(miso\)", ".miso(1)"),
+    (r"\.held_1\(held_1\)", ".held_1(held_0)"),
+    (r"(?s)(image_receiver u_.*?\.load_ready)\(\w+\)", r"\1(1'b1)"),
+    (r"(?s)(packet_sender u_.*?\.frame_error)\(\w+\)", r"\1(1'b0)"),
+    (r"(?s)(packet_sender u_.*?\.line_error)\(\w+\)", r"\1(1'b0)"),
+    (r"(?s)(packet_sender u_.*?\.image_error)\(\w+\)", r"\1(1'b0)"),
+    (r"\.out_bit\(dac_y\)", ".out_bit(dac_x)"),
+    (r"\.in_ready\((\w+)\)", ".in_ready()"),
+]
+
+# Scans that are played with all that the line brings, and behind an image.
+SCANS = 12
+# Of a memory with this room other images than its own are loaded, which takes long.
+ROOMY = 1024
+
+
+def noise_and_images(bench, images):
+    """Levels of ``rx``: images one after another, with what is none before each."""
+    twin, rng = bench.twin, bench.rng
+    bit, levels = twin.divisor, [np.ones(30, dtype=np.int64)]
+
+    def send(data, broken=False):
+        for byte in data:
+            bits = (*bits_of(byte)[:-1], 0, 1) if broken else bits_of(byte)
+            levels.append(np.repeat(bits, bit))
+            if rng.random() < 1 / 16:
+                levels.append(np.ones(int(rng.integers(1, 6 * bit)), dtype=np.int64))
+
+    def rest(bytes_):
+        levels.append(np.ones(int(bytes_ * 10 * bit), dtype=np.int64))
+
+    for image in images:
+        send(rng.integers(0, 256, 4).tolist())
+        send([int(rng.integers(0, 256))], broken=True)
+        send([SYNC, SYNC, kind_byte(IMAGE), 2, 0, *rng.integers(0, 256, 7).tolist()])
+        rest(25)
+        send(image_packet(image))
+        rest(rng.integers(1, 5))
+    return np.concatenate(levels)
+
+
+async def answered(bench, reader, resets, rx, watch, convert, fault):
+    """Play the block once with the part's answers to the wires, which are the same in each scan."""
+    scan = reader.scan_clocks
+    short = np.zeros(2 * scan, dtype=np.int64)
+    drive = {"miso": short, "rst": short} | ({} if rx is None else {"rx": 1 - short})
+    asked = await bench.play(drive, PINS)
+    # The wires of the second scan, which other ones repeat.
+    rows = np.arange(RESET_CLOCKS + scan, asked.clocks)
+    tile = {name: np.array([int(b == "1") for b in asked.columns[name]])[rows] for name in PINS}
+    marks = np.concatenate([np.ones(RESET_CLOCKS, dtype=bool), np.asarray(resets) == 1])
+    at = np.arange(len(marks))
+    before = np.maximum.accumulate(np.where(marks, at, 0))
+    before = np.concatenate([[0], before[:-1]])
+    wires = {name: tile[name][(at - before - 1) % scan] for name in PINS}
+    converter = Converter(reader.part.name, reader.clock_mhz, bench.rng)
+    miso, transfers = converter.answer(wires, marks, RESET_CLOCKS, convert, fault)
+    assert converter.checked, "no limit was looked at"
+    drive = {"rst": resets, "miso": miso[RESET_CLOCKS:]} | ({} if rx is None else {"rx": rx})
+    recording = await bench.play(drive, watch)
+    every = at[RESET_CLOCKS:]
+    for name in PINS:
+        rows = every if name != "mosi" else every[wires["cs_n"][every] == 0]
+        got = recording.unsigned(name, rows)
+        bench.compare(name, got, wires[name][rows], clock=rows)
+    return recording, transfers
+
+
+def samples_of(bench, recording, timeline, frames_of):
+    """Columns of the stream into the network: valid, data, last; and the frames that it brings."""
+    reader = bench.twin.converter_reader
+    count = recording.clocks - RESET_CLOCKS
+    read = timeline.starts[:, np.newaxis, np.newaxis] + reader.read_clocks
+    bits = recording.unsigned("miso", read.ravel()).reshape(read.shape)
+    codes, right = reader.received(bits)
+    whole = right.all(axis=1)
+    frames = reader.process(codes[whole])
+    sent = reader.process(reader.converted(frames_of(read[whole])))
+    bench.compare("what the converter was given", frames, sent)
+    at = read[whole, -1, -1:] + reader.latency + np.arange(reader.slots) - RESET_CLOCKS
+    begun = np.repeat(timeline.starts[whole], reader.slots)
+    alive = recording.undisturbed(begun, at.ravel() - 1 + RESET_CLOCKS) & (at.ravel() < count)
+    valid, data, last = (np.zeros(count, dtype=np.int64) for _ in range(3))
+    valid[at.ravel()[alive]] = 1
+    data[at.ravel()[alive]] = frames[:, np.arange(reader.slots) % reader.inputs].ravel()[alive]
+    ends = at[:, -1][alive.reshape(at.shape)[:, -1]]
+    last[ends] = 1
+    return valid, data, last, frames[alive.reshape(at.shape)[:, -1]], ends
+
+
+def loaded(bench, recording, valid, last, ends):
+    """What the twins make of ``rx`` and of frames: flags, and by good image the frames that it has.
+
+    That the loader waits while a frame is computed, and that no frame is taken while it loads, is a
+    ring: it is gone around until nothing changes.
+    """
+    twin, rows = bench.twin, np.arange(RESET_CLOCKS, recording.clocks)
+    clears = recording.unsigned("rst", rows)
+    engine = twin.core
+    heard = twin.uart_receiver.process(recording.unsigned("rx", rows), clears)
+    last_out = np.isin(rows, recording.rows("out_last"))
+    busy = np.zeros(len(rows), dtype=bool)
+    while True:
+        bytes_ = twin.image_receiver.process(heard.out_valid, heard.out_data, ~busy, clears)
+        loading = engine.image_loader.process(
+            bytes_.load_valid, bytes_.load_data, bytes_.load_last, busy, clears
+        )
+        since = np.array([clock for clock, _, _ in loading.good], dtype=np.int64)
+        place = np.searchsorted(since, np.arange(len(rows))) - 1
+        before_last = np.array([0, *(before for _, before, _ in loading.good)])[place + 1]
+        guarded = engine.frame_guard.process(
+            valid, last, loading.halt, before_last, 0 * valid, last_out, clears
+        )
+        if (guarded.busy == busy).all():
+            break
+        busy = guarded.busy
+    sizes = engine.loaded.sizes
+    images = [
+        Image(sizes, (before + 2) % sizes.operand_words, tuple(words))
+        for _, before, words in loading.good
+    ]
+    done = np.flatnonzero(guarded.done)
+    # By image the numbers of the frames that it is given.
+    runs = [
+        (engine.running(image), np.flatnonzero(np.isin(ends, done[place[done] == number])))
+        for number, image in enumerate(images)
+    ]
+    flags = {
+        "frame_error": guarded.frame_error,
+        "image_error": loading.image_error,
+        "line_error": heard.line_error,
+    }
+    return flags, runs
+
+
+def check_results(bench, recording, runs, frames, ends):
+    """Outputs, ``out_last`` and their clocks; gives the columns of the stream."""
+    due = [np.empty((0, 3), dtype=np.int64)]
+    for network, numbers in runs:
+        # Of another number of samples there are none, and these would be of the wrong shape.
+        if not len(numbers):
+            continue
+        leave = ends[numbers, np.newaxis] + RESET_CLOCKS + np.array(network.output_clocks)
+        final = np.zeros_like(leave)
+        final[:, -1] = 1
+        results = network.process(frames[numbers])
+        begun = np.repeat(ends[numbers] + RESET_CLOCKS, leave.shape[1])
+        alive = recording.undisturbed(begun, leave.ravel() - 1) & (leave.ravel() < recording.clocks)
+        found = np.stack([leave.ravel(), results.ravel(), final.ravel()], axis=1)
+        due.append(found[alive])
+    expected = np.concatenate(due)
+    left = recording.rows("out_valid")
+    bench.compare("clocks of out_valid", left, expected[:, 0])
+    bench.compare("out_data", recording.signed("out_data", left), expected[:, 1], clock=left)
+    closed = recording.rows("out_last")
+    bench.compare("clocks of out_last", closed, expected[expected[:, 2] == 1, 0])
+    columns = np.zeros((3, recording.clocks - RESET_CLOCKS), dtype=np.int64)
+    columns[0, left - RESET_CLOCKS] = 1
+    columns[1, left - RESET_CLOCKS] = expected[:, 1]
+    columns[2, closed - RESET_CLOCKS] = 1
+    return columns
+
+
+def check_shown(bench, recording, result):
+    """Held outputs at the end of each frame, and the profile of every one."""
+    twin, shown = bench.twin, bench.twin.readout
+    held = np.zeros((recording.clocks, twin.outputs), dtype=np.int64)
+    known, place, words = np.zeros(recording.clocks, dtype=bool), 0, [None] * twin.outputs
+    clears = set(recording.resets().tolist())
+    for t in range(result.shape[1]):
+        row = t + RESET_CLOCKS
+        known[row] = None not in words
+        held[row] = words if known[row] else 0
+        if result[0, t] and place < twin.outputs:
+            words[place] = int(result[1, t])
+        place = 0 if row in clears or (result[0, t] and result[2, t]) else place + result[0, t]
+    rows = np.flatnonzero(known)
+    # Every clock of some, the first and the last of all.
+    rows = rows[(rows % 7 == 0) | result[0, rows - RESET_CLOCKS].astype(bool)]
+    for i in range(twin.outputs):
+        bench.compare(f"held_{i}", recording.signed(f"held_{i}", rows), held[rows, i], clock=rows)
+    if shown.load_profile is None:
+        return {}
+    ends = np.flatnonzero(result[2]) + RESET_CLOCKS
+    ends = ends[(ends + 1 < recording.clocks) & recording.undisturbed(ends, ends)]
+    assert known[ends + 1].all(), "a profile is drawn of outputs that never came"
+    latency = shown.load_profile.latency
+    entered = held[ends + 1]
+    check_profile(bench, recording, "profile", ends + 1, entered, latency, shown.profile)
+    columns = {name: np.zeros(result.shape[1], dtype=np.int64) for name in readout.PROFILE}
+    points = recording.rows("profile_valid")
+    columns["profile_valid"][points - RESET_CLOCKS] = 1
+    for name in ("profile_x", "profile_y"):
+        columns[name][points - RESET_CLOCKS] = recording.signed(name, points)
+    columns["profile_last"][recording.rows("profile_last") - RESET_CLOCKS] = 1
+    return columns
+
+
+def check_line(bench, recording, columns):
+    """The bits of ``tx``, and what a receiver hears of them; gives the packets."""
+    twin, rows = bench.twin, np.arange(RESET_CLOCKS, recording.clocks)
+    clears = recording.unsigned("rst", rows)
+    sending = twin.packet_sender.process(columns, clears, twin.uart_transmitter.interval)
+    _, tx = twin.uart_transmitter.process(sending.out_valid, sending.out_data, clears)
+    bench.compare("tx", recording.unsigned("tx", rows), tx, clock=rows)
+    if not clears.any():
+        heard = UartReceiver(twin.divisor).process(recording.unsigned("tx", rows), clears)
+        data = b"".join(twin.packet_sender.layout.to_bytes(frame) for frame in sending.frames)
+        got = heard.out_data[heard.out_valid]
+        bench.compare("bytes", got, np.frombuffer(data, np.uint8)[: len(got)])
+        assert len(got) > len(data) - twin.packet_sender.layout.packet_bytes, "bytes are missing"
+    return sending
+
+
+async def check(bench, frames, resets, rx=None, fault=lambda number: None):
+    """Play voltages, one frame a scan; compares everything that is shown."""
+    twin, shown = bench.twin, bench.twin.readout
+    reader = twin.converter_reader
+    codes = Converter(reader.part.name, reader.clock_mhz, bench.rng).sheet.ideal(frames)
+    used = {}
+
+    def convert(channel, number):
+        used[number] = number // reader.inputs % len(frames)
+        return int(codes[used[number], channel])
+
+    dac = ["dac_x", "dac_y"] if twin.analogue else []
+    watch = [*PINS, "tx", *dac, "converter_error", "out_valid", "out_data", "out_last"]
+    watch += readout.ports(shown)
+    recording, transfers = await answered(bench, reader, resets, rx, watch, convert, fault)
+    timeline = Timeline(reader, recording)
+    numbers = {transfer.rows.start: n for n, transfer in enumerate(transfers)}
+
+    def frames_of(read):
+        of = [[used[numbers[int(row) + 1]] for row in scan[:, 0]] for scan in read]
+        return frames[
+            np.array(of, dtype=np.int64).reshape(-1, reader.inputs), np.arange(reader.inputs)
+        ]
+
+    check_error(bench, reader, recording, timeline)
+    valid, data, last, seen, ends = samples_of(bench, recording, timeline, frames_of)
+    flags, runs = {}, [(shown, np.arange(len(ends)))]
+    if rx is not None:
+        flags, runs = loaded(bench, recording, valid, last, ends)
+    result = check_results(bench, recording, runs, seen, ends)
+    profile = check_shown(bench, recording, result)
+    rows = np.arange(RESET_CLOCKS, recording.clocks)
+    given = twin.dac(profile, recording.unsigned("rst", rows)) if dac else ()
+    for port, bits in zip(dac, given, strict=True):
+        bench.compare(port, recording.unsigned(port, rows), bits, clock=rows)
+    columns = dict(
+        zip(("sample_valid", "sample_data", "sample_last"), (valid, data, last), strict=True)
+    )
+    columns |= dict(zip(("result_valid", "result_data", "result_last"), result, strict=True))
+    columns |= {"converter_error": recording.unsigned("converter_error", rows)} | flags | profile
+    sending = check_line(bench, recording, columns)
+    return recording, timeline, runs, seen, ends, sending
+
+
+@cocotb.test()
+async def recorded(dut):
+    """Recorded frames while the image comes, and behind it; counts the clocks."""
+    bench = Bench(dut)
+    twin = bench.twin
+    frames = recorded_frames(bench)[:SCANS]
+    rx = noise_and_images(bench, [twin.core.image]) if twin.image else None
+    length = SCANS * twin.interval + twin.output_clocks[-1] + twin.outputs + 5
+    column = np.zeros(length + (0 if rx is None else len(rx)), dtype=np.int64)
+    if rx is not None:
+        rx = np.concatenate([rx, np.ones(length, dtype=np.int64)])
+    recording, timeline, runs, _, ends, sending = await check(bench, frames, column, rx)
+    counts = [len(numbers) for _, numbers in runs]
+    assert len(counts) == 1, f"got {len(counts)} good images"
+    assert counts[0] >= SCANS - 1, f"got {counts[0]} frames"
+    if rx is not None:
+        told = {name for frame in sending.frames for name in frame.flags}
+        assert told == {"frame_error", "image_error", "line_error"}, f"got the flags {told}"
+    first = ends[runs[0][1][0]] + RESET_CLOCKS
+    started = timeline.starts[timeline.starts < first][-1]
+    bench.facts = {
+        "frames": len(runs[0][1]),
+        "seconds": recording.seconds,
+        "clocks_per_frame": int(recording.rows("out_last")[0] - started + 1),
+        "interval": int(np.diff(recording.rows("out_last")).min()),
+    }
+    bench.finish(at_least=(SCANS - 1) * twin.outputs)
+
+
+@cocotb.test()
+async def random_faults_and_resets(dut):
+    """Random voltages, a wrong transfer in a third of the scans, resets in mid scan and packet."""
+    bench = Bench(dut)
+    twin, rng = bench.twin, bench.rng
+    scans = 2 * SCANS
+    frames = rng.integers(-8192, 8192, (scans, twin.inputs))
+    frames = np.where(rng.random(frames.shape) < 1 / 8, -8192, frames)
+    frames = np.where(rng.random(frames.shape) < 1 / 8, 8191, frames)
+    faults = {
+        int(scan * twin.inputs + rng.integers(0, twin.inputs)): int(rng.integers(0, 2))
+        for scan in range(1, 2 * scans, 3)
+    }
+    # So many in a row that a packet tells of them.
+    row = np.arange(scans // 3, scans // 3 + 2 + 2 * twin.packet_scans)
+    faults |= dict.fromkeys((row * twin.inputs).tolist(), 1)
+    length = scans * twin.interval
+    rx = None
+    if twin.image:
+        lasting = rng.integers(1, 3 * twin.divisor, length)
+        rx = np.repeat(rng.integers(0, 2, length), lasting)[:length]
+    resets = np.zeros(length, dtype=np.int64)
+    resets[np.sort(rng.integers(twin.interval, length - 3 * twin.interval, 3))] = 1
+    *_, sending = await check(bench, frames, resets, rx, faults.get)
+    told = {name for frame in sending.frames for name in frame.flags}
+    assert "converter_error" in told, "no packet told of the converter"
+    bench.finish(at_least=scans)
+
+
+@cocotb.test()
+async def other_images(dut):
+    """Of other numbers of samples and outputs, and of a program that takes longer than a scan."""
+    bench = Bench(dut)
+    twin = bench.twin
+    if not twin.image or twin.core.loaded.sizes.program_words < ROOMY:
+        return
+    inputs, outputs = twin.inputs, twin.outputs
+    shapes = [
+        (inputs, 2, outputs + 2),
+        (inputs, 40, outputs),
+        (inputs + 1, 2, outputs),
+        (inputs, 3, outputs - 2),
+    ]
+    images = [image_for(twin.core, shape, seed) for seed, shape in enumerate(shapes)]
+    rx = noise_and_images(bench, [twin.core.image, *images, twin.core.image])
+    rx = np.concatenate([rx, np.ones(SCANS * twin.interval, dtype=np.int64)])
+    frames = bench.rng.integers(-8192, 8192, (64, inputs))
+    _, _, runs, _, _, sending = await check(bench, frames, np.zeros(len(rx), dtype=np.int64), rx)
+    counts = [len(numbers) for _, numbers in runs]
+    assert len(counts) == len(shapes) + 2, f"got {len(counts)} good images"
+    assert counts[3] == 0, f"got {counts[3]} frames of another number of samples"
+    assert min(counts[:3] + counts[4:]) > 0, f"got frames by image {counts}"
+    bench.finish(at_least=len(sending.frames))
+
+
+def image_for(hardware, shape, seed):
+    """The image of a random network for an engine."""
+    sizes = hardware.loaded.sizes
+    options = {
+        "reload": True,
+        "pipeline": "deep" if sizes.pipeline.memory_registers else "short",
+        "segment_width": sizes.segment_width,
+        "program_words": sizes.program_words,
+        "operand_words": sizes.operand_words,
+    }
+    return Engine.of_several("single", [random_mlp(shape, 1.0, seed)], hardware=options).image

@@ -21,7 +21,10 @@ CASES = UARTS
 FAULTS = [
     (r"\(complete \|\| \(waited == \d+\)\)", "(complete)"),
     (r"waited == \d+", "waited == 20"),
-    (r"check <= 65535;\s+end\s+else begin\s+check <= following", "check <= following; end else begin check <= following"),
+    (
+        r"check <= 65535;\s+end\s+else begin\s+check <= following",
+        "check <= following; end else begin check <= following",
+    ),
     (r"complete <= \(result_valid && result_last\)", "complete <= result_valid"),
     (r"count <= \(count \+ 1\)", "count <= (count + 2)"),
     (r"number <= \(number \+ 1\)", "number <= number"),
@@ -100,7 +103,7 @@ def read(bench, recording, rows, seen, expected):
     size, frames = layout.packet_bytes, []
     for start in range(0, len(data) - size + 1, size):
         packet = data[start : start + size]
-        assert packet[0] == SYNC and packet[2] == layout.payload_bytes, f"no packet at {start}"
+        assert (packet[0], packet[2]) == (SYNC, layout.payload_bytes), f"no packet at {start}"
         assert check_of(packet[1:]) == 0, f"a wrong check at {start}"
         frames.append(layout.from_payload(packet[3], packet[FRAME_HEADER:-2]))
     assert frames == expected.frames[: len(frames)], "got other frames than were sent"
@@ -127,7 +130,9 @@ async def packets(dut):
 def ahead(bench, drive, at):
     """Where packets begin in the clocks after a reset."""
     some = slice(at, at + 4 * bench.twin.layout.packet_bytes)
-    return bench.twin.process({n: c[some] for n, c in drive.items()}, 0 * drive["out_ready"][some]).begins
+    return bench.twin.process(
+        {n: c[some] for n, c in drive.items()}, 0 * drive["out_ready"][some]
+    ).begins
 
 
 @cocotb.test()

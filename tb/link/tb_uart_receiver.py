@@ -17,13 +17,13 @@ from cocotbext.uart import UartSource
 
 from golden.link.uart_transmitter import bits_of
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.small import UARTS
+from tb.common.small import UART
 from tb.common.stimulus import random_resets
 
-CASES = UARTS
+CASES = {"uart": UART}
 FAULTS = [
     (r"earlier && \(!line\)", "(!line)"),
-    (r"tick <= (\d+);", r"tick <= 0;"),
+    (r"tick <= 2;", "tick <= 0;"),
     (r"\(place == 0\) && line", "(place == 0) && 0"),
     (r"place == 9", "place == 8"),
     (r"\{line, kept", "{earlier, kept"),
@@ -140,7 +140,7 @@ async def a_uart_sends(dut):
     await ClockCycles(dut.clk, 3)
     await FallingEdge(dut.clk)
     dut.rst.value = 0
-    sent = bench.rng.permutation(256).tolist()
+    sent = bench.rng.permutation(256)[:64].tolist()
     source.write_nowait(sent)
     got = []
     for _ in range(12 * len(sent) * bench.twin.divisor):
@@ -150,4 +150,4 @@ async def a_uart_sends(dut):
             if len(got) == len(sent):
                 break
     bench.compare("bytes", np.array(got), np.array(sent))
-    bench.finish(at_least=256)
+    bench.finish(at_least=64)

@@ -10,7 +10,7 @@ Does not prove: a computer whose clock is off (tb_uart_receiver drives a line th
 import cocotb
 import numpy as np
 from cocotb.clock import Clock
-from cocotb.triggers import ClockCycles, FallingEdge
+from cocotb.triggers import ClockCycles, FallingEdge, RisingEdge
 from cocotbext.uart import UartSink
 
 from golden.link.uart_transmitter import BYTE_BITS
@@ -25,7 +25,7 @@ FAULTS = [
     (r"left <= 10", "left <= 9"),
     (r"\{1'b1, in_data, 1'b0\}", "{1'b1, ~in_data, 1'b0}"),
     (r"\{1'b1, line", "{1'b0, line"),
-    (r"if \(rst == 1\) begin", "if (0) begin"),
+    (r"if \(rst == 1\) begin\s+line", "if (0) begin line"),
 ]
 CLOCK_NS = 10
 
@@ -67,7 +67,7 @@ async def gaps_and_resets(dut):
     await check(bench, valid)
     resets = random_resets(bench.rng, length, bench.twin.interval)
     await check(bench, valid, resets)
-    # A byte is taken in the clock after a reset, and the next reset falls into the next of its bits.
+    # A byte is taken in the clock after a reset; the next reset falls into another of its bits.
     into = bench.rng.integers(0, bench.twin.divisor, BYTE_BITS)
     at = np.cumsum(2 + np.arange(BYTE_BITS) * bench.twin.divisor + into)
     resets = np.zeros(at[-1] + 5, dtype=np.int64)
@@ -92,6 +92,7 @@ async def a_uart_listens(dut):
         await FallingEdge(dut.clk)
         dut.in_valid.value, dut.in_data.value = 1, byte
         while not int(dut.in_ready.value):
+            await RisingEdge(dut.in_ready)
             await FallingEdge(dut.clk)
         await FallingEdge(dut.clk)
         dut.in_valid.value = 0

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from string import Template
 
+from golden.instruments.uart_instrument import UartInstrument
+from golden.link.uart_transmitter import BYTE_BITS
 from golden.networks.network import Network
 from hdl.export.handover.example import vhdl_map, vhdl_signals
 from hdl.export.handover.styles import STYLES, due
@@ -89,7 +91,7 @@ $send
         procedure send_all(gaps: boolean) is
         begin
             rst <= '1';
-            idle(2);
+$quiet            idle(2);
             rst <= '0';
 $load            for frame in 0 to frames - 1 loop
                 send_frame(frame, gaps);
@@ -128,6 +130,23 @@ _LOAD = """\
             end loop;
 """
 
+# The line carries the packet of the image; scans go on meanwhile, so it takes whole ones.
+_LOAD_LINE = Template("""\
+            for number in image'range loop
+                for level in 0 to $last loop
+                    if level = 0 then
+                        rx <= '0';
+                    elsif level = $last or (image(number) / 2 ** (level - 1)) mod 2 = 1 then
+                        rx <= '1';
+                    else
+                        rx <= '0';
+                    end if;
+                    idle($divisor);
+                end loop;
+            end loop;
+            idle($rest);
+""")
+
 _REFUSED = """\
             if frame_error = '1' then
                 refused := refused + 1;
@@ -139,8 +158,9 @@ def test_bench(scene: str, design: Network, ports: list[Port]) -> str:
     """Text of the entity ``<top>_tb``."""
     style = STYLES[design.stream]
     clocks = design.output_clocks[-1]
-    # What is held is on the stream too; the profile is not recorded.
-    used = [port for port in ports if not port.name.startswith(("held_", "profile_"))]
+    # What is held is on the stream too; the profile is not recorded, nor is a line.
+    unused = ("held_", "profile_", "dac_", "tx")
+    used = [port for port in ports if not port.name.startswith(unused)]
     left_open = tuple(port.name for port in ports if port not in used)
     return _TEXT.substitute(
         scene=scene,
@@ -155,5 +175,18 @@ def test_bench(scene: str, design: Network, ports: list[Port]) -> str:
         second=style.passes[1],
         send=style.send(design),
         due=due(design),
-        load=_LOAD if design.image else "",
+        quiet="            rx <= '1';\n" if "rx" in {port.name for port in ports} else "",
+        load=_load(design),
+    )
+
+
+def _load(design: Network) -> str:
+    """How the image comes, where there is one."""
+    if not design.image:
+        return ""
+    if not isinstance(design, UartInstrument):
+        return _LOAD
+    clocks = len(design.image) * BYTE_BITS * design.divisor
+    return _LOAD_LINE.substitute(
+        last=BYTE_BITS - 1, divisor=design.divisor, rest=-clocks % design.interval
     )

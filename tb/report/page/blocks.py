@@ -49,6 +49,7 @@ AREAS = (
     "engine",
     "sensing",
     "visualisation",
+    "link",
     "instruments",
 )
 
