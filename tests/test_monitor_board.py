@@ -21,6 +21,7 @@ from tb.monitor import record as recording
 from tb.monitor.board import Board
 from tb.monitor.csv_file import GrowingCsv
 from tb.monitor.line import Line
+from tb.monitor.ports import open_line
 from tb.monitor.twin_board import TwinBoard
 
 BAUD = 1_000_000
@@ -235,3 +236,13 @@ def test_a_simulated_board_is_touched_by_itself(hardware: Scene, simulated: Twin
             assert np.array_equal(codes, [hardware.vectors().codes[row]] * 3)
     with pytest.raises(ValueError, match=r"data.outputs: got no 'where', expected that of a plac"):
         simulated.place({"where": 1.0})
+
+
+def test_the_simulated_hardware_sends_what_its_converter_reads(hardware: Scene) -> None:
+    """The first two packets, before any image; ALL=1 does more (tests/test_monitor_loop.py)."""
+    board = Board(hardware, hardware)
+    with open_line("sim", None, board) as line:
+        values = recording.gather(line, board, 1)
+    reader = board.instrument.converter_reader
+    expected = reader.process(reader.converted(hardware.vectors().codes[:1]))
+    assert np.array_equal(values * 8192, expected)

@@ -180,6 +180,15 @@ class Monitor:
         packets, computed = (sum(a[n] for a in arrivals) - arrivals[0][n] for n in (1, 2))
         return packets / (now - arrivals[0][0]), computed / (now - arrivals[0][0])
 
+    def line(self) -> str:
+        """What there is, in a line."""
+        packets, _ = self.rates()
+        shown = [f"{packets:.3g} packets a second, {self.decoder.tally.missed} missed"]
+        if self._line in ("packets", "idle"):
+            texts = self.board.texts(self._values)[len(self.board.scene.sensors) :]
+            shown += [f"{n} {t}" for n, t in zip(self.board.scene.outputs, texts, strict=True)]
+        return ", ".join(shown)
+
     def state(self) -> dict[str, Any]:
         """Everything that the page shows."""
         with self._lock:
