@@ -1,0 +1,215 @@
+"""The serial line of an instrument: its twins, and what a scene may ask for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from golden.fixed import Fix
+from golden.instruments.uart_instrument import UartInstrument
+from golden.link.image_receiver import ImageReceiver
+from golden.link.packet_sender import PacketSender
+from golden.link.packets import IMAGE, SYNC, image_packet, kind_byte
+from golden.link.uart_receiver import UartReceiver
+from golden.link.uart_transmitter import UartTransmitter, bits_of
+from golden.scene import load_scene
+from golden.visualisation.pulse_density import PulseDensity
+from tb.common.cases import FRONT_END, VISUALISATION, random_mlp, write_scene
+from tb.common.small import PLAIN_UART, UART
+
+PAGE = Path(__file__).parents[1] / "docs" / "blocks" / "uart_instrument.md"
+PART = f'{FRONT_END}converter = "mcp3208-5v"\ncounter_width = 8\n'
+CLOCK = "clock_mhz = 4.0\n"
+
+
+def heard(divisor: int, levels: np.ndarray) -> list[int]:
+    found = UartReceiver(divisor).process(levels, np.zeros(len(levels)))
+    return found.out_data[found.out_valid].tolist()
+
+
+@pytest.mark.parametrize("divisor", [4, 5, 25, 104])
+def test_what_is_sent_is_heard(divisor: int) -> None:
+    sent, clocks = list(range(0, 256, 5)), 10 * divisor
+    column = np.repeat(sent, clocks)
+    valid = np.ones(len(column), dtype=np.int64)
+    ready, tx = UartTransmitter(divisor).process(valid, column, 0 * valid)
+    assert np.flatnonzero(ready).tolist() == list(range(0, len(column), clocks))
+    assert heard(divisor, np.append(tx, [1, 1, 1])) == sent
+
+
+@pytest.mark.parametrize(("divisor", "shorter", "longer"), [(4, 0.025, 0.055), (25, 0.048, 0.055)])
+def test_as_far_as_the_page_says_bits_may_be_off(divisor, shorter, longer) -> None:
+    """At any part of a clock; a tenth more is too much."""
+    byte = 0xA5
+    phases = np.linspace(0, 0.999, 23)
+
+    def right(off: float) -> bool:
+        found = []
+        for phase in phases:
+            edges = 3 + phase + np.arange(21) * divisor * (1 + off)
+            place = np.searchsorted(edges, np.arange(3 + 26 * divisor), side="right")
+            levels = np.array([1, *bits_of(byte), *bits_of(0), 1])[np.minimum(place, 21)]
+            found.append(heard(divisor, levels)[:1] == [byte])
+        return all(found)
+
+    assert right(-0.99 * shorter)
+    assert right(0.99 * longer)
+    assert not right(-1.2 * shorter)
+    assert not right(1.2 * longer)
+
+
+def test_a_divisor_that_leaves_no_middle_is_refused() -> None:
+    for block in (UartTransmitter, UartReceiver):
+        with pytest.raises(ValueError, match="got divisor=3, expected 4 or more"):
+            block(3)
+
+
+def test_images_are_found_among_other_bytes() -> None:
+    image = bytes(range(40, 80))
+    sent = b"\x07" + bytes([SYNC, SYNC]) + image_packet(image)[1:] + bytes([SYNC, 0x22, 0, 1, 9])
+    cut = bytes([SYNC, kind_byte(IMAGE), 0, 9, 1, 2, 3])
+    data = np.frombuffer(sent + cut, np.uint8)
+    quiet = np.zeros(100, dtype=np.int64)
+    valid = np.concatenate([np.ones(len(data), dtype=np.int64), quiet])
+    column = np.concatenate([data, quiet])
+    twin = ImageReceiver(idle_clocks=50, depth=4)
+    found = twin.process(valid, column, np.ones(len(valid)), np.zeros(len(valid)))
+    got = found.load_data[found.load_valid].tolist()
+    assert bytes(got) == image + bytes([1, 2, 3, 0])
+    assert np.flatnonzero(found.load_last[found.load_valid]).tolist() == [39, 43]
+
+
+def quiet_columns(twin: PacketSender, clocks: int) -> dict[str, np.ndarray]:
+    names = [port.name for port in twin.ports if port.direction == "in"]
+    return {name: np.zeros(clocks, dtype=np.int64) for name in names}
+
+
+def test_a_frame_between_two_packets_is_counted_alone() -> None:
+    twin = PacketSender(1, 1, points=0, reload=True, patience=1000)
+    columns, ends = quiet_columns(twin, 2000), np.array([5, 20, 40, 600])
+    for name in ("sample", "result"):
+        columns[f"{name}_valid"][ends] = columns[f"{name}_last"][ends] = 1
+        columns[f"{name}_data"][ends] = [-7, 8, 9, -10]
+    columns["line_error"][30] = 1
+    frames = twin.process(columns, np.zeros(2000), byte_clocks=4).frames
+    told = [(f.number, f.count, f.samples, f.outputs, f.flags) for f in frames]
+    assert told[0] == (0, 1, (-7,), (-7,), ())
+    # Thirteen bytes of four clocks; then a line so long free that a packet goes without a frame.
+    assert told[1:] == [(1, 4, (-10,), (-10,), ("line_error",)), (2, 4, (-10,), (-10,), ())]
+
+
+def test_a_payload_that_is_too_long_is_refused() -> None:
+    with pytest.raises(ValueError, match="expected 255 at most"):
+        PacketSender(120, 10, points=0, reload=False, patience=10)
+    with pytest.raises(ValueError, match="packet_sender: got points=300, expected 0 to 256"):
+        PacketSender(4, 4, points=300, reload=False, patience=10)
+
+
+@pytest.mark.parametrize("code", [-8192, -8191, -1, 0, 1, 2048, 8191])
+def test_as_many_ones_as_a_code_asks_for(code: int) -> None:
+    twin = PulseDensity(Fix(14, 13))
+    bits = twin.process(np.full(1 + (1 << 14), code), np.zeros(1 + (1 << 14)))[1:]
+    assert bits.sum() == code + 8192
+    due = np.arange(1, len(bits) + 1) * (code + 8192) / (1 << 14)
+    assert np.abs(np.cumsum(bits) - due).max() <= 1
+
+
+def scene_with(tmp_path, hardware: str, sections: str):
+    path = write_scene(
+        tmp_path,
+        "rig",
+        "exact",
+        [random_mlp((2, 3, 4), 1.0, 1)],
+        activation="precise",
+        design="engine",
+        hardware=hardware,
+        sections=sections,
+    )
+    return load_scene(str(path))
+
+
+def test_a_scene_has_a_line(tmp_path) -> None:
+    design = scene_with(tmp_path, CLOCK, f"{PART}[uart]\n").twin()
+    assert isinstance(design, UartInstrument)
+    assert (design.divisor, design.image) == (4, b"")
+    assert {port.name for port in design.ports} & {"rx", "tx", "dac_x"} == {"tx"}
+    loaded = scene_with(tmp_path, f"{CLOCK}reload = true", f"{PART}[uart]\n").twin()
+    assert "rx" in {port.name for port in loaded.ports}
+    assert loaded.image == image_packet(loaded.core.image)
+
+
+@pytest.mark.parametrize(
+    ("hardware", "sections", "message"),
+    [
+        (CLOCK, f"{FRONT_END}[uart]\n", r"front_end.converter: got none with a section \[uart\]"),
+        (CLOCK, "[uart]\n", r"front_end.converter: got none with a section \[uart\]"),
+        (
+            CLOCK,
+            f"{PART}[uart]\nbaud = 900_000\n",
+            "uart.baud: got 900000, expected within 2 % of a whole part of 4 MHz, such as 1e",
+        ),
+        (
+            CLOCK,
+            f"{PART}[uart]\nbaud = 1_000_001\n",
+            "uart.baud: got 1000001, expected 1 to 1000000, a bit of 4 clocks of 4 MHz",
+        ),
+        (CLOCK, f"{PART}[uart]\nbaud = 9.6\n", "uart.baud: got 9.6, expected a whole number"),
+        (CLOCK, f"{PART}[uart]\nbuad = 9600\n", "uart: key 'buad' is not known, expected baud"),
+        (
+            CLOCK,
+            f'{PART}{VISUALISATION}analogue = "pulse_density"\n',
+            r"visualisation.analogue: got 'pulse_density' without a section \[uart\], expected one",
+        ),
+        (
+            CLOCK,
+            f'{PART}{VISUALISATION}analogue = "pwm"\n[uart]\n',
+            "visualisation.analogue: got 'pwm', expected one of pulse_density",
+        ),
+        (
+            f"{CLOCK}reload = true",
+            PART,
+            r"hardware.reload: got true with a section \[front_end\], expected false: .*\[uart\]",
+        ),
+    ],
+)
+def test_a_line_that_cannot_be_is_refused(tmp_path, hardware, sections, message) -> None:
+    with pytest.raises(ValueError, match=f"rig.toml: {message}"):
+        scene_with(tmp_path, hardware, sections)
+
+
+def test_outputs_leave_before_the_next_samples_come(tmp_path) -> None:
+    twin = UART.scene(tmp_path, "uart").twin()
+    reader = replace(twin.converter_reader, pause=0)
+    assert isinstance(twin, UartInstrument)
+    with pytest.raises(ValueError, match="uart_instrument: got analogue without a profile"):
+        replace(PLAIN_UART.scene(tmp_path, "plain").twin(), analogue=True)
+    assert twin.readout.output_clocks[-1] <= reader.scan_clocks - reader.slots
+
+
+def test_the_page_of_the_instrument_shows_the_figures_of_its_twin() -> None:
+    """Clocks of scene digit-board, and what they are at its clock."""
+    scene = load_scene("digit-board")
+    twin = scene.twin()
+    assert isinstance(twin, UartInstrument)
+    text = PAGE.read_text(encoding="utf-8")
+    packet = twin.packet_sender.layout.packet_bytes
+
+    def row(what: str, clocks: int) -> str:
+        us = clocks / scene.clock_mhz
+        shown = f"{us:.6g} us" if us < 1000 else f"{us / 1000:.6g} ms"
+        return f"| {what} | {clocks} | {shown} |"
+
+    for line in (
+        row("from the last bit of a scan to the first output", twin.output_clocks[0]),
+        row("to the last output", twin.output_clocks[-1]),
+        row("from scan to scan, four samples", twin.interval),
+        row(f"a packet of {packet} bytes at 1 000 000 bits a second", 250 * packet),
+        row("from packet to packet, every second scan", twin.packet_scans * twin.interval),
+        row(f"an image of {len(twin.image)} bytes", 250 * len(twin.image)),
+    ):
+        assert line in text, line
+    packets = scene.clock_mhz * 1e6 / (twin.packet_scans * twin.interval)
+    assert f"{packets:.6g} packets, {packets * twin.inputs:.0f} samples a second" in text
