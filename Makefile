@@ -2,6 +2,8 @@
 
 # make mutate takes no scene unless one is given.
 SCENE_CHOSEN := $(findstring command line,$(origin SCENE))
+# What a board is asked for takes another than the default, which has no serial line.
+ON_BOARD := $(if $(filter-out undefined,$(origin SCENE)),"$$SCENE",digit-board)
 SCENE ?= digit
 RIG ?= digit
 SEED ?= 1
@@ -36,8 +38,8 @@ help:
 	@echo "                                          unknown until they are written; RECORD=1 records it of every block"
 	@echo "make vhdl    [SCENE=]                     export to build/<scene>/vhdl"
 	@echo "make verilog [SCENE=]                     export to build/<scene>/verilog"
-	@echo "make scene   CSV=readings.csv OUTPUTS=a,b [TO=my-rig.toml]"
-	@echo "                                          a scene for your own readings, and what they show"
+	@echo "make scene   CSV=readings.csv OUTPUTS=a,b [TO=my-rig.toml] [HARDWARE=scene]"
+	@echo "                                          a scene for your own readings, and what they show; HARDWARE= whose board read them"
 	@echo "make check   [SCENE=]                     what can be wrong with a scene, in seconds"
 	@echo "make train   [SCENE=] [CLUSTER=]          train the scene's networks, write them beside it"
 	@echo "make recalibrate [SCENE=] [CSV=placements.csv] [TO=folder]"
@@ -98,7 +100,7 @@ vhdl verilog: $(READY)
 	@$(RUN) -m hdl.export "$$SCENE" $@
 
 scene: $(READY)
-	@$(RUN) -m golden.rig.write_scene "$$CSV" "$$OUTPUTS" $(if $(TO),--to="$$TO")
+	@$(RUN) -m golden.rig.write_scene "$$CSV" "$$OUTPUTS" $(if $(TO),--to="$$TO") $(if $(HARDWARE),--hardware="$$HARDWARE")
 
 check: $(READY)
 	@$(RUN) -m tb.check "$$SCENE"
@@ -119,14 +121,14 @@ image: $(READY)
 	@$(RUN) -m golden.scene.write_image "$$SCENE" $(if $(HARDWARE),--hardware="$$HARDWARE")
 
 monitor: $(READY)
-	@$(RUN) -m tb.monitor "$$SCENE" "$$PORT" $(if $(HARDWARE),--hardware="$$HARDWARE") $(if $(TO),--to="$$TO") $(if $(BAUD),--baud="$$BAUD")
+	@$(RUN) -m tb.monitor $(ON_BOARD) "$$PORT" $(if $(HARDWARE),--hardware="$$HARDWARE") $(if $(TO),--to="$$TO") $(if $(BAUD),--baud="$$BAUD")
 
 record: $(READY)
-	@$(RUN) -m tb.monitor.record "$$SCENE" "$$PORT" "$$TO" \
+	@$(RUN) -m tb.monitor.record $(ON_BOARD) "$$PORT" "$$TO" \
 		$(if $(LABELS),--labels="$$LABELS") $(if $(FRAMES),--frames="$$FRAMES") $(if $(BAUD),--baud="$$BAUD")
 
 load: $(READY)
-	@$(RUN) -m tb.monitor.load "$$SCENE" "$$PORT" $(if $(HARDWARE),--hardware="$$HARDWARE") $(if $(BAUD),--baud="$$BAUD")
+	@$(RUN) -m tb.monitor.load $(ON_BOARD) "$$PORT" $(if $(HARDWARE),--hardware="$$HARDWARE") $(if $(BAUD),--baud="$$BAUD")
 
 bench: $(READY)
 	@$(RUN) -m tb.report.measure.benchmark "$$SCENE" $(if $(FRAMES),--frames="$$FRAMES")

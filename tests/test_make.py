@@ -52,7 +52,7 @@ ARGUMENTS = {
     "OUTPUTS": ("", "scene"),
     "TO": ("", "recalibrate predict network record"),
     "OUTPUT": ("--output=", "network"),
-    "HARDWARE": ("--hardware=", "image monitor load"),
+    "HARDWARE": ("--hardware=", "scene image monitor load"),
     "PORT": ("", "monitor record load"),
     "BAUD": ("--baud=", "monitor record load"),
     "LABELS": ("--labels=", "record"),

@@ -13,6 +13,7 @@ import pytest
 
 from golden.cli import CommandError, run
 from golden.link.decoder import Decoder
+from golden.link.packets import Frame
 from golden.networks.engine import Engine
 from golden.scene import Scene, load_scene
 from golden.scene.scale import Scale
@@ -21,6 +22,7 @@ from tb.monitor import record as recording
 from tb.monitor.board import Board
 from tb.monitor.csv_file import GrowingCsv
 from tb.monitor.line import Line
+from tb.monitor.ports import open_line
 from tb.monitor.twin_board import TwinBoard
 
 BAUD = 1_000_000
@@ -235,3 +237,35 @@ def test_a_simulated_board_is_touched_by_itself(hardware: Scene, simulated: Twin
             assert np.array_equal(codes, [hardware.vectors().codes[row]] * 3)
     with pytest.raises(ValueError, match=r"data.outputs: got no 'where', expected that of a plac"):
         simulated.place({"where": 1.0})
+
+
+def test_the_simulated_hardware_sends_what_its_converter_reads(hardware: Scene) -> None:
+    """The first two packets, before any image; ALL=1 does more (tests/test_monitor_loop.py)."""
+    board = Board(hardware, hardware)
+    with open_line("sim", None, board) as line:
+        values = recording.gather(line, board, 1)
+    reader = board.instrument.converter_reader
+    expected = reader.process(reader.converted(hardware.vectors().codes[:1]))
+    assert np.array_equal(values * 8192, expected)
+
+
+def test_packets_of_before_do_not_count(hardware: Scene) -> None:
+    """One may wait in the board, one be on the line, when it is asked for."""
+    board = Board(hardware, hardware)
+
+    class Wire:
+        """Six packets, each of other samples."""
+
+        label, cut, patience = "wire", "", 10.0
+
+        def drop(self) -> None:
+            self.data = b"".join(
+                board.layout.to_bytes(Frame(n, (), n, (n, n, n, n), (0,) * 4, (0, 0, 0)))
+                for n in range(6)
+            )
+
+        def read(self) -> bytes:
+            return self.data
+
+    values = recording.gather(Wire(), board, 3)  # type: ignore[arg-type]
+    assert np.array_equal(values * 8192, np.repeat([[2], [3], [4]], 4, axis=1))

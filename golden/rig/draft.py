@@ -10,7 +10,10 @@ from pathlib import Path
 import numpy as np
 
 from golden.networks.mlp import Real
+from golden.rig import readings
 from golden.rig.survey import Survey
+from golden.scene import Scene
+from golden.scene.scale import AUTO
 
 TEMPLATE = """\
 # Written by make scene from {file}: {rows} rows. Change what you like; every key is explained in
@@ -70,6 +73,10 @@ SCALE = """\
 # column follow from the rows that train.
 scale = "auto"
 """
+READ_BY = """\
+# Sensors stand for the codes that the hardware of {name} reads, so that its engine can be loaded
+# with these networks{beyond}.
+{line}"""
 UNITS = """\
 # As the names of the columns tell; only for what is printed.
 units = {{ {pairs} }}
@@ -83,8 +90,8 @@ split = "blocks"
 """
 
 
-def draft(found: Survey, path: Path) -> str:
-    """The scene that is to stand at ``path``."""
+def draft(found: Survey, path: Path, hardware: Scene | None = None) -> str:
+    """The scene that is to stand at ``path``, for sensors that ``hardware`` reads."""
     file = os.path.relpath(found.recording.path, path.parent)
     outputs = list(found.outputs)
     pairs = ", ".join(f"{_key(n)} = {_span(v)}" for n, v in found.outputs.items())
@@ -103,11 +110,28 @@ def draft(found: Survey, path: Path) -> str:
         outputs=_list(outputs),
         group_by=GROUP_BY.format(name=_quoted(group)) if group else "",
         full_scale=FULL_SCALE.format(pairs=pairs),
-        scale=SCALE if found.beyond else "",
+        scale=_read_by(found, hardware) if hardware else SCALE if found.beyond else "",
         units=UNITS.format(pairs=units) if units else "",
         arrangement=CASCADE if len(outputs) > 1 else SINGLE,
         weights=_list(weights(outputs, path)),
         split=BLOCKS if found.interpolated else "",
+    )
+
+
+def _read_by(found: Survey, hardware: Scene) -> str:
+    """The scale of the hardware for each sensor, and one for each output that needs it."""
+    scales = hardware.known_scales
+    pairs = [
+        f"{_key(name)} = {{ offset = {scales[name].offset!r}, factor = {scales[name].factor!r} }}"
+        for name in found.sensors
+        if name in scales
+    ]
+    wide = [name for name, values in found.outputs.items() if readings.beyond(name, values)]
+    pairs += [f'{_key(name)} = "{AUTO}"' for name in wide]
+    return READ_BY.format(
+        name=hardware.path.stem,
+        beyond="; outputs leave -1 to 1, and get a scale" if wide else "",
+        line=f"scale = {{ {', '.join(pairs)} }}\n" if pairs else "",
     )
 
 

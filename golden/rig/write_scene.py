@@ -27,8 +27,35 @@ def names_of(text: str) -> list[str]:
         raise ValueError(f"OUTPUTS={text!r}: got no names between commas: {error}") from None
 
 
-def write_scene(found: Survey, path: Path) -> Scene:
+def check_sensors(found: Survey, hardware: Scene) -> None:
+    """Refuse a recording whose sensors are not those that a scene's hardware reads.
+
+    Raises
+    ------
+    ValueError
+    """
+    got = tuple(found.sensors)
+    if got != hardware.sensors:
+        why = "".join(
+            f"; {name} is left out: {found.left_out[name]}"
+            for name in hardware.sensors
+            if name in found.left_out
+        )
+        raise ValueError(
+            f"{found.recording.path}: got the sensors {', '.join(got)}, expected "
+            f"{', '.join(hardware.sensors)}, as {hardware.path} reads them{why}"
+        )
+
+
+def write_scene(found: Survey, path: Path, hardware: Scene | None = None) -> Scene:
     """Write the scene, once it is clear that it can be read.
+
+    Parameters
+    ----------
+    found : Survey
+    path : Path
+    hardware : Scene, optional
+        Whose hardware read the sensors, and is to run the networks.
 
     Raises
     ------
@@ -36,7 +63,7 @@ def write_scene(found: Survey, path: Path) -> Scene:
         When the file, or a network that it would name, is there already.
     """
     with replace_file(path) as temporary:
-        temporary.write_text(draft(found, path), encoding="utf-8")
+        temporary.write_text(draft(found, path, hardware), encoding="utf-8")
         scene = load_scene(str(temporary))
         scaled(scene).vectors()
         files = [path, *scene.weights_paths, *map(provenance_path, scene.weights_paths)]
@@ -50,6 +77,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="make scene", description=__doc__)
     parser.add_argument("csv")
     parser.add_argument("outputs", help="columns to be told from the others, between commas")
+    parser.add_argument("--hardware", help="scene whose board recorded the readings")
     parser.add_argument("--to", type=Path, help="the scene; beside the CSV and named as it")
     arguments = parser.parse_args()
     if not arguments.csv:
@@ -69,7 +97,10 @@ def main() -> None:
         if finding.verdict != "fault":
             print(finding)
     refuse(found.findings)
-    scene = write_scene(found, path)
+    hardware = load_scene(arguments.hardware) if arguments.hardware else None
+    if hardware:
+        check_sensors(found, hardware)
+    scene = write_scene(found, path, hardware)
     count = len(scene.members)
     networks = "one network" if count == 1 else f"{count} networks in {scene.arrangement}"
     print(f"wrote {path}: {networks}, {len(scene.sensors)} sensors")

@@ -5,11 +5,11 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 
 from golden.cli import run, whole
+from golden.progress import CLEAR
 from tb.monitor.board import MOST_BAUD, board_of
 from tb.monitor.csv_file import GrowingCsv
 from tb.monitor.load import load
@@ -17,45 +17,68 @@ from tb.monitor.monitor import HEAD, Monitor
 from tb.monitor.ports import open_line
 from tb.monitor.server import Server
 
+# Seconds between two lines of what there is, on a terminal.
+PAUSE = 1.0
+
+
+class Terminal:
+    """Lines that stay, and on a terminal one below them that is written over and over.
+
+    Parameters
+    ----------
+    seconds : float or None
+        When to end.
+    """
+
+    def __init__(self, seconds: float | None) -> None:
+        self.seconds = seconds
+        self.monitor: Monitor | None = None
+        self._terminal = sys.stdout.isatty()
+        self._began = self._shown = time.monotonic()
+
+    def say(self, text: str) -> None:
+        print(f"{CLEAR if self._terminal else ''}{text}", flush=True)
+
+    def over(self) -> bool:
+        """Whether it is time to end; shows on the way what there is."""
+        now = time.monotonic()
+        if self._terminal and self.monitor and now - self._shown >= PAUSE:
+            self._shown = now
+            print(f"{CLEAR}{self.monitor.line()}", end="", flush=True)
+        return self.seconds is not None and now - self._began >= self.seconds
+
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="make monitor", description=__doc__)
     parser.add_argument("scene")
     parser.add_argument("port", help="a serial port, or sim")
     parser.add_argument("--hardware", default="", help="scene whose hardware the board has")
-    parser.add_argument("--to", type=Path, help="CSV that takes every frame")
+    parser.add_argument("--to", type=Path, help="CSV that takes every packet")
     parser.add_argument("--baud", type=whole("BAUD", 300, MOST_BAUD))
-    parser.add_argument("--page", type=whole("PAGE", 0, 65535), default=0)
     parser.add_argument("--seconds", type=float, help="end after so long")
     arguments = parser.parse_args()
     board = board_of(arguments.scene, arguments.hardware)
     with ExitStack() as stack:
         line = stack.enter_context(open_line(arguments.port, arguments.baud, board))
-        if line.simulated and board.instrument.reload:
-            print("the simulated board is loaded", flush=True)
-            load(line, board)
         csv = None
         if arguments.to:
             csv = stack.enter_context(GrowingCsv(arguments.to, [*HEAD, *board.columns]))
-        monitor = Monitor(board, lambda text: print(text, flush=True), csv)
-        title = f"tactus: {board.scene.name} on {arguments.port}"
-        server = stack.enter_context(Server(title, monitor.state, arguments.page))
-        print(
-            f"{line.label}, {line.baud} baud: look at {server.address}; Ctrl-C ends it", flush=True
-        )
+        if line.simulated and board.instrument.reload:
+            print("the simulated board is being loaded", flush=True)
+            load(line, board)
+        terminal = Terminal(arguments.seconds)
+        monitor = terminal.monitor = Monitor(board, terminal.say, csv)
+        title = f"tactus: {board.scene.name} on {line.label}"
+        server = stack.enter_context(Server(title, monitor.state))
+        terminal.say(f"{line.label}, {line.baud} baud: look at {server.address}; Ctrl-C ends it")
         try:
-            monitor.listen(line, _until(arguments.seconds))
+            monitor.listen(line, terminal.over)
         except KeyboardInterrupt:
-            print()
+            terminal.say("")
         tally = monitor.decoder.tally
-        print(f"{tally.frames} packets, {tally.missed} missed, {tally.failed} damaged")
+        terminal.say(f"{tally.frames} packets, {tally.missed} missed, {tally.failed} damaged")
         if csv:
-            print(f"wrote {csv.path}, {csv.rows} rows")
-
-
-def _until(seconds: float | None) -> Callable[[], bool]:
-    began = time.monotonic()
-    return lambda: seconds is not None and time.monotonic() - began >= seconds
+            terminal.say(f"wrote {csv.path}, {csv.rows} rows")
 
 
 if __name__ == "__main__":

@@ -45,8 +45,8 @@ class Line:
         Why the port is gone; empty while it is open.
     simulated : Simulated or None
         The board that is simulated behind the port.
-    patience : float
-        Seconds that somebody who asked for something waits for a packet.
+    silence, patience : float
+        Seconds without a packet until that is told, and until who asked for one gives up.
 
     Raises
     ------
@@ -58,7 +58,7 @@ class Line:
         self.name, self.baud, self.label = name, baud, label or name
         self.cut = ""
         self.simulated: Simulated | None = None
-        self.patience = 10.0
+        self.silence, self.patience = 2.0, 10.0
         self._port: serial.Serial | None = None
         try:
             self._port = self._opened()

@@ -23,10 +23,9 @@ from tb.monitor.told import Told
 HEAD = ("seconds", "packet", "computed", "flags")
 # Of the course that is shown: seconds, and the time for which one point stands.
 SHOWN_SECONDS, POINT_SECONDS = 30.0, 0.05
-# Seconds that a rate is counted over, and that a flag stays lit.
-RATE_SECONDS, LIT_SECONDS = 1.0, 1.0
-# Seconds without a packet before it is said.
-SILENCE = 2.0
+# What a rate is counted over: seconds, or as many arrivals where they are rarer.
+RATE_SECONDS, RATE_ARRIVALS = 1.0, 5
+LIT_SECONDS = 1.0
 _COUNTS = 1 << 16
 FLAG_TEXTS = {
     "converter_error": "the converter is missing or stuck: no frame is made of what it sends",
@@ -152,27 +151,43 @@ class Monitor:
             if self._line != "cut":
                 self.decoder.restart()
                 self._newest = None
+                self._arrivals.clear()
+                # Nothing is known of the time between.
+                self._course.append((now, []))
                 self.told.tell("line", f"the line was cut: {line.cut}; waiting for {line.label}")
             self._line = "cut"
         elif self._line == "cut":
             self.told.tell("line", f"{line.label} is back")
             self._line, self._packet_at = "waiting", now
-        elif now - self._packet_at > SILENCE:
+        elif now - self._packet_at > line.silence:
             if self._line != "silent":
-                self.told.tell("line", f"no packet for {SILENCE:g} s")
+                self.told.tell("line", f"no packet for {line.silence:g} s")
             self._line = "silent"
         elif self._newest is not None:
             if self._line == "silent":
                 self.told.tell("line", "packets come again")
-            self._line = "packets" if self.rates()[1] else "idle"
+            idle = len(self._arrivals) >= RATE_ARRIVALS and not self.rates()[1]
+            self._line = "idle" if idle else "packets"
 
     def rates(self) -> tuple[float, float]:
-        """Packets and computed frames a second, over the last."""
-        now = self._clock()
-        while self._arrivals and now - self._arrivals[0][0] > RATE_SECONDS:
-            self._arrivals.popleft()
-        packets, computed = (sum(a[n] for a in self._arrivals) for n in (1, 2))
-        return packets / RATE_SECONDS, computed / RATE_SECONDS
+        """Packets and computed frames a second, of late."""
+        now, arrivals = self._clock(), self._arrivals
+        while len(arrivals) > RATE_ARRIVALS and now - arrivals[1][0] > RATE_SECONDS:
+            arrivals.popleft()
+        if len(arrivals) < 2 or now == arrivals[0][0]:
+            return 0.0, 0.0
+        # The first began the time that the others took.
+        packets, computed = (sum(a[n] for a in arrivals) - arrivals[0][n] for n in (1, 2))
+        return packets / (now - arrivals[0][0]), computed / (now - arrivals[0][0])
+
+    def line(self) -> str:
+        """What there is, in a line."""
+        packets, _ = self.rates()
+        shown = [f"{packets:.3g} packets a second, {self.decoder.tally.missed} missed"]
+        if self._line in ("packets", "idle"):
+            texts = self.board.texts(self._values)[len(self.board.scene.sensors) :]
+            shown += [f"{n} {t}" for n, t in zip(self.board.scene.outputs, texts, strict=True)]
+        return ", ".join(shown)
 
     def state(self) -> dict[str, Any]:
         """Everything that the page shows."""

@@ -12,8 +12,8 @@ from tb.monitor.simulated_board import SimulatedBoard
 SIMULATED = "sim"
 # Scans for which a row of the recording stays: with a profile, so that all of its points are seen.
 HOLD = 64
-# Seconds: an image takes as many clocks as on the board, and each of them longer.
-PATIENCE = 600.0
+# Seconds: everything takes as many clocks as on the board, and each of them longer.
+SILENCE, PATIENCE = 60.0, 600.0
 
 
 @contextmanager
@@ -35,7 +35,8 @@ def open_line(port: str, baud: int | None, board: Board) -> Iterator[Line]:
             SimulatedBoard(board.hardware, HOLD) as simulated,
             Line(simulated.port, baud, SIMULATED) as line,
         ):
-            line.simulated, line.patience = simulated, PATIENCE
+            line.simulated = simulated
+            line.silence, line.patience = SILENCE, PATIENCE
             yield line
     else:
         with Line(port, baud) as line:

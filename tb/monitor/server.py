@@ -10,10 +10,10 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from types import TracebackType
 from typing import Any
 
-from golden.cli import CommandError
 from tb.report.page.page import environment
 
 HOST = "127.0.0.1"
+NAMES = (HOST, "localhost")
 # Nothing but what the page itself brings may run in it.
 POLICY = (
     "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; "
@@ -22,31 +22,29 @@ POLICY = (
 
 
 class Server:
-    """Serves a page and the state that it shows, from a thread.
+    """Serves a page and the state that it shows, from a thread, at a port that is free.
 
-    Only this machine can ask, and only by this address: a page from elsewhere that a browser here
-    has open cannot, under any name.
+    Only this machine can ask, and only by its own names: a page from elsewhere that a browser here
+    has open cannot, whatever its name leads to.
 
     Parameters
     ----------
     title : str
     state : callable
         What the page shows.
-    port : int
-        0 for one that is free.
 
-    Raises
-    ------
-    CommandError
-        When the port is taken.
+    Attributes
+    ----------
+    address : str
     """
 
-    def __init__(self, title: str, state: Callable[[], dict[str, Any]], port: int = 0) -> None:
+    def __init__(self, title: str, state: Callable[[], dict[str, Any]]) -> None:
         page = environment("tb.monitor").get_template("page.html.jinja").render(title=title)
 
         class Handler(BaseHTTPRequestHandler):
             def do_GET(self) -> None:
-                if self.headers.get("Host") not in known:
+                # With any port: one that is forwarded may be another.
+                if self.headers.get("Host", "").rpartition(":")[0] not in NAMES:
                     self.send_error(HTTPStatus.FORBIDDEN)
                 elif self.path == "/":
                     self._answer("text/html", page)
@@ -68,14 +66,9 @@ class Server:
             def log_message(self, *_: object) -> None:
                 """The terminal is for what the board says."""
 
-        try:
-            self._server = ThreadingHTTPServer((HOST, port), Handler)
-        except OSError as error:
-            raise CommandError(f"PAGE={port}: cannot be served: {error.strerror}") from None
+        self._server = ThreadingHTTPServer((HOST, 0), Handler)
         self._server.daemon_threads = True
-        port = self._server.server_port
-        known = {f"{HOST}:{port}", f"localhost:{port}"}
-        self.address = f"http://{HOST}:{port}/"
+        self.address = f"http://{HOST}:{self._server.server_port}/"
         self._thread = threading.Thread(target=self._server.serve_forever, daemon=True)
 
     def __enter__(self) -> Server:

@@ -85,6 +85,10 @@ class TwinBoard:
         self.cut()
         self._folder.cleanup()
 
+    def start(self) -> None:
+        """Run what the scene would have been loaded with."""
+        self._runs = True
+
     def place(self, targets: dict[str, float]) -> None:
         """Stay at the recorded row whose outputs are nearest to these."""
         self._row = nearest_row(self.scene, targets)

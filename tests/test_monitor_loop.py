@@ -1,0 +1,179 @@
+"""docs/monitor.md: record on a board, train, load, and see the own network run there."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from golden.cli import run
+from golden.networks.engine import Engine
+from golden.rig import write_scene
+from golden.scene import Scene, load_scene
+from golden.scene.image import scene_image
+from golden.training import __main__ as training
+from tb.monitor import load as loading
+from tb.monitor import record as recording
+from tb.monitor.board import Board
+from tb.monitor.csv_file import GrowingCsv
+from tb.monitor.line import Line
+from tb.monitor.monitor import Monitor
+from tb.monitor.twin_board import TwinBoard
+
+ROOT = Path(__file__).parents[1]
+HARDWARE = "digit-board"
+# Of the recording every so-manieth row is touched.
+EVERY = 4
+
+
+@pytest.fixture(scope="module")
+def hardware() -> Scene:
+    return load_scene(HARDWARE)
+
+
+def labels(hardware: Scene, path: Path, every: int) -> list[str]:
+    """A CSV of placements; loads in grams, which no code holds."""
+    rows = hardware.vectors().targets[::every]
+    lines = ["position,load,grams"] + [f"{p:g},{d:g},{1000 * d:g}" for d, p, *_ in rows]
+    path.write_text("\n".join(lines) + "\n")
+    return lines[1:]
+
+
+def small(scene: Path) -> None:
+    """A search that ends soon."""
+    text = re.sub(r"hidden = \[.*", "hidden = [4, 4]", scene.read_text())
+    scene.write_text(text.replace("restarts = 8", "restarts = 1"))
+
+
+def test_from_placements_to_a_network_on_the_board(
+    hardware: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
+) -> None:
+    """The loop, on a board of twins: it hangs on the port, the files and the commands alone."""
+    listed = labels(hardware, tmp_path / "placements.csv", EVERY)
+    names, placements = recording.labels_of(tmp_path / "placements.csv")
+    readings, rig = tmp_path / "readings.csv", tmp_path / "mine.toml"
+    with TwinBoard(hardware) as simulated, Line(simulated.port, 1_000_000) as line:
+        board = Board(hardware, hardware)
+        # The recording knows no grams.
+        ask = recording.simulated_ask(simulated, [p[:2] for p in placements], names[:2])
+        with GrowingCsv(readings, [*hardware.sensors, *names]) as file:
+            source = recording.listed(names, placements, ask)
+            recording.record(line, board, source, file, 2, print)
+        assert file.rows == len(listed)
+
+        words = ["scene", str(readings), "grams", f"--to={rig}", f"--hardware={HARDWARE}"]
+        monkeypatch.setattr("sys.argv", words)
+        # Two columns more than the hardware has sensors.
+        assert run(write_scene.main) == 2
+        assert "got the sensors sensor1, sensor2, sensor3, sensor4, position" in (
+            capfd.readouterr().err
+        )
+        words[2] = "grams,position"
+        plain = readings.read_text().splitlines()
+        readings.write_text("\n".join(_without(row, "load", plain[0]) for row in plain) + "\n")
+        assert run(write_scene.main) == 0, capfd.readouterr().err
+        text = rig.read_text()
+        assert 'scale = { grams = "auto" }' in text
+        small(rig)
+
+        words = ["train", str(rig), "--build", str(tmp_path / "build"), "--workers", "1"]
+        monkeypatch.setattr("sys.argv", words)
+        assert run(training.main) == 0, capfd.readouterr().err
+        mine = Board(load_scene(str(rig)), hardware)
+        assert loading.load(line, mine) == len(
+            scene_image(mine.scene, _engine(hardware)).to_bytes()
+        )
+
+        simulated.place({"load": 0.9, "position": 0.45})
+        line.drop()
+        monitor = Monitor(mine, print)
+        ends = iter([False] * 20 + [True])
+        monitor.listen(line, lambda: next(ends))
+        state = monitor.state()
+    engine = Engine.of_several(mine.scene.arrangement, mine.scene.mlps())
+    row = np.abs(hardware.vectors().targets[:, :2] - [0.9, 0.45]).sum(axis=1).argmin()
+    expected = mine.scene.outputs_in_units(engine.process(hardware.vectors().codes[row : row + 1]))
+    shown = [float(output["text"]) for output in state["outputs"]]
+    assert [output["name"] for output in state["outputs"]] == ["grams", "position"]
+    assert shown == pytest.approx(expected[0], abs=0.06)
+    assert abs(shown[0] - 900) < 100
+
+
+def _engine(scene: Scene) -> Engine:
+    core = scene.twin().core
+    assert isinstance(core, Engine)
+    return core
+
+
+def _without(row: str, name: str, header: str) -> str:
+    at = header.split(",").index(name)
+    return ",".join(cell for n, cell in enumerate(row.split(",")) if n != at)
+
+
+def test_a_recording_without_a_sensor_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
+) -> None:
+    """One that never moved is left out, and the board would read another in its place."""
+    rows = ["sensor1,sensor2,sensor3,sensor4,load"]
+    rows += [f"{n**0.5 / 6},{n * n / 1000},0.5,{(n % 7) / 9},{n}" for n in range(30)]
+    (tmp_path / "a.csv").write_text("\n".join(rows) + "\n")
+    words = ["scene", str(tmp_path / "a.csv"), "load", f"--hardware={HARDWARE}"]
+    monkeypatch.setattr("sys.argv", words)
+    assert run(write_scene.main) == 2
+    said = capfd.readouterr().err
+    assert "got the sensors sensor1, sensor2, sensor4, expected sensor1, sensor2, sensor3" in said
+    assert "; sensor3 is left out: 0.5 in every row" in said
+    assert not (tmp_path / "a.toml").exists()
+
+
+def command(*words: str) -> str:
+    done = subprocess.run(
+        [sys.executable, "-m", *words], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@pytest.mark.all_only
+def test_the_page_as_it_stands_on_the_simulated_hardware(hardware: Scene, tmp_path: Path) -> None:
+    """The commands themselves, with the exported hardware in the simulator behind each."""
+    folder = str(tmp_path)
+    rows = hardware.vectors().targets[::6]
+    (tmp_path / "placements.csv").write_text(
+        "\n".join(["load,position", *(f"{d:g},{p:g}" for d, p, *_ in rows)]) + "\n"
+    )
+    said = command(
+        *("tb.monitor.record", HARDWARE, "sim", f"{folder}/readings.csv"),
+        *(f"--labels={folder}/placements.csv", "--frames=1"),
+    )
+    assert f"wrote {folder}/readings.csv, {len(rows)} placements" in said
+    rig = f"{folder}/mine.toml"
+    command(
+        *("golden.rig.write_scene", f"{folder}/readings.csv", "load,position"),
+        *(f"--to={rig}", f"--hardware={HARDWARE}"),
+    )
+    small(Path(rig))
+    command("golden.training", rig, "--build", f"{folder}/build")
+    said = command("tb.monitor.load", rig, "sim", f"--hardware={HARDWARE}")
+    assert re.fullmatch(r"sim: mine runs, \d+ bytes\n", said)
+    said = command(
+        *("tb.monitor", rig, "sim", f"--hardware={HARDWARE}", "--seconds=20"),
+        f"--to={folder}/seen.csv",
+    )
+    counted = re.search(r"(\d+) packets, 0 missed, 0 damaged\n", said)
+    assert counted
+    assert int(counted[1]) > 3
+    mine = load_scene(rig)
+    engine = Engine.of_several(mine.arrangement, mine.mlps())
+    header, *lines = (tmp_path / "seen.csv").read_text().splitlines()
+    assert header == "seconds,packet,computed,flags,sensor1,sensor2,sensor3,sensor4,load,position"
+    for line in lines:
+        *_, flags = line.split(",")[:4]
+        values = np.array([float(cell) for cell in line.split(",")[4:]])
+        codes = np.round(values * 8192).astype(np.int64)
+        assert not flags
+        assert np.array_equal(engine.process(codes[None, :4])[0], codes[4:])
