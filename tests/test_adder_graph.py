@@ -11,7 +11,9 @@ from golden.precision import EXACT, SIGNAL
 from golden.scene import load_scene
 from tb.common.cases import random_mlp
 from tb.common.stimulus import corner_frames
+from tb.report.measure.adder_errors import stages
 
+ENDS = (SIGNAL.low, SIGNAL.high)
 SHAPES = [((1, 1, 1), 1.0), ((3, 4, 2), 20.0), ((5, 3, 4), 0.3)]
 
 
@@ -66,3 +68,17 @@ def test_no_multiplier_and_a_frame_a_clock() -> None:
     design = load_scene("digit-fast").twin()
     assert design.interval == 1
     assert any("every multiplier" in text for text in design.left_out())
+
+
+def test_each_cause_of_error_moves_an_output_by_what_it_can() -> None:
+    mlp = random_mlp((3, 4, 2), 1.0, 4)
+    design = AdderGraph.of(mlp, EXACT, "bipartite")
+    *others, (_, tabled), (_, cut_once), (_, cut) = stages(design, frames_of(3))
+    ideal = np.clip(8192 * mlp.process(SIGNAL.to_real(frames_of(3)), tanh), *ENDS)
+    # Weights of 18 bits, and half a unit.
+    assert np.abs(others[0][1] - ideal).max() < 1
+    assert len({output.tobytes() for _, output in others}) == 2
+    assert np.abs(tabled - others[1][1]).max() <= np.ceil(np.abs(mlp.w2).sum(axis=1)).max()
+    assert (tabled != cut_once).any()
+    units = [max(map(abs, ends)) / 2.0**design.second.out_shift for ends in design.second.errors]
+    assert 0 < np.abs(cut - cut_once).max() <= 1 + max(units)

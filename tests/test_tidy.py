@@ -76,6 +76,8 @@ from hdl.export.describe import describe
             "type t_array_a is array(0 to 1) of bit;\n  a(0) <= b;\n  a(1) <= c;\n",
         ),
         (tidy.fold_numbers, "for i in 1 to 4-1 loop", "for i in 1 to 3 loop"),
+        (tidy.shorten_bit_strings, '8X"0a"', 'X"0a"'),
+        (tidy.shorten_bit_strings, '9X"00a"', '"000001010"'),
         (tidy.close_ranges, "signed (3 downto 0)", "signed(3 downto 0)"),
         (tidy.drop_unused_packages, "use std.textio.all;\nentity a is", "entity a is"),
         (

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from tb.report.measure import (
     activations,
+    adder_errors,
     bounds,
     clocks,
     digits,
@@ -33,6 +34,7 @@ TABLES: dict[str, Callable[[int], Table]] = {
     "networks": networks.networks,
     "clocks": clocks.clocks,
     "one_network": one_network.one_network,
+    "adder_errors": adder_errors.adder_errors,
     "activations": activations.activations,
     "iterations": activations.iterations,
     "tanh_words": tanh_words.tanh_words,

@@ -1,0 +1,72 @@
+"""Where the error of an adder graph comes from: one cause after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from golden.fixed import Codes
+from golden.layers.constant_matrix import ConstantMatrix
+from golden.networks.adder_graph import AdderGraph
+from golden.networks.mlp import Real
+from golden.scene import load_scene
+from tb.report.measure.one_network import floating_point, mean_error, random_frames
+from tb.report.measure.table import Cell, Table
+
+SCENES = ("digit-fast", "comparison/digit-fast-full")
+
+
+def adder_errors(seed: int) -> Table:
+    """Mean error of each scene, of recorded and of random frames, for more and more causes."""
+    rows: list[list[Cell]] = []
+    for name in SCENES:
+        scene = load_scene(name)
+        design = scene.twin()
+        assert isinstance(design, AdderGraph)
+        recorded = scene.vectors().codes
+        both = recorded, random_frames(seed, recorded.shape[1])
+        real = [floating_point(scene, frames) for frames in both]
+        for (cause, first), (_, second) in zip(*(stages(design, x) for x in both), strict=True):
+            errors = map(mean_error, (first, second), real)
+            rows.append([scene.name, cause, *errors])
+    return Table(
+        "adder_errors",
+        ["scene", "cause", "recorded, 2^-13", "random, 2^-13"],
+        rows,
+        "The network in floating point, to which one cause of error after the other is added: mean "
+        "magnitude of the difference, as in one_network.",
+    )
+
+
+def stages(design: AdderGraph, frames: Codes) -> Iterator[tuple[str, Real | Codes]]:
+    """Outputs in codes, each with one cause more than the one before."""
+    first, second = design.first, design.second
+    q = exact_sums(first, frames)
+
+    def outputs(r: Real | Codes) -> Codes:
+        # Half a step of the output is part of the constants.
+        return np.clip(np.floor(exact_sums(second, r)), second.out_fmt.low, second.out_fmt.high)
+
+    def tanh(codes: Real) -> Real:
+        # Without the half step that is part of the constants.
+        scale = 1 << second.in_fmt.frac
+        return np.asarray(scale * np.tanh(codes / (1 << first.out_fmt.frac)) - 0.5)
+
+    def tables(codes: Codes) -> Codes:
+        columns = [a.process(codes[:, j]) for j, a in enumerate(design.activations)]
+        return np.stack(columns, axis=-1)
+
+    floored = np.floor(q).astype(np.int64)
+    middles = np.asarray(floored + 0.5, dtype=np.float64)
+    yield "weights, outputs rounded", outputs(tanh(q))
+    yield "q in steps", outputs(tanh(middles))
+    yield "tanh from tables", outputs(tables(floored))
+    yield "bits cut in layer 1", outputs(tables(first.process(frames)))
+    yield "bits cut in layer 2", design.process(frames)
+
+
+def exact_sums(matrix: ConstantMatrix, values: Real | Codes) -> Real:
+    """The sums of a matrix in units of its results, with nothing cut."""
+    sums = values @ np.array(matrix.weights).T + np.array(matrix.biases)
+    return np.asarray(sums / (1 << matrix.out_shift))
