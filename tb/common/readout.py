@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from golden.precision import SIGNAL
 from tb.common.bench import Bench, Recording
 from tb.common.profile import check_profile
 
@@ -29,15 +30,31 @@ def frames_out(bench: Bench, recording: Recording) -> tuple[np.ndarray, np.ndarr
 
 
 def check_held(bench: Bench, recording: Recording) -> None:
-    """Each frame's outputs are held from the clock after its last until the next ones come."""
+    """Each output of a frame is held from the clock after its last until the next of its kind."""
     ends, codes = frames_out(bench, recording)
-    # What comes in the clock of a reset is held too; none of these benches ends in one.
-    starts = np.concatenate([recording.rows("out_valid"), [recording.clocks - 1]])
-    until = starts[np.searchsorted(starts, ends, side="right")]
+    rows = recording.rows("out_valid")
+    # The first of a frame, or after a reset, is output 0.
+    marks = np.sort(np.concatenate([[-1], recording.rows("out_last"), recording.resets()]))
+    before = marks[np.searchsorted(marks, rows) - 1]
+    kind = np.arange(len(rows)) - np.searchsorted(rows, before, side="right")
     for i in range(bench.twin.outputs):
-        for when, rows in (("first", ends + 1), ("until the next", until)):
-            got = recording.signed(f"held_{i}", rows)
-            bench.compare(f"held_{i}, {when}", got, codes[:, i], clock=rows)
+        # What comes in the clock of a reset is held too; none of these benches ends in one.
+        starts = np.append(rows[kind == i], recording.clocks - 1)
+        until = starts[np.searchsorted(starts, ends, side="right")]
+        for when, at in (("first", ends + 1), ("until the next", until)):
+            got = recording.signed(f"held_{i}", at)
+            bench.compare(f"held_{i}, {when}", got, codes[:, i], clock=at)
+
+
+def extremes(bench: Bench, readout, times: int) -> np.ndarray:
+    """Of many random frames those with the highest and the deepest profile, and their past.
+
+    Each so many ``times``: of those that come during a ramp only the last is drawn.
+    """
+    codes = bench.rng.integers(SIGNAL.low, SIGNAL.high + 1, (4096, readout.inputs))
+    _, heights = readout.profile(readout.process(codes))
+    ends = (heights.max(axis=1).argmax(), heights.min(axis=1).argmin())
+    return np.concatenate([np.tile(codes[at : at + readout.past + 1], (times, 1)) for at in ends])
 
 
 def check_drawn(bench: Bench, recording: Recording, readout) -> np.ndarray:

@@ -1,7 +1,8 @@
 """instrument against its twin: from the converter's codes to everything that is shown.
 
 Sweeps: recorded frames, then random codes in every clock; as many scans as ten thousand clocks
-hold, which with a counter of 12 bits are two.
+hold, which with a counter of 12 bits are two; of many random frames those with the greatest and the
+least height.
 Drives: the code of the selected sensor in the clocks in which it is taken, random codes in all
 others; random codes with resets.
 Checks: the address; outputs, held outputs and every point of the profile bit for bit in their
@@ -42,7 +43,8 @@ def random_codes(bench, clocks):
 async def check(bench, codes, resets=None):
     """Play the converter's codes; returns the recording and the frames that were taken."""
     scan, shown = bench.twin.scan_sequencer, bench.twin.readout
-    tail = random_codes(bench, bench.twin.output_clocks[-1] + bench.twin.outputs + 5)
+    drawing = shown.load_profile.interval if shown.load_profile else 0
+    tail = random_codes(bench, bench.twin.output_clocks[-1] + bench.twin.outputs + 2 * drawing + 5)
     drive = {"adc": np.concatenate([codes, tail])}
     if resets:
         drive["rst"] = random_resets(bench.rng, len(drive["adc"]), resets)
@@ -72,16 +74,21 @@ async def check(bench, codes, resets=None):
     return recording, frames
 
 
+def codes_of(bench, frames):
+    """Frames with each code on the converter when it is taken, random ones in all other clocks."""
+    scan = bench.twin.scan_sequencer
+    codes = random_codes(bench, len(frames) * scan.scan_clocks)
+    at = np.arange(len(frames))[:, np.newaxis] * scan.scan_clocks + scan.sample_clocks
+    codes[at] = frames[:, np.array(scan.addresses[: scan.slots])]
+    return codes
+
+
 @cocotb.test()
 async def recorded(dut):
     """Recorded frames, each code on the converter when it is taken; counts the clocks."""
     bench = Bench(dut)
-    scan = bench.twin.scan_sequencer
     frames, past = recorded_frames(bench)[: scans_that_fit(bench)], bench.twin.past
-    codes = random_codes(bench, len(frames) * scan.scan_clocks)
-    at = np.arange(len(frames))[:, np.newaxis] * scan.scan_clocks + scan.sample_clocks
-    codes[at] = frames[:, np.array(scan.addresses[: scan.slots])]
-    recording, seen = await check(bench, codes)
+    recording, seen = await check(bench, codes_of(bench, frames))
     # The tail may hold another scan.
     bench.compare("frames", seen[: len(frames)], frames)
     bench.facts = {
@@ -93,6 +100,18 @@ async def recorded(dut):
         "interval": int(np.diff(recording.rows("out_last")).min()),
     }
     bench.finish(at_least=(len(frames) - past) * bench.twin.outputs)
+
+
+@cocotb.test()
+async def highest_and_deepest(dut):
+    """The profiles that reach furthest."""
+    bench = Bench(dut)
+    shown = bench.twin.readout
+    if not shown.load_profile:
+        return
+    during = shown.load_profile.interval // bench.twin.interval
+    await check(bench, codes_of(bench, readout.extremes(bench, shown, times=1 + during)))
+    bench.finish(at_least=bench.twin.outputs)
 
 
 @cocotb.test()

@@ -1,7 +1,8 @@
 """readout against its twin: the stream of the network, what is held, and what is drawn.
 
 Sweeps: all recorded frames, corner frames, frames that drive every hidden sum to its ends, and
-random ones; recorded and random ones for the held outputs and the profile.
+random ones; recorded and random ones for the held outputs and the profile, and of many random ones
+those with the greatest and the least height.
 Drives: frames as close as the network takes them, with gaps, of wrong lengths, with resets; for the
 profile at all distances, so that many results come while a ramp is being drawn.
 Checks: outputs, ``frame_error``, held outputs and every point of the profile bit for bit in their
@@ -73,7 +74,10 @@ async def shown(dut):
     """Held outputs and profiles."""
     bench = Bench(dut)
     random = random_elements(bench, 16 * bench.twin.inputs).reshape(16, -1)
-    await check(bench, np.concatenate([recorded_frames(bench)[:16], random]))
+    frames = [recorded_frames(bench)[:16], random]
+    if bench.twin.load_profile:
+        frames.append(readout.extremes(bench, bench.twin, times=4))
+    await check(bench, np.concatenate(frames))
     bench.finish(at_least=(32 - bench.twin.past) * bench.twin.outputs)
 
 

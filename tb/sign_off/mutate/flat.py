@@ -61,11 +61,41 @@ class Flat:
         return {n: p["bits"] for n, p in self.ports.items() if p["direction"] == "output"}
 
     def within_a_clock(self, number: int) -> Netlist:
-        """A mutant's ``trigger``: an output or the next state differs, from whatever state.
+        """A mutant's ``trigger``: an output or the next state differs, from whatever state."""
+        ends = [*self._output_ends({}), *self._state_ends()]
+        return self._product(number, ends, STATE, self._reached(self.chosen[number], STATE))
 
-        What nothing reads of a register is no state.
+    def from_reset(self, number: int, masks: dict[str, str]) -> Netlist:
+        """A mutant's ``trigger``: an output or the next state differs, as the sound netlist runs.
+
+        That runs from a first clock of reset on. Where none ever differs, the mutant has the same
+        states, so that what is behind the first registers takes no part.
         """
-        ends: list[End] = [(bits, None) for bits in self.outputs().values()]
+        ends = [*self._output_ends(masks), *self._state_ends()]
+        product = self._product(number, ends, (), self._reached(self.chosen[number], STATE))
+        if "rst" in self.ports:
+            self._reset_first(product, counts=True)
+        return product
+
+    def over_clocks(self, number: int, masks: dict[str, str]) -> Netlist:
+        """A mutant's ``trigger``: an output differs, after a first clock of reset."""
+        ends = self._output_ends(masks)
+        product = self._product(number, ends, (), self._reached(self.chosen[number], ()))
+        if "rst" in self.ports:
+            self._reset_first(product, counts=False)
+        return product
+
+    def _output_ends(self, masks: dict[str, str]) -> list[End]:
+        """By ``masks`` some outputs count only with a flag."""
+        outputs = self.outputs()
+        return [
+            (bits, outputs[masks[name]][0] if name in masks else None)
+            for name, bits in outputs.items()
+        ]
+
+    def _state_ends(self) -> list[End]:
+        """What goes into registers and memories; what nothing reads of a register is no state."""
+        ends: list[End] = []
         read = {*self.readers, *(bit for bits in self.outputs().values() for bit in bits)}
         for cell in self.cells.values():
             bits = bits_of(cell, "input")
@@ -75,35 +105,7 @@ class Flat:
                 bits = [*ports["CLK"], *(d for d, q in pairs if q in read)]
             if cell["type"] in STATE:
                 ends.append((bits, None))
-        return self._product(number, ends, STATE, self._reached(self.chosen[number], STATE))
-
-    def where_it_stands(self, number: int) -> Netlist:
-        """A mutant's ``trigger``: what it changes is not as without it, in the sound netlist.
-
-        Counted from the first clock of a reset on: as long as nothing differs here, nothing does
-        behind it, so that this takes no part.
-        """
-        changed = set(self.readers.get(self.chosen[number], []))
-        ends: list[End] = [(bits_of(self.cells[name], "output"), None) for name in sorted(changed)]
-        product = self._product(number, ends, (), changed)
-        if "rst" in self.ports:
-            self._reset_first(product, counts=True)
-        return product
-
-    def over_clocks(self, number: int, masks: dict[str, str]) -> Netlist:
-        """A mutant's ``trigger``: an output differs, after a first clock of reset.
-
-        By ``masks`` some outputs count only with a flag.
-        """
-        outputs = self.outputs()
-        ends = [
-            (bits, outputs[masks[name]][0] if name in masks else None)
-            for name, bits in outputs.items()
-        ]
-        product = self._product(number, ends, (), self._reached(self.chosen[number], ()))
-        if "rst" in self.ports:
-            self._reset_first(product, counts=False)
-        return product
+        return ends
 
     def _product(
         self, number: int, ends: list[End], shared: tuple[str, ...], twice: set[str]

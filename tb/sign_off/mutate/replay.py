@@ -63,8 +63,12 @@ def ports_of(text: str) -> dict[str, tuple[str, int]]:
 
 
 def write_trace(recorded: Path, ports: dict[str, tuple[str, int]], folder: Path) -> Trace:
-    """One line a clock: what is driven, and what is due, with z where the bench does not look."""
+    """One line a clock: what is driven, and what is due, with z where the bench does not look.
+
+    Parts in which it looks at more ports come first, so that mutants differ early.
+    """
     parts = [json.loads(line) for line in recorded.read_text(encoding="utf-8").splitlines()]
+    parts.sort(key=lambda part: -sum("1" in looked for looked in part["looked"].values()))
     names = list(dict.fromkeys(name for part in parts for name in part["columns"]))
     inputs = {n: ports[n][1] for n in names if ports[n][0] == "input"}
     outputs = {n: ports[n][1] for n in names if ports[n][0] == "output"}

@@ -1,13 +1,13 @@
 """Whether a mutant that no bench finds computes what the sound netlist does, by proof.
 
 First within a clock: the same outputs and the same next state, from every state. Where that does
-not hold, over clocks, from registers that are 0 and a clock of reset on: that what is changed never
-differs where it stands, whatever is behind it; or else the same outputs for ever, data compared
-where its flag says that it counts. That is done by ABC, which Yosys has inside: signals that are
-the same are found by induction (scorr), the rest by property-directed reachability (pdr), which
-also finds inputs that tell the two apart. All are bounded by conflicts and clocks, but over clocks
-by processor time as well, which other work on the machine does not use up: a slower processor may
-leave open what this one proves, and score less.
+not hold, over clocks, from registers that are 0 and a clock of reset on: the same outputs and the
+same next state still, from every state that the sound netlist reaches; or else the same outputs for
+ever. Data is compared where its flag says that it counts. That is done by ABC, which Yosys has
+inside: signals that are the same are found by induction (scorr), the rest by property-directed
+reachability (pdr), which also finds inputs that tell the two apart. All are bounded by conflicts
+and clocks, but over clocks by processor time as well, which other work on the machine does not use
+up: a slower processor may leave open what this one proves, and score less.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def proved(
     asked = _within_a_clock(flat, sorted(flat.chosen), folder)
     answers |= dict.fromkeys(flat.chosen, (SAME, "in every state"))
     for n in asked:
-        verdict = _over_clocks(flat.where_it_stands(n), f"here{n}", folder)
+        verdict = _over_clocks(flat.from_reset(n, masks), f"reset{n}", folder)
         if verdict != SAME:
             verdict = _over_clocks(flat.over_clocks(n, masks), f"over{n}", folder)
         answers[n] = verdict, "over clocks"
