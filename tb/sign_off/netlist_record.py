@@ -40,6 +40,7 @@ SCENES = (
     "digit-reload",
     "digit-instrument",
     "comparison/digit-single-engine",
+    "comparison/digit-serial",
 )
 # By block: the tests of its bench that are played, as a regular expression; of others, all.
 PLAYED = {"engine": "(recorded|images_one_after_the_other)"}
