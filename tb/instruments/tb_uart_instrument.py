@@ -36,7 +36,6 @@ FAULTS = [
     (r"\.rx\(rx\)", ".rx(1'b1)"),
     (r"\.miso\(miso\)", ".miso(1)"),
     (r"\.held_1\(held_1\)", ".held_1(held_0)"),
-    (r"(?s)(image_receiver u_.*?\.load_ready)\(\w+\)", r"\1(1'b1)"),
     (r"(?s)(packet_sender u_.*?\.frame_error)\(\w+\)", r"\1(1'b0)"),
     (r"(?s)(packet_sender u_.*?\.line_error)\(\w+\)", r"\1(1'b0)"),
     (r"(?s)(packet_sender u_.*?\.image_error)\(\w+\)", r"\1(1'b0)"),
@@ -244,7 +243,7 @@ def check_line(bench, recording, columns):
         data = b"".join(twin.packet_sender.layout.to_bytes(frame) for frame in sending.frames)
         got = heard.out_data[heard.out_valid]
         bench.compare("bytes", got, np.frombuffer(data, np.uint8)[: len(got)])
-        assert len(got) > len(data) - twin.packet_sender.layout.packet_bytes, "bytes are missing"
+        assert len(got) >= len(data) - twin.packet_sender.layout.packet_bytes, "bytes are missing"
     return sending
 
 

@@ -1,0 +1,120 @@
+"""What is proved of image_receiver, whatever bytes come."""
+
+from golden.link.packets import IMAGE, SYNC, kind_byte
+from tb.sign_off.properties import Property
+
+
+def properties(twin):
+    depth, idle = twin.depth, twin.idle_clocks
+    queue = {
+        "No more bytes come while the engine computes than are kept, which the instrument's twin "
+        "has reckoned.": f"!(put && queue0_stored == {depth} && !queue0_take)"
+    }
+    return [
+        Property(
+            name="bytes of an image",
+            sentence=f"Behind SYNC, the byte of version and kind, and a length above 0, as many "
+            "bytes as the length says go to the engine, the last of them with load_last; or fewer, "
+            f"when no byte comes for {idle} clocks, and then a byte 0 with load_last. Nothing else "
+            "goes there.",
+            states=(
+                "put == (left != 0 && (in_valid || silent))",
+                "!put || ends == (silent || left == 1)",
+                "!put || byte_in == (silent ? 0 : in_data)",
+            ),
+            watch=f"""
+                // Clocks without a byte; what is known of a head: SYNC, kind, half of the length.
+                reg [15:0] quiet = 0;
+                wire silent = quiet == {idle - 1} && !in_valid;
+                reg begun = 0, kind_known = 0, half_known = 0;
+                reg [7:0] upper = 0;
+                reg [15:0] left = 0;
+                always @(posedge clk) begin
+                    quiet <= in_valid || silent ? 0 : quiet + 1;
+                    if (in_valid) begin
+                        begun <= left == 0 && !kind_known && in_data == {SYNC};
+                        kind_known <= (begun && in_data == {kind_byte(IMAGE)})
+                            || (kind_known && !half_known);
+                        half_known <= kind_known && !half_known;
+                        upper <= in_data;
+                        if (half_known) left <= {{upper, in_data}};
+                        else if (left != 0) left <= left - 1;
+                    end
+                    if (silent) left <= 0;
+                    if (rst || silent) begin
+                        begun <= 0; kind_known <= 0; half_known <= 0;
+                    end
+                    if (rst) begin quiet <= 0; left <= 0; end
+                end
+            """,
+            helps=(
+                f"quiet < {idle}",
+                "idle == quiet",
+                "!(begun && kind_known)",
+                "kind_known || !half_known",
+                "left == 0 || !(begun || kind_known)",
+                "(place == 0) == !(begun || kind_known || left != 0)",
+                "(place == 1) == begun",
+                "(place == 2) == (kind_known && !half_known)",
+                "(place == 3) == half_known",
+                "(place == 4) == (left != 0)",
+                "left == 0 || length == left",
+                "!half_known || length[7:0] == upper",
+            ),
+            reached=("put",),
+            refuted_by=(
+                (rf"idle == {idle - 1}", f"idle == {idle - 2}"),
+                (r"in_data == 18", "in_data[3:0] == 2"),
+                (r"named == 0", "named[7:0] == 0"),
+                (r"over \|\| \(length == 1\)", "length == 1"),
+                (r"length <= \(length - 1\)", "length <= length"),
+                (r"byte_in = 0", "byte_in = 1"),
+            ),
+            clocks=9,
+        ),
+        Property(
+            name="in order",
+            sentence=f"What goes there leaves in order, each byte with its load_last, none twice "
+            f"and none lost, and stays until it is taken; at most {depth} wait.",
+            states=(
+                "load_valid == (puts != takes)",
+                "!(load_valid && takes == chosen) || {load_last, load_data} == word",
+            ),
+            watch="""
+                // Of any one byte, by its number, what it was.
+                reg [7:0] chosen;
+                reg [7:0] puts = 0, takes = 0;
+                reg [8:0] word = 0;
+                wire [7:0] before_it = chosen - takes;
+                always @(posedge clk) begin
+                    chosen <= chosen;
+                    if (put) puts <= puts + 1;
+                    if (put && puts == chosen) word <= entering;
+                    if (load_valid && load_ready) takes <= takes + 1;
+                    if (rst) begin puts <= 0; takes <= 0; end
+                end
+            """,
+            helps=(
+                f"queue0_stored <= {depth}",
+                "puts - takes == {4'b0, queue0_stored}",
+                *(
+                    f"!(before_it == {n} && queue0_stored > {n}) || {name} == word"
+                    for n, name in enumerate(names(depth))
+                ),
+            ),
+            free=("put", "entering"),
+            assumes=queue,
+            reached=("load_last", f"queue0_stored == {depth}"),
+            refuted_by=(
+                (r"queue0_some && load_ready", "queue0_some"),
+                (r"queue0_behind \+ 1", "queue0_behind + 2"),
+                (r"queue0_behind = \(queue0_stored - 1\)", "queue0_behind = queue0_stored"),
+            ),
+            clocks=depth + 6,
+        ),
+    ]
+
+
+def names(depth):
+    """The words of the queue, as the Verilog calls them."""
+    return ["queue0_first", *(f"queue0_queue_place{n}_following" for n in range(depth - 1))]
