@@ -59,6 +59,8 @@ def wait(until: Callable[[], bool]) -> None:
 @contextmanager
 def listening(monitor: Monitor, line: Line) -> Iterator[None]:
     done = threading.Event()
+    # However busy the machine is.
+    line.silence = LONGEST
     thread = threading.Thread(target=monitor.listen, args=(line, done.is_set))
     thread.start()
     try:
