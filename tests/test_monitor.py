@@ -12,6 +12,7 @@ import threading
 import time
 import urllib.error
 import urllib.request
+from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -22,8 +23,10 @@ import numpy as np
 import pytest
 
 from golden.cli import CommandError, run
-from golden.link.packets import FRAME, SYNC, Frame, FrameLayout, check_of
+from golden.link.decoder import Tally
+from golden.link.packets import FLAGS, FRAME, SYNC, Frame, FrameLayout, check_of
 from golden.precision import SIGNAL
+from golden.rig.predict import main as predict
 from golden.scene import Scene, load_scene
 from tb.monitor.__main__ import main
 from tb.monitor.board import Board
@@ -56,6 +59,8 @@ def wait(until: Callable[[], bool]) -> None:
 @contextmanager
 def listening(monitor: Monitor, line: Line) -> Iterator[None]:
     done = threading.Event()
+    # However busy the machine is.
+    line.silence = LONGEST
     thread = threading.Thread(target=monitor.listen, args=(line, done.is_set))
     thread.start()
     try:
@@ -463,6 +468,35 @@ def test_the_command_ends_with_what_it_saw(
     rows = len((tmp_path / "a.csv").read_text().splitlines()) - 1
     assert wrote == f"wrote {tmp_path}/a.csv, {rows} rows"
     assert counted.startswith(f"{rows} ")
+    words = ["predict", "digit-board", f"{tmp_path}/a.csv", f"{tmp_path}/out.csv"]
+    monkeypatch.setattr("sys.argv", words)
+    assert run(predict) == 0
+    assert f"of {rows} rows are outside" in capfd.readouterr().out
+
+
+def test_the_page_of_the_documentation_has_every_line(scene: Scene) -> None:
+    """And no other: numbers and names of ports may differ, and what follows three dots."""
+    still = Still(scene)
+    said = [
+        "the line was cut: the device is gone; waiting for /dev/ttyUSB0",
+        *Tally(1, 1, 1, 1, Counter({(2, 1): 2, (1, 1): 2}))
+        .faults(Tally(), still.board.layout)
+        .values(),
+        *still.bring(still.packet(0, *FLAGS, point=99)),
+    ]
+    still.now += 3
+    said += still.bring(b"")
+    page = (Path(__file__).parents[1] / "docs" / "monitor.md").read_text()
+    table = page.partition("| line | what to do |")[2].partition("\n\n")[0]
+    shown = re.findall(r"^\| `([^`]*)` \|", table, re.M)
+
+    def plain_line(text: str) -> str:
+        return re.sub(r"\d+", "N", text).removesuffix("...")
+
+    assert len(shown) == len(said)
+    for line in shown:
+        (found,) = [text for text in map(plain_line, said) if text.startswith(plain_line(line))]
+        assert line.endswith("...") or found == plain_line(line)
 
 
 def test_a_terminal_has_a_line_that_is_written_over(scene: Scene) -> None:

@@ -142,7 +142,7 @@ def command(*words: str) -> str:
 def test_the_page_as_it_stands_on_the_simulated_hardware(hardware: Scene, tmp_path: Path) -> None:
     """The commands themselves, with the exported hardware in the simulator behind each."""
     folder = str(tmp_path)
-    rows = hardware.vectors().targets[::6]
+    rows = hardware.vectors().targets[::9]
     (tmp_path / "placements.csv").write_text(
         "\n".join(["load,position", *(f"{d:g},{p:g}" for d, p, *_ in rows)]) + "\n"
     )
