@@ -51,7 +51,7 @@ help:
 	@echo "make bench   [SCENE=] [FRAMES=]           speed and memory of the bit-true twin"
 	@echo "make listing [SCENE=]                     the program of an engine, step by step"
 	@echo "make activations                          errors of every activation against tanh, and their plots"
-	@echo "make figures [TABLE=] [SEED=]             measured figures beside the thesis', in build/figures"
+	@echo "make figures [TABLE=] [SEED=] [RECORD=1]  measured figures beside the thesis', in build/figures"
 	@echo "make sensors [RIG=my-beam.toml]           where gauges on a beam should sit, with picture and table"
 	@echo "make lean    [SCENE=] [BESIDE=other]      what a scene leaves out, and what that saves"
 	@echo "make synth   [SCENE=] [RECORD=1]          cells of every block, clock, both beside the thesis; budget"
@@ -120,7 +120,7 @@ activations: $(READY)
 	@$(RUN) -m tb.report.measure.activation_errors
 
 figures: $(READY)
-	@$(RUN) -m tb.report.measure $(if $(TABLE),"$$TABLE") --seed="$$SEED"
+	@$(RUN) -m tb.report.measure $(if $(TABLE),"$$TABLE") --seed="$$SEED" $(if $(filter-out 0,$(RECORD)),--record)
 
 sensors: $(READY)
 	@$(RUN) -m tb.report.measure.gauges "$$RIG"

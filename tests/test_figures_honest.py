@@ -2,25 +2,63 @@
 
 from __future__ import annotations
 
+import json
+import subprocess
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import tiered
 from pages import TRAINED, cells, section, shows
 from shared import Shared
 
 from golden.disturbance import Disturbance
+from golden.fingerprint import ROOT
 from golden.scene import load_scene
 from golden.training.stages import Stages
-from tb.report.measure import honest
+from tb.report.measure import honest, recorded, store
+from tb.report.measure.registry import TABLES
 from tb.report.measure.table import Table
 
 OUTPUTS = load_scene(honest.SCENE).outputs
 
 
-@pytest.fixture(scope="module")
-def tables(shared: Shared) -> dict[str, Table]:
-    return shared.tables()
+@pytest.fixture(scope="module", params=tiered(["recorded"], ["measured"]))
+def tables(request: pytest.FixtureRequest, shared: Shared) -> dict[str, Table]:
+    """As the report shows them, and with ALL=1 as they are now."""
+    if request.param == "recorded":
+        return {name: recorded.read(name) for name in recorded.RECORDED}
+    found = {}
+    for name in recorded.RECORDED:
+        path = shared.folder / f"{name}.json"
+        shared.once(f"measured {name}", lambda name=name, path=path: path.write_text(now(name)))
+        found[name] = store.unpacked(json.loads(path.read_text()))
+    return found
+
+
+def now(name: str) -> str:
+    return json.dumps(store.packed(TABLES[name](recorded.SEED)))
+
+
+@pytest.mark.parametrize("name", recorded.RECORDED)
+def test_the_record_is_of_todays_code(name: str) -> None:
+    assert not recorded.is_stale(name), f"run: make figures TABLE={name} RECORD=1"
+
+
+def test_what_is_not_recorded_is_refused(tmp_path: Path) -> None:
+    for words, says in (
+        (["clocks"], "TABLE=clocks: is measured for every report, expected one of honest"),
+        (["honest", "--seed=2"], "SEED=2: expected 1 with RECORD=1"),
+    ):
+        command = [sys.executable, "-m", "tb.report.measure", *words, "--record"]
+        done = subprocess.run(
+            [*command, f"--build={tmp_path}"], cwd=ROOT, capture_output=True, text=True
+        )
+        assert done.returncode == 2
+        assert says in done.stderr
+    assert not list(tmp_path.iterdir())
 
 
 def figures(table: Table, first: object) -> dict[str, tuple]:

@@ -1,7 +1,8 @@
 """``python -m tb.report.measure [TABLE ...]``: measures, prints and writes every table.
 
 ``build/figures`` holds what the last call measured: a CSV a table, and figures.json with all of
-them, the seed and the versions of everything that took part. The same versions and seed give the
+them, the seed and the versions of everything that took part. With ``--record`` those of
+``tb.report.measure.recorded`` are recorded for the report, too. The same versions and seed give the
 same bytes on one machine; on another, figures from floating point differ by what
 ``tb.report.measure.spread`` measures. Run times differ from call to call: tables that hold some
 stand in full in times.json, with the machine, and without them in the other files.
@@ -20,6 +21,7 @@ from golden.files import replace_folder
 from golden.fingerprint import ROOT, fingerprint, sources
 from golden.machine import facts, versions
 from golden.table import suggest
+from tb.report.measure import recorded
 from tb.report.measure.registry import TABLES
 
 
@@ -28,6 +30,7 @@ def main() -> None:
     parser.add_argument("tables", nargs="*", metavar="TABLE")
     parser.add_argument("--seed", type=whole("SEED", 0, MOST_SEED), default=1)
     parser.add_argument("--build", type=Path, default=Path("build"))
+    parser.add_argument("--record", action="store_true")
     arguments = parser.parse_args()
     names = arguments.tables or list(TABLES)
     for name in names:
@@ -36,6 +39,8 @@ def main() -> None:
                 f"TABLE={name}: no such table, expected one of {', '.join(TABLES)}"
                 f"{suggest(name, list(TABLES))}"
             )
+    if arguments.record:
+        refuse_others(names, arguments.seed)
     folder = arguments.build / "figures"
     with replace_folder(folder) as temporary:
         data = {
@@ -53,10 +58,24 @@ def main() -> None:
             again.write_csv(temporary / f"{name}.csv")
             data["tables"][name] = again.as_data()
             print("\n".join(table.lines()), end="\n\n", flush=True)
+            if arguments.record:
+                print(f"recorded in {recorded.write(table)}")
         _write_json(temporary / "figures.json", data)
         if times:
             _write_json(temporary / "times.json", {"machine": facts(), "tables": times})
     print(f"wrote {folder}")
+
+
+def refuse_others(names: list[str], seed: int) -> None:
+    """Refuse to record what is measured for every report, or with another seed."""
+    others = [name for name in names if name not in recorded.RECORDED]
+    if others:
+        raise CommandError(
+            f"TABLE={others[0]}: is measured for every report, expected one of "
+            f"{', '.join(recorded.RECORDED)} with RECORD=1"
+        )
+    if seed != recorded.SEED:
+        raise CommandError(f"SEED={seed}: expected {recorded.SEED} with RECORD=1")
 
 
 def _write_json(path: Path, data: dict[str, Any]) -> None:

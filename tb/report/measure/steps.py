@@ -1,4 +1,4 @@
-"""The tables of ``make figures`` for the report: those that are still right from the store."""
+"""The tables of ``make figures`` for the report: recorded, kept in the store, or measured."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from typing import Any
 from joblib import Parallel, delayed
 
 from golden.fingerprint import ROOT, fingerprint, sources
+from tb.report.measure import recorded
 from tb.report.measure.registry import TABLES
 from tb.report.measure.store import Progress, keep, kept, once, packed, unpacked
 from tb.report.measure.table import Table
 
 # Tables with run times have the machine for themselves.
 TIMED = ("series", "plate", "swing", "swing_damping", "training")
-SEED = 1
 
 
 def measuring(*rooms: str) -> list[Path]:
@@ -27,7 +27,9 @@ def measuring(*rooms: str) -> list[Path]:
 
 def measured(tell: Progress, names: Collection[str] = tuple(TABLES)) -> dict[str, Table]:
     """Every table, or those of these names; those without run times side by side."""
-    state = fingerprint([*measuring("golden", "tb/report"), ROOT / "golden" / "data"], str(SEED))
+    state = fingerprint(
+        [*measuring("golden", "tb/report"), ROOT / "golden" / "data"], str(recorded.SEED)
+    )
     together = [n for n in names if n not in TIMED and kept(n, state) is None]
     answers: dict[str, Any] = {}
     if together:
@@ -43,7 +45,8 @@ def measured(tell: Progress, names: Collection[str] = tuple(TABLES)) -> dict[str
 
 
 def _measure(name: str) -> dict[str, Any]:
-    return packed(TABLES[name](SEED))
+    table = recorded.read(name) if name in recorded.RECORDED else TABLES[name](recorded.SEED)
+    return packed(table)
 
 
 def _timed(name: str) -> tuple[str, dict[str, Any], float]:

@@ -18,7 +18,8 @@ from tb.report.measure import motions
 from tb.report.measure.costs import Costs, blocks, costs
 from tb.report.measure.disturbance import noise_and_drift
 from tb.report.measure.outcome import Outcome, along, confidence, outcome, sensors, worst_rows
-from tb.report.measure.steps import SEED, measured, measuring
+from tb.report.measure.recorded import SEED
+from tb.report.measure.steps import measured, measuring
 from tb.report.measure.store import Progress, once, packed, unpacked
 from tb.report.measure.table import Cell, Table
 from tb.report.page import project, summary

@@ -28,7 +28,7 @@ from tb.report.draw.tanh_words import tanh_words as draw_tanh_words
 from tb.report.measure.clocks import clocks, clocks_per_frame
 from tb.report.measure.costs import with_network_cells
 from tb.report.measure.digits import digits
-from tb.report.measure.steps import SEED
+from tb.report.measure.recorded import SEED
 from tb.report.measure.table import Cell, Table
 from tb.report.measure.tanh_words import tanh_words
 from tb.report.page.markers import put, write

@@ -1,0 +1,1 @@
+"""The serial line between an instrument and a computer."""

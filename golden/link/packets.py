@@ -1,0 +1,158 @@
+"""What goes over the serial line of an instrument: frames to a computer, images to the board.
+
+A packet begins with SYNC, a byte of version and kind, and the bytes that its payload has. All
+numbers have their highest byte first.
+
+    frame:  SYNC, VERSION FRAME, length (1 byte), number (1 byte), payload, check (2 bytes)
+    image:  SYNC, VERSION IMAGE, length (2 bytes), the bytes of the image
+
+The payload of a frame is a byte of flags, how many frames the network has computed (16 bits), the
+samples, the outputs and, where a profile is drawn, one of its points: its number (1 byte), i_p and
+f(i_p). Codes are two's complement of 16 bits. The check is CRC-16 with the polynomial
+x^16 + x^12 + x^5 + 1 from CHECK_PRESET on, over everything between SYNC and itself. An image has a
+check of its own (``golden.engine.image``).
+"""
+
+from __future__ import annotations
+
+from binascii import crc_hqx
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+SYNC = 0xA5
+VERSION = 1
+FRAME, IMAGE = 1, 2
+CHECK_PRESET = 0xFFFF
+CHECK_BYTES = 2
+CODE_BYTES = 2
+COUNT_BYTES = 2
+# Bits of the byte of flags. The first is now, the others are since the packet before.
+FLAGS = ("converter_error", "frame_error", "image_error", "line_error")
+FRAME_HEADER = 4
+MOST_PAYLOAD = 255
+MOST_IMAGE = (1 << 16) - 1
+
+
+def kind_byte(kind: int, version: int = VERSION) -> int:
+    return version << 4 | kind
+
+
+def check_of(data: bytes) -> int:
+    return crc_hqx(data, CHECK_PRESET)
+
+
+@dataclass(frozen=True)
+class Frame:
+    """What one packet says.
+
+    Attributes
+    ----------
+    number : int
+        Of the packet, modulo 256.
+    flags : tuple of str
+        Those of FLAGS that are set.
+    count : int
+        Frames that the network has computed, modulo 65536.
+    samples, outputs : tuple of int
+        Codes.
+    point : tuple of int or None
+        Number, i_p and f(i_p) of a point of the profile.
+    """
+
+    number: int
+    flags: tuple[str, ...]
+    count: int
+    samples: tuple[int, ...]
+    outputs: tuple[int, ...]
+    point: tuple[int, int, int] | None = None
+
+
+@dataclass(frozen=True)
+class FrameLayout:
+    """Where everything stands in the packets of an instrument.
+
+    Parameters
+    ----------
+    inputs, outputs : int
+    drawn : bool
+        Whether it draws a profile.
+
+    Raises
+    ------
+    ValueError
+        When the payload is too long for its length.
+    """
+
+    inputs: int
+    outputs: int
+    drawn: bool = False
+
+    def __post_init__(self) -> None:
+        if self.payload_bytes > MOST_PAYLOAD:
+            raise ValueError(
+                f"uart: got {self.inputs} samples and {self.outputs} outputs, a payload of "
+                f"{self.payload_bytes} bytes, expected {MOST_PAYLOAD} at most"
+            )
+
+    @property
+    def payload_bytes(self) -> int:
+        point = (1 + 2 * CODE_BYTES) * self.drawn
+        return 1 + COUNT_BYTES + (self.inputs + self.outputs) * CODE_BYTES + point
+
+    @property
+    def packet_bytes(self) -> int:
+        return FRAME_HEADER + self.payload_bytes + CHECK_BYTES
+
+    def to_bytes(self, frame: Frame) -> bytes:
+        """A packet as it is sent."""
+        payload = bytearray([sum(1 << FLAGS.index(name) for name in frame.flags)])
+        payload += frame.count.to_bytes(COUNT_BYTES, "big")
+        payload += b"".join(map(_code, (*frame.samples, *frame.outputs)))
+        if self.drawn:
+            assert frame.point is not None, "a layout with a profile has a point"
+            number, x, y = frame.point
+            payload += bytes([number]) + _code(x) + _code(y)
+        body = bytes([kind_byte(FRAME), len(payload), frame.number]) + payload
+        return bytes([SYNC]) + body + check_of(body).to_bytes(CHECK_BYTES, "big")
+
+    def from_payload(self, number: int, payload: bytes) -> Frame:
+        """The frame in a payload of ``payload_bytes``."""
+        flags = tuple(name for bit, name in enumerate(FLAGS) if payload[0] >> bit & 1)
+        at = 1 + COUNT_BYTES
+        count = int.from_bytes(payload[1:at], "big")
+        end = at + (self.inputs + self.outputs) * CODE_BYTES
+        codes = _codes(payload[at:end])
+        point = None
+        if self.drawn:
+            x, y = _codes(payload[end + 1 :])
+            point = (payload[end], x, y)
+        return Frame(
+            number,
+            flags,
+            count,
+            codes[: self.inputs],
+            codes[self.inputs :],
+            point,
+        )
+
+
+def image_packet(image: bytes) -> bytes:
+    """A packet that loads an image.
+
+    Raises
+    ------
+    ValueError
+        When it is longer than the length can say.
+    """
+    if not 1 <= len(image) <= MOST_IMAGE:
+        raise ValueError(f"image: got {len(image)} bytes, expected 1 to {MOST_IMAGE}")
+    return bytes([SYNC, kind_byte(IMAGE)]) + len(image).to_bytes(2, "big") + image
+
+
+def _code(code: int) -> bytes:
+    return int(code).to_bytes(CODE_BYTES, "big", signed=True)
+
+
+def _codes(data: bytes) -> tuple[int, ...]:
+    starts: Sequence[int] = range(0, len(data), CODE_BYTES)
+    return tuple(int.from_bytes(data[s : s + CODE_BYTES], "big", signed=True) for s in starts)

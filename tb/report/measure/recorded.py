@@ -1,0 +1,56 @@
+"""Tables that train for minutes of processor time: the report and its tests take them as recorded.
+
+    make figures TABLE=honest RECORD=1
+
+measures one and records it. A record names the code and the data that it is of: of others it is
+stale, which a test tells.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from golden.files import replace_file
+from golden.fingerprint import ROOT, fingerprint, sources
+from tb.report.measure import honest, store
+from tb.report.measure.table import Table
+
+RECORDED = ("honest", "robustness")
+FOLDER = Path(__file__).parent / "records"
+SEED = 1
+
+
+def state() -> str:
+    """A digest of what these figures hang on: what trains, and what is trained on."""
+    files = [*sources("golden/training"), Path(honest.__file__), ROOT / "golden" / "data"]
+    return fingerprint(files)
+
+
+def read(name: str) -> Table:
+    """What was recorded, whatever has changed since."""
+    return store.unpacked(_found(name)["table"])
+
+
+def is_stale(name: str) -> bool:
+    """Whether it is of other code or other data."""
+    return bool(_found(name)["state"] != state())
+
+
+def write(table: Table) -> Path:
+    """Record a table that was measured with SEED."""
+    path = _path(table.name)
+    found = {"state": state(), "table": store.packed(table)}
+    with replace_file(path) as temporary:
+        temporary.write_text(json.dumps(found, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    return path
+
+
+def _path(name: str) -> Path:
+    return FOLDER / f"{name}.json"
+
+
+def _found(name: str) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads(_path(name).read_text(encoding="utf-8"))
+    return found

@@ -1,0 +1,55 @@
+"""Packets of the serial line, against bytes made by hand and a check computed bit by bit."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+
+from golden.link.packets import FLAGS, MOST_IMAGE, Frame, FrameLayout, check_of, image_packet
+
+
+def bitwise(data: bytes) -> int:
+    check = 0xFFFF
+    for byte in data:
+        for bit in range(7, -1, -1):
+            out = check >> 15 ^ byte >> bit & 1
+            check = (check << 1 & 0xFFFF) ^ (0x1021 if out else 0)
+    return check
+
+
+def test_the_check_is_the_polynomials() -> None:
+    # The check of these nine digits is published with the polynomial and this preset.
+    assert check_of(b"123456789") == bitwise(b"123456789") == 0x29B1
+
+
+def test_a_frame_byte_by_byte() -> None:
+    frame = Frame(7, ("converter_error", "line_error"), 0x1234, (-8192, 8191), (-1,), (40, 1, -2))
+    found = FrameLayout(2, 1, drawn=True).to_bytes(frame)
+    body = bytes.fromhex("11 0e 07 09 1234 e000 1fff ffff 28 0001 fffe")
+    assert found == b"\xa5" + body + bitwise(body).to_bytes(2, "big")
+
+
+@pytest.mark.parametrize("drawn", [False, True])
+def test_what_is_sent_is_what_is_read(drawn: bool) -> None:
+    draw = random.Random(1)
+    for _ in range(100):
+        layout = FrameLayout(draw.randrange(2, 9), draw.randrange(1, 5), drawn)
+        samples, outputs = (
+            tuple(draw.randrange(-8192, 8192) for _ in range(count))
+            for count in (layout.inputs, layout.outputs)
+        )
+        point = (draw.randrange(256), draw.randrange(-8192, 8192), -5) if drawn else None
+        flags = tuple(name for name in FLAGS if draw.random() < 0.5)
+        frame = Frame(draw.randrange(256), flags, draw.randrange(65536), samples, outputs, point)
+        packet = layout.to_bytes(frame)
+        assert len(packet) == layout.packet_bytes
+        assert layout.from_payload(frame.number, packet[4:-2]) == frame
+
+
+def test_what_is_too_long_is_refused() -> None:
+    with pytest.raises(ValueError, match="127 samples and 1 outputs, a payload of 259 bytes"):
+        FrameLayout(127, 1)
+    assert image_packet(b"ab") == bytes.fromhex("a5 12 0002") + b"ab"
+    with pytest.raises(ValueError, match="got 65536 bytes"):
+        image_packet(bytes(MOST_IMAGE + 1))
