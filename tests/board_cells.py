@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import subprocess
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -43,7 +44,8 @@ module bench;
     else if (at <= 19) miso = code[19 - at]; else miso = code[at - 19];
   end
   integer compared = 0, differ = 0, unknown = 0;
-  always @(negedge oscillator) if ($time > {begin}) begin
+  // Before the first command mosi is not known.
+  always @(negedge oscillator) if (transfer >= 0) begin
     compared = compared + 1;
     if (one !== two) differ = differ + 1;
     if (^one === 1'bx) unknown = unknown + 1;
@@ -59,7 +61,9 @@ module bench;
     got = -1;
     #{begin} for (byte_at = 0; byte_at < {bytes}; byte_at = byte_at + 1) begin
       rx = 0; #{bit};
-      for (bit_at = 0; bit_at < 8; bit_at = bit_at + 1) begin rx = image[byte_at][bit_at]; #{bit}; end
+      for (bit_at = 0; bit_at < 8; bit_at = bit_at + 1) begin
+        rx = image[byte_at][bit_at]; #{bit};
+      end
       rx = 1; #{bit};
     end
     transfer = -1;
@@ -69,6 +73,8 @@ module bench;
   end
 endmodule
 """
+
+Change = Callable[[str], str]
 
 
 @dataclass(frozen=True)
@@ -90,10 +96,10 @@ class Played:
     unknown: int
 
 
-def play(scene: Scene, board: Board, voltages: Codes, folder: Path, change: str = "") -> Played:
+def play(scene: Scene, board: Board, voltages: Codes, folder: Path, change: Change = str) -> Played:
     """Load the scene's image, if it takes one, and show the converter's codes of some voltages.
 
-    ``change``, if given, takes the place of the first letter of the netlist's first table.
+    ``change`` is made in the netlist.
     """
     design = scene.twin()
     assert isinstance(design, UartInstrument)
@@ -130,14 +136,12 @@ def play(scene: Scene, board: Board, voltages: Codes, folder: Path, change: str 
     (folder / "bench.v").write_text(text)
     netlist = netlist.replace("module board(", "module board_cells(", 1)
     assert "module board_cells(" in netlist
-    (folder / "cells.v").write_text(change and netlist.replace(*change.split("->"), 1) or netlist)
+    (folder / "cells.v").write_text(change(netlist))
     (folder / "models.v").write_text(models_for(board.family, netlist))
     files = [f"verilog/{name}" for name in [*order, "board.v"]]
-    for command in (
-        ["iverilog", "-g2012", "-s", "bench", "-o", "run"]
-        + ["models.v", "cells.v", "bench.v", *files],
-        ["vvp", "-n", "run"],
-    ):
+    files += ["models.v", "cells.v", "bench.v"]
+    compile_ = ["iverilog", "-g2012", "-s", "bench", "-o", "run", *files]
+    for command in (compile_, ["vvp", "-n", "run"]):
         run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
         assert run.returncode == 0, run.stdout + run.stderr
     lines = [line.split() for line in run.stdout.splitlines()]

@@ -10,7 +10,9 @@ from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
+import numpy as np
 import pytest
+from board_cells import expected_of, frames_of, play
 from refused import Desk
 from shared import Shared
 
@@ -20,7 +22,7 @@ from golden.cli import CommandError
 from golden.scene import Scene, load_scene
 from hdl.boards import bitstream
 from hdl.boards.bitstream import Report, build, sources
-from hdl.boards.families import FAMILIES
+from hdl.boards.families import FAMILIES, ice40_netlist
 from hdl.boards.pll import clock_for
 from hdl.boards.record import read_record, record_path, state
 from hdl.boards.wrapper import RESET_WIDTH, wrapper
@@ -28,6 +30,7 @@ from hdl.export.exporter import export
 from hdl.synth import tools
 from tb.common.cases import FRONT_END, random_mlp, write_scene
 from tb.report.page import boards as page
+from tb.sign_off.cell_models import models_for
 
 # The scenes that are shipped for each board.
 SHIPPED = [("digit-board", "ulx3s"), ("digit-board-small", "icebreaker")]
@@ -317,3 +320,73 @@ def test_every_device_and_a_pll(tmp_path: Path, device: str) -> None:
 def test_a_pll_of_an_ice40_is_placed(tmp_path: Path) -> None:
     _, report = built(scene_with(tmp_path, 24.0), load_board("icebreaker"), tmp_path)
     assert report.clock_mhz >= report.needed_mhz == 24
+
+
+# A word of 17 bits is two multipliers' product; its register is the operand of the next ones.
+CHAIN = """
+module chain (input clk, input [16:0] a, input [13:0] b, input signed [13:0] c,
+              output reg signed [31:0] y);
+  reg [16:0] a1; reg [13:0] b1; reg [30:0] product;
+  wire [16:0] cut = product[29:13];
+  wire signed [17:0] wide = {1'b0, cut};
+  always @(posedge clk) begin
+    a1 <= a; b1 <= b; product <= a1 * b1; y <= wide * c;
+  end
+endmodule
+"""
+COMPARED = """
+module bench;
+  reg clk = 0; reg [16:0] a; reg [13:0] b; reg signed [13:0] c; wire [31:0] one, two;
+  chain one_of(clk, a, b, c, one);
+  chain_cells two_of(.clk(clk), .a(a), .b(b), .c(c), .y(two));
+  integer n, same = 0;
+  initial for (n = 0; n < 300; n = n + 1) begin
+    a = $random; b = $random; c = $random; #1 clk = 1; #1 clk = 0;
+    if (n > 3 && one === two) same = same + 1;
+    if (n == 299) $display("%0d", same);
+  end
+endmodule
+"""
+
+
+@pytest.mark.all_only
+def test_a_register_between_two_multipliers(tmp_path: Path) -> None:
+    """Of which ice40_dsp of Yosys loses bits; so it is left out."""
+    (tmp_path / "chain.v").write_text(CHAIN)
+    netlist = ice40_netlist(tmp_path, "chain").replace("module chain(", "module chain_cells(")
+    text = models_for("ice40", netlist) + netlist + CHAIN + COMPARED
+    (tmp_path / "text.v").write_text(text)
+    for command in (["iverilog", "-g2012", "-o", "text", "text.v"], ["vvp", "-n", "text"]):
+        run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert "SB_MAC16" in netlist
+    assert run.stdout.split() == ["296"]
+
+
+@pytest.mark.all_only
+@pytest.mark.parametrize("name", board_names())
+def test_the_cells_of_a_board_do_what_its_verilog_does(tmp_path: Path, name: str) -> None:
+    """From the converter's wires to the bytes on the line, which are the twin's."""
+    board = load_board(name)
+    scene = scene_with(tmp_path, board.clock_mhz, f"{CONVERTER}counter_width = 11\n{LINE}")
+    design = scene.twin()
+    voltages = np.random.default_rng(1).integers(-8192, 8192, (24, 1))
+    played = play(scene, board, voltages, tmp_path)
+    assert played.differ == played.unknown == 0
+    assert played.compared > 20 * design.interval
+    expected = expected_of(design, voltages)
+    found = frames_of(played.line, design)
+    assert len(found) >= 8
+    assert all(expected[count - 1] == (s, outputs) for count, s, outputs in found)
+
+
+@pytest.mark.all_only
+def test_a_wrong_cell_of_a_board_is_seen(tmp_path: Path) -> None:
+    scene = scene_with(tmp_path, 12.0, f"{CONVERTER}counter_width = 11\n{LINE}")
+    voltages = np.random.default_rng(1).integers(-8192, 8192, (12, 1))
+
+    def wrong(netlist: str) -> str:
+        """One line of one table is the other way round."""
+        names = re.findall(r"\.LUT_INIT\(16'h(\w{4})\)", netlist)
+        return netlist.replace(f"16'h{names[0]}", f"16'h{int(names[0], 16) ^ 0xFFFF:04x}", 1)
+
+    assert play(scene, load_board("icebreaker"), voltages, tmp_path, wrong).differ > 0

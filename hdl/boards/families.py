@@ -15,6 +15,15 @@ from hdl.synth.timing import OPERANDS, UNREAD, mapped
 from hdl.synth.tools import run_tool, stored
 
 NETLIST = "netlist.json"
+# What synth_ice40 -dsp does, but for ice40_dsp, which moves registers into the multipliers: of one
+# that lies between two multipliers it loses bits, and load_profile has one
+# (tests/test_boards.py: test_a_register_between_two_multipliers).
+MULTIPLIERS = (
+    "techmap -map +/mul2dsp.v -map +/ice40/dsp_map.v -D DSP_A_MAXWIDTH=16 -D DSP_B_MAXWIDTH=16 "
+    "-D DSP_A_MINWIDTH=2 -D DSP_B_MINWIDTH=2 -D DSP_Y_MINWIDTH=11 -D DSP_NAME=$__MUL16X16; "
+    "select a:mul2dsp; setattr -unset mul2dsp; opt_expr -fine; wreduce; select -clear; "
+    "chtype -set $mul t:$__soft_mul"
+)
 
 
 @dataclass(frozen=True)
@@ -94,7 +103,11 @@ def _synthesise_ice40(folder: Path) -> None:
 def _run_ice40(folder: Path, top: str, write: str) -> None:
     # An engine never uses a word that is read while it is written (hdl/synth/timing.py).
     promise = f"{UNREAD}; " if any(folder.glob(f"{OPERANDS}.v")) else ""
-    script = f"read_verilog *.v; {promise}synth_ice40 -dsp -top {top}; {write}"
+    synthesise = f"synth_ice40 -top {top} -run"
+    script = (
+        f"read_verilog *.v; {promise}{synthesise} begin:coarse; opt -nodffe -nosdff; wreduce; "
+        f"peepopt; opt_clean; {MULTIPLIERS}; opt_clean; {synthesise} coarse:; {write}"
+    )
     run_tool("yosys", ["-q", "-p", script], folder)
 
 

