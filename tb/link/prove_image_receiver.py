@@ -23,14 +23,12 @@ def properties(twin):
                 "!put || byte_in == (silent ? 0 : in_data)",
             ),
             watch=f"""
-                // Clocks without a byte; what is known of a head: SYNC, kind, half of the length.
-                reg [15:0] quiet = 0;
-                wire silent = quiet == {idle - 1} && !in_valid;
+                // What is known of a head: SYNC, kind, half of the length.
+                wire silent = idle == {idle - 1} && !in_valid;
                 reg begun = 0, kind_known = 0, half_known = 0;
                 reg [7:0] upper = 0;
                 reg [15:0] left = 0;
                 always @(posedge clk) begin
-                    quiet <= in_valid || silent ? 0 : quiet + 1;
                     if (in_valid) begin
                         begun <= left == 0 && !kind_known && in_data == {SYNC};
                         kind_known <= (begun && in_data == {kind_byte(IMAGE)})
@@ -44,12 +42,10 @@ def properties(twin):
                     if (rst || silent) begin
                         begun <= 0; kind_known <= 0; half_known <= 0;
                     end
-                    if (rst) begin quiet <= 0; left <= 0; end
+                    if (rst) left <= 0;
                 end
             """,
             helps=(
-                f"quiet < {idle}",
-                "idle == quiet",
                 "!(begun && kind_known)",
                 "kind_known || !half_known",
                 "left == 0 || !(begun || kind_known)",
@@ -61,9 +57,10 @@ def properties(twin):
                 "left == 0 || length == left",
                 "!half_known || length[7:0] == upper",
             ),
+            # As long as it has been idle: the property below tells.
+            free=("idle",),
             reached=("put",),
             refuted_by=(
-                (rf"idle == {idle - 1}", f"idle == {idle - 2}"),
                 (r"in_data == 18", "in_data[3:0] == 2"),
                 (r"named == 0", "named[7:0] == 0"),
                 (r"over \|\| \(length == 1\)", "length == 1"),
@@ -71,6 +68,23 @@ def properties(twin):
                 (r"byte_in = 0", "byte_in = 1"),
             ),
             clocks=9,
+        ),
+        Property(
+            name="silence",
+            sentence="The clocks since a byte are counted, and a packet is over in just those "
+            f"clocks in which none has come for {idle}.",
+            states=("idle == quiet", f"over == (quiet == {idle - 1} && !in_valid)"),
+            watch=f"""
+                reg [15:0] quiet = 0;
+                always @(posedge clk)
+                    quiet <= rst || in_valid || quiet == {idle - 1} ? 0 : quiet + 1;
+            """,
+            helps=(f"quiet < {idle}",),
+            refuted_by=(
+                (r"idle <= \(idle \+ 1\)", "idle <= (idle + 2)"),
+                (r"if \(\(in_valid \|\| over\)\)", "if (over)"),
+            ),
+            clocks=6,
         ),
         Property(
             name="in order",
