@@ -4,12 +4,6 @@ from golden.layers.shift_add import Constant, Input, Sum
 from tb.sign_off.properties import Property
 
 BEGUN = "reg begun = 0; always @(posedge clk) begun <= 1;"
-# By list of sums, a broken copy of one in it.
-WRONG_SUMS = (
-    (r"one = \$signed\(in_data_1 >>> 2\)", "one = $signed(in_data_1 >>> 1)"),
-    (r"reg signed \[14:0\] add1_total", "reg signed [13:0] add1_total"),
-    (r"result = \(one - subtract1_total\)", "result = (one + subtract1_total)"),
-)
 
 
 class Signals:
@@ -70,6 +64,17 @@ def apart(graph):
     return [[p for p, n in lists.items() if n == number] for number in sorted(set(lists.values()))]
 
 
+def wrong(twin, signals, places):
+    """Copies in which the sum that can be the largest is turned, or has two bits fewer."""
+    reaches = twin.graph.reaches
+    largest = max(places, key=lambda place: reaches[place].most - reaches[place].least)
+    total = signals.there[largest, twin.clocks[largest]]
+    return (
+        (rf"({total} =) (\$signed\(result)", r"\1 ~\2"),
+        (rf"({total} = \$signed\(result\[\d+)-1", r"\1-3"),
+    )
+
+
 def sums(twin, signals, places, number):
     """That each of some sums is right if its operands are, which may be anything."""
     graph = twin.graph
@@ -119,7 +124,7 @@ def sums(twin, signals, places, number):
         states=tuple(states),
         watch="\n".join(watch),
         free=tuple(s for s in signals.there.values() if s not in own and not s.startswith(kept)),
-        refuted_by=(WRONG_SUMS[number],),
+        refuted_by=wrong(twin, signals, places),
         clocks=1,
         induction=1,
     )
@@ -154,7 +159,7 @@ def results(twin, signals):
         refuted_by=(
             (r"\(top == 0\) \|\| ", ""),
             (r"else if \(word\[(\d+)\]\)", r"else if (!word[\1])"),
-            (r"(delay3_data_late) <= in_data_1", r"\1 <= in_data_2"),
+            (rf"({next(iter(signals.late))} <=)", r"\1 ~"),
         ),
         free=tuple(s for (_, clock), s in signals.there.items() if not clock and "total" in s),
         clocks=3,
