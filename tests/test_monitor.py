@@ -394,7 +394,7 @@ def test_the_page_fits_and_takes_names_as_text(scene: Scene, tmp_path: Path, wid
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["digit-board", ""], "PORT=: missing, expected sim or a serial port"),
+        (["digit-board", ""], "PORT=: missing, expected sim, twin or a serial port"),
         (
             ["digit-board", "/dev/nowhere"],
             "PORT=/dev/nowhere: cannot be opened: no such port; there is",

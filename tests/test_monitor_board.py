@@ -249,6 +249,21 @@ def test_the_simulated_hardware_sends_what_its_converter_reads(hardware: Scene) 
     assert np.array_equal(values * 8192, expected)
 
 
+def test_the_twins_behind_a_port_say_what_the_hardware_would(hardware: Scene) -> None:
+    board = Board(hardware, hardware)
+    core = Engine.of_several(hardware.arrangement, hardware.mlps())
+    with open_line("twin", None, board) as line:
+        loading.load(line, board)
+        decoder, frames = Decoder(board.layout), []
+        line.drop()
+        while len(frames) < 200:
+            frames += decoder.feed(line.read())
+    samples, outputs = (np.array([getattr(f, n) for f in frames]) for n in ("samples", "outputs"))
+    assert np.array_equal(outputs, core.process(samples))
+    # A scan is 4096 clocks of 25 MHz; the 300 bits of a packet, of 25 clocks each, take two.
+    assert round(25e6 / 8192) == round(float(board.instrument.packets_a_second)) == 3052
+
+
 def test_packets_of_before_do_not_count(hardware: Scene) -> None:
     """One may wait in the board, one be on the line, when it is asked for."""
     board = Board(hardware, hardware)

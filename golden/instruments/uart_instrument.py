@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from fractions import Fraction
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -161,6 +162,11 @@ class UartInstrument(ConverterInstrument):
         """Scans from one packet to the next, where each yields a frame."""
         return -(-self.packet_clocks // self.interval)
 
+    @property
+    def packets_a_second(self) -> Fraction:
+        """Where each scan yields a frame, and the clock is the scene's."""
+        return self.converter_reader.clock * 1_000_000 / (self.packet_scans * self.interval)
+
     def parts(self) -> tuple[Block, ...]:
         return (
             *super().parts(),
@@ -172,9 +178,8 @@ class UartInstrument(ConverterInstrument):
 
     def facts(self) -> tuple[str, ...]:
         baud = self.converter_reader.clock * 1_000_000 / self.divisor
-        rate = self.converter_reader.clock * 1_000_000 / (self.packet_scans * self.interval)
         return (
             f"{float(baud):.6g} bits a second on the line, {self.divisor} clocks each",
-            f"{float(rate):.6g} packets a second, one every "
+            f"{float(self.packets_a_second):.6g} packets a second, one every "
             f"{self.packet_scans} scan{'s' * (self.packet_scans > 1)}",
         )

@@ -51,7 +51,7 @@ class Terminal:
 def main() -> None:
     parser = argparse.ArgumentParser(prog="make monitor", description=__doc__)
     parser.add_argument("scene")
-    parser.add_argument("port", help="a serial port, or sim")
+    parser.add_argument("port", help="a serial port, sim or twin")
     parser.add_argument("--hardware", default="", help="scene whose hardware the board has")
     parser.add_argument("--to", type=Path, help="CSV that takes every packet")
     parser.add_argument("--baud", type=whole("BAUD", 300, MOST_BAUD))

@@ -8,8 +8,12 @@ from contextlib import contextmanager
 from tb.monitor.board import Board
 from tb.monitor.line import Line, ports_there
 from tb.monitor.simulated_board import SimulatedBoard
+from tb.monitor.twin_board import TwinBoard
 
-SIMULATED = "sim"
+# The hardware in a simulator, and its bit-true models: the same packets, in the board's time.
+SIMULATED, TWIN = "sim", "twin"
+# Seconds for which these show a row.
+TWIN_HOLD = 0.5
 # Scans for which a row of the recording stays: with a profile, so that all of its points are seen.
 HOLD = 64
 # Seconds: everything takes as many clocks as on the board, and each of them longer.
@@ -28,7 +32,9 @@ def open_line(port: str, baud: int | None, board: Board) -> Iterator[Line]:
         See ``Line``.
     """
     if not port:
-        raise ValueError(f"PORT=: missing, expected sim or a serial port; there is {ports_there()}")
+        raise ValueError(
+            f"PORT=: missing, expected sim, twin or a serial port; there is {ports_there()}"
+        )
     baud = baud or board.baud
     if port == SIMULATED:
         with (
@@ -37,6 +43,14 @@ def open_line(port: str, baud: int | None, board: Board) -> Iterator[Line]:
         ):
             line.simulated = simulated
             line.silence, line.patience = SILENCE, PATIENCE
+            yield line
+    elif port == TWIN:
+        rate = float(board.instrument.packets_a_second)
+        with (
+            TwinBoard(board.hardware, rate, round(TWIN_HOLD * rate)) as twins,
+            Line(twins.port, baud, TWIN) as line,
+        ):
+            line.simulated = twins
             yield line
     else:
         with Line(port, baud) as line:

@@ -1,7 +1,7 @@
 """A board made of twins, behind a port that is none: what it sends, as fast as is asked.
 
-It answers images as the hardware does, and its cable can be cut. For what hangs on the line and not
-on the hardware: tests, and how fast the monitor is.
+It answers images as the hardware does, and its cable can be cut. ``PORT=twin`` is one at the rate
+of the board: to see everything in its own time.
 """
 
 from __future__ import annotations
