@@ -309,8 +309,9 @@ async def recorded(dut):
     if rx is not None:
         told = {name for frame in sending.frames for name in frame.flags}
         assert told == {"frame_error", "image_error", "line_error"}, f"got the flags {told}"
-    first = ends[runs[0][1][0]] + RESET_CLOCKS
-    started = timeline.starts[timeline.starts < first][-1]
+    # Another scan begins before the samples of this one have left.
+    last_bit = ends[runs[0][1][0]] + RESET_CLOCKS - twin.burst
+    started = timeline.starts[timeline.starts < last_bit][-1]
     bench.facts = {
         "frames": len(runs[0][1]),
         "seconds": recording.seconds,
