@@ -14,7 +14,9 @@ from tb.common.cases import random_mlp, write_scene
 from tb.common.runner import BUILD
 
 # Commands whose one argument is a scene.
-SCENES = [n for n in COMMANDS if n not in ("network", "figures", "scene", "check", "predict")]
+# Those that need no more than a scene.
+MORE = ("network", "figures", "scene", "check", "predict", "bitstream")
+SCENES = [n for n in COMMANDS if n not in MORE]
 # Scenes that no command can read, and what is said of them.
 NAMES = {
     "finger": "scene 'finger': no such scene, expected a path to a .toml file or one of digit",
