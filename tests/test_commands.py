@@ -7,13 +7,17 @@ import re
 import shutil
 import subprocess
 import sys
+from itertools import product
 from pathlib import Path
 
 import pytest
 
+from golden.boards import board_names, load_board
 from golden.fingerprint import fingerprint
 from golden.network_files.network_file import provenance_path
 from golden.scene import FOLDER, Scene
+from hdl.boards.record import record_path
+from hdl.boards.variants import variants_path
 from hdl.synth.budget import budget_path
 from hdl.synth.timing import timing_path
 from tb.common.cases import random_mlp, write_scene
@@ -274,4 +278,8 @@ def test_no_stray_files_beside_the_scenes() -> None:
             expected |= {path, provenance_path(path)}
     for scene, _ in recorded():
         expected |= {budget_path(scene.path), timing_path(scene.path)}
+    for scene, name in product(scenes(), board_names()):
+        board = load_board(name)
+        found = (record_path(scene, board), variants_path(scene, board))
+        expected |= {path for path in found if path.exists()}
     assert {p for p in FOLDER.rglob("*") if p.is_file()} == expected
