@@ -10,6 +10,7 @@ import numpy as np
 
 from golden.activation.schemes import SCHEMES
 from golden.fixed import Codes, Fix, signed_width
+from golden.instruments.converter_instrument import ConverterInstrument
 from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
 from golden.layers.neuron import Neuron
@@ -76,6 +77,9 @@ def rails() -> Iterator[Row]:
     for name in scene_names():
         scene = load_scene(name)
         network = scene.twin()
+        if isinstance(network, ConverterInstrument):
+            # The codes of a converter are fewer: what is behind it is given all of them.
+            network = network.readout
         for case, sent in _sent(scene).items():
             found = network.process(sent)
             frames = scene.window.frames(sent)
