@@ -375,7 +375,8 @@ def test_the_cells_of_a_board_do_what_its_verilog_does(tmp_path: Path, name: str
     assert played.compared > 20 * design.interval
     expected = expected_of(design, voltages)
     found = frames_of(played.line, design)
-    assert len(found) >= 8
+    # The first is sent when a scan is over, and the last may not be whole.
+    assert len(found) >= (len(voltages) - 2) // design.packet_scans >= 7
     assert all(expected[count - 1] == (s, outputs) for count, s, outputs in found)
 
 
