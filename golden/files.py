@@ -11,12 +11,14 @@ import os
 import secrets
 import shutil
 import stat
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from golden.cli import DISK, CommandError
+
+Made = TypeVar("Made")
 
 
 def check_file(path: Path, missing: str = "no such file") -> None:
@@ -94,6 +96,47 @@ def reading(path: Path, form: str) -> Iterator[None]:
         if isinstance(error, OSError) and error.errno:
             raise CommandError(f"{path}: cannot be read:{_where(error, path)}") from None
         raise ValueError(f"{path}: not {form}: {_reason(error)}") from None
+
+
+def read_json(
+    path: Path,
+    form: str,
+    missing: str = "no such file",
+    make: Callable[[Any], Made] = lambda found: found,
+) -> Made:
+    """What a recorded file holds.
+
+    Parameters
+    ----------
+    path : Path
+    form : str
+        What it should hold, such as "a recorded clock".
+    missing : str
+        What the message says where nothing stands there.
+    make : callable, optional
+        Makes of what JSON holds what is asked for.
+
+    Raises
+    ------
+    FileNotFoundError, CommandError, ValueError
+        When nothing was recorded, or something else stands there.
+    """
+    check_file(path, missing)
+    with reading(path, form):
+        return make(json.loads(path.read_text(encoding="utf-8")))
+
+
+def write_json(path: Path, facts: Any, *, sort_keys: bool = False) -> None:
+    """Record ``facts``, a line each so that a change of one is seen."""
+    text = json.dumps(facts, indent=1, sort_keys=sort_keys, ensure_ascii=False, allow_nan=False)
+    with replace_file(path) as temporary:
+        temporary.write_text(text + "\n", encoding="utf-8")
+
+
+def write_kept(path: Path, answer: Any) -> None:
+    """Write what ``read_kept`` reads."""
+    with replace_file(path) as temporary:
+        temporary.write_text(json.dumps(answer, allow_nan=False), encoding="utf-8")
 
 
 def read_kept(path: Path) -> Any:

@@ -10,7 +10,17 @@ from pathlib import Path
 import pytest
 
 from golden.cli import CommandError
-from golden.files import check_writable, replace_file, replace_files, replace_folder, same_file
+from golden.files import (
+    check_writable,
+    read_json,
+    read_kept,
+    replace_file,
+    replace_files,
+    replace_folder,
+    same_file,
+    write_json,
+    write_kept,
+)
 
 
 @contextmanager
@@ -117,3 +127,27 @@ def test_one_file_by_two_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
         Path, "samefile", lambda p, q: str(p).lower() == str(q).lower() or samefile(p, q)
     )
     assert same_file(tmp_path / "new.npz", tmp_path / "NEW.npz")
+
+
+def test_a_record_is_read_as_it_was_written(tmp_path: Path) -> None:
+    path = tmp_path / "new" / "record.json"
+    with pytest.raises(FileNotFoundError, match="nothing was recorded"):
+        read_json(path, "a record", "nothing was recorded")
+    write_json(path, {"b": "µm", "a": [1, 2]})
+    assert read_json(path, "a record", make=lambda found: found["b"]) == "µm"
+    with pytest.raises(ValueError, match=r"record\.json: not a record: 'c'"):
+        read_json(path, "a record", make=lambda found: found["c"])
+    with pytest.raises(ValueError, match="nan"):
+        write_json(path, float("nan"))
+    assert list(read_json(path, "a record")) == ["b", "a"]
+    write_json(path, {"b": 1, "a": 2}, sort_keys=True)
+    assert list(read_json(path, "a record")) == ["a", "b"]
+
+
+def test_what_is_kept_and_damaged_is_not_there(tmp_path: Path) -> None:
+    path = tmp_path / "new" / "kept.json"
+    assert read_kept(path) is None
+    write_kept(path, [1])
+    assert read_kept(path) == [1]
+    path.write_text("[1", encoding="utf-8")
+    assert read_kept(path) is None

@@ -9,13 +9,12 @@ from __future__ import annotations
 
 import argparse
 import hashlib
-import json
 from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
 
 from golden.boards import Board, board_names, load_board
-from golden.files import replace_folder
+from golden.files import replace_folder, write_json
 from golden.networks.network import Network
 from golden.progress import Progress
 from golden.scene import load_scene
@@ -63,9 +62,7 @@ def main() -> None:
             "versions": {tool: version(tool) for tool in FAMILIES[board.family].packages},
             "report": asdict(report),
         }
-        (temporary / "bitstream.json").write_text(
-            json.dumps(facts, indent=1) + "\n", encoding="utf-8"
-        )
+        write_json(temporary / "bitstream.json", facts)
         if arguments.record:
             write_record(record_path(scene, board), report, verilog, made)
     tell(design, board, made, report, folder / name)

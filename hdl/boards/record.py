@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import asdict
 from pathlib import Path
 
 from golden.boards import Board
-from golden.files import check_file, reading, replace_file
+from golden.files import read_json, write_json
 from golden.fingerprint import fingerprint
 from golden.scene import Scene
 from hdl.boards.bitstream import WRAPPER, Report, Sources
@@ -27,9 +26,7 @@ def state(verilog: Path, made: Sources) -> str:
 
 def write_record(path: Path, report: Report, verilog: Path, made: Sources) -> None:
     """Record what was found, and of what."""
-    record = {"made of": state(verilog, made), "report": asdict(report)}
-    with replace_file(path) as temporary:
-        temporary.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+    write_json(path, {"made of": state(verilog, made), "report": asdict(report)})
 
 
 def read_record(path: Path) -> tuple[Report, str]:
@@ -40,7 +37,8 @@ def read_record(path: Path) -> tuple[Report, str]:
     FileNotFoundError, CommandError, ValueError
         When nothing was recorded, or something else stands there.
     """
-    check_file(path)
-    with reading(path, "a recorded bitstream; RECORD=1 records it"):
-        record = json.loads(path.read_text(encoding="utf-8"))
-        return Report(**record["report"]), record["made of"]
+    return read_json(
+        path,
+        "a recorded bitstream; RECORD=1 records it",
+        make=lambda record: (Report(**record["report"]), record["made of"]),
+    )

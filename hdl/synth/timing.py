@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from golden.cli import CommandError
-from golden.files import check_file, reading, replace_file
+from golden.files import read_json, write_json
 from hdl.synth.absorb import absorb
 from hdl.synth.routed import simulated
 from hdl.synth.tools import digest, run_tool, stored
@@ -96,9 +96,7 @@ def timing_path(scene: Path) -> Path:
 
 def write_timing(path: Path, timing: Timing, verilog: Path) -> None:
     """Record what was reached, and by which Verilog."""
-    record = {"verilog": digest(verilog), "timing": asdict(timing)}
-    with replace_file(path) as temporary:
-        temporary.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+    write_json(path, {"verilog": digest(verilog), "timing": asdict(timing)})
 
 
 def read_timing(path: Path) -> tuple[Timing, str]:
@@ -109,10 +107,11 @@ def read_timing(path: Path) -> tuple[Timing, str]:
     FileNotFoundError, CommandError, ValueError
         When nothing was recorded, or something else stands there.
     """
-    check_file(path)
-    with reading(path, "a recorded clock; RECORD=1 records it"):
-        record = json.loads(path.read_text(encoding="utf-8"))
-        return Timing(**record["timing"]), record["verilog"]
+    return read_json(
+        path,
+        "a recorded clock; RECORD=1 records it",
+        make=lambda record: (Timing(**record["timing"]), record["verilog"]),
+    )
 
 
 def mapped(folder: Path, top: str) -> dict[str, Any]:

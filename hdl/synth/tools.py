@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 import signal
@@ -16,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from golden.cli import CommandError
-from golden.files import read_kept, replace_file
+from golden.files import read_kept, write_kept
 from golden.fingerprint import fingerprint
 
 STORE = Path("build") / "synth"
@@ -101,6 +100,5 @@ def stored(
         for file in verilog.glob("*.v"):
             shutil.copy(file, folder)
         answer = work(folder)
-    with replace_file(kept) as temporary:
-        temporary.write_text(json.dumps(answer), encoding="utf-8")
+    write_kept(kept, answer)
     return answer

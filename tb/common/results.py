@@ -5,13 +5,12 @@ A bench's result is kept when it ends, so that what was interrupted goes on wher
 
 from __future__ import annotations
 
-import json
 from collections import defaultdict
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from golden.files import read_kept, replace_file
+from golden.files import read_kept, write_kept
 from golden.fingerprint import fingerprint, sources
 from golden.progress import Progress
 from golden.scene import Scene
@@ -83,8 +82,7 @@ def _run_and_keep(now: str, job: Job) -> Outcome:
             "seconds": outcome.seconds,
             "facts": outcome.facts,
         }
-        with replace_file(_record(job)) as temporary:
-            temporary.write_text(json.dumps(found), encoding="utf-8")
+        write_kept(_record(job), found)
     return outcome
 
 

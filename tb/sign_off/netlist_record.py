@@ -8,7 +8,6 @@ its bench takes minutes on cells, and its parts go through the whole of theirs.
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Callable, Collection, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -18,7 +17,7 @@ from typing import Any
 
 from golden.block import walk
 from golden.cli import CommandError
-from golden.files import read_kept, replace_file
+from golden.files import read_kept, write_kept
 from golden.fingerprint import ROOT, fingerprint, sources
 from golden.progress import Progress
 from golden.scene import load_scene
@@ -67,8 +66,7 @@ def run_kept(job: Job) -> Outcome:
     outcome = run_job(job)
     if outcome.passed:
         kept = {name: getattr(outcome, name) for name in ("compared", "seconds", "facts")}
-        with replace_file(path) as temporary:
-            temporary.write_text(json.dumps(kept), encoding="utf-8")
+        write_kept(path, kept)
     return outcome
 
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
-from golden.files import check_file, reading, replace_file
+from golden.files import read_json, write_json
 
 RECORDS = Path(__file__).parent / "records"
 
@@ -20,9 +19,7 @@ def write_record(kind: str, block: str, facts: dict[str, Any]) -> None:
     """Record what was found."""
     path = record_path(kind, block)
     path.parent.mkdir(parents=True, exist_ok=True)
-    with replace_file(path) as temporary:
-        text = json.dumps(facts, indent=1, sort_keys=True, ensure_ascii=False)
-        temporary.write_text(text + "\n", encoding="utf-8")
+    write_json(path, facts, sort_keys=True)
 
 
 def read_record(kind: str, block: str) -> dict[str, Any]:
@@ -34,7 +31,5 @@ def read_record(kind: str, block: str) -> dict[str, Any]:
         When nothing was.
     """
     path = record_path(kind, block)
-    check_file(path, f"no {kind} is recorded of {block}")
-    with reading(path, "JSON"):
-        facts: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    facts: dict[str, Any] = read_json(path, "JSON", f"no {kind} is recorded of {block}")
     return facts

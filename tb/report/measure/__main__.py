@@ -11,13 +11,12 @@ stand in full in times.json, with the machine, and without them in the other fil
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from pathlib import Path
 from typing import Any
 
 from golden.cli import MOST_SEED, CommandError, run, whole
-from golden.files import replace_folder
+from golden.files import replace_folder, write_json
 from golden.fingerprint import ROOT, fingerprint, sources
 from golden.machine import facts, versions
 from golden.table import suggest
@@ -60,9 +59,9 @@ def main() -> None:
             print("\n".join(table.lines()), end="\n\n", flush=True)
             if arguments.record:
                 print(f"recorded in {recorded.write(table)}")
-        _write_json(temporary / "figures.json", data)
+        write_json(temporary / "figures.json", data)
         if times:
-            _write_json(temporary / "times.json", {"machine": facts(), "tables": times})
+            write_json(temporary / "times.json", {"machine": facts(), "tables": times})
     print(f"wrote {folder}")
 
 
@@ -76,10 +75,6 @@ def refuse_others(names: list[str], seed: int) -> None:
         )
     if seed != recorded.SEED:
         raise CommandError(f"SEED={seed}: expected {recorded.SEED} with RECORD=1")
-
-
-def _write_json(path: Path, data: dict[str, Any]) -> None:
-    path.write_text(json.dumps(data, indent=1, allow_nan=False) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

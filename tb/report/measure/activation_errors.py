@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import argparse
 import csv
-import json
 import sys
 import warnings
 from collections.abc import Iterator, Sequence
@@ -26,7 +25,7 @@ from golden.activation.activation_block import ActivationBlock
 from golden.activation.pade import UnsettledWarning
 from golden.activation.schemes import Scheme, forms
 from golden.cli import run
-from golden.files import replace_file
+from golden.files import replace_file, write_json
 from golden.fingerprint import ROOT
 from golden.machine import versions
 from golden.metrics import ACTIVATION_RANGE, activation_error
@@ -181,9 +180,8 @@ def write(rows: list[Row], folder: Path) -> None:
         writer = csv.DictWriter(handle, list(records[0]), lineterminator="\n")
         writer.writeheader()
         writer.writerows(records)
-    with replace_file(folder / "errors.json") as path:
-        data = {"versions": versions("python", "numpy", "matplotlib"), "rows": records}
-        path.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
+    data = {"versions": versions("python", "numpy", "matplotlib"), "rows": records}
+    write_json(folder / "errors.json", data)
 
 
 def plot_file(name: str) -> str:

@@ -8,11 +8,10 @@ stale, which a test tells.
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
-from golden.files import replace_file
+from golden.files import read_json, write_json
 from golden.fingerprint import ROOT, fingerprint, sources
 from tb.report.measure import honest, store
 from tb.report.measure.table import Table
@@ -41,9 +40,7 @@ def is_stale(name: str) -> bool:
 def write(table: Table) -> Path:
     """Record a table that was measured with SEED."""
     path = _path(table.name)
-    found = {"state": state(), "table": store.packed(table)}
-    with replace_file(path) as temporary:
-        temporary.write_text(json.dumps(found, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    write_json(path, {"state": state(), "table": store.packed(table)})
     return path
 
 
@@ -52,5 +49,5 @@ def _path(name: str) -> Path:
 
 
 def _found(name: str) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads(_path(name).read_text(encoding="utf-8"))
+    found: dict[str, Any] = read_json(_path(name), "a recorded table; RECORD=1 records it")
     return found

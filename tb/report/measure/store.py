@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable
 from typing import Any
 
-from golden.files import read_kept, replace_file
+from golden.files import read_kept, write_kept
 from tb.common.runner import BUILD
 from tb.report.measure.table import Table
 
@@ -24,10 +23,7 @@ def kept(name: str, state: str) -> Any:
 
 def keep(name: str, state: str, answer: Any) -> None:
     """Keep what JSON can hold for the next report."""
-    with replace_file(STORE / f"{name}.json") as path:
-        path.write_text(
-            json.dumps({"state": state, "answer": answer}, allow_nan=False), encoding="utf-8"
-        )
+    write_kept(STORE / f"{name}.json", {"state": state, "answer": answer})
 
 
 def once(name: str, state: str, tell: Progress, work: Callable[[], Any]) -> Any:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 import time
 
-from golden.files import check_writable, replace_file, replace_folder
+from golden.files import check_writable, replace_file, replace_folder, write_json
 from golden.machine import facts, versions
 from golden.scene import Scene
 from tb.common.runner import BUILD
@@ -43,8 +42,7 @@ def write(scene: Scene, page: Page) -> None:
             (folder / f"{name}.svg").write_text(picture.svg, encoding="utf-8")
         for name, table in tables.items():
             table.write_csv(folder / f"{name}.csv")
-        text = json.dumps(data, indent=1, allow_nan=False) + "\n"
-        (folder / "report.json").write_text(text, encoding="utf-8")
+        write_json(folder / "report.json", data)
     with replace_file(BUILD / scene.name / "report.html") as path:
         path.write_text(page.render(), encoding="utf-8")
 
