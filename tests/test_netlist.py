@@ -168,6 +168,28 @@ endmodule
     }
 
 
+def test_what_is_held_outlasts_a_reset_and_other_data_does_not(
+    shared: Shared, tmp_path: Path
+) -> None:
+    job = copied_job(shared.subject("abs_unit"), tmp_path)
+    file = job.hdl_folder / job.files[0]
+    file.write_text(
+        """module abs_unit(input clk, input rst, input in, output reg held_0, output reg other);
+  always @(posedge clk) if (!rst) begin held_0 <= in; other <= in; end
+endmodule
+"""
+    )
+    bench = """module bench;
+  reg clk = 0, rst = 1; wire held_0, other;
+  abs_unit dut(clk, rst, 1'b1, held_0, other);
+  always #1 clk = ~clk;
+  always #2 $display("%b%b", held_0, other);
+  initial begin #2 rst = 0; #2 rst = 1; #3 $finish; end
+endmodule
+"""
+    assert played(tmp_path, Netlist(job).verilog() + bench) == ["xx", "11", "1x"]
+
+
 def played(folder: Path, text: str) -> list[str]:
     """What some Verilog prints."""
     (folder / "text.v").write_text(text)
