@@ -100,6 +100,12 @@ class Netlist:
             for n, bit in enumerate(cell["connections"]["Q"])
         }
 
+    @property
+    def given(self) -> int:
+        """Bits that all its cells give."""
+        cells = self.module["cells"].values()
+        return sum(len(cell["connections"].get("Y", "")) for cell in cells)
+
     def in_reset(self, bit: Bit) -> Bit:
         """What a net is in a clock of reset, whatever the registers hold: "0", "1" or "x"."""
         if bit == self.rst:
