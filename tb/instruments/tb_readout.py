@@ -4,7 +4,8 @@ Sweeps: all recorded frames, corner frames, frames that drive every hidden sum t
 random ones; recorded and random ones for the held outputs and the profile, and of many random ones
 those with the greatest and the least height.
 Drives: frames as close as the network takes them, with gaps, of wrong lengths, with resets; for the
-profile at all distances, so that many results come while a ramp is being drawn.
+profile at all distances, so that many results come while a ramp is being drawn; where the engine inside
+can be reloaded, its image first and after each reset.
 Checks: outputs, ``frame_error``, held outputs and every point of the profile bit for bit in their
 clocks.
 Does not prove: the profile's extremes (tb_load_profile drives the block by itself).
@@ -15,6 +16,7 @@ import numpy as np
 
 from tb.common import readout
 from tb.common.bench import Bench
+from tb.common.loading import after_loading
 from tb.common.network import (
     WATCH,
     corners_and_random,
@@ -26,10 +28,10 @@ from tb.common.network import (
     whole_frames,
     wrong_lengths,
 )
-from tb.common.small import OTHER_PROFILES
+from tb.common.small import OTHER_PROFILES, UART_INSTRUMENTS
 from tb.common.stimulus import random_resets, spread
 
-CASES = OTHER_PROFILES
+CASES = OTHER_PROFILES | {"reload-uart": UART_INSTRUMENTS["reload-uart"]}
 FAULTS = [
     (r"count == 1", "count == 2"),
     (r"result_valid && result_last", "result_last && 0"),
@@ -61,6 +63,8 @@ async def check(bench, frames, resets=None):
     drive = spread(bench.rng, items, "in_valid", 0.0, tail=tail, pause=pause.ravel())
     if resets:
         drive["rst"] = random_resets(bench.rng, len(drive["in_valid"]), resets)
+    if twin.image:
+        drive = after_loading(drive, twin.image)
     recording = await bench.play(drive, WATCH + readout.ports(twin))
     readout.check_held(bench, recording)
     if twin.load_profile:
