@@ -4,8 +4,8 @@ Sweeps: all recorded frames, corner frames, frames that drive every hidden sum t
 random ones; recorded and random ones for the held outputs and the profile, and of many random ones
 those with the greatest and the least height.
 Drives: frames as close as the network takes them, with gaps, of wrong lengths, with resets; for the
-profile at all distances, so that many results come while a ramp is being drawn; where the engine inside
-can be reloaded, its image first and after each reset.
+profile at all distances, so that many results come while a ramp is being drawn; where the engine
+inside can be reloaded, its image first and after each reset, and a wrong image between good ones.
 Checks: outputs, ``frame_error``, held outputs and every point of the profile bit for bit in their
 clocks.
 Does not prove: the profile's extremes (tb_load_profile drives the block by itself).
@@ -16,7 +16,7 @@ import numpy as np
 
 from tb.common import readout
 from tb.common.bench import Bench
-from tb.common.loading import after_loading
+from tb.common.loading import Sent, after_loading, check_loading, exchange
 from tb.common.network import (
     WATCH,
     corners_and_random,
@@ -91,3 +91,29 @@ async def shown_and_resets(dut):
     frames = random_elements(bench, 24 * bench.twin.inputs).reshape(24, -1)
     await check(bench, frames, resets=1000)
     bench.finish(at_least=5 * bench.twin.outputs)
+
+
+@cocotb.test()
+async def images(dut):
+    """A wrong image between good ones: the ports are those of the engine inside."""
+    bench = Bench(dut)
+    whole = bench.twin
+    if not whole.image:
+        return
+    bench.twin = whole.core
+    image = whole.image
+    wrong = bytes([*image[:-1], image[-1] ^ 1])
+    count = 24
+    elements, last = whole_frames(
+        bench, random_elements(bench, count * whole.inputs).reshape(count, -1)
+    )
+    pause = np.zeros((count, len(elements) // count), dtype=np.int64)
+    pause[:, 0] = whole.interval + 4 * len(image) // count
+    items = {"in_data": elements, "in_last": last}
+    drive = spread(bench.rng, items, "in_valid", 0.0, tail=whole.interval, pause=pause.ravel())
+    sent = [Sent(0, image), Sent(2 * len(image), wrong), Sent(3 * len(image), image)]
+    counts = check_loading(bench, await exchange(bench, drive, sent))
+    assert len(counts) == 2
+    assert all(counts), f"frames of each good image: got {counts}, expected some of each"
+    bench.twin = whole
+    bench.finish(at_least=5 * whole.outputs)
