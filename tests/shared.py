@@ -10,11 +10,13 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
+from golden.files import read_kept, write_kept
 from golden.scene import Scene, load_scene
 from tb.common.collected import CASES, CASES_OF
 from tb.common.runner import Job, Outcome, compile_vhdl, export, jobs, run_jobs
 from tb.common.tools import language
-from tb.report.measure import store
+from tb.report.measure import recorded, store
+from tb.report.measure.registry import TABLES
 from tb.report.measure.steps import measured
 from tb.report.measure.table import Table
 from tb.sign_off.subject import first
@@ -72,6 +74,17 @@ class Shared:
     def subject(self, block: str, simulator: str = "icarus", case: str | None = None) -> Job:
         """The entity that stands for a block, as in ``tb.sign_off.subject``, on those exports."""
         return first(self.jobs(case or CASES_OF[block][0], simulator), block)
+
+    def recorded(self, name: str, anew: bool) -> Table:
+        """A table that reports take as recorded, or as it is measured now."""
+        if not anew:
+            return recorded.read(name)
+        path = self.folder / f"{name}.json"
+        self.once(
+            f"measured {name}",
+            lambda: write_kept(path, store.packed(TABLES[name](recorded.SEED))),
+        )
+        return store.unpacked(read_kept(path))
 
     def tables(self) -> dict[str, Table]:
         """Every table of the report, measured once in the run and in no earlier one."""

@@ -30,7 +30,8 @@ LEFT = (
     *("one-past", "few-past", "three-past", "serial-past", "axis-past", "drawn-past"),
     *("instrument", "slower-cascade", "wide-multiple", "wide-parallel"),
     *("wide-converter", "signed-converter", "bipartite-low", "short-graph", "logic-graph"),
-    *("chain-serial", "axis-cascade", "gradient_parallel-thesis"),
+    *("chain-serial", "axis-cascade", "gradient_parallel-thesis", "lut-exact", "polynomial-exact"),
+    *("deep-least-engine",),
     *("huge", "huge-parallel", "logic-huge", "block-ram-huge"),
     *("reload-uart", "wide-uart", "plain-uart"),
 )

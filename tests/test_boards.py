@@ -381,6 +381,22 @@ def test_the_cells_of_a_board_do_what_its_verilog_does(tmp_path: Path, name: str
 
 
 @pytest.mark.all_only
+@pytest.mark.parametrize(("name", "board"), SHIPPED)
+def test_the_cells_of_a_shipped_instrument(tmp_path: Path, name: str, board: str) -> None:
+    """Its image over the line, then recorded frames: they are the twin's, and the Verilog's."""
+    scene = load_scene(name)
+    design = scene.twin()
+    voltages = scene.vectors().codes[:16]
+    played = play(scene, load_board(board), voltages, tmp_path)
+    assert played.differ == played.unknown == 0
+    assert played.compared > 12 * design.interval
+    expected = expected_of(design, voltages)
+    found = frames_of(played.line, design)
+    assert len(found) >= (len(voltages) - 2) // design.packet_scans >= 5
+    assert all(expected[count - 1] == (s, outputs) for count, s, outputs in found)
+
+
+@pytest.mark.all_only
 def test_a_wrong_cell_of_a_board_is_seen(tmp_path: Path) -> None:
     scene = scene_with(tmp_path, 12.0, f"{CONVERTER}counter_width = 11\n{LINE}")
     voltages = np.random.default_rng(1).integers(-8192, 8192, (12, 1))

@@ -280,12 +280,17 @@ PAST = {
 }
 
 
-def test_what_limits_the_swing_is_what_the_page_says(tables) -> None:
+@pytest.fixture(scope="module", params=tiered(["recorded"], ["measured"]))
+def past(request: pytest.FixtureRequest, shared: Shared) -> dict[str, Table]:
+    return {"past": shared.recorded("past", request.param == "measured")}
+
+
+def test_what_limits_the_swing_is_what_the_page_says(past) -> None:
     """Networks end elsewhere with another SciPy; linear estimators are sums."""
     page = section("physics", "What limits the swing")
     found: dict[tuple, list[list[float]]] = {}
     names = ("varied", "samples a sensor", "noise uV", "rate Hz", "network %", "least squares %")
-    for varied, samples, noise, rate, *errors in columns(tables, "past", *names, "Wiener %"):
+    for varied, samples, noise, rate, *errors in columns(past, "past", *names, "Wiener %"):
         value = {"samples": samples, "noise": round(noise, 6)}.get(varied, rate)
         found.setdefault((varied, value), []).append(errors)
     for varied, lines in PAST.items():
@@ -298,9 +303,9 @@ def test_what_limits_the_swing_is_what_the_page_says(tables) -> None:
                 assert shows(text, error, SEARCHED), (varied, value)
 
 
-def test_a_past_helps_and_only_x_is_linear(tables) -> None:
+def test_a_past_helps_and_only_x_is_linear(past) -> None:
     names = ("varied", "output", "network %", "least squares %", "Wiener %")
-    rows = [row[1:] for row in columns(tables, "past", *names) if row[0] == "samples"]
+    rows = [row[1:] for row in columns(past, "past", *names) if row[0] == "samples"]
     first, last = ({row[0]: row[1:] for row in rows[n:][:3]} for n in (0, len(rows) - 3))
     for output in "xyz":
         assert last[output][0] < first[output][0] / 2

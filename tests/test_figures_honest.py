@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import subprocess
 import sys
 from dataclasses import replace
@@ -18,28 +17,17 @@ from golden.disturbance import Disturbance
 from golden.fingerprint import ROOT
 from golden.scene import load_scene
 from golden.training.stages import Stages
-from tb.report.measure import honest, recorded, store
-from tb.report.measure.registry import TABLES
+from tb.report.measure import honest, recorded
 from tb.report.measure.table import Table
 
 OUTPUTS = load_scene(honest.SCENE).outputs
+HONEST = ("honest", "robustness")
 
 
 @pytest.fixture(scope="module", params=tiered(["recorded"], ["measured"]))
 def tables(request: pytest.FixtureRequest, shared: Shared) -> dict[str, Table]:
     """As the report shows them, and with ALL=1 as they are now."""
-    if request.param == "recorded":
-        return {name: recorded.read(name) for name in recorded.RECORDED}
-    found = {}
-    for name in recorded.RECORDED:
-        path = shared.folder / f"{name}.json"
-        shared.once(f"measured {name}", lambda name=name, path=path: path.write_text(now(name)))
-        found[name] = store.unpacked(json.loads(path.read_text()))
-    return found
-
-
-def now(name: str) -> str:
-    return json.dumps(store.packed(TABLES[name](recorded.SEED)))
+    return {name: shared.recorded(name, request.param == "measured") for name in HONEST}
 
 
 @pytest.mark.parametrize("name", recorded.RECORDED)

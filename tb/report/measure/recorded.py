@@ -1,4 +1,4 @@
-"""Tables that train for minutes of processor time: the report and its tests take them as recorded.
+"""Tables that train for long: the report and its tests take them as recorded.
 
     make figures TABLE=honest RECORD=1
 
@@ -11,20 +11,23 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from golden import window
 from golden.files import read_json, write_json
 from golden.fingerprint import ROOT, fingerprint, sources
-from tb.report.measure import honest, store
+from golden.physics import swing_data
+from tb.report.measure import honest, past, store
 from tb.report.measure.table import Table
 
-RECORDED = ("honest", "robustness")
+# By name, where they stand and what they hang on beside what trains.
+RECORDED = {"honest": (honest,), "robustness": (honest,), "past": (past, swing_data, window)}
 FOLDER = Path(__file__).parent / "records"
 SEED = 1
 
 
-def state() -> str:
-    """A digest of what these figures hang on: what trains, and what is trained on."""
-    files = [*sources("golden/training"), Path(honest.__file__), ROOT / "golden" / "data"]
-    return fingerprint(files)
+def state(name: str) -> str:
+    """A digest of what a table's figures hang on: what trains, and what is trained on."""
+    own = [Path(str(module.__file__)) for module in RECORDED[name]]
+    return fingerprint([*sources("golden/training"), *own, ROOT / "golden" / "data"])
 
 
 def read(name: str) -> Table:
@@ -34,13 +37,13 @@ def read(name: str) -> Table:
 
 def is_stale(name: str) -> bool:
     """Whether it is of other code or other data."""
-    return bool(_found(name)["state"] != state())
+    return bool(_found(name)["state"] != state(name))
 
 
 def write(table: Table) -> Path:
     """Record a table that was measured with SEED."""
     path = _path(table.name)
-    write_json(path, {"state": state(), "table": store.packed(table)})
+    write_json(path, {"state": state(table.name), "table": store.packed(table)})
     return path
 
 
