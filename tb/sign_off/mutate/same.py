@@ -19,7 +19,7 @@ from hdl.synth.tools import run_tool
 from tb.sign_off.mutate.flat import Flat, Netlist, flatten
 
 SAME, OTHER, OPEN = "same", "other", "open"
-CONFLICTS, CLOCKS, SECONDS = 20_000, 40, 30
+CONFLICTS, CLOCKS, SECONDS = 20_000, 400, 30
 ANSWERS = {"snl_UNSAT": SAME, "snl_SAT": OTHER, "snl_UNK": OPEN}
 # Yosys gives ABC something to work on; the files it reads have nothing to do with that.
 NOTHING = "module nothing(input a, b, output y); assign y = a & b; endmodule\n"
