@@ -13,6 +13,8 @@ up: a slower processor may leave open what this one proves, and score less.
 from __future__ import annotations
 
 import json
+import os
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from hdl.synth.tools import run_tool
@@ -35,11 +37,16 @@ def proved(
     answers = dict.fromkeys(range(1, len(commands) + 1), (SAME, "nothing reads it"))
     asked = _within_a_clock(flat, sorted(flat.chosen), folder)
     answers |= dict.fromkeys(flat.chosen, (SAME, "in every state"))
-    for n in asked:
+
+    def work(n: int) -> str:
         verdict = _over_clocks(flat.from_reset(n, masks), f"reset{n}", folder)
         if verdict != SAME:
             verdict = _over_clocks(flat.over_clocks(n, masks), f"over{n}", folder)
-        answers[n] = verdict, "over clocks"
+        return verdict
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        verdicts = pool.map(work, asked)
+    answers |= {n: (verdict, "over clocks") for n, verdict in zip(asked, verdicts, strict=True)}
     return [answers[n] for n in sorted(answers)]
 
 
@@ -81,12 +88,13 @@ def _ask(
     if not names:
         return []
     asked = [f"read_aiger,{n}.aig;{work.format(n)};write_status,{n}.txt" for n in names]
-    (folder / "nothing.v").write_text(NOTHING, encoding="utf-8")
+    nothing, script = (folder / f"{names[0]}.{kind}" for kind in ("v", "ys"))
+    nothing.write_text(NOTHING, encoding="utf-8")
     lines = [line for part in prepared for line in part]
-    lines += ["design -reset", "read_verilog nothing.v", "simplemap"]
+    lines += ["design -reset", f"read_verilog {nothing.name}", "simplemap"]
     lines += [f"abc -script +backup;{';'.join(asked)};restore;strash;map"]
-    (folder / "same.ys").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    run_tool("yosys", ["-q", "-s", "same.ys"], folder, seconds=seconds)
+    script.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    run_tool("yosys", ["-q", "-s", script.name], folder, seconds=seconds)
     return [_verdict(folder, name) for name in names]
 
 
