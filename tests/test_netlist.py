@@ -14,8 +14,9 @@ from golden.cli import CommandError
 from tb.common.collected import BENCHES
 from tb.common.runner import Job, run_job
 from tb.sign_off.netlist import FAMILIES, chosen, on_cells
-from tb.sign_off.netlist_record import KIND, SCENES, Entity, source_of
+from tb.sign_off.netlist_record import KIND, SCENES, Entity
 from tb.sign_off.record import read_record, record_path
+from tb.sign_off.source import source
 from tb.sign_off.unknown import UNKNOWN, Netlist
 from tb.sign_off.unknown_proof import clocks_to_prove
 
@@ -168,6 +169,28 @@ endmodule
     }
 
 
+def test_what_is_held_outlasts_a_reset_and_other_data_does_not(
+    shared: Shared, tmp_path: Path
+) -> None:
+    job = copied_job(shared.subject("abs_unit"), tmp_path)
+    file = job.hdl_folder / job.files[0]
+    file.write_text(
+        """module abs_unit(input clk, input rst, input in, output reg held_0, output reg other);
+  always @(posedge clk) if (!rst) begin held_0 <= in; other <= in; end
+endmodule
+"""
+    )
+    bench = """module bench;
+  reg clk = 0, rst = 1; wire held_0, other;
+  abs_unit dut(clk, rst, 1'b1, held_0, other);
+  always #1 clk = ~clk;
+  always #2 $display("%b%b", held_0, other);
+  initial begin #2 rst = 0; #2 rst = 1; #3 $finish; end
+endmodule
+"""
+    assert played(tmp_path, Netlist(job).verilog() + bench) == ["xx", "11", "1x"]
+
+
 def played(folder: Path, text: str) -> list[str]:
     """What some Verilog prints."""
     (folder / "text.v").write_text(text)
@@ -180,7 +203,7 @@ def played(folder: Path, text: str) -> list[str]:
 def test_the_record_of_unknown_registers_is_of_this_source(shared: Shared, block: str) -> None:
     found = read_record(UNKNOWN, block)
     again = f"run: make sim NETLIST=unknown RECORD=1 BLOCK={block}"
-    assert (found["source"], found["passed"]) == (source_of(shared.subject(block)), True), again
+    assert (found["source"], found["passed"]) == (source(shared.subject(block)), True), again
     assert bool(found["control"]) == bool(found["reset"])
     assert found["control proved over clocks"] is None
 
@@ -197,7 +220,7 @@ def test_the_record_of_netlists_is_of_this_source(shared: Shared, block: str) ->
     jobs += [job for name in SCENES for job in shared.jobs(name, "icarus") if job.block == block]
     expected: dict[str, set[str]] = {}
     for job in jobs:
-        expected.setdefault(source_of(job), set(Entity(job, "").families()))
+        expected.setdefault(source(job), set(Entity(job, "").families()))
     assert found == expected, again
 
 

@@ -19,14 +19,14 @@ from typing import Any
 from golden.block import walk
 from golden.cli import CommandError
 from golden.files import read_kept, replace_file
-from golden.fingerprint import ROOT, fingerprint, sources
+from golden.fingerprint import fingerprint, sources
 from golden.progress import Progress
 from golden.scene import load_scene
-from hdl.synth.tools import digest
 from tb.common.runner import BUILD, Job, Outcome, jobs, prepare, run_job, run_jobs
 from tb.common.tools import version
 from tb.sign_off.netlist import ALL, FAMILIES, NETLISTS_RUN_IN, ROUTED, chosen, on_cells
 from tb.sign_off.record import write_record
+from tb.sign_off.source import bench, source
 from tb.sign_off.subject import chosen_blocks, subject
 from tb.sign_off.unknown import UNKNOWN, Netlist
 from tb.sign_off.unknown_proof import clocks_to_prove
@@ -48,19 +48,12 @@ STORE = BUILD / "netlist"
 Tell = Callable[[Outcome, Callable[[str], None]], None]
 
 
-def source_of(job: Job) -> str:
-    """A digest of an entity's exported Verilog and of its bench."""
-    bench = ROOT / "tb" / job.area / f"tb_{job.block}.py"
-    return fingerprint([bench], digest(job.hdl_folder, job.files))
-
-
 def run_kept(job: Job) -> Outcome:
     """Run a bench on a netlist, unless it has passed on the same one."""
     files = [job.hdl_folder / name for name in job.files]
-    bench = [*sources("golden"), *(ROOT / "tb" / "common").glob("*.py")]
-    bench += [ROOT / "tb" / job.area / f"tb_{job.block}.py", *job.scene.files]
+    files += [*sources("golden"), *job.scene.files]
     facts = (job.entity, job.test, str(job.seed), str(job.frames), version(job.simulator))
-    path = STORE / f"{fingerprint([*files, *sorted(bench)], *facts)}.json"
+    path = STORE / f"{fingerprint(files, *facts, bench(job.area, job.block))}.json"
     found = read_kept(path)
     if isinstance(found, dict):
         return Outcome(job, True, found["compared"], found["seconds"], found["facts"])
@@ -95,7 +88,7 @@ def entities(blocks: Collection[str], build: Path = BUILD) -> Iterator[Entity]:
     seen = set()
     for block in blocks:
         job = subject(block, NETLISTS_RUN_IN, build)
-        seen.add(source_of(job))
+        seen.add(source(job))
         yield Entity(job, job.entity)
     for name in SCENES:
         scene = load_scene(name)
@@ -103,8 +96,8 @@ def entities(blocks: Collection[str], build: Path = BUILD) -> Iterator[Entity]:
             continue
         prepare(scene, NETLISTS_RUN_IN, build)
         for job in jobs(scene, NETLISTS_RUN_IN, build=build):
-            if job.block in blocks and source_of(job) not in seen:
-                seen.add(source_of(job))
+            if job.block in blocks and source(job) not in seen:
+                seen.add(source(job))
                 yield Entity(job, scene.twin().entity)
 
 
@@ -126,7 +119,7 @@ def record_netlists(blocks: Collection[str], tell: Tell, build: Path = BUILD) ->
                     "scene": entity.job.scene.name,
                     "entity": entity.job.entity,
                     "family": family,
-                    "source": source_of(entity.job),
+                    "source": source(entity.job),
                     "tests": entity.test or "all",
                     "compared": outcome.compared,
                     "frames": outcome.facts.get("frames", 0),
@@ -156,7 +149,7 @@ def record_unknown(job: Job) -> Outcome:
     control = next((r for r in reset if not run_kept(netlist.bench(job, r)).passed), None)
     facts = {
         "proved over clocks": clocks_to_prove(netlist) if reset else None,
-        "source": source_of(job),
+        "source": source(job),
         "scene": job.scene.name,
         "entity": job.entity,
         "compared": outcome.compared,

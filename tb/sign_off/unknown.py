@@ -3,10 +3,11 @@
 The exported Verilog of an entity becomes a netlist whose parts give a definite bit only where it is
 the same for every value of the unknown ones: an ``if`` of an unknown condition gives what both
 branches agree on. Every register begins unknown; in each clock of reset it takes its value of reset
-or, where it has none, is unknown again, and so is every word of a memory. The bench is the block's
-own. It refuses a flag that is not 0 or 1 after the first reset, and data that is not known when its
-flag says that it is valid. So what passes depends on no register that was not written since the
-last reset, whatever that register held.
+or, where it has none, is unknown again, and so is every word of a memory. What ports ``held_*``
+show outlasts a reset, and is unknown only at first. The bench is the block's own. It refuses a flag
+that is not 0 or 1 after the first reset, and data that is not known when its flag says that it is
+valid. So what passes depends on no register that was not written since the last reset, whatever
+that register held.
 """
 
 from __future__ import annotations
@@ -27,6 +28,8 @@ from tb.common.runner import Job
 UNKNOWN = "unknown"
 REGISTER = "$dff"
 RESET = "rst"
+# How ports begin whose registers keep through a reset what they hold: docs/streams.md.
+HELD = "held_"
 # No pass that takes an unknown bit for what is convenient. And a memory is registers, so that an
 # unknown address may have written any of them.
 PREPARE = (
@@ -77,6 +80,12 @@ class Netlist:
             raise CommandError(f"{self.top}: got {', '.join(others)}, expected only {REGISTER}")
         reset = self.module["ports"].get(RESET)
         self.rst: Bit | None = reset["bits"][0] if reset else None
+        self.held = {
+            bit
+            for name, port in self.module["ports"].items()
+            for bit in port["bits"]
+            if name.startswith(HELD)
+        }
         self.drivers: dict[Bit, tuple[Cell, int]] = {
             bit: (cell, n)
             for cell in cells.values()
@@ -90,6 +99,12 @@ class Netlist:
             if cell["type"] == REGISTER
             for n, bit in enumerate(cell["connections"]["Q"])
         }
+
+    @property
+    def given(self) -> int:
+        """Bits that all its cells give."""
+        cells = self.module["cells"].values()
+        return sum(len(cell["connections"].get("Y", "")) for cell in cells)
 
     def in_reset(self, bit: Bit) -> Bit:
         """What a net is in a clock of reset, whatever the registers hold: "0", "1" or "x"."""
@@ -132,7 +147,8 @@ class Netlist:
         free = max(bit for bits in wires for bit in bits if isinstance(bit, int))
         lost = unreset.bits if unreset else ()
         for bit, (name, n) in self.flip_flops.items():
-            if self.rst is not None and (bit in lost or not self.is_reset(bit)):
+            loses = bit in lost or (bit not in self.held and not self.is_reset(bit))
+            if self.rst is not None and loses:
                 free += 1
                 data = cells[name]["connections"]["D"]
                 cells[f"$unknown{free}"] = multiplexer(data[n], "x", self.rst, free)

@@ -27,6 +27,9 @@ VALID = {"out_valid": "out_", "m_axis_tvalid": "m_axis_t"}
 MOST_CLOCKS = 16
 # Bits of registers; larger blocks take minutes, and their parts are proved.
 MOST_BITS = 700
+# Bits that all cells give. Of more, such as of the tables of bipartite_pair, Yosys' solver runs out
+# of the memory that WebAssembly has.
+MOST_GIVEN = 50_000
 HELD = "what_reset_gives_a_value"
 
 
@@ -48,7 +51,7 @@ def clocks_to_prove(netlist: Netlist, unreset: Register | None = None) -> int | 
 
     ``unreset`` is a register whose reset is left out.
     """
-    if len(netlist.flip_flops) > MOST_BITS:
+    if len(netlist.flip_flops) > MOST_BITS or netlist.given > MOST_GIVEN:
         return None
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

@@ -97,8 +97,14 @@ def netlist(record: Record) -> str:
     return "; ".join(
         f"{one['family']}: `{one['entity']}` of {one['scene']}, {one['compared']} values"
         + (f" of {one['frames']} frames" if one["frames"] else "")
+        + ("" if one["tests"] == "all" else f" ({_tests(one['tests'])} alone)")
         for one in record["runs"]
     )
+
+
+def _tests(pattern: str) -> str:
+    """The tests that a regular expression names one by one."""
+    return " and ".join(f"`{name}`" for name in pattern.strip("()").split("|"))
 
 
 def unknown(record: Record) -> str:
