@@ -20,10 +20,9 @@ from golden.engine.image import Image
 from golden.link.packets import IMAGE, SYNC, image_packet, kind_byte
 from golden.link.uart_receiver import UartReceiver
 from golden.link.uart_transmitter import bits_of
-from golden.networks.engine import Engine
 from tb.common import readout
 from tb.common.bench import RESET_CLOCKS, Bench
-from tb.common.cases import random_mlp
+from tb.common.images import image_for
 from tb.common.network import recorded_frames
 from tb.common.profile import check_profile
 from tb.common.small import UART_INSTRUMENTS
@@ -364,7 +363,7 @@ async def other_images(dut):
         (inputs + 1, 2, outputs),
         (inputs, 3, outputs - 2),
     ]
-    images = [image_for(twin.core, shape, seed) for seed, shape in enumerate(shapes)]
+    images = [image_for(twin.core, shape, n).to_bytes() for n, shape in enumerate(shapes)]
     rx = noise_and_images(bench, [twin.core.image, *images, twin.core.image])
     rx = np.concatenate([rx, np.ones(SCANS * twin.interval, dtype=np.int64)])
     frames = bench.rng.integers(-8192, 8192, (64, inputs))
@@ -374,16 +373,3 @@ async def other_images(dut):
     assert counts[3] == 0, f"got {counts[3]} frames of another number of samples"
     assert min(counts[:3] + counts[4:]) > 0, f"got frames by image {counts}"
     bench.finish(at_least=len(sending.frames))
-
-
-def image_for(hardware, shape, seed):
-    """The image of a random network for an engine."""
-    sizes = hardware.loaded.sizes
-    options = {
-        "reload": True,
-        "pipeline": "deep" if sizes.pipeline.memory_registers else "short",
-        "segment_width": sizes.segment_width,
-        "program_words": sizes.program_words,
-        "operand_words": sizes.operand_words,
-    }
-    return Engine.of_several("single", [random_mlp(shape, 1.0, seed)], hardware=options).image

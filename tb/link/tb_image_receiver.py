@@ -1,7 +1,8 @@
 """image_receiver against its twin.
 
-Sweeps: images of 1 to 600 random bytes; packets of another version or kind, of length 0, and cut at
-each of their places; bytes that begin no packet, with many SYNC among them.
+Sweeps: images of 1 to 600 random bytes, and of tens of thousands; packets of another version or
+kind, of kinds that differ in one bit, of length 0, and cut at each of their places; bytes that
+begin no packet, with many SYNC among them.
 Drives: bytes at random clocks and back to back; an engine that waits while as many bytes come as
 are kept; a line that falls idle; resets.
 Checks: ``load_valid``, the byte and ``load_last`` in every clock; that every image that was sent
@@ -12,7 +13,7 @@ Does not prove: more bytes while the engine waits than it can wait for.
 import cocotb
 import numpy as np
 
-from golden.link.packets import FRAME, IMAGE, SYNC, VERSION, image_packet, kind_byte
+from golden.link.packets import FRAME, IMAGE, MOST_IMAGE, SYNC, VERSION, image_packet, kind_byte
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import UART
 from tb.common.stimulus import random_resets
@@ -30,6 +31,7 @@ FAULTS = [
     (r"queue0_some && load_ready", "queue0_some"),
     (r"if \(rst == 1\) begin\s+place", "if (0) begin place"),
 ]
+LONG = 0xA9D6
 WATCH = ["load_valid", "load_data", "load_last"]
 
 
@@ -114,7 +116,10 @@ async def images_among_others(dut):
     send(noise.astype(np.uint8).tobytes(), 3)
     for other in (kind_byte(FRAME), kind_byte(IMAGE, VERSION + 1), kind_byte(3)):
         send(bytes([SYNC, other, 0, 3, 1, 2, 3]), 2)
-    send(bytes([SYNC, kind_byte(IMAGE), 0, 0]), 2)
+    for bit in range(8):
+        send(bytes([SYNC, kind_byte(IMAGE) ^ 1 << bit, 0, 3, 1, 2, 3]), 2)
+    # Behind a length of 0, what begins a packet is another SYNC.
+    send(bytes([SYNC, kind_byte(IMAGE), 0, 0, kind_byte(IMAGE), 0, 3, 1, 2, 3]), 2)
     for size in (1, 2, 3, 255, 256, 257, 600):
         image = rng.integers(0, 256, size).astype(np.uint8).tobytes()
         # A head behind another SYNC is a head.
@@ -124,6 +129,14 @@ async def images_among_others(dut):
         send(packet, 4, packet[4:] + b"\0" if cut > 3 else None, behind=idle)
         image = rng.integers(0, 256, 2 * twin.depth).astype(np.uint8).tobytes()
         send(image_packet(image), 0 if cut % 2 else 5, image, behind=idle if cut == 30 else 0)
+    # Images that wait, whose last byte comes to each place.
+    for size in range(1, twin.depth + 1):
+        image = rng.integers(0, 256, size).astype(np.uint8).tobytes()
+        send(image_packet(image), 0, image, behind=8 * twin.depth)
+    # Each bit of the length is 1 in one of these and 0 in the other.
+    for size in (LONG, MOST_IMAGE ^ LONG):
+        image = rng.integers(0, 256, size).astype(np.uint8).tobytes()
+        send(image_packet(image), 0, image)
     data, last = await check(bench, timeline(bench, packets))
     bench.compare("bytes of the images", data, np.frombuffer(b"".join(due), np.uint8))
     ends = np.cumsum([len(image) for image in due]) - 1

@@ -72,8 +72,10 @@ def drive_for(bench, length, chance, ready):
         drive |= {"profile_valid": valid, "profile_x": x, "profile_last": last.astype(np.int64)}
         drive["profile_y"] = rng.permutation(x)
     flags = ["converter_error", *(["frame_error", "image_error", "line_error"] * twin.reload)]
+    # Seldom enough that packets without a new frame follow a refused one.
+    flagged = max(chance, 0.02) / 8
     for name in flags:
-        drive[name] = (rng.random(length) < chance / 8).astype(np.int64)
+        drive[name] = (rng.random(length) < flagged).astype(np.int64)
     drive["out_ready"] = (rng.random(length) < ready).astype(np.int64)
     return drive
 
@@ -119,7 +121,7 @@ async def packets(dut):
     """Of frames that come often and seldom, on a fast line and on a slow one."""
     bench = Bench(dut)
     size = bench.twin.layout.packet_bytes
-    for packets_due, chance, ready in ((260, 0.5, 1.0), (10, 0.3, 0.1), (5, 0.002, 1.0)):
+    for packets_due, chance, ready in ((260, 0.5, 1.0), (10, 0.3, 0.1), (12, 0.002, 1.0)):
         between = bench.twin.patience if chance < 0.01 else 10
         length = int(packets_due * (size / ready + between))
         frames = read(bench, *await check(bench, drive_for(bench, length, chance, ready)))

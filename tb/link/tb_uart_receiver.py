@@ -2,8 +2,9 @@
 
 Sweeps: every byte.
 Drives: bytes on a line whose bits are up to 2 % shorter or longer, at any part of a clock, back to
-back and with pauses; bytes without a stop bit, a line that stays 0, and falls too short for a start
-bit; noise; resets in each bit; a UART of cocotbext-uart that sends.
+back and with pauses; bytes without a stop bit, a line that stays 0, falls too short for a start
+bit, and two falls within half a bit; noise; resets in each bit; a UART of cocotbext-uart that
+sends.
 Checks: byte, ``out_valid`` and ``line_error`` in every clock; that every byte that was sent right
 arrives.
 Does not prove: what two registers are for, a line that changes while the clock rises.
@@ -103,6 +104,13 @@ async def noise(dut):
     assert len(recording.rows("line_error")), "no byte was without a stop bit"
     random = [(int(rng.integers(0, 2)), float(rng.integers(1, 12))) for _ in range(600)]
     await check(bench, wire(bench, random))
+    # Half a bit after the first of two falls the line is 0: the byte begins with the first.
+    twice = [(1, 3.0)]
+    for byte in rng.integers(0, 256, 20).tolist():
+        twice += [(0, 1.0), (1, twin.divisor // 2 - 1.0)]
+        twice += [(level, float(twin.divisor)) for level in bits_of(byte)]
+        twice += [(1, 2.0 * twin.interval)]
+    await check(bench, wire(bench, twice))
     bench.finish(at_least=40)
 
 

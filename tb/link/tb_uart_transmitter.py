@@ -1,8 +1,8 @@
 """uart_transmitter against its twin.
 
 Sweeps: every byte.
-Drives: bytes as they are taken, then at random clocks; resets at random, in each bit; a UART of
-cocotbext-uart that listens.
+Drives: bytes as they are taken, then at random clocks; resets at random, in each bit, and in each
+clock of one before a pause; a UART of cocotbext-uart that listens.
 Checks: ``tx`` and ``in_ready`` in every clock; that the UART hears every byte.
 Does not prove: a computer whose clock is off (tb_uart_receiver drives a line that is).
 """
@@ -73,6 +73,12 @@ async def gaps_and_resets(dut):
     resets = np.zeros(at[-1] + 5, dtype=np.int64)
     resets[at] = 1
     await check(bench, np.ones_like(resets), resets)
+    # A reset in each clock of a bit, with no byte behind it.
+    into = np.arange(bench.twin.divisor)
+    taken = 3 * bench.twin.interval * into
+    valid, resets = np.zeros((2, taken[-1] + 3 * bench.twin.interval), dtype=np.int64)
+    valid[taken], resets[taken + 1 + bench.twin.divisor + into] = 1, 1
+    await check(bench, valid, resets)
     bench.finish(at_least=length)
 
 

@@ -2,8 +2,9 @@
 
 Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one
 sensor alone); frames that drive each hidden sum to its ends; 100 random frames; frames too short
-and too long among good ones. Where it can be reloaded: its own image and those of shipped scenes;
-images that are cut, too long, changed in one bit, for other hardware, or without an end.
+and too long among good ones. Where it can be reloaded: its own image, those of shipped scenes and
+of other numbers of samples; images that are cut, too long, changed in one bit, for other hardware,
+or without an end.
 Drives: as close as the design takes frames, with random gaps, closer than it takes them, with
 resets in mid-frame, and with one reset at each clock of a frame, of a long one at many. Where it
 can be reloaded: images before, between and in the middle of frames, bytes with gaps, resets in
@@ -22,6 +23,7 @@ from golden.scene import load_scene
 from golden.scene.image import scene_image
 from tb.common.bench import Bench
 from tb.common.framing import random_lengths
+from tb.common.images import image_for
 from tb.common.loading import Sent, check_loading, exchange
 from tb.common.network import (
     corners_and_random,
@@ -106,6 +108,26 @@ async def images_one_after_the_other(dut):
         counts = check_loading(bench, recording)
         assert counts == [len(codes)], f"{scene.name}: got {counts} frames, sent {len(codes)}"
     bench.finish(at_least=bench.frames)
+
+
+@cocotb.test()
+async def other_numbers_of_samples(dut):
+    """Each bit of the number that the image names is 1 in one of two and 0 in the other."""
+    bench = Bench(dut)
+    if not bench.twin.image:
+        return
+    hardware = bench.twin
+    sizes = hardware.loaded.sizes
+    every_other = sum(1 << bit for bit in range(0, sizes.operand_addr_width, 2))
+    for less_two in (every_other, sizes.operand_words - 1 - every_other):
+        image = image_for(hardware, (less_two + 2, 2, 1), seed=less_two)
+        bench.twin = hardware.running(image)
+        codes = bench.rng.integers(SIGNAL.low, SIGNAL.high + 1, (8, less_two + 2))
+        drive = frames_of(bench, codes, after=len(bench.twin.image) + 2)
+        recording = await exchange(bench, drive, [Sent(0, bench.twin.image)])
+        counts = check_loading(bench, recording)
+        assert counts == [len(codes)], f"{less_two + 2} samples: got {counts} frames"
+    bench.finish(at_least=16)
 
 
 @cocotb.test()

@@ -215,6 +215,18 @@ def bits_of(cell: Netlist, direction: str) -> list[Bit]:
     ]
 
 
+def stored_bits(netlist: Netlist) -> int:
+    """How many bits its registers and memories hold."""
+    found = 0
+    for cell in netlist["cells"].values():
+        given = cell["parameters"]
+        if cell["type"] == "$dff":
+            found += len(cell["connections"]["Q"])
+        elif cell["type"] == "$mem_v2":
+            found += int(given["SIZE"], 2) * int(given["WIDTH"], 2)
+    return found
+
+
 def _renamed(cell: Netlist, names: dict[Bit, Bit]) -> Netlist:
     connections = {p: [names.get(b, b) for b in bits] for p, bits in cell["connections"].items()}
     return cell | {"connections": connections}

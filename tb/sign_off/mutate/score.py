@@ -157,14 +157,16 @@ def _found(
     mutants = subject.mutants
     numbers = range(1, len(mutants) + 1)
 
-    def play() -> list[list[str]]:
-        return list(pool.map(lambda number: replay(trace, subject.sources(number)), numbers))
+    # Each by itself: of a block that takes long, what was found is not lost when it is stopped.
+    def play(number: int) -> list[str]:
+        facts = (subject.key, mutants[number - 1], trace.digest)
+        return kept(lambda: replay(trace, subject.sources(number)), "replay", *facts)
 
     def found_by_bench(asked: list[int]) -> list[int]:
         answers = pool.map(lambda number: run_bench(subject, number), asked)
         return [number for number, red in zip(asked, answers, strict=True) if red]
 
-    seen = kept(play, "replay", subject.key, "\n".join(mutants), trace.digest)
+    seen = pool.map(play, numbers)
     differ = {n: ports for n, ports in zip(numbers, seen, strict=True) if ports}
     tell(f"{len(differ)} differ")
     asked = sample(differ, seed)
