@@ -11,8 +11,11 @@ from conftest import tiered
 from shared import Shared, copied_job
 
 from golden.cli import CommandError
+from hdl.synth.cells import SYNTHESISE
+from hdl.synth.tools import run_tool
 from tb.common.collected import BENCHES
 from tb.common.runner import Job, run_job
+from tb.sign_off.cell_models import models_for
 from tb.sign_off.netlist import FAMILIES, chosen, on_cells
 from tb.sign_off.netlist_record import KIND, SCENES, Entity
 from tb.sign_off.record import read_record, record_path
@@ -189,6 +192,36 @@ endmodule
 endmodule
 """
     assert played(tmp_path, Netlist(job).verilog() + bench) == ["xx", "11", "1x"]
+
+
+@pytest.mark.all_only
+@pytest.mark.parametrize(("weight", "right"), [(-28793, True), (-28794, False)])
+def test_yosys_loses_the_sign_of_a_product_with_an_even_constant(
+    tmp_path: Path, weight: int, right: bool
+) -> None:
+    """In a Series 7 multiplier that another adds; docs/verification.md. What is mended, fails."""
+    (tmp_path / "sum.v").write_text(
+        f"""module sum(input clk, input signed [13:0] a, b, output reg signed [31:0] s);
+  reg signed [13:0] x, y; reg signed [31:0] p, q; reg signed [17:0] v, w;
+  always @(posedge clk) begin
+    x <= a; y <= b; v <= -48991; w <= {weight};
+    p <= x * v; q <= y * w;
+    s <= p + q;
+  end
+endmodule
+"""
+    )
+    script = SYNTHESISE.format(family="xc7", top="sum")
+    run_tool("yosys", ["-q", "-p", f"{script}; write_verilog -noattr n.v"], tmp_path)
+    netlist = (tmp_path / "n.v").read_text()
+    bench = """module bench;
+  reg clk = 0; wire signed [31:0] s;
+  sum dut(clk, 14'd0, 14'd8191, s);
+  initial begin repeat (10) begin #1 clk = 1; #1 clk = 0; end $display("%0d", s); $finish; end
+endmodule
+"""
+    got = played(tmp_path, models_for("xc7", netlist) + netlist + bench)
+    assert (got == [str(8191 * weight)]) == right
 
 
 def played(folder: Path, text: str) -> list[str]:

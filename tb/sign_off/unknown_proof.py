@@ -51,7 +51,8 @@ def clocks_to_prove(netlist: Netlist, unreset: Register | None = None) -> int | 
 
     ``unreset`` is a register whose reset is left out.
     """
-    if len(netlist.flip_flops) > MOST_BITS or netlist.given > MOST_GIVEN:
+    large = len(netlist.flip_flops) > MOST_BITS or netlist.given > MOST_GIVEN
+    if large or netlist.twin.latency > MOST_CLOCKS:
         return None
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
