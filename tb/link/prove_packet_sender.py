@@ -3,9 +3,7 @@
 from golden.link.packets import CHECK_BYTES, CHECK_PRESET, FRAME, SYNC, kind_byte
 from golden.precision import SIGNAL
 from tb.sign_off.properties import Property
-
-# x^16 + x^12 + x^5 + 1, without its highest power.
-POLYNOMIAL = "16'h1021"
+from tb.sign_off.watch import check_byte
 
 
 def properties(twin):
@@ -113,10 +111,6 @@ def check_behind(twin):
 
 
 def checked(twin):
-    bits = "\n".join(
-        f"sum = {{sum[14:0], 1'b0}} ^ (sum[15] ^ out_data[{n}] ? {POLYNOMIAL} : 16'h0);"
-        for n in reversed(range(8))
-    )
     return Property(
         name="check",
         sentence="check is that of the bytes that were taken behind SYNC, bit by bit; where its "
@@ -131,7 +125,7 @@ def checked(twin):
             reg [15:0] sum;
             always @* begin
                 sum = sum_before;
-                {bits}
+                {check_byte("out_data")}
             end
             always @(posedge clk) begin
                 if (out_valid && out_ready) begin
