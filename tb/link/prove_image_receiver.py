@@ -7,8 +7,9 @@ from tb.sign_off.properties import Property
 def properties(twin):
     depth, idle = twin.depth, twin.idle_clocks
     queue = {
-        "No more bytes come while the engine computes than are kept, which the instrument's twin "
-        "has reckoned.": f"!(put && queue0_stored == {depth} && !queue0_take)"
+        "No more bytes come while the engine computes than are kept, proved of uart_instrument.": (
+            f"!(put && queue0_stored == {depth} && !queue0_take)"
+        )
     }
     return [
         Property(
@@ -85,6 +86,37 @@ def properties(twin):
                 (r"if \(\(in_valid \|\| over\)\)", "if (over)"),
             ),
             clocks=6,
+        ),
+        Property(
+            name="distance of bytes",
+            sentence="Bytes that go to the engine are as far apart as those that come at least.",
+            states=("!put || since_put >= apart",),
+            watch="""
+                // Any least distance; clocks since a byte came, and since one went, up to it.
+                reg [15:0] apart;
+                reg [15:0] since_in = 0, since_put = 0;
+                always @(posedge clk) begin
+                    apart <= apart;
+                    since_in <= in_valid ? 1 : since_in == apart ? apart : since_in + 1;
+                    since_put <= put ? 1 : since_put == apart ? apart : since_put + 1;
+                    if (rst) begin
+                        since_in <= apart;
+                        since_put <= apart;
+                    end
+                end
+            """,
+            assumes={
+                "Bytes come so far apart.": "!after_reset || !in_valid || since_in == apart",
+                f"That is not more than {idle} clocks.": f"apart > 0 && apart <= {idle}",
+            },
+            helps=(
+                "since_in <= apart && since_put <= apart",
+                "place == 0 || since_put >= since_in",
+                "since_in == apart || since_in > idle",
+            ),
+            reached=("put && apart == 3",),
+            refuted_by=((r"filling && \(in_valid \|\| over\)", "filling"),),
+            clocks=14,
         ),
         Property(
             name="in order",

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 import shutil
+import tempfile
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -104,47 +106,50 @@ def _ask(entity: str, verilog: Path, item: Property, question: str) -> Answer:
 
 
 def formulas(entity: str, item: Property, folder: Path, helped: bool = True) -> None:
-    """Write ``proof.smt2``, the entity with the property, from the Verilog of a folder.
+    """Write ``proof.smt2``, the entity with the property, from the Verilog of a folder."""
+    sources = {file.name: file.read_text(encoding="utf-8") for file in sorted(folder.glob("*.v"))}
+    text = item.verilog(_flattened(entity, tuple(sources.items())), entity, helped)
+    script = "\n".join(
+        [
+            "read_verilog -formal -sv proof.sv",
+            f"prep -top {entity}",
+            *(f"select -assert-any w:{name}" for name in item.free),
+            *(f"cutpoint w:{name}" for name in item.free),
+            # What no property asks for need not be understood by the solver.
+            "delete -output w:*",
+            "opt_clean -purge",
+            *([] if item.arrays else ["memory_map"]),
+            "async2sync",
+            "dffunmap",
+            "opt_clean -purge",
+            # Undefined is anything, not zero.
+            "setundef -anyseq",
+            "write_smt2 -wires proof.smt2",
+        ]
+    )
+    made = _made((("proof.sv", text),), script, "proof.smt2")
+    (folder / "proof.smt2").write_text(made, encoding="utf-8")
 
-    It is flattened first, so that the property sees every signal of every part by its name.
-    """
-    # Flattened text names every signal, whatever later steps make of it.
-    (folder / "flat.ys").write_text(
-        "\n".join(
-            [
-                *(f"read_verilog {file.name}" for file in sorted(folder.glob("*.v"))),
-                f"hierarchy -check -top {entity}",
-                "proc",
-                "flatten",
-                "write_verilog -noattr flat.sv",
-            ]
-        )
-    )
-    run_tool("yosys", ["-q", "flat.ys"], folder)
-    flat = (folder / "flat.sv").read_text(encoding="utf-8")
-    text = item.verilog(flat, entity, helped)
-    (folder / "proof.sv").write_text(text, encoding="utf-8")
-    (folder / "proof.ys").write_text(
-        "\n".join(
-            [
-                "read_verilog -formal -sv proof.sv",
-                f"prep -top {entity}",
-                *(f"select -assert-any w:{name}" for name in item.free),
-                *(f"cutpoint w:{name}" for name in item.free),
-                # What no property asks for need not be understood by the solver.
-                "delete -output w:*",
-                "opt_clean -purge",
-                *([] if item.arrays else ["memory_map"]),
-                "async2sync",
-                "dffunmap",
-                "opt_clean -purge",
-                # Undefined is anything, not zero.
-                "setundef -anyseq",
-                "write_smt2 -wires proof.smt2",
-            ]
-        )
-    )
-    run_tool("yosys", ["-q", "proof.ys"], folder)
+
+def _flattened(entity: str, sources: tuple[tuple[str, str], ...]) -> str:
+    """One module, in which every signal of every part has its name, whatever later steps do."""
+    reads = [f"read_verilog {name}" for name, _ in sources]
+    ends = [f"hierarchy -check -top {entity}", "proc", "flatten", "write_verilog -noattr flat.sv"]
+    return _made(sources, "\n".join([*reads, *ends]), "flat.sv")
+
+
+# Properties of one block ask for the same flat text, and what is proved must be reachable in the
+# same formulas: Yosys takes longer to start than the solver to answer.
+@lru_cache(maxsize=8)
+def _made(sources: tuple[tuple[str, str], ...], script: str, wanted: str) -> str:
+    """The text of a file that a script of Yosys writes."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for file, text in sources:
+            (folder / file).write_text(text, encoding="utf-8")
+        (folder / "make.ys").write_text(script, encoding="utf-8")
+        run_tool("yosys", ["-q", "make.ys"], folder)
+        return (folder / wanted).read_text(encoding="utf-8")
 
 
 def _smtbmc(folder: Path, *arguments: str) -> tuple[bool, str]:

@@ -21,6 +21,14 @@ def ago(name: str, signal: str, clocks: int) -> str:
     """
 
 
+def check_byte(data: str) -> str:
+    """Takes a byte into ``sum``, CRC-16 with x^16 + x^12 + x^5 + 1, from its highest bit."""
+    return "\n".join(
+        f"sum = {{sum[14:0], 1'b0}} ^ (sum[15] ^ {data}[{n}] ? 16'h1021 : 16'h0);"
+        for n in reversed(range(8))
+    )
+
+
 def pipeline(
     twin: Block,
     refuted_by: tuple[tuple[str, str], ...],

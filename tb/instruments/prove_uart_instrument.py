@@ -1,0 +1,175 @@
+"""What is proved of uart_instrument: what its parts do together, whatever line and converter do.
+
+First with an engine that takes images, then, in a case with neither that nor a profile, as
+converter_instrument.
+"""
+
+from golden.link.uart_transmitter import BYTE_BITS
+from tb.instruments import prove_converter_instrument
+from tb.sign_off.properties import Property
+
+ALSO = ("plain-uart",)
+SENDER, TRANSMITTER, RECEIVER = "u_packet_sender_0", "u_uart_transmitter_0", "u_image_receiver_0"
+
+
+def properties(twin):
+    if not twin.reload:
+        return prove_converter_instrument.properties(twin)
+    engine = f"u_readout_0.u_{twin.core.entity}_0"
+    return [no_half_image(engine), room(twin, engine), told(), rests(twin)]
+
+
+def no_half_image(engine):
+    loader = f"{engine}.u_image_loader_0"
+    return Property(
+        name="no half image",
+        sentence="A frame starts, and is computed, only while the last byte that the engine took "
+        "was the last of an image; after a reset none does before one has come.",
+        states=(f"!({engine}.start || {engine}.run) || ended",),
+        watch="""
+            reg ended = 0;
+            always @(posedge clk)
+                ended <= !rst && (load_valid && load_ready ? load_last : ended);
+        """,
+        helps=(f"!{loader}.whole || ended", f"{engine}.busy == {engine}.run"),
+        # Whatever program the memory holds, and whatever the check of an image is.
+        free=(
+            *("valid", "last", "heard_valid", "heard"),
+            *(f"{engine}.word", f"{loader}.good"),
+        ),
+        reached=(f"{engine}.start",),
+        refuted_by=(
+            (r"(?s)(frame_guard u_frame_guard_0 .*?\.halt)\(halt\)", r"\1(1'b0)"),
+            (r"\.busy\(busy\)", ".busy(1'b0)"),
+            (r"accept \|\| \(!whole\)", "!whole"),
+            (r"whole <= \(load_last && good\)", "whole <= good"),
+            (r"(?s)(image_loader u_image_loader_0 .*?\.rst)\(rst\)", r"\1(1'b0)"),
+        ),
+        clocks=18,
+    )
+
+
+def room(twin, engine):
+    depth, apart = twin.image_receiver.depth, twin.uart_receiver.interval
+    longest = 1 << twin.core.image_loader.program_addr_width
+    return Property(
+        name="room for bytes",
+        sentence=f"Bytes for the engine wait only while a frame is computed, and none starts while "
+        f"one waits; so fewer than {depth} do, for which there is room.",
+        states=(
+            f"{RECEIVER}.queue0_stored == 0 || {engine}.busy || {RECEIVER}.queue0_take",
+            f"!{engine}.start || {RECEIVER}.queue0_stored == 0",
+            f"{RECEIVER}.queue0_stored < {depth}",
+        ),
+        watch=f"""
+            // Clocks since a byte, at most those that there must be; clocks that a frame takes.
+            reg [15:0] since = {apart}, computing = 0;
+            always @(posedge clk) begin
+                since <= rst ? {apart} : {RECEIVER}.put ? 1 : since == {apart} ? since : since + 1;
+                computing <= {engine}.busy ? computing + 1 : 0;
+            end
+        """,
+        assumes={
+            f"Bytes are {apart} clocks apart or more, proved of uart_receiver, image_receiver.": (
+                f"!({RECEIVER}.put && since != {apart})"
+            ),
+            f"A program ends within {longest} clocks, one for each word of its memory.": (
+                f"computing < {longest}"
+            ),
+        },
+        helps=(
+            f"since >= 1 && since <= {apart}",
+            f"!{engine}.busy || {RECEIVER}.queue0_stored == 0 "
+            f"|| ({RECEIVER}.queue0_stored - 1) * {apart} + since <= computing + 1",
+        ),
+        # Whatever is computed, and whenever an image is good.
+        free=(
+            *("valid", "last", f"{RECEIVER}.put", f"{RECEIVER}.entering"),
+            *(f"{engine}.word", f"{engine}.u_image_loader_0.whole"),
+        ),
+        reached=(f"{RECEIVER}.queue0_stored == 1 && {engine}.busy",),
+        refuted_by=(
+            (r"(?s)(image_receiver u_.*?\.load_ready)\(load_ready\)", r"\1(1'b0)"),
+            (r"accept \|\| \(!whole\)", "!whole"),
+        ),
+        clocks=10,
+    )
+
+
+def told():
+    streams = ("sample_valid valid", "sample_data data", "sample_last last")
+    streams += ("result_valid out_valid", "result_data out_data", "result_last out_last")
+    streams += ("frame_error broken", "image_error unsound", "line_error wrong")
+    streams += ("converter_error converter_error", "profile_valid profile_valid")
+    streams += ("profile_x profile_x", "profile_y profile_y", "profile_last profile_last")
+    return Property(
+        name="what packets tell",
+        sentence="Packets tell of the frames that the network is given, of the outputs that leave, "
+        "of the points that are drawn and of the errors of converter, frames, images and line; "
+        "they count the frames that leave, from a reset on.",
+        states=(
+            *(f"{SENDER}.{here} == {there}" for here, there in map(str.split, streams)),
+            f"{SENDER}.count == frames",
+        ),
+        watch="""
+            reg [15:0] frames = 0;
+            always @(posedge clk) frames <= rst ? 0 : frames + (out_valid && out_last);
+        """,
+        free=(
+            *("valid", "data", "last", "result_valid", "result", "result_last"),
+            *("broken", "unsound", "wrong", "missing"),
+            *("drawn_valid", "drawn_x", "drawn_y", "drawn_last"),
+        ),
+        reached=("frames == 1",),
+        refuted_by=(
+            (r"(?s)(packet_sender u_.*?\.frame_error)\(\w+\)", r"\1(1'b0)"),
+            (r"(?s)(packet_sender u_.*?\.image_error)\(\w+\)", r"\1(1'b0)"),
+            (r"(?s)(packet_sender u_.*?\.line_error)\(\w+\)", r"\1(1'b0)"),
+            (r"\.sample_last\(last\)", ".sample_last(valid)"),
+            (r"\.result_last\(result_last\)", ".result_last(result_valid)"),
+            (r"assign out_last = result_last", "assign out_last = 1"),
+        ),
+        clocks=6,
+    )
+
+
+def rests(twin):
+    patience = twin.packet_sender.patience
+    ones = f"{BYTE_BITS}'d{(1 << BYTE_BITS) - 1}"
+    return Property(
+        name="line at rest",
+        sentence="Each byte of a packet is taken by the line, one after the other. After a reset "
+        f"tx stays 1 until a frame has left, or for {patience} clocks.",
+        states=(
+            f"{SENDER}.taken == {TRANSMITTER}.accept",
+            f"tx || left_one || age > {patience}",
+        ),
+        watch=f"""
+            // Whether a frame has left since a reset, and clocks since then.
+            reg left_one = 0;
+            reg [31:0] age = 0;
+            always @(posedge clk) begin
+                left_one <= !rst && (left_one || (out_valid && out_last));
+                age <= rst ? 0 : age > {patience} ? age : age + 1;
+            end
+        """,
+        helps=(
+            f"age <= {patience + 1}",
+            f"{SENDER}.waited <= age && {SENDER}.waited < {patience}",
+            f"!{SENDER}.complete || left_one",
+            f"!{SENDER}.sending || left_one || age >= {patience}",
+            f"{TRANSMITTER}.left == 0 || left_one || age > {patience}",
+            f"{TRANSMITTER}.left != 0 || {TRANSMITTER}.tick == 0",
+            # Ones come up behind the bits that are left.
+            f"{TRANSMITTER}.left <= {BYTE_BITS}",
+            f"&({TRANSMITTER}.line | ~({ones} << {TRANSMITTER}.left))",
+        ),
+        free=("result_valid", "result_last", "byte_data"),
+        reached=("!tx",),
+        refuted_by=(
+            (r"\.in_valid\(byte_valid\)", ".in_valid(1'b1)"),
+            (r"\.out_ready\(byte_ready\)", ".out_ready(1'b1)"),
+            (r"\.result_last\(result_last\)", ".result_last(result_valid)"),
+        ),
+        clocks=12,
+    )

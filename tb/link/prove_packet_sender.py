@@ -1,0 +1,355 @@
+"""What is proved of packet_sender, whatever comes and whenever the line takes a byte."""
+
+from golden.link.packets import CHECK_BYTES, CHECK_PRESET, FRAME, SYNC, kind_byte
+from golden.precision import SIGNAL
+from tb.sign_off.properties import Property
+from tb.sign_off.watch import check_byte
+
+
+def properties(twin):
+    found = [
+        follow_each_other(twin),
+        stand(),
+        check_behind(twin),
+        checked(twin),
+        begin(twin),
+        tell(twin),
+    ]
+    if twin.points:
+        found.append(point_by_point(twin))
+    if twin.reload:
+        found.append(nothing_untold())
+    return found
+
+
+def left_of(twin):
+    """Verilog that counts the bytes of a packet that have not been taken, and what helps."""
+    size = twin.layout.packet_bytes
+    watch = f"""
+        reg [{size.bit_length() - 1}:0] left = 0;
+        always @(posedge clk)
+            left <= rst ? 0 : begins ? {size} : left != 0 && out_ready ? left - 1 : left;
+    """
+    helps = (
+        f"left <= {size}",
+        "sending == (left != 0)",
+        f"place == (left == 0 ? 0 : {size} - left)",
+    )
+    return watch, helps
+
+
+def follow_each_other(twin):
+    size = twin.layout.packet_bytes
+    watch, helps = left_of(twin)
+    return Property(
+        name="bytes of a packet",
+        sentence="A packet begins only in a clock in which the line takes a byte and none is "
+        f"there. Its {size} bytes follow from the next clock on, each until it is taken, and "
+        "nothing else does.",
+        states=(
+            "!begins || (out_ready && left == 0)",
+            "out_valid == (left != 0)",
+            f"!out_valid || place == {size} - left",
+        ),
+        watch=watch,
+        helps=helps,
+        # Whenever one begins: that is told below.
+        free=("complete", "waited"),
+        reached=("left == 1",),
+        refuted_by=(
+            (r"out_ready && \(!sending\)", "(!sending)"),
+            (r"out_ready && sending", "sending"),
+            (rf"place == {size - 1}", f"place == {size - 2}"),
+        ),
+        clocks=size + 4,
+    )
+
+
+def stand():
+    return Property(
+        name="bytes stand",
+        sentence="Once out_valid is high it stays so, and out_data stays as it is, until out_ready "
+        "is high too.",
+        states=("!waits || (out_valid && out_data == was_data)",),
+        watch="""
+            reg waits = 0;
+            reg [7:0] was_data;
+            always @(posedge clk) begin
+                waits <= !rst && out_valid && !out_ready;
+                was_data <= out_data;
+            end
+        """,
+        free=("complete", "waited", "following"),
+        reached=("waits",),
+        refuted_by=(
+            (r"out_ready && sending", "sending"),
+            (r"if \(taken\) begin\s+first", "if (sending) begin first"),
+            (r"out_ready && \(!sending\)", "1"),
+        ),
+        clocks=6,
+    )
+
+
+def check_behind(twin):
+    size = twin.layout.packet_bytes
+    watch, helps = left_of(twin)
+    return Property(
+        name="check behind",
+        sentence=f"The last {CHECK_BYTES} bytes of a packet are the upper byte of check, and none "
+        "before them is.",
+        states=(f"left == 0 || out_data == (left > {CHECK_BYTES} ? first : check[15:8])",),
+        watch=watch,
+        helps=helps,
+        free=("complete", "waited", "check", "first"),
+        reached=("left == 1",),
+        refuted_by=(
+            (rf"place >= {size - CHECK_BYTES}", f"place >= {size - CHECK_BYTES + 1}"),
+            (rf"place >= {size - CHECK_BYTES}", f"place >= {size - CHECK_BYTES - 1}"),
+        ),
+        clocks=size + 4,
+    )
+
+
+def checked(twin):
+    return Property(
+        name="check",
+        sentence="check is that of the bytes that were taken behind SYNC, bit by bit; where its "
+        "own upper byte is taken, its lower one comes up.",
+        states=(
+            "!known || check == sum_before",
+            "out_data != check[15:8] || following == {check[7:0], 8'h0}",
+        ),
+        watch=f"""
+            reg known = 0;
+            reg [15:0] sum_before;
+            reg [15:0] sum;
+            always @* begin
+                sum = sum_before;
+                {check_byte("out_data")}
+            end
+            always @(posedge clk) begin
+                if (out_valid && out_ready) begin
+                    known <= 1;
+                    sum_before <= place == 0 ? {CHECK_PRESET} : sum;
+                end
+                if (rst) known <= 0;
+            end
+        """,
+        helps=("known || place == 0",),
+        free=("complete", "waited", "first"),
+        reached=("known && place == 4",),
+        refuted_by=(
+            (r"check <= 65535;(?=\s+end\s+else begin\s+check)", "check <= 0;"),
+            (r"place == 0\)", "place == 1)"),
+            (r"check\[4\] \^ ", ""),
+            (r"spread\[8-1:5\] \^ ", ""),
+        ),
+        clocks=8,
+    )
+
+
+def begin(twin):
+    return Property(
+        name="begin of a packet",
+        sentence="A packet begins one clock after the last output of a frame, if the line is free "
+        f"then, or where the line has been free for {twin.patience} clocks; and nothing else "
+        "begins one.",
+        states=(
+            "begins == (out_ready && !sending && (ended || quiet == LONG - 1))",
+            "waited == quiet",
+        ),
+        watch=f"""
+            localparam [31:0] LONG = {twin.patience};
+            reg [31:0] quiet = 0;
+            reg ended = 0;
+            always @(posedge clk) begin
+                quiet <= rst || begins || sending || !out_ready ? 0 : quiet + 1;
+                ended <= !rst && result_valid && result_last;
+            end
+        """,
+        helps=("quiet < LONG", "complete == ended"),
+        reached=("begins",),
+        refuted_by=(
+            (r"waited \+ 1", "waited + 2"),
+            (rf"waited == {twin.patience - 1}", "waited == 3"),
+            (r"\(complete \|\| \(waited == \d+\)\)", "(waited == 3)"),
+            (r"complete <= \(result_valid && result_last\)", "complete <= result_valid"),
+            (r"\(free && \(!begins\)\)", "(out_ready && (!begins))"),
+        ),
+        clocks=8,
+    )
+
+
+def tell(twin):
+    """Of any one byte, by its number, that it is what it must be."""
+    codes, kept, watch = [], [], ""
+    left, helps = left_of(twin)
+    slots = (("sample", twin.inputs), ("result", twin.outputs))
+    for frame, (stream, slot_count) in enumerate(slots):
+        watch += f"""
+            // Elements of this frame so far.
+            reg [15:0] {stream}_place = 0;
+            always @(posedge clk) begin
+                if ({stream}_valid)
+                    {stream}_place <= {stream}_last ? 0 : {stream}_place == 999 ? 999
+                        : {stream}_place + 1;
+                if (rst) {stream}_place <= 0;
+            end
+        """
+        helps += (
+            f"{stream}_place <= 999",
+            f"keep_frame{frame}_count == ({stream}_place > {slot_count} ? {slot_count} "
+            f": {stream}_place)",
+        )
+        for n in range(slot_count):
+            code = f"newest_{stream}_{n}"
+            watch += f"""
+                reg [{SIGNAL.width - 1}:0] {code} = 0;
+                always @(posedge clk)
+                    if (rst) {code} <= 0;
+                    else if ({stream}_valid && {stream}_place == {n}) {code} <= {stream}_data;
+            """
+            kept.append(f"keep_frame{frame}_keep_word{len(codes)}_word == {code}")
+            codes.append(code)
+    sign = 16 - SIGNAL.width
+    shown = [f"{{{{{sign}{{{code}[{SIGNAL.width - 1}]}}}}, {code}}}" for code in codes]
+    if twin.points:
+        shown += ["point"] + [
+            f"{{{{{sign}{{next_point0_{axis}[{SIGNAL.width - 1}]}}}}, next_point0_{axis}}}"
+            for axis in "xy"
+        ]
+    body = [f"8'd{n}" for n in (SYNC, kind_byte(FRAME), twin.layout.payload_bytes)]
+    body += ["packets", "flags", "frames", *shown]
+    count = twin.layout.packet_bytes - CHECK_BYTES
+    stages = ["first", *(f"stage{n}_following" for n in range(count - 1))]
+    return Property(
+        name="what a packet tells",
+        sentence="The bytes of a packet are SYNC, version and kind, the length, how many packets "
+        "have begun before, the flags, how many frames have ended, the newest sample and the "
+        "newest output of each place in a frame, and the point where there is one: all of the "
+        "clock in which it begins, and nothing of what came before a reset.",
+        states=(
+            f"!(sending && place == chosen && place < {count}) || out_data == word",
+            "number == packets",
+            "count == frames",
+            *kept,
+        ),
+        watch=left
+        + watch
+        + f"""
+            reg [7:0] packets = 0;
+            reg [15:0] frames = 0;
+            wire [7:0] point = {"next_point0_number" if twin.points else "0"};
+            wire [{8 * count - 1}:0] whole = {{{", ".join(body)}}};
+            // Of any one byte, by its number, what it must be.
+            reg [7:0] chosen;
+            reg [7:0] word;
+            always @(posedge clk) begin
+                chosen <= chosen;
+                if (begins) word <= whole >> (8 * ({count - 1} - chosen));
+                packets <= rst ? 0 : packets + begins;
+                frames <= rst ? 0 : frames + (result_valid && result_last);
+            end
+        """,
+        helps=(
+            *helps,
+            *(
+                f"!sending || chosen >= {count} || chosen < place || chosen - place != {n} "
+                f"|| {stage} == word"
+                for n, stage in enumerate(stages)
+            ),
+        ),
+        free=("complete", "waited", "flags", "check"),
+        reached=("sending && place == 4 && chosen == 4",),
+        refuted_by=(
+            (r"count <= \(count \+ 1\)", "count <= (count + 2)"),
+            (r"number <= \(number \+ 1\)", "number <= number"),
+            (r"stage2_following <= number", "stage2_following <= flags"),
+            (r"two_bytes0_high\[8-1:6\] = 3", "two_bytes0_low = 3"),
+            (r"keep_frame0_count != 2", "1"),
+            (r"first <= stage0_following", "first <= stage1_following"),
+        ),
+        clocks=12,
+    )
+
+
+def point_by_point(twin):
+    return Property(
+        name="points",
+        sentence="The point of a packet is that of the ramp behind the point of the packet before, "
+        "as it came last; the same again where it has not come since, and point 0 behind the last.",
+        states=("next_point0_number == point", "next_point0_x == x", "next_point0_y == y"),
+        watch=f"""
+            reg [7:0] at = 0, next = 0, point = 0;
+            reg [{SIGNAL.width - 1}:0] x = 0, y = 0;
+            always @(posedge clk) begin
+                if (profile_valid) at <= profile_last ? 0 : at + 1;
+                if (profile_valid && at == next) begin
+                    point <= at;
+                    x <= profile_x;
+                    y <= profile_y;
+                end
+                if (begins) next <= (point + 1) % {twin.points};
+                if (rst) begin
+                    at <= 0;
+                    next <= 0;
+                    point <= 0;
+                    x <= 0;
+                    y <= 0;
+                end
+            end
+        """,
+        assumes={
+            f"Each ramp has {twin.points} points, proved of ramp.": "!profile_valid || "
+            f"profile_last == (at == {twin.points - 1})"
+        },
+        helps=(
+            f"at < {twin.points} && next < {twin.points} && point < {twin.points}",
+            "next_point0_place == at",
+            "next_point0_wanted == next",
+        ),
+        free=("begins",),
+        reached=("point == 1 && next == 2",),
+        refuted_by=(
+            (r"next_point0_place == next_point0_wanted", "1"),
+            (r"next_point0_wanted <= 0", "next_point0_wanted <= 1"),
+            (rf"next_point0_number == {twin.points - 1}", "next_point0_number == 1"),
+        ),
+        clocks=12,
+    )
+
+
+def nothing_untold():
+    return Property(
+        name="nothing goes untold",
+        sentence="When a packet begins, it tells of every error of a frame, an image or the line "
+        "that came since the packet before, the clock of its begin included, and of every frame "
+        "that was refused since the frame before; converter_error is told as it is.",
+        states=(
+            "flags == {4'b0, lines_seen || line_error, images_seen || image_error, "
+            "frames_seen || late || frame_error, converter_error}",
+        ),
+        watch="""
+            reg lines_seen = 0, images_seen = 0, frames_seen = 0, late = 0;
+            always @(posedge clk) begin
+                lines_seen <= !rst && !begins && (lines_seen || line_error);
+                images_seen <= !rst && !begins && (images_seen || image_error);
+                frames_seen <= !rst && !begins && (frames_seen || frame_error);
+                late <= !rst && !complete && (late || frame_error);
+            end
+        """,
+        helps=(
+            "since_packet0_seen == frames_seen",
+            "since_packet1_seen == images_seen",
+            "since_packet2_seen == lines_seen",
+            "refused_frame0_refused == late",
+        ),
+        free=("begins", "complete"),
+        reached=("begins && flags == 15",),
+        refuted_by=(
+            (r"flags\[1\] = refused", "flags[1] = 0"),
+            (r"since_packet1_seen <= \(images && \(!begins\)\)", "since_packet1_seen <= 0"),
+            (r"refused_frame0_refused <= \(\(!complete\) && ", "refused_frame0_refused <= ("),
+        ),
+        clocks=6,
+    )
