@@ -31,7 +31,7 @@ from golden.training.search import signed_errors
 from golden.training.stages import Stages
 from hdl.export.repeatable import run_repeatable
 from hdl.synth.activations import cells
-from tb.report.measure.table import Cell, Table
+from tb.report.measure.table import Cell, Table, read_csv
 
 SCENE = "digit-single"
 RECORD = Path(__file__).with_suffix(".csv")
@@ -121,16 +121,7 @@ def cells_of(scene: Scene, design: str, mlp: Mlp) -> dict[str, int]:
 
 def digits(_seed: int) -> Table:
     """The record."""
-    with RECORD.open(newline="", encoding="utf-8") as handle:
-        heads, *lines = csv.reader(handle)
-    rows = [[_number(cell) for cell in line] for line in lines]
-    return Table("digits", heads, rows, NOTE)
-
-
-def _number(cell: str) -> Cell:
-    if not cell:
-        return None
-    return float(cell) if "." in cell else int(cell)
+    return Table("digits", *read_csv(RECORD), NOTE)
 
 
 def main() -> None:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from tb.report.measure import (
     activations,
+    adder_chains,
     adder_errors,
     bounds,
     clocks,
@@ -35,6 +36,7 @@ TABLES: dict[str, Callable[[int], Table]] = {
     "clocks": clocks.clocks,
     "one_network": one_network.one_network,
     "adder_errors": adder_errors.adder_errors,
+    "adder_chains": adder_chains.adder_chains,
     "activations": activations.activations,
     "iterations": activations.iterations,
     "tanh_words": tanh_words.tanh_words,

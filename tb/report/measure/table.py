@@ -108,6 +108,19 @@ class Table:
         return [self.name, "", *body, "", *textwrap.wrap(self.note, 100)]
 
 
+def read_csv(path: Path) -> tuple[list[str], list[list[Cell]]]:
+    """The columns and rows of a CSV of numbers alone; see ``Table.write_csv``."""
+    with path.open(newline="", encoding="utf-8") as handle:
+        heads, *lines = csv.reader(handle)
+    return heads, [[_number(cell) for cell in line] for line in lines]
+
+
+def _number(cell: str) -> Cell:
+    if not cell:
+        return None
+    return float(cell) if "." in cell else int(cell)
+
+
 def shown(cell: Cell) -> str:
     """A cell for a reader: four significant digits of a float."""
     if cell is None:

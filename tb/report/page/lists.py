@@ -25,6 +25,7 @@ from tb.report.draw import findings
 from tb.report.draw.area import area
 from tb.report.draw.network import network
 from tb.report.draw.tanh_words import tanh_words as draw_tanh_words
+from tb.report.measure.adder_chains import adder_chains
 from tb.report.measure.clocks import clocks, clocks_per_frame
 from tb.report.measure.costs import with_network_cells
 from tb.report.measure.digits import digits
@@ -150,7 +151,15 @@ def robustness(page: str) -> str:
 
 def digits_rows() -> str:
     """The recorded table of weights of few digits."""
-    table = digits(SEED)
+    return _table(digits(SEED))
+
+
+def adder_chain_rows() -> str:
+    """The recorded table of adders one behind the other."""
+    return _table(adder_chains(SEED))
+
+
+def _table(table: Table) -> str:
     lines = [f"| {' | '.join(table.columns)} |", f"|{'---|' * len(table.columns)}"]
     for row in table.rows:
         lines.append(f"| {' | '.join('' if cell is None else f'{cell:,}' for cell in row)} |")
@@ -172,6 +181,7 @@ def pages() -> dict[Path, str]:
         (docs / "figures.md", "disturbance", disturbed),
         (docs / "figures.md", "digits", digits_rows),
         (docs / "scenes.md", "scenes", scenes),
+        (docs / "blocks" / "adder_graph.md", "adder_chains", adder_chain_rows),
         (docs / "blocks" / "gradient.md", "segments", segments),
         (docs / "blocks" / "engine.md", "pipeline", pipeline),
     ]

