@@ -180,7 +180,8 @@ def test_patience_ends_a_descent(optimiser: str) -> None:
         found[patience] = watched.seen
     few, whole = found.values()
     assert len(few) < len(whole), "the data do not overfit: no proof"
-    assert few == whole[: len(few)]
+    # The last bits of a product differ with where in memory their operands lie.
+    assert few == pytest.approx(whole[: len(few)], rel=1e-6)
     assert len(few) - 1 - int(np.argmin(few)) == 3
 
 
