@@ -29,7 +29,7 @@ module bench;
   always #1 oscillator = !oscillator;
   reg [11:0] codes [0:{codes}]; initial $readmemh("codes.hex", codes);
   reg [7:0] image [0:{image}]; initial $readmemh("image.hex", image);
-  integer fallen = 0, risen = 0, transfer = -1, at, byte_at, bit_at;
+  integer fallen = 0, risen = 0, transfer = -1, begun, at, byte_at, bit_at;
   reg [4:0] order; reg [11:0] code;
   always @(negedge one[1]) begin fallen = 0; risen = 0; transfer = transfer + 1; end
   always @(posedge one[1]) miso = 1;
@@ -39,7 +39,7 @@ module bench;
     if (risen == 5 && order[2:0] != transfer % {inputs}) $display("order %b", order);
   end
   always @(negedge one[0]) if (!one[1]) begin
-    fallen = fallen + 1; at = fallen + 1; code = codes[transfer];
+    fallen = fallen + 1; at = fallen + 1; code = codes[transfer % {all}];
     if (at < 7) miso = 1; else if (at == 7) miso = 0;
     else if (at <= 19) miso = code[19 - at]; else miso = code[at - 19];
   end
@@ -66,8 +66,7 @@ module bench;
       end
       rx = 1; #{bit};
     end
-    transfer = -1;
-    wait (transfer == {transfers});
+    {played}
     $display("compared %0d %0d %0d", compared, differ, unknown);
     $finish;
   end
@@ -129,7 +128,11 @@ def play(scene: Scene, board: Board, voltages: Codes, folder: Path, change: Chan
         divisor=design.divisor,
         bit=2 * design.divisor,
         bytes=len(image),
-        transfers=len(codes) - 1,
+        all=len(codes),
+        # While an image is loaded the converter is read, too.
+        played=f"begun = transfer; wait (transfer == begun + {len(codes)});"
+        if image
+        else f"transfer = -1; wait (transfer == {len(codes) - 1});",
     )
     (folder / "codes.hex").write_text("".join(f"{code:03x}\n" for code in codes))
     (folder / "image.hex").write_text("".join(f"{byte:02x}\n" for byte in image or b"\0"))

@@ -31,7 +31,8 @@ LEFT = (
     *("instrument", "slower-cascade", "wide-multiple", "wide-parallel"),
     *("wide-converter", "signed-converter", "bipartite-low", "short-graph", "logic-graph"),
     *("chain-serial", "axis-cascade", "gradient_parallel-thesis", "lut-exact", "polynomial-exact"),
-    *("deep-least-engine",),
+    *("deep-least-engine", "wide-engine", "least-serial", "wide-graph", "least-thesis"),
+    *("pade-exact", "parallel"),
     *("huge", "huge-parallel", "logic-huge", "block-ram-huge"),
     *("reload-uart", "wide-uart", "plain-uart"),
 )
