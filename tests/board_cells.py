@@ -66,7 +66,9 @@ module bench;
       end
       rx = 1; #{bit};
     end
-    {played}
+    // While an image is loaded the converter is read, too.
+    begun = transfer;
+    wait (transfer == begun + {all});
     $display("compared %0d %0d %0d", compared, differ, unknown);
     $finish;
   end
@@ -129,10 +131,6 @@ def play(scene: Scene, board: Board, voltages: Codes, folder: Path, change: Chan
         bit=2 * design.divisor,
         bytes=len(image),
         all=len(codes),
-        # While an image is loaded the converter is read, too.
-        played=f"begun = transfer; wait (transfer == begun + {len(codes)});"
-        if image
-        else f"transfer = -1; wait (transfer == {len(codes) - 1});",
     )
     (folder / "codes.hex").write_text("".join(f"{code:03x}\n" for code in codes))
     (folder / "image.hex").write_text("".join(f"{byte:02x}\n" for byte in image or b"\0"))

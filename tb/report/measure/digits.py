@@ -14,7 +14,6 @@ The second measures two counts and leaves the others as recorded.
 from __future__ import annotations
 
 import argparse
-import csv
 import tempfile
 import tomllib
 from dataclasses import replace
@@ -142,14 +141,10 @@ def main() -> None:
             ", ".join(f"{head} {cell}" for head, cell in zip(heads, row, strict=True)), flush=True
         )
         if arguments.record:
-            with (
-                replace_file(RECORD) as temporary,
-                temporary.open("w", newline="", encoding="utf-8") as handle,
-            ):
-                writer = csv.writer(handle, lineterminator="\n")
-                writer.writerow(heads)
-                # As trained first, then the fewer the later.
-                writer.writerows(rows[asked] for asked in COUNTS if asked in rows)
+            # As trained first, then the fewer the later.
+            found = Table("digits", heads, [rows[asked] for asked in COUNTS if asked in rows], NOTE)
+            with replace_file(RECORD) as temporary:
+                found.write_csv(temporary)
     if arguments.record:
         print(f"wrote {RECORD}")
 
