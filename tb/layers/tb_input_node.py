@@ -67,8 +67,11 @@ def end_coefficients(bench, inputs):
 
 
 def fine(bench, rows):
-    """The same weights, but that the last makes steps of one: sums of every value are reached."""
-    return [[*row[:-1], 1 << bench.twin.product_shift] for row in rows]
+    """The same weights, but that the last makes steps of one: sums of every value are reached.
+
+    Of minus one, which every format holds; the weight of plus one may be just beyond its highest.
+    """
+    return [[*row[:-1], -1 << bench.twin.product_shift] for row in rows]
 
 
 def accumulator_ends(bench, inputs):
