@@ -125,8 +125,8 @@ class UartInstrument(ConverterInstrument):
     def pulse_density(self) -> PulseDensity:
         return PulseDensity(SIGNAL)
 
-    def dac(self, profile: Mapping[str, ArrayLike], reset: ArrayLike) -> tuple[Codes, Codes]:
-        """``dac_x`` and ``dac_y`` in each clock.
+    def slow_profile(self, profile: Mapping[str, ArrayLike], reset: ArrayLike) -> Codes:
+        """Number, i_p and f of the point that is given in each clock, shape (3, clocks).
 
         Parameters
         ----------
@@ -135,20 +135,25 @@ class UartInstrument(ConverterInstrument):
         """
         names = ("profile_valid", "profile_x", "profile_y", "profile_last")
         columns = [np.asarray(profile[name]).tolist() for name in names]
-        shown = np.zeros((2, len(columns[0])), dtype=np.int64)
-        point, place, number, wanted, ended = (0, 0), 0, 0, 0, False
+        shown = np.zeros((3, len(columns[0])), dtype=np.int64)
+        point, place, wanted, ended = (0, 0, 0), 0, 0, False
         for t, (valid, x, y, last, clears) in enumerate(
             zip(*columns, np.asarray(reset).tolist(), strict=True)
         ):
             shown[:, t] = point
             if clears:
-                point, place, number, wanted, ended = (0, 0), 0, 0, 0, False
+                point, place, wanted, ended = (0, 0, 0), 0, 0, False
                 continue
-            following = (number + 1) % self.packet_sender.points if ended else wanted
+            following = (point[0] + 1) % self.packet_sender.points if ended else wanted
             if valid and place == wanted:
-                point, number = (x, y), place
+                point = (place, x, y)
             place = (0 if last else place + 1) if valid else place
             wanted, ended = following, bool(last)
+        return shown
+
+    def dac(self, profile: Mapping[str, ArrayLike], reset: ArrayLike) -> tuple[Codes, Codes]:
+        """``dac_x`` and ``dac_y`` in each clock; see ``slow_profile``."""
+        _, *shown = self.slow_profile(profile, reset)
         given_x, given_y = (self.pulse_density.process(codes, reset) for codes in shown)
         return given_x, given_y
 

@@ -290,7 +290,8 @@ UARTS = {"uart": UART, "plain-uart": PLAIN_UART}
 # other images.
 UART_INSTRUMENTS = {
     "reload-uart": UART,
-    "drawn-uart": replace(UART, hardware="clock_mhz = 4.0"),
+    # Of weights whose profiles are high and deep.
+    "drawn-uart": replace(UART, hardware="clock_mhz = 4.0", spread=4.0, seed=15),
     "wide-uart": replace(
         UART,
         hardware='clock_mhz = 4.0\nreload = true\npipeline = "deep"\nprogram_words = 1024\n'

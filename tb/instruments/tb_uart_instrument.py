@@ -2,24 +2,35 @@
 
 Sweeps: recorded frames, then random ones. Where the engine can be reloaded: its own image, and in a
 memory of 1024 words images of other numbers of samples and outputs, and of a program longer than a
-scan.
+scan. Where the profile is given slowly, of many random frames those with the highest and the
+deepest one, each until every point was given; where an image comes in less than 50000 clocks, one
+whose outputs reach as far as there are codes.
 Drives: what the part on the wires sends of these voltages; transfers that no converter can have
 sent; on the line noise, bytes without a stop bit, a cut image and whole ones, while frames are
-computed; resets in all of it.
+computed; resets in all of it, in the clock in which a profile ends and, where none is followed by
+an image, in the next.
 Checks: ``tx`` in every clock, and that a receiver hears the twin's packets; outputs, held outputs
-and every point of the profile bit for bit in their clocks, and the bits of its pulse density;
-``converter_error`` in every clock; every limit of the part's timing.
+and every point of the profile bit for bit in their clocks; the bits of its pulse density in every
+clock, and that each point was given; ``converter_error`` in every clock; every limit of the part's
+timing.
 Does not prove: each bit that tells of a converter (tb_converter_reader drives them); bytes at every
 speed (tb_uart_receiver does).
 """
 
+from dataclasses import replace
+
 import cocotb
 import numpy as np
 
-from golden.engine.image import Image
+from golden.border import State
+from golden.engine.graph import graph_of
+from golden.engine.image import ACC_WIDTH, Image, image_of
+from golden.engine.program import assemble
+from golden.engine.tanh_table import tanh_table
 from golden.link.packets import IMAGE, SYNC, image_packet, kind_byte
 from golden.link.uart_receiver import UartReceiver
-from golden.link.uart_transmitter import bits_of
+from golden.link.uart_transmitter import BYTE_BITS, bits_of
+from golden.networks.mlp import Mlp
 from tb.common import readout
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.images import image_for
@@ -46,6 +57,8 @@ FAULTS = [
 SCANS = 12
 # Of a memory with this room other images than its own are loaded, which takes long.
 ROOMY = 1024
+# An image that takes more clocks on the line is not loaded to draw far.
+SHORT = 50_000
 
 
 def noise_and_images(bench, images):
@@ -287,7 +300,7 @@ async def check(bench, frames, resets, rx=None, fault=lambda number: None):
     columns |= dict(zip(("result_valid", "result_data", "result_last"), result, strict=True))
     columns |= {"converter_error": recording.unsigned("converter_error", rows)} | flags | profile
     sending = check_line(bench, recording, columns)
-    return recording, timeline, runs, seen, ends, sending
+    return recording, timeline, runs, ends, profile, sending
 
 
 @cocotb.test()
@@ -301,7 +314,7 @@ async def recorded(dut):
     column = np.zeros(length + (0 if rx is None else len(rx)), dtype=np.int64)
     if rx is not None:
         rx = np.concatenate([rx, np.ones(length, dtype=np.int64)])
-    recording, timeline, runs, _, ends, sending = await check(bench, frames, column, rx)
+    recording, timeline, runs, ends, _, sending = await check(bench, frames, column, rx)
     counts = [len(numbers) for _, numbers in runs]
     assert len(counts) == 1, f"got {len(counts)} good images"
     assert counts[0] >= SCANS - 1, f"got {counts[0]} frames"
@@ -349,6 +362,83 @@ async def random_faults_and_resets(dut):
     bench.finish(at_least=scans)
 
 
+def far_reaching(twin):
+    """An image whose load, width and shape have either sign, and whose position is on the ramp."""
+    w1, b1 = np.zeros((3, twin.inputs)), np.zeros(3)
+    w1[:, :2] = (3, 0), (0, 3), (3, 3)
+    w2, b2 = np.full((twin.outputs, 3), 0.3), np.zeros(twin.outputs)
+    for output, weights, bias in zip(
+        twin.readout.results,
+        ((1.1, 0.02, 0.01), (0.01, 0.45, 0.02), (0.02, 0.03, 0.6), (-0.6, 0.7, 0.01)),
+        (0, 0.45, 0.5, 0.3),
+        strict=True,
+    ):
+        w2[output], b2[output] = weights, bias
+    sizes = twin.core.loaded.sizes
+    table = tanh_table(sizes.segment_width)
+    graph = graph_of("single", [Mlp(w1, b1, w2, b2)], True)
+    return image_of(assemble(graph, table, len(table.slopes), sizes.pipeline), ACC_WIDTH, sizes)
+
+
+def until_a_profile_ends(twin, network, packet, profiles):
+    """Levels of ``rx`` with a packet, and clocks from a reset until a profile ends behind it.
+
+    The packet has come in mid scan, so that there is no doubt about the first frame behind it.
+    """
+    reader, drawing = twin.converter_reader, twin.readout.load_profile
+    bits = [np.repeat(bits_of(byte), twin.divisor) for byte in packet]
+    levels = np.concatenate([np.ones(0, dtype=np.int64), *bits])
+    if packet:
+        idle = (twin.interval // 2 - len(levels)) % twin.interval
+        levels = np.concatenate([np.ones(idle, dtype=np.int64), levels])
+    # Where a profile takes longer than a scan the first one is drawn for sure.
+    before = len(levels) // twin.interval + twin.past
+    before += profiles - 1 if drawing.interval <= twin.interval else 0
+    last_sample = reader.read_clocks[-1, -1] + reader.latency + reader.slots - 1
+    drawn = network.output_clocks[-1] + 1 + drawing.interval
+    return levels, before * twin.interval + int(last_sample) + drawn
+
+
+@cocotb.test()
+async def drawn_slowly(dut):
+    """The profiles that reach furthest, each point of them, and resets where a profile ends."""
+    bench = Bench(dut)
+    twin, shown = bench.twin, bench.twin.readout
+    if not twin.analogue or len(twin.image) * BYTE_BITS * twin.divisor > SHORT:
+        return
+    points, network, packet = twin.packet_sender.points, shown, b""
+    if twin.image:
+        image = far_reaching(twin)
+        network, packet = twin.core.running(image), image_packet(image.to_bytes())
+    ends = readout.extremes(bench, replace(shown, network=network), times=points + 1)
+    random = bench.rng.integers(-8192, 8192, (2 * points, twin.inputs))
+    frames = np.concatenate([ends, random])
+    # Clocks from the end of a profile to a reset: each is followed by an image, which takes long.
+    after = (0,) if twin.image else (0, 1)
+    rx, resets = [], []
+    for n, late in enumerate(after):
+        levels, clocks = until_a_profile_ends(twin, network, packet, n + 2)
+        resets.append(np.zeros(clocks + late + 1, dtype=np.int64))
+        resets[-1][-1] = 1
+        rx.append(np.concatenate([levels, np.ones(len(resets[-1]) - len(levels), dtype=np.int64)]))
+    levels, clocks = until_a_profile_ends(twin, network, packet, len(frames) + 1)
+    resets.append(np.zeros(clocks, dtype=np.int64))
+    rx.append(np.concatenate([levels, np.ones(clocks - len(levels), dtype=np.int64)]))
+    line = np.concatenate(rx) if twin.image else None
+    recording, *_, profile, _ = await check(bench, frames, np.concatenate(resets), line)
+    rows = recording.resets() - RESET_CLOCKS
+    state = State("clocks from the end of a profile to a reset", range(len(after)))
+    ended = np.flatnonzero(profile["profile_last"])
+    bench.visit(state, rows - ended[np.searchsorted(ended, rows, side="right") - 1])
+    cleared = recording.unsigned("rst", np.arange(RESET_CLOCKS, recording.clocks))
+    number, _, heights = twin.slow_profile(profile, cleared)
+    bench.visit(State("point that is given slowly", range(points)), number)
+    if twin.image:
+        assert heights.max() > 7000, f"the highest point has {heights.max()}"
+        assert heights.min() < -7000, f"the deepest point has {heights.min()}"
+    bench.finish(at_least=len(frames) * twin.outputs)
+
+
 @cocotb.test()
 async def other_images(dut):
     """Of other numbers of samples and outputs, and of a program that takes longer than a scan."""
@@ -367,7 +457,7 @@ async def other_images(dut):
     rx = noise_and_images(bench, [twin.core.image, *images, twin.core.image])
     rx = np.concatenate([rx, np.ones(SCANS * twin.interval, dtype=np.int64)])
     frames = bench.rng.integers(-8192, 8192, (64, inputs))
-    _, _, runs, _, _, sending = await check(bench, frames, np.zeros(len(rx), dtype=np.int64), rx)
+    _, _, runs, *_, sending = await check(bench, frames, np.zeros(len(rx), dtype=np.int64), rx)
     counts = [len(numbers) for _, numbers in runs]
     assert len(counts) == len(shapes) + 2, f"got {len(counts)} good images"
     assert counts[3] == 0, f"got {counts[3]} frames of another number of samples"
