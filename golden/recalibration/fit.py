@@ -11,6 +11,7 @@ it is the same kind of number for every sensor, and it is as likely to be large 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -170,13 +171,18 @@ def fit(scene: Scene, recorded: Sensitivity, placements: Vectors) -> list[Scale]
         low, high = np.split(ends * correction, 2, axis=1)
         return samples + low + high
 
+    @lru_cache(maxsize=1)
+    def both(correction: bytes) -> tuple[Real, Real]:
+        """Outputs and slopes: a descent asks for either at the same place."""
+        return outputs_and_slopes(scene, corrected(np.frombuffer(correction)))
+
     def errors(correction: Real) -> Real:
-        outputs, _ = outputs_and_slopes(scene, corrected(correction))
+        outputs, _ = both(correction.tobytes())
         misses = (outputs - placements.targets) * weights
         return np.concatenate([misses.ravel(), correction / BEFOREHAND])
 
     def slopes(correction: Real) -> Real:
-        _, found = outputs_and_slopes(scene, corrected(correction))
+        _, found = both(correction.tobytes())
         moved = np.concatenate([found, found], axis=2) * ends[:, np.newaxis]
         moved = (moved * weights[:, :, np.newaxis]).reshape(-1, len(correction))
         return np.concatenate([moved, np.eye(len(correction)) / BEFOREHAND])
