@@ -32,7 +32,8 @@ LEFT = (
     *("wide-converter", "signed-converter", "bipartite-low", "short-graph", "logic-graph"),
     *("chain-serial", "axis-cascade", "gradient_parallel-thesis", "lut-exact", "polynomial-exact"),
     *("deep-least-engine", "wide-engine", "least-serial", "wide-graph", "least-thesis"),
-    *("pade-exact", "parallel"),
+    *("pade-exact", "pade-axis", "parallel", "polynomial-thesis", "gradient_parallel-exact"),
+    *("three-graph", "axis-multiple", "chain-past"),
     *("huge", "huge-parallel", "logic-huge", "block-ram-huge"),
     *("reload-uart", "wide-uart", "plain-uart"),
 )

@@ -323,7 +323,7 @@ def test_the_pages_hold_what_is_recorded() -> None:
 
 
 def test_the_command(tmp_path: Path) -> None:
-    mlp = random_mlp((1, 2, 1), 1.0, 1)
+    mlp = random_mlp((1, 1, 1), 1.0, 1)
     scene = load_scene(str(write_scene(tmp_path, "small", "exact", [mlp])))
     command = [sys.executable, "-m", "hdl.synth", str(scene.path), "--build", str(tmp_path)]
 
@@ -336,7 +336,7 @@ def test_the_command(tmp_path: Path) -> None:
     assert "MHz reached, 64 MHz needed" in first.stdout
     figures = json.loads((tmp_path / "small" / "synth" / "synth.json").read_text())
     assert figures["cells"] == read_budget(budget_path(scene.path))
-    assert figures["cells"]["xc2v"]["hybrid"]["multiplier"] == 6
+    assert figures["cells"]["xc2v"]["hybrid"]["multiplier"] == 3
     assert figures["timing"]["needed_mhz"] == 64
 
     path = budget_path(scene.path)
