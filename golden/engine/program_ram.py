@@ -35,8 +35,8 @@ class ProgramRam(Stepped):
 
     Notes
     -----
-    The write takes the counter's port; in its clock nothing is read. What was never written is
-    undefined.
+    The write takes the counter's port; in its clock nothing is read. What was not written since the
+    last reset is undefined: an image is loaded after each.
     """
 
     block = "program_ram"
@@ -97,16 +97,23 @@ class ProgramRam(Stepped):
     ) -> tuple[Codes, Codes]:
         """The counter's word and that of the table for each clock, from one in which it stands.
 
-        -1 is a word that was never written.
+        -1 is a word that is undefined: not written since the last reset, or not read since.
         """
-        memory = [-1] * (1 << self.addr_width)
+        empty = [-1] * (1 << self.addr_width)
+        memory = list(empty)
         fetched: list[int] = []
         found: list[int] = []
         counter = self.counter(start, run, finish, reset)
         columns = [
-            np.asarray(c).tolist() for c in (counter, segment, look_up, write, write_addr, data)
+            np.asarray(c).tolist()
+            for c in (counter, segment, look_up, write, write_addr, data, reset)
         ]
-        for here, low, looks, writes, to, word in zip(*columns, strict=True):
+        for here, low, looks, writes, to, word, resets in zip(*columns, strict=True):
+            if resets:
+                memory = list(empty)
+                fetched.append(-1)
+                found.append(-1)
+                continue
             fetched.append(fetched[-1] if writes and fetched else memory[here])
             found.append(memory[low] if looks and not writes else 0)
             if writes:

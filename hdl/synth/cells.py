@@ -18,7 +18,23 @@ DEPTH = "depth"
 FLAT_FAMILY = "xc2v"
 FLAT = "flattened"
 # Hierarchy is kept, so that the parts add up.
-SYNTHESISE = "read_verilog *.v; synth_xilinx -family {family} -noiopad -noclkbuf -top {top}"
+XILINX = "synth_xilinx -family {family} -noiopad -noclkbuf -top {top}"
+# Yosys 0.70 may leave copies of a sign in the register of a product or of a sum. Of Series 7,
+# xilinx_dsp moves such a register into the multiplier, and the copies are left without a driver.
+# So registers are narrowed before, and what has no driver behind it is an error; that is asked of a
+# copy, without the bits of registers that nothing reads.
+NARROW = "wreduce t:$dff"
+DRIVEN = "design -push-copy; simplemap t:$dff; opt_clean; check -assert; design -pop"
+MENDED = "; ".join(
+    [
+        f"{XILINX} -run :map_dsp",
+        NARROW,
+        f"{XILINX} -run map_dsp:coarse",
+        DRIVEN,
+        f"{XILINX} -run coarse:",
+    ]
+)
+SYNTHESISE = {"xc2v": XILINX, "xc7": MENDED}
 
 
 def flat_name(entity: str) -> str:
@@ -95,7 +111,7 @@ def _synthesise(folder: Path, top: str, family: str) -> dict[str, dict[str, int]
         [
             "-q",
             "-p",
-            f"{SYNTHESISE.format(family=family, top=top)}; "
+            f"read_verilog *.v; {SYNTHESISE[family].format(family=family, top=top)}; "
             "tee -q -o stat.json stat -json; write_json -noscopeinfo hierarchy.json; "
             "write_rtlil mapped.il",
         ],

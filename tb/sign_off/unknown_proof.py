@@ -54,6 +54,10 @@ def clocks_to_prove(netlist: Netlist, unreset: Register | None = None) -> int | 
     large = len(netlist.flip_flops) > MOST_BITS or netlist.given > MOST_GIVEN
     if large or netlist.twin.latency > MOST_CLOCKS:
         return None
+    left = [register for register in netlist.registers() if register.reset and register != unreset]
+    if not left and not any(outputs(netlist)):
+        # Nothing is said of data without a flag.
+        return None
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         text = netlist.verilog(unreset, HELD) + watch(netlist, unreset)
