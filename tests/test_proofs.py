@@ -17,7 +17,7 @@ from tb.sign_off import record
 from tb.sign_off.proofs import PROOFS, properties_of
 from tb.sign_off.properties import Property
 from tb.sign_off.prove import check_record, command, entities, settle
-from tb.sign_off.solver import prove
+from tb.sign_off.solver import Answer, Inquiry
 from tb.sign_off.subject import chosen_blocks
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
@@ -42,6 +42,10 @@ def rows(export: Callable[[str, str], Job]) -> Job:
 def property_with(**changes: object) -> Property:
     sound = Property("bound", "It counts to two.", ("count <= 2",), ((r"count \+ 1", "count + 3"),))
     return replace(sound, **changes)
+
+
+def proved(job: Job, item: Property, folder: Path) -> Answer:
+    return Inquiry(job, item, folder).prove()
 
 
 def test_properties_are_of_blocks() -> None:
@@ -69,7 +73,7 @@ def test_proved_and_refuted(export: Callable[[str, str], Job], tmp_path: Path, b
 
 
 def test_what_is_false_is_refuted_with_a_trace(rows: Job, tmp_path: Path) -> None:
-    answer = prove(rows, property_with(states=("count <= 1",)), tmp_path)
+    answer = proved(rows, property_with(states=("count <= 1",)), tmp_path)
     assert not answer.holds
     assert answer.failed == "REFUTED at clock 3: states_0"
     assert "$var" in answer.trace
@@ -79,14 +83,14 @@ def test_what_no_induction_shows_is_no_proof(rows: Job, tmp_path: Path) -> None:
     """A register that never counts that far, which takes more clocks than the induction has."""
     watch = "reg [7:0] far = 0; always @(posedge clk) far <= rst || far == 4 ? 0 : far + 1;"
     item = property_with(states=("far != 100",), watch=watch)
-    assert "no induction over 3 clocks" in prove(rows, item, tmp_path).failed
-    assert prove(rows, replace(item, induction=0), tmp_path).holds
-    assert prove(rows, replace(item, helps=("far <= 4",)), tmp_path).holds
+    assert "no induction over 3 clocks" in proved(rows, item, tmp_path).failed
+    assert proved(rows, replace(item, induction=0), tmp_path).holds
+    assert proved(rows, replace(item, helps=("far <= 4",)), tmp_path).holds
 
 
 def test_a_contradiction_proves_nothing(rows: Job, tmp_path: Path) -> None:
     item = property_with(assumes={"never": "0"})
-    assert "contradicts itself" in prove(rows, item, tmp_path).failed
+    assert "contradicts itself" in proved(rows, item, tmp_path).failed
 
 
 @pytest.mark.parametrize(
@@ -104,9 +108,9 @@ def test_a_proof_that_means_nothing_is_a_fault(
 
 
 def test_a_free_signal_takes_any_value(rows: Job, tmp_path: Path) -> None:
-    assert not prove(rows, property_with(free=("count",)), tmp_path).holds
+    assert not proved(rows, property_with(free=("count",)), tmp_path).holds
     with pytest.raises(CommandError, match="nothing"):
-        prove(rows, property_with(free=("nothing",)), tmp_path)
+        proved(rows, property_with(free=("nothing",)), tmp_path)
 
 
 def test_a_pattern_that_is_nowhere_is_an_error(rows: Job, tmp_path: Path) -> None:

@@ -31,7 +31,7 @@ from tb.sign_off.equal import command, prove_equal
 from tb.sign_off.proofs import PROOFS, proof_file, properties_of
 from tb.sign_off.properties import Property
 from tb.sign_off.record import read_record, write_record
-from tb.sign_off.solver import Answer, prove, reach, refute
+from tb.sign_off.solver import Answer, Inquiry
 from tb.sign_off.subject import chosen_blocks, subject
 
 KIND = "proof"
@@ -95,15 +95,13 @@ def _exported(block: str, case: str) -> Job:
 
 def settle(job: Job, item: Property, folder: Path) -> Result:
     """Ask all that there is to ask of a property."""
+    inquiry = Inquiry(job, item, folder)
     return Result(
         job,
         item,
-        prove(job, item, folder / "sound"),
-        reach(job, item, folder / "reach") if item.reached else Answer(True, 0),
-        tuple(
-            refute(job, item, fault, folder / f"fault{n}")
-            for n, fault in enumerate(item.refuted_by)
-        ),
+        inquiry.prove(),
+        inquiry.reach() if item.reached else Answer(True, 0),
+        tuple(inquiry.refute(n) for n in range(len(item.refuted_by))),
     )
 
 

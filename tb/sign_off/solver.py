@@ -5,8 +5,9 @@ from __future__ import annotations
 import re
 import shutil
 import tempfile
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -41,8 +42,11 @@ class Answer:
     trace: str = ""
 
 
-def prove(job: Job, item: Property, folder: Path) -> Answer:
-    """Prove a property by induction, or to its depth where it says that there is none.
+class Inquiry:
+    """All that is asked of a property.
+
+    What Yosys makes of the entity and of its broken copies is made at one go, once the first answer
+    is not in the store: Yosys takes longer to start than to write most of them.
 
     Parameters
     ----------
@@ -50,25 +54,66 @@ def prove(job: Job, item: Property, folder: Path) -> Answer:
         An entity.
     item : Property
     folder : Path
-        Of this question alone.
-    """
-    return _ask(job.entity, _staged(job, folder), item, "prove")
-
-
-def refute(job: Job, item: Property, fault: tuple[str, str], folder: Path) -> Answer:
-    """Search a broken copy for what the property forbids, from reset on.
+        Of this inquiry alone.
 
     Raises
     ------
     CommandError
-        When the pattern of the fault is in no file of the block.
+        When the pattern of a fault is in no file of the block.
     """
-    return _ask(job.entity, _broken(job, fault, folder), item, "refute")
 
+    def __init__(self, job: Job, item: Property, folder: Path) -> None:
+        self.entity, self.item = job.entity, item
+        self.sound = _staged(job, folder / "sound")
+        self.broken = [
+            _broken(job, fault, folder / f"fault{n}") for n, fault in enumerate(item.refuted_by)
+        ]
 
-def reach(job: Job, item: Property, folder: Path) -> Answer:
-    """Whether all that must be reachable for the property to mean something is."""
-    return _ask(job.entity, _staged(job, folder), item, "reach")
+    def prove(self) -> Answer:
+        """Prove the property by induction, or to its depth where it says that there is none."""
+        return self._ask("prove", self.sound, 0)
+
+    def reach(self) -> Answer:
+        """Whether all that must be reachable for the property to mean something is."""
+        return self._ask("reach", self.sound, 0)
+
+    def refute(self, fault: int) -> Answer:
+        """Search a broken copy for what the property forbids, from reset on."""
+        return self._ask("refute", self.broken[fault], fault + 1)
+
+    @cached_property
+    def formulas(self) -> tuple[str, ...]:
+        """The entity with the property, and the broken copies with it, as text of SMT2."""
+        flat = _flattened(self.entity, (_sources(self.sound),))
+        flat += _flattened(self.entity, tuple(map(_sources, self.broken)))
+        texts = [self.item.verilog(text, self.entity, helped=n == 0) for n, text in enumerate(flat)]
+        return _made([(("proof.sv", text),) for text in texts], self._script, "proof.smt2")
+
+    def _script(self, folder: str) -> list[str]:
+        return [
+            f"read_verilog -formal -sv {folder}/proof.sv",
+            f"prep -top {self.entity}",
+            *(f"select -assert-any w:{name}" for name in self.item.free),
+            *(f"cutpoint w:{name}" for name in self.item.free),
+            # What no property asks for need not be understood by the solver.
+            "delete -output w:*",
+            "opt_clean -purge",
+            *([] if self.item.arrays else ["memory_map"]),
+            "async2sync",
+            "dffunmap",
+            "opt_clean -purge",
+            # Undefined is anything, not zero.
+            "setundef -anyseq",
+            f"write_smt2 -wires {folder}/proof.smt2",
+        ]
+
+    def _ask(self, question: str, verilog: Path, copy: int) -> Answer:
+        def work(folder: Path) -> dict[str, Any]:
+            (folder / "proof.smt2").write_text(self.formulas[copy], encoding="utf-8")
+            return asdict(_QUESTIONS[question](self.item, folder))
+
+        facts = (self.entity, question, repr(self.item), fingerprint(SCRIPTS))
+        return Answer(**stored(work, verilog, TOOLS, *facts))
 
 
 def _staged(job: Job, folder: Path) -> Path:
@@ -95,61 +140,49 @@ def _broken(job: Job, fault: tuple[str, str], folder: Path) -> Path:
     raise CommandError(f"{job.entity}: {pattern} as {text} changes nothing in its Verilog")
 
 
-def _ask(entity: str, verilog: Path, item: Property, question: str) -> Answer:
-    facts = (entity, question, repr(item), fingerprint(SCRIPTS))
-
-    def work(folder: Path) -> dict[str, Any]:
-        formulas(entity, item, folder, helped=question != "refute")
-        return asdict(_QUESTIONS[question](item, folder))
-
-    return Answer(**stored(work, verilog, TOOLS, *facts))
+# Files by name.
+Sources = tuple[tuple[str, str], ...]
 
 
-def formulas(entity: str, item: Property, folder: Path, helped: bool = True) -> None:
-    """Write ``proof.smt2``, the entity with the property, from the Verilog of a folder."""
-    sources = {file.name: file.read_text(encoding="utf-8") for file in sorted(folder.glob("*.v"))}
-    text = item.verilog(_flattened(entity, tuple(sources.items())), entity, helped)
-    script = "\n".join(
-        [
-            "read_verilog -formal -sv proof.sv",
-            f"prep -top {entity}",
-            *(f"select -assert-any w:{name}" for name in item.free),
-            *(f"cutpoint w:{name}" for name in item.free),
-            # What no property asks for need not be understood by the solver.
-            "delete -output w:*",
-            "opt_clean -purge",
-            *([] if item.arrays else ["memory_map"]),
-            "async2sync",
-            "dffunmap",
-            "opt_clean -purge",
-            # Undefined is anything, not zero.
-            "setundef -anyseq",
-            "write_smt2 -wires proof.smt2",
-        ]
-    )
-    made = _made((("proof.sv", text),), script, "proof.smt2")
-    (folder / "proof.smt2").write_text(made, encoding="utf-8")
+def _sources(folder: Path) -> Sources:
+    files = sorted(folder.glob("*.v"))
+    return tuple((file.name, file.read_text(encoding="utf-8")) for file in files)
 
 
-def _flattened(entity: str, sources: tuple[tuple[str, str], ...]) -> str:
-    """One module, in which every signal of every part has its name, whatever later steps do."""
-    reads = [f"read_verilog {name}" for name, _ in sources]
-    ends = [f"hierarchy -check -top {entity}", "proc", "flatten", "write_verilog -noattr flat.sv"]
-    return _made(sources, "\n".join([*reads, *ends]), "flat.sv")
-
-
-# Properties of one block ask for the same flat text, and what is proved must be reachable in the
-# same formulas: Yosys takes longer to start than the solver to answer.
+# Properties of one block ask for the same text.
 @lru_cache(maxsize=8)
-def _made(sources: tuple[tuple[str, str], ...], script: str, wanted: str) -> str:
-    """The text of a file that a script of Yosys writes."""
+def _flattened(entity: str, copies: tuple[Sources, ...]) -> tuple[str, ...]:
+    """One module of each, in which every signal of every part keeps its name."""
+
+    def script(folder: str) -> list[str]:
+        return [
+            f"read_verilog {folder}/*.v",
+            f"hierarchy -check -top {entity}",
+            "proc",
+            "flatten",
+            f"write_verilog -noattr {folder}/flat.sv",
+        ]
+
+    return _made(copies, script, "flat.sv")
+
+
+def _made(
+    copies: Sequence[Sources], script: Callable[[str], list[str]], wanted: str
+) -> tuple[str, ...]:
+    """The texts of a file that a script makes of each copy, in one run of Yosys."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        for file, text in sources:
-            (folder / file).write_text(text, encoding="utf-8")
-        (folder / "make.ys").write_text(script, encoding="utf-8")
+        lines = []
+        for n, sources in enumerate(copies):
+            (folder / str(n)).mkdir()
+            for file, text in sources:
+                (folder / str(n) / file).write_text(text, encoding="utf-8")
+            lines += ["design -reset", *script(str(n))]
+        (folder / "make.ys").write_text("\n".join(lines), encoding="utf-8")
         run_tool("yosys", ["-q", "make.ys"], folder)
-        return (folder / wanted).read_text(encoding="utf-8")
+        return tuple(
+            (folder / str(n) / wanted).read_text(encoding="utf-8") for n in range(len(copies))
+        )
 
 
 def _smtbmc(folder: Path, *arguments: str) -> tuple[bool, str]:
