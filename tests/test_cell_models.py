@@ -1,4 +1,4 @@
-"""Models of block RAMs do what the manuals say: what they hold, write, clear, and cannot read."""
+"""Models of memories do what the manuals say: what they hold, write, clear, and cannot read."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from hdl.synth.timing import routed_netlist
 from tb.sign_off.cell_models import models_for
 
 # The port that writes, and the one that reads: words of 18 bits, of which 16 are data. Word 0 is
@@ -80,3 +81,47 @@ def test_only_what_a_netlist_names_comes_with_it(family: str, cell: str) -> None
     assert f"module {cell}" in text
     assert "specify" not in text
     assert text.count("endmodule") == 1
+
+
+# Words at 16 addresses, each read without a clock: a memory of LUTs, with registers around it for
+# nextpnr to time. What it begins with has no symmetry, and two of its bits are beside no others.
+MEMORY = """module memory(input clk, write, input [3:0] at, of, input [5:0] data,
+    output reg [5:0] word);
+  reg [5:0] words [0:15];
+  reg [3:0] from;
+  wire [5:0] found = words[from];
+  integer i;
+  initial for (i = 0; i < 16; i = i + 1) words[i] = 5 * i + (i >> 2) + 3;
+  always @(posedge clk) begin
+    if (write) words[at] <= data;
+    from <= of;
+    word <= found;
+  end
+endmodule
+"""
+SEEN = """module bench;
+  reg clk = 0, write = 0; reg [3:0] at = 0, of = 0; reg [5:0] data = 0; integer n;
+  wire [5:0] word;
+  memory dut(.clk(clk), .write(write), .at(at), .of(of), .data(data), .word(word));
+  initial begin
+    for (n = 0; n < 200; n = n + 1) begin
+      of = 5 * n; at = 7 * n; data = 11 * n + 1; write = n > 20 && n % 3 != 0;
+      #1 clk = 1; #1 clk = 0; if (n > 1) $display("%h", word);
+    end
+    $finish;
+  end
+endmodule
+"""
+
+
+@pytest.mark.all_only
+def test_a_memory_of_luts_is_written_and_read_as_its_verilog(tmp_path: Path) -> None:
+    """And begins with the same words."""
+    folder = tmp_path / "verilog"
+    folder.mkdir()
+    (folder / "memory.v").write_text(MEMORY)
+    routed = routed_netlist(folder, "memory")
+    assert routed.count('MODE("DPRAM")') >= 6
+    of_luts = played(folder, "ecp5", routed + SEEN)
+    assert len(of_luts) == 198
+    assert of_luts == played(tmp_path, "ecp5", MEMORY + SEEN)

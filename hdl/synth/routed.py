@@ -1,7 +1,8 @@
 """What nextpnr has placed and routed on an ECP5, as cells that can be simulated.
 
 nextpnr writes what it has made of the netlist: pads around it, carry chains in pairs, operands that
-come straight from a wire, and constants as the state of a pin that nothing drives.
+come straight from a wire, constants as the state of a pin that nothing drives, and a memory of LUTs
+as four of them behind one cell that hands on what is written.
 """
 
 from __future__ import annotations
@@ -14,6 +15,22 @@ Cell = dict[str, Any]
 # A pin of a block that nothing drives is high, and low where it is inverted.
 IDLE = {None: "1", "INV": "0", "0": "0", "1": "1"}
 BLOCKS = ("DP16KD", "MULT18X18D")
+# A memory of LUTs is written through a cell beside them: by its outputs, its inputs. The two LUTs
+# whose place it takes are cells without wires.
+WRITE_PINS = {
+    "WADO0": "D0",
+    "WADO1": "B0",
+    "WADO2": "C0",
+    "WADO3": "A0",
+    "WDO0": "C1",
+    "WDO1": "A1",
+    "WDO2": "D1",
+    "WDO3": "B1",
+}
+WRITER, WRITER_PLACE = "TRELLIS_RAMW", "RAMW_BLOCK"
+# The inputs of such a LUT in the order of its address, least first; what it holds is ordered as in
+# any LUT, A first.
+READ_PINS = "DBCA"
 
 
 def simulated(netlist: dict[str, Any], top: str) -> dict[str, Any]:
@@ -32,6 +49,13 @@ def simulated(netlist: dict[str, Any], top: str) -> dict[str, Any]:
             _pad(cell, renamed)
         elif cell["type"] == "DCCA":
             renamed[_pin(cell, "CLKO")] = _pin(cell, "CLKI")
+        elif cell["type"] == WRITER:
+            for to, of in WRITE_PINS.items():
+                # What Yosys gives no value is stored as unknown.
+                bit = _pin(cell, of)
+                renamed[_pin(cell, to)] = "x" if bit is None else bit
+        elif cell["parameters"].get("MODE") == WRITER_PLACE:
+            pass
         else:
             _drive(name, cell)
             continue
@@ -76,6 +100,8 @@ def _drive(name: str, cell: Cell) -> None:
         _default(wires, dict.fromkeys(("WD", "WAD0", "WAD1", "WAD2", "WAD3", "WRE", "WCK"), "0"))
         for port in ("DI0", "DI1"):
             wires.pop(port, None)
+        if parameters.get("MODE") == "DPRAM":
+            _memory(name, parameters)
     elif kind in BLOCKS:
         for port in [port for port, way in cell["port_directions"].items() if way == "input"]:
             state = parameters.pop(f"{port}MUX", None)
@@ -90,6 +116,19 @@ def _drive(name: str, cell: Cell) -> None:
     cell["port_directions"] = {
         port: cell["port_directions"].get(port, "input") for port in cell["connections"]
     }
+
+
+def _memory(name: str, parameters: dict[str, str]) -> None:
+    """What a memory of one LUT holds, by its address, as Yosys' model has it."""
+    for key, plain in (("WREMUX", "WRE"), ("WCKMUX", "WCK")):
+        if parameters.get(key, plain) != plain:
+            raise CommandError(f"{name}: {key}: got {parameters[key]}, expected {plain}")
+    held = parameters["INITVAL"][::-1]
+    weights = [1 << "ABCD".index(pin) for pin in READ_PINS]
+    by_address = [
+        held[sum(weight for n, weight in enumerate(weights) if addr >> n & 1)] for addr in range(16)
+    ]
+    parameters["INITVAL"] = "".join(reversed(by_address))
 
 
 def _default(wires: dict[str, list[Any]], states: dict[str, str]) -> None:
