@@ -83,15 +83,14 @@ def test_only_what_a_netlist_names_comes_with_it(family: str, cell: str) -> None
     assert text.count("endmodule") == 1
 
 
-# Words at 16 addresses, each read without a clock: a memory of LUTs, with registers around it for
-# nextpnr to time. What it begins with has no symmetry, and two of its bits are beside no others.
-MEMORY = """module memory(input clk, write, input [3:0] at, of, input [5:0] data,
-    output reg [5:0] word);
-  reg [5:0] words [0:15];
-  reg [3:0] from;
-  wire [5:0] found = words[from];
+# A memory with registers around it for nextpnr to time. What it begins with has no symmetry.
+MEMORY = """module memory(input clk, write, input [{top}:0] at, of, input [{high}:0] data,
+    output reg [{high}:0] word);
+  (* no_rw_check *) reg [{high}:0] words [0:{words}-1];
+  reg [{top}:0] from;
+  wire [{high}:0] found = words[from];
   integer i;
-  initial for (i = 0; i < 16; i = i + 1) words[i] = 5 * i + (i >> 2) + 3;
+  initial for (i = 0; i < {words}; i = i + 1) words[i] = 5 * i + (i >> 2) + 3;
   always @(posedge clk) begin
     if (write) words[at] <= data;
     from <= of;
@@ -99,13 +98,14 @@ MEMORY = """module memory(input clk, write, input [3:0] at, of, input [5:0] data
   end
 endmodule
 """
+# No word is read in the clock in which it is written.
 SEEN = """module bench;
-  reg clk = 0, write = 0; reg [3:0] at = 0, of = 0; reg [5:0] data = 0; integer n;
-  wire [5:0] word;
+  reg clk = 0, write = 0; reg [{top}:0] at = 0, of = 0; reg [{high}:0] data = 0; integer n;
+  wire [{high}:0] word;
   memory dut(.clk(clk), .write(write), .at(at), .of(of), .data(data), .word(word));
   initial begin
     for (n = 0; n < 200; n = n + 1) begin
-      of = 5 * n; at = 7 * n; data = 11 * n + 1; write = n > 20 && n % 3 != 0;
+      of = 7 * n - 21; at = 7 * n; data = 2011 * n + 1; write = n > 20 && n % 3 != 0;
       #1 clk = 1; #1 clk = 0; if (n > 1) $display("%h", word);
     end
     $finish;
@@ -115,13 +115,22 @@ endmodule
 
 
 @pytest.mark.all_only
-def test_a_memory_of_luts_is_written_and_read_as_its_verilog(tmp_path: Path) -> None:
-    """And begins with the same words."""
+@pytest.mark.parametrize(
+    ("width", "address", "cell"),
+    [(6, 4, 'MODE("DPRAM")'), (9, 11, "DATA_WIDTH_B(32'd9)"), (18, 10, "DATA_WIDTH_B(32'd18)")],
+    ids=["LUTs", "9", "18"],
+)
+def test_a_memory_of_an_ecp5_is_written_and_read_as_its_verilog(
+    tmp_path: Path, width: int, address: int, cell: str
+) -> None:
+    """And begins with the same words; 6 bits leave two of a memory of LUTs without a wire."""
+    sizes = {"high": width - 1, "top": address - 1, "words": 1 << address}
+    memory, bench = MEMORY.format(**sizes), SEEN.format(**sizes)
     folder = tmp_path / "verilog"
     folder.mkdir()
-    (folder / "memory.v").write_text(MEMORY)
+    (folder / "memory.v").write_text(memory)
     routed = routed_netlist(folder, "memory")
-    assert routed.count('MODE("DPRAM")') >= 6
-    of_luts = played(folder, "ecp5", routed + SEEN)
-    assert len(of_luts) == 198
-    assert of_luts == played(tmp_path, "ecp5", MEMORY + SEEN)
+    assert cell in routed
+    got = played(tmp_path, "ecp5", routed + bench)
+    assert len(got) == 198
+    assert got == played(tmp_path, "ecp5", memory + bench)

@@ -109,7 +109,8 @@ class Outcome:
     def complaint(self) -> str:
         """The line of the log that says what went wrong."""
         text = self.log.read_text(encoding="utf-8", errors="replace") if self.log.exists() else ""
-        marked = [line for line in text.splitlines() if "Error: " in line or "error: " in line]
+        marks = ("Error: ", "error: ", "FATAL: ")
+        marked = [line for line in text.splitlines() if any(mark in line for mark in marks)]
         return marked[0].strip() if marked else "no message"
 
 

@@ -80,7 +80,7 @@ def _bits(name: str, width: int) -> str:
 
 
 def _ecp5_memory() -> str:
-    """A DP16KD of 1024 words of 18 bits."""
+    """A DP16KD of 1024 words of 18 bits, or of 2048 of 9: two stand where one of 18 does."""
     heads, body = [], []
     for one, other in ("AB", "BA"):
         heads += [_ports("input", f"DI{one}", 18), _ports("input", f"AD{one}", 14)]
@@ -91,12 +91,19 @@ def _ecp5_memory() -> str:
   wire [13:0] addr{one} = {_bits(f"AD{one}", 14)};
   wire [17:0] data{one} = {_bits(f"DI{one}", 18)};
   reg [17:0] word{one}, kept{one};
+  wire [17:0] row{one} = memory[addr{one}[13:4]];
+  wire low{one} = WIDE ? addr{one}[0] : !addr{one}[3];
+  wire high{one} = WIDE ? addr{one}[1] : addr{one}[3];
+  wire [17:0] next{one} = WIDE ? row{one}
+    : {{9'bx, addr{one}[3] ? row{one}[17:9] : row{one}[8:0]}};
   always @(posedge CLK{one}) if (CE{one}) begin
     if (RST{one} === 1'b1) word{one} <= 18'd0;
-    else if (WE{other} === 1'b1 && addr{other}[13:4] == addr{one}[13:4]) word{one} <= 18'bx;
-    else word{one} <= memory[addr{one}[13:4]];
-    if (WE{one} && addr{one}[0]) memory[addr{one}[13:4]][8:0] <= data{one}[8:0];
-    if (WE{one} && addr{one}[1]) memory[addr{one}[13:4]][17:9] <= data{one}[17:9];
+    else if (WE{other} === 1'b1 && addr{other}[13:4] == addr{one}[13:4]
+        && (WIDE || addr{other}[3] == addr{one}[3])) word{one} <= 18'bx;
+    else word{one} <= next{one};
+    if (WE{one} && low{one}) memory[addr{one}[13:4]][8:0] <= data{one}[8:0];
+    if (WE{one} && high{one})
+      memory[addr{one}[13:4]][17:9] <= WIDE ? data{one}[17:9] : data{one}[8:0];
   end
   always @(posedge CLK{one}) if (OCE{one}) kept{one} <= RST{one} === 1'b1 ? 18'd0 : word{one};
   assign {_bits(f"DO{one}", 18)} = (REGMODE_{one} == "OUTREG") ? kept{one} : word{one};"""
@@ -113,8 +120,11 @@ def _ecp5_memory() -> str:
     return (
         f"module DP16KD({', '.join(heads)});\n"
         + "".join(f"  parameter {text};\n" for text in texts)
+        + "  localparam WIDE = DATA_WIDTH_A == 18;\n"
         + "  reg [17:0] memory [0:1023];\n  integer i;\n"
-        + f"  initial begin\n{fill}\n    if (DATA_WIDTH_A + DATA_WIDTH_B != 36) {REFUSE};\n  end"
+        + f"  initial begin\n{fill}\n"
+        + "    if (DATA_WIDTH_A != DATA_WIDTH_B || DATA_WIDTH_A != 9 && DATA_WIDTH_A != 18)\n"
+        + f"      {REFUSE};\n  end"
         + "".join(body)
         + "\nendmodule\n"
     )
