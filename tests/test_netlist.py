@@ -17,7 +17,7 @@ from tb.common.collected import BENCHES
 from tb.common.runner import Job, run_job
 from tb.sign_off.cell_models import models_for
 from tb.sign_off.netlist import FAMILIES, chosen, on_cells
-from tb.sign_off.netlist_record import KIND, SCENES, Entity
+from tb.sign_off.netlist_record import KIND, SCENES, Entity, played
 from tb.sign_off.record import read_record, record_path
 from tb.sign_off.source import source
 from tb.sign_off.unknown import UNKNOWN, Netlist
@@ -45,7 +45,7 @@ def recorded_blocks(kind: str) -> list[str]:
 )
 def test_a_netlist_does_what_the_twin_does(shared: Shared, case: tuple[str, str]) -> None:
     block, family = case
-    job = on_cells(shared.subject(block), family)
+    job = on_cells(played(shared.subject(block)), family)
     assert f"make sim BLOCK={block} NETLIST={family} " in run_and_read(job)
 
 
@@ -98,7 +98,7 @@ def test_one_is_every_family() -> None:
 
 @pytest.mark.parametrize("block", tiered(["abs_unit"], [b for b in BENCHES if b != "abs_unit"]))
 def test_nothing_that_is_valid_hangs_on_an_unknown_register(shared: Shared, block: str) -> None:
-    assert run_and_read(on_cells(shared.subject(block), UNKNOWN))
+    assert run_and_read(on_cells(played(shared.subject(block)), UNKNOWN))
 
 
 @pytest.mark.parametrize(
@@ -107,7 +107,7 @@ def test_nothing_that_is_valid_hangs_on_an_unknown_register(shared: Shared, bloc
 )
 def test_a_register_that_is_not_reset_is_found(shared: Shared, tmp_path: Path, block: str) -> None:
     """The recorded one; where there is none, none of the block's registers is reset."""
-    job = copied_job(shared.subject(block), tmp_path)
+    job = copied_job(played(shared.subject(block)), tmp_path)
     netlist = Netlist(job)
     reset = {register.name: register for register in netlist.registers() if register.reset}
     control = read_record(UNKNOWN, block)["control"]
@@ -166,7 +166,7 @@ endmodule
 endmodule
 """
     texts = {"plain": file.read_text(), "unknown": netlist.verilog()}
-    assert {name: played(tmp_path, text + bench) for name, text in texts.items()} == {
+    assert {name: printed(tmp_path, text + bench) for name, text in texts.items()} == {
         "plain": ["00", "11"],
         "unknown": ["00", "1x"],
     }
@@ -191,7 +191,7 @@ endmodule
   initial begin #2 rst = 0; #2 rst = 1; #3 $finish; end
 endmodule
 """
-    assert played(tmp_path, Netlist(job).verilog() + bench) == ["xx", "11", "1x"]
+    assert printed(tmp_path, Netlist(job).verilog() + bench) == ["xx", "11", "1x"]
 
 
 @pytest.mark.all_only
@@ -223,12 +223,12 @@ endmodule
         run = f"read_verilog sum.v; {mapped}; write_verilog -noattr n.cells"
         run_tool("yosys", ["-q", "-p", run], tmp_path)
         netlist = (tmp_path / "n.cells").read_text()
-        got = played(tmp_path, models_for("xc7", netlist) + netlist + bench)
+        got = printed(tmp_path, models_for("xc7", netlist) + netlist + bench)
         right[name] = got == [str(8191 * weight + 8191 * (taken != "q"))]
     assert right == {"own": own, "ours": True}
 
 
-def played(folder: Path, text: str) -> list[str]:
+def printed(folder: Path, text: str) -> list[str]:
     """What some Verilog prints."""
     (folder / "text.v").write_text(text)
     for command in (["iverilog", "-g2012", "-o", "text", "text.v"], ["vvp", "-n", "text"]):

@@ -1,9 +1,10 @@
 """What benches find on netlists, recorded: ``make sim NETLIST=1 RECORD=1``, ``NETLIST=unknown``.
 
-Of every block the first entity in the first case of its bench, and the entities of the scenes whose
-network is an engine. A bench that has passed is kept until its netlist or what it does changes. An
-engine plays recorded frames, in its own image and, where it takes others, in theirs; the rest of
-its bench takes minutes on cells, and its parts go through the whole of theirs.
+Of every block the first entity in the first case of its bench, and on cells the entities of the
+scenes whose network is an engine. A bench that has passed is kept until its netlist or what it does
+changes. An engine and what carries one on a board play recorded frames, in its own image and, where
+the bench has some, in others; the rest of their benches takes hours, and their parts go through the
+whole of theirs.
 """
 
 from __future__ import annotations
@@ -42,9 +43,14 @@ SCENES = (
     "comparison/digit-serial",
 )
 # By block: the tests of its bench that are played, as a regular expression; of others, all.
-PLAYED = {"engine": "(recorded|images_one_after_the_other)"}
+PLAYED = {"engine": "(recorded|images_one_after_the_other)", "uart_instrument": "(recorded)"}
 STORE = BUILD / "netlist"
 Tell = Callable[[Outcome, Callable[[str], None]], None]
+
+
+def played(job: Job) -> Job:
+    """The job with the tests of its bench that are played on a netlist."""
+    return replace(job, test=PLAYED.get(job.block, ""))
 
 
 def run_kept(job: Job) -> Outcome:
@@ -70,11 +76,6 @@ class Entity:
     job: Job
     top: str
 
-    @property
-    def test(self) -> str:
-        """The tests that are played; empty where all are."""
-        return PLAYED.get(self.job.block, "")
-
     def families(self) -> list[str]:
         """Only a whole design is placed."""
         whole = self.job.entity == self.job.scene.twin().entity
@@ -85,7 +86,7 @@ def entities(blocks: Collection[str], build: Path = BUILD) -> Iterator[Entity]:
     """What is recorded of some blocks; an entity that several scenes have alike only once."""
     seen = set()
     for block in blocks:
-        job = subject(block, NETLISTS_RUN_IN, build)
+        job = played(subject(block, NETLISTS_RUN_IN, build))
         seen.add(source(job))
         yield Entity(job, job.entity)
     for name in SCENES:
@@ -96,7 +97,7 @@ def entities(blocks: Collection[str], build: Path = BUILD) -> Iterator[Entity]:
         for job in jobs(scene, NETLISTS_RUN_IN, build=build):
             if job.block in blocks and source(job) not in seen:
                 seen.add(source(job))
-                yield Entity(job, scene.twin().entity)
+                yield Entity(played(job), scene.twin().entity)
 
 
 def record_netlists(blocks: Collection[str], tell: Tell, build: Path = BUILD) -> list[Outcome]:
@@ -118,7 +119,7 @@ def record_netlists(blocks: Collection[str], tell: Tell, build: Path = BUILD) ->
                     "entity": entity.job.entity,
                     "family": family,
                     "source": source(entity.job),
-                    "tests": entity.test or "all",
+                    "tests": entity.job.test or "all",
                     "compared": outcome.compared,
                     "frames": outcome.facts.get("frames", 0),
                     "passed": outcome.passed,
@@ -131,7 +132,7 @@ def record_netlists(blocks: Collection[str], tell: Tell, build: Path = BUILD) ->
 
 def _run(pair: tuple[Entity, str]) -> Outcome:
     entity, family = pair
-    return run_kept(replace(on_cells(entity.job, family, entity.top), test=entity.test))
+    return run_kept(on_cells(entity.job, family, entity.top))
 
 
 def record_unknown(job: Job) -> Outcome:
@@ -150,6 +151,7 @@ def record_unknown(job: Job) -> Outcome:
         "source": source(job),
         "scene": job.scene.name,
         "entity": job.entity,
+        "tests": job.test or "all",
         "compared": outcome.compared,
         "passed": outcome.passed,
         "reset": [register.name for register in reset],
@@ -174,7 +176,7 @@ def record(given: str, block: str | None, tell: Tell) -> list[Outcome]:
         return record_netlists(blocks, tell)
     if given != UNKNOWN:
         raise CommandError(f"NETLIST={given}: RECORD=1 records every family: NETLIST={ALL}")
-    subjects = [subject(name, NETLISTS_RUN_IN) for name in blocks]
+    subjects = [played(subject(name, NETLISTS_RUN_IN)) for name in blocks]
     with Progress("simulating unknown registers of", len(subjects), "blocks") as progress:
 
         def listen(outcome: Outcome) -> None:

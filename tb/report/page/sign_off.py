@@ -97,14 +97,16 @@ def netlist(record: Record) -> str:
     return "; ".join(
         f"{one['family']}: `{one['entity']}` of {one['scene']}, {one['compared']} values"
         + (f" of {one['frames']} frames" if one["frames"] else "")
-        + ("" if one["tests"] == "all" else f" ({_tests(one['tests'])} alone)")
+        + _alone(one["tests"])
         for one in record["runs"]
     )
 
 
-def _tests(pattern: str) -> str:
-    """The tests that a regular expression names one by one."""
-    return " and ".join(f"`{name}`" for name in pattern.strip("()").split("|"))
+def _alone(pattern: str) -> str:
+    """The tests that were played, unless all were: a regular expression names them one by one."""
+    if pattern == "all":
+        return ""
+    return f" ({' and '.join(f'`{name}`' for name in pattern.strip('()').split('|'))} alone)"
 
 
 def unknown(record: Record) -> str:
@@ -113,6 +115,7 @@ def unknown(record: Record) -> str:
         f"`{record['entity']}`: {record['compared']} values, {len(record['not reset'])} registers"
     )
     text += f" that no reset clears, {len(record['reset'])} that it does"
+    text += _alone(record["tests"])
     clocks = record["proved over clocks"]
     return text + (f"; proved by induction over {_clocks(clocks)}" if clocks else "")
 
