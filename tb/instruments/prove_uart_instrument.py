@@ -7,6 +7,7 @@ converter_instrument.
 from golden.link.uart_transmitter import BYTE_BITS
 from tb.instruments import prove_converter_instrument
 from tb.sign_off.properties import Property
+from tb.sign_off.watch import since
 
 ALSO = ("plain-uart",)
 SENDER, TRANSMITTER, RECEIVER = "u_packet_sender_0", "u_uart_transmitter_0", "u_image_receiver_0"
@@ -61,26 +62,24 @@ def room(twin, engine):
             f"!{engine}.start || {RECEIVER}.queue0_stored == 0",
             f"{RECEIVER}.queue0_stored < {depth}",
         ),
-        watch=f"""
-            // Clocks since a byte, at most those that there must be; clocks that a frame takes.
-            reg [15:0] since = {apart}, computing = 0;
-            always @(posedge clk) begin
-                since <= rst ? {apart} : {RECEIVER}.put ? 1 : since == {apart} ? since : since + 1;
-                computing <= {engine}.busy ? computing + 1 : 0;
-            end
+        # And the clocks that a frame takes.
+        watch=since("since_put", f"{RECEIVER}.put", apart)
+        + f"""
+            reg [15:0] computing = 0;
+            always @(posedge clk) computing <= {engine}.busy ? computing + 1 : 0;
         """,
         assumes={
             f"Bytes are {apart} clocks apart or more, proved of uart_receiver, image_receiver.": (
-                f"!({RECEIVER}.put && since != {apart})"
+                f"!({RECEIVER}.put && since_put != {apart})"
             ),
             f"A program ends within {longest} clocks, one for each word of its memory.": (
                 f"computing < {longest}"
             ),
         },
         helps=(
-            f"since >= 1 && since <= {apart}",
+            f"since_put >= 1 && since_put <= {apart}",
             f"!{engine}.busy || {RECEIVER}.queue0_stored == 0 "
-            f"|| ({RECEIVER}.queue0_stored - 1) * {apart} + since <= computing + 1",
+            f"|| ({RECEIVER}.queue0_stored - 1) * {apart} + since_put <= computing + 1",
         ),
         # Whatever is computed, and whenever an image is good.
         free=(

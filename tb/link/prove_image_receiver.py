@@ -2,6 +2,7 @@
 
 from golden.link.packets import IMAGE, SYNC, kind_byte
 from tb.sign_off.properties import Property
+from tb.sign_off.watch import since
 
 
 def properties(twin):
@@ -91,20 +92,10 @@ def properties(twin):
             name="distance of bytes",
             sentence="Bytes that go to the engine are as far apart as those that come at least.",
             states=("!put || since_put >= apart",),
-            watch="""
-                // Any least distance; clocks since a byte came, and since one went, up to it.
-                reg [15:0] apart;
-                reg [15:0] since_in = 0, since_put = 0;
-                always @(posedge clk) begin
-                    apart <= apart;
-                    since_in <= in_valid ? 1 : since_in == apart ? apart : since_in + 1;
-                    since_put <= put ? 1 : since_put == apart ? apart : since_put + 1;
-                    if (rst) begin
-                        since_in <= apart;
-                        since_put <= apart;
-                    end
-                end
-            """,
+            # From any distance on.
+            watch="reg [15:0] apart; always @(posedge clk) apart <= apart;"
+            + since("since_in", "in_valid", "apart")
+            + since("since_put", "put", "apart"),
             assumes={
                 "Bytes come so far apart.": "!after_reset || !in_valid || since_in == apart",
                 f"That is not more than {idle} clocks.": f"apart > 0 && apart <= {idle}",

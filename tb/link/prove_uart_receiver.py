@@ -1,6 +1,7 @@
 """What is proved of uart_receiver, whatever the line does."""
 
 from tb.sign_off.properties import Property
+from tb.sign_off.watch import since
 
 
 def properties(twin):
@@ -97,25 +98,21 @@ def properties(twin):
         Property(
             name="distance of bytes",
             sentence=f"From one byte to the next there are {twin.interval} clocks at least.",
-            states=(f"!out_valid || since >= {twin.interval}",),
+            states=(f"!out_valid || apart >= {twin.interval}",),
             watch=watch
             + ended
+            + since("apart", "out_valid", twin.interval)
             + f"""
-                // Clocks since a byte, at most those that there must be.
-                reg [7:0] since = {twin.interval};
-                always @(posedge clk)
-                    since <= rst ? {twin.interval} : out_valid ? 1
-                        : since == {twin.interval} ? since : since + 1;
                 // Clocks of the byte under way so far.
                 wire [7:0] age = ahead == 0 ? 0 : {half + 1} + {bit} * looks - ahead;
             """,
             helps=(
                 *helps,
                 "out_valid == good",
-                f"since <= {twin.interval}",
-                "out_valid || since >= age",
+                f"apart <= {twin.interval}",
+                "out_valid || apart >= age",
                 "!out_valid || ahead == 0",
-                f"!out_valid || since >= {twin.interval}",
+                f"!out_valid || apart >= {twin.interval}",
             ),
             reached=("out_valid",),
             refuted_by=((r"out_valid <= \(ends && line\)", "out_valid <= (sample && line)"),),

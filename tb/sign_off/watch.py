@@ -21,6 +21,15 @@ def ago(name: str, signal: str, clocks: int) -> str:
     """
 
 
+def since(name: str, event: str, most: int | str) -> str:
+    """``name``: clocks since ``event``, at most ``most``, which it is after a reset."""
+    return f"""
+        reg [15:0] {name} = 0;
+        always @(posedge clk)
+            {name} <= rst ? {most} : {event} ? 1 : {name} == {most} ? {name} : {name} + 1;
+    """
+
+
 def check_byte(data: str) -> str:
     """Takes a byte into ``sum``, CRC-16 with x^16 + x^12 + x^5 + 1, from its highest bit."""
     return "\n".join(
