@@ -33,6 +33,19 @@ NUMBER = r"-?\d[\d,]*(?:\.\d+)?(?:e-?\d+)?"
 FIGURE = re.compile(rf"{NUMBER}(?: to {NUMBER})?")
 
 
+# Of the width of a picture in points: what nobody sees.
+UNSEEN = 0.01
+
+
+def same_picture(one: str, other: str) -> bool:
+    """Whether two SVG differ in nothing but coordinates, and in these by what nobody sees."""
+    number = r"-?\d+(?:\.\d+)?"
+    if re.sub(number, "0", one) != re.sub(number, "0", other):
+        return False
+    pairs = zip(re.findall(number, one), re.findall(number, other), strict=True)
+    return all(a == b or abs(float(a) - float(b)) <= UNSEEN for a, b in pairs)
+
+
 def section(page: str, heading: str) -> str:
     """The text of a page of ``docs`` below a heading."""
     text = (DOCS / f"{page}.md").read_text(encoding="utf-8")

@@ -25,6 +25,7 @@ from tb.report.draw.datapath import datapath
 from tb.report.draw.load import beam, has_load
 from tb.report.draw.network import network
 from tb.report.draw.profile import profile
+from tb.report.draw.svg import own_ids
 from tb.report.draw.swing import RUN, follow, swing, without_past
 from tb.report.draw.swing_animation import swing_animation
 from tb.report.draw.tanh_words import tanh_words as draw_tanh_words
@@ -99,6 +100,15 @@ def test_a_picture_is_one_accessible_svg_the_same_on_every_run(draw, name: str) 
     assert name in (root[0].text or "")
     assert text == draw(load_scene(name))
     assert "<script" not in text
+
+
+def test_ids_that_matplotlib_makes_are_numbered() -> None:
+    """It makes them of the last bits of coordinates, and another processor has others."""
+    text = '<g id="axes_1"/><path id="p1d0cd6af95"/><use href="#m32b7dbc30e"/><g id="m32b7dbc30e"/>'
+    assert own_ids(f'{text}<a clip-path="url(#p1d0cd6af95)"/>', "x") == (
+        '<g id="x-axes_1"/><path id="x-p0"/><use href="#x-m1"/><g id="x-m1"/>'
+        '<a clip-path="url(#x-p0)"/>'
+    )
 
 
 def test_no_two_pictures_of_a_page_share_an_id_or_a_class() -> None:

@@ -28,6 +28,8 @@ _STYLE: dict[Any, Any] = {
     "lines.linewidth": 1.2,
     "lines.markersize": 4,
 }
+# A letter for the kind, and what matplotlib makes of the content.
+_MADE = re.compile(r'(?<=id=")[a-z][0-9a-f]{10}(?=")')
 
 
 @contextmanager
@@ -60,7 +62,13 @@ def svg(figure: Figure, name: str) -> str:
 
 
 def own_ids(text: str, name: str) -> str:
-    """Put ``name`` before every id of an SVG and before what refers to one."""
+    """Put ``name`` before every id of an SVG and before what refers to one.
+
+    Ids that matplotlib makes of the last bits of coordinates, which differ with the processor, are
+    numbered.
+    """
+    for n, made in enumerate(dict.fromkeys(_MADE.findall(text))):
+        text = text.replace(made, f"{made[0]}{n}")
     text = re.sub(r'\bid="', f'id="{name}-', text)
     text = re.sub(r"url\(#", f"url(#{name}-", text)
     return re.sub(r'href="#', f'href="#{name}-', text)
