@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
-from golden.files import read_kept, replace_file
+from golden.files import read_kept, write_kept
 from golden.fingerprint import fingerprint
 
 STORE = Path("build") / "mutate"
@@ -39,8 +38,7 @@ def known(kind: str, *facts: str) -> list[Any] | None:
 
 def keep(answer: object, kind: str, *facts: str) -> None:
     """Put an answer into the store."""
-    with replace_file(_path(kind, facts)) as temporary:
-        temporary.write_text(json.dumps([answer]), encoding="utf-8")
+    write_kept(_path(kind, facts), [answer])
 
 
 def _path(kind: str, facts: tuple[str, ...]) -> Path:
