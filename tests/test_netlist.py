@@ -261,7 +261,6 @@ def test_the_record_of_netlists_is_of_this_source(shared: Shared, block: str) ->
     assert found == expected, again
 
 
-@pytest.mark.all_only
 @pytest.mark.parametrize("kind", [KIND, UNKNOWN])
 def test_every_block_is_recorded(kind: str) -> None:
     assert recorded_blocks(kind) == list(BENCHES)
