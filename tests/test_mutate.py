@@ -17,7 +17,7 @@ from tb.sign_off.mutate import kept
 from tb.sign_off.mutate.explained import explain, explanations
 from tb.sign_off.mutate.mutants import make_mutants, write_netlists
 from tb.sign_off.mutate.replay import ports_of, replay, write_bench, write_trace
-from tb.sign_off.mutate.same import OTHER, SAME, proved
+from tb.sign_off.mutate.same import OPEN, OTHER, SAME, proved
 from tb.sign_off.mutate.score import Subject, prepare, run_bench
 from tb.sign_off.mutate.words import describe
 from tb.sign_off.record import RECORDS, read_record
@@ -157,6 +157,9 @@ def test_a_proof_tells_what_is_the_same_from_what_is_not(tmp_path: Path) -> None
     assert [verdict for verdict, _ in answers] == [SAME, SAME, OTHER]
     unmasked = proved(chosen, "counter", tmp_path, {})
     assert [verdict for verdict, _ in unmasked] == [SAME, OTHER, OTHER]
+    # What is explained is not looked at over clocks.
+    explained = proved(chosen, "counter", tmp_path, {}, {1, 3})
+    assert [verdict for verdict, _ in explained] == [OPEN, OTHER, OPEN]
 
 
 def test_scores_are_found_every_night() -> None:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import argparse
-import resource
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from golden.cli import CommandError, run
@@ -14,6 +14,7 @@ from tb.sign_off.record import read_record, record_path, write_record
 from tb.sign_off.subject import chosen_blocks, subject, subjects_of
 
 KIND = "mutation"
+BESIDE = 2
 
 
 def line(block: str, facts: dict[str, Any]) -> str:
@@ -39,30 +40,23 @@ def main() -> int:
     else:
         planned = [subject(block) for block in chosen_blocks(arguments.block)]
     found = True
-    for job in planned:
+
+    def work(job: Job) -> dict[str, Any]:
         recorded = not arguments.scene and record_path(KIND, job.block).exists()
         before = read_record(KIND, job.block) if recorded and not arguments.all else None
-        facts = show(job, before)
-        found &= all(one["explained"] for one in facts["survivors"])
+        facts = score(job, before=before, tell=lambda s: print(f"{job.block}: {s}", flush=True))
         if arguments.record:
             write_record(KIND, job.block, facts)
+        return facts
+
+    # What one does on a single processor, its bench to begin with, falls beside another.
+    with ThreadPoolExecutor(BESIDE) as pool:
+        for job, facts in zip(planned, pool.map(work, planned), strict=True):
+            print(line(job.block, facts), flush=True)
+            for one in facts["survivors"]:
+                print(f"    {one['where']}  {one['what']}  {one['explained']}", flush=True)
+            found &= all(one["explained"] for one in facts["survivors"])
     return 0 if found else 1
-
-
-def show(job: Job, before: dict[str, Any] | None) -> dict[str, Any]:
-    """Find the score of an entity, and print it and the processor time that it took."""
-    started = processor_seconds()
-    facts = score(job, before=before, tell=lambda text: print(f"{job.block}: {text}", flush=True))
-    print(f"{line(job.block, facts)}  {processor_seconds() - started:5.0f} s", flush=True)
-    for one in facts["survivors"]:
-        print(f"    {one['where']}  {one['what']}  {one['explained']}")
-    return facts
-
-
-def processor_seconds() -> float:
-    """What this process and those that it has waited for have taken of the processor."""
-    of = map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
-    return sum(one.ru_utime + one.ru_stime for one in of)
 
 
 if __name__ == "__main__":

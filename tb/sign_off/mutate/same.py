@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Collection
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -22,18 +23,29 @@ from hdl.synth.tools import run_tool
 from tb.sign_off.mutate.flat import Flat, Netlist, flatten, stored_bits
 
 SAME, OTHER, OPEN = "same", "other", "open"
-CONFLICTS, CLOCKS, SECONDS = 20_000, 400, 30
+CONFLICTS, CLOCKS = 20_000, 400
+SECONDS = (10, 120)
 # Of more bits in registers and memories nothing is shown over clocks in so little time.
 STORED = 2000
 ANSWERS = {"snl_UNSAT": SAME, "snl_SAT": OTHER, "snl_UNK": OPEN}
+# What gives an AIG's registers their first values, and its memories registers.
+STEPS = ["setundef -init -zero", "opt", "memory_map", "setundef -init -zero", "opt -full"]
+STEPS += ["techmap", "opt", "dffunmap", "simplemap"]
 # Yosys gives ABC something to work on; the files it reads have nothing to do with that.
 NOTHING = "module nothing(input a, b, output y); assign y = a & b; endmodule\n"
 
 
 def proved(
-    commands: list[str], entity: str, folder: Path, masks: dict[str, str]
+    commands: list[str],
+    entity: str,
+    folder: Path,
+    masks: dict[str, str],
+    explained: Collection[int] = (),
 ) -> list[tuple[str, str]]:
-    """Of each mutant whether it is the same, another, or neither is proved; and how."""
+    """Of each mutant whether it is the same, another, or neither is proved; and how.
+
+    Those that are ``explained``, by number from 1, are looked at within a clock alone.
+    """
     if not commands:
         return []
     flat = flatten(commands, entity, folder)
@@ -42,10 +54,9 @@ def proved(
     answers |= dict.fromkeys(flat.chosen, (SAME, "in every state"))
 
     def work(n: int) -> str:
-        verdict = _over_clocks(flat.from_reset(n, masks), f"reset{n}", folder)
-        if verdict != SAME:
-            verdict = _over_clocks(flat.over_clocks(n, masks), f"over{n}", folder)
-        return verdict
+        if n in explained:
+            return OPEN
+        return _over_clocks(flat.from_reset(n, masks), flat.over_clocks(n, masks), str(n), folder)
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         verdicts = pool.map(work, asked)
@@ -64,15 +75,20 @@ def _within_a_clock(flat: Flat, numbers: list[int], folder: Path) -> list[int]:
     return [n for n, verdict in zip(numbers, verdicts, strict=True) if verdict != SAME]
 
 
-def _over_clocks(product: Netlist, name: str, folder: Path) -> str:
-    """What can be shown of one, which has the whole of its time."""
-    if stored_bits(product) > STORED:
-        return OPEN
-    zero = "setundef -init -zero"
-    steps = [zero, "opt", "memory_map", zero, "opt -full", "techmap", "opt"]
-    steps += ["dffunmap", "simplemap"]
+def _over_clocks(states: Netlist, outputs: Netlist, number: str, folder: Path) -> str:
+    """What can be shown of one: that no state ever differs or, which alone is final, no output."""
+    asked = {f"states{number}": states, f"outputs{number}": outputs}
+    asked = {name: product for name, product in asked.items() if stored_bits(product) <= STORED}
+    prepared = {name: _write(product, folder, name, STEPS) for name, product in asked.items()}
     work = f"scorr,-F,2;write_aiger,{{0}}.left.aig;pdr,-C,{CONFLICTS},-F,{CLOCKS}"
-    return _ask([_write(product, folder, name, steps)], [name], work, folder, SECONDS)[0]
+    for seconds in SECONDS:
+        for name in list(prepared):
+            verdict = _ask([prepared[name]], [name], work, folder, seconds)[0]
+            if verdict == SAME or (verdict == OTHER and asked[name] is outputs):
+                return verdict
+            if verdict == OTHER:
+                del prepared[name]
+    return OPEN
 
 
 def _write(module: Netlist, folder: Path, name: str, steps: list[str]) -> list[str]:

@@ -5,7 +5,8 @@
    bench looked.
 3. To look is not yet to compare, so the bench itself is run on a few of the mutants that differ, at
    least one for each port that did. Where it finds one of them sound it is run on all of them.
-4. Those that do not differ are proved to be the same, or the bench itself is run on them too.
+4. Those that do not differ are proved to be the same, or the bench itself is run on them too. Where
+   one is explained only a short proof is tried.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from typing import Any
 from golden.fingerprint import fingerprint
 from hdl.synth.tools import digest as digest_of
 from tb.common.runner import Job, run_job
-from tb.sign_off.mutate.explained import explain
+from tb.sign_off.mutate.explained import explain, explanations
 from tb.sign_off.mutate.kept import keep, kept, known, scripts
 from tb.sign_off.mutate.mutants import make_mutants, write_netlists
 from tb.sign_off.mutate.replay import Trace, ports_of, replay, write_bench, write_trace
@@ -124,7 +125,8 @@ def score(
     with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor(os.cpu_count()) as pool:
         subject = prepare(job, Path(name), count, seed)
         trace = record_trace(subject)
-        digest = fingerprint(scripts(), subject.key, trace.digest, *subject.mutants)
+        patterns = explanations(job.block)
+        digest = fingerprint(scripts(), subject.key, trace.digest, *subject.mutants, *patterns)
         tell(f"{len(subject.mutants)} mutants, {trace.rows} clocks")
         if before and before.get("digest") == digest:
             found = before
@@ -176,14 +178,16 @@ def _found(
         asked = sorted(differ)
         differ = {n: differ[n] for n in found_by_bench(asked)}
     left = [n for n in numbers if n not in differ]
-    verdicts = _proofs(subject, left, trace.masks)
+    places = {n: describe(mutants[n - 1], subject.folder) for n in left}
+    explained = {n for n in left if explain(subject.job.block, places[n][1])}
+    verdicts = _proofs(subject, left, explained, trace.masks)
     same = [n for n in left if verdicts[n][0] == SAME]
     left = [n for n in left if n not in same]
     tell(f"{len(same)} proved the same, {len(left)} left")
     late = found_by_bench(left)
     survivors = []
     for number in (n for n in left if n not in late):
-        where, what = describe(mutants[number - 1], subject.folder)
+        where, what = places[number]
         apart = verdicts[number][0] == OTHER
         survivors.append({"where": where, "what": what, "told apart": apart})
     return {
@@ -195,13 +199,20 @@ def _found(
     }
 
 
-def _proofs(subject: Subject, left: list[int], masks: dict[str, str]) -> dict[int, tuple[str, str]]:
-    """What is proved of each of these; an answer that is known is not looked for again."""
+def _proofs(
+    subject: Subject, left: list[int], explained: set[int], masks: dict[str, str]
+) -> dict[int, tuple[str, str]]:
+    """What is proved of each of these; an answer that is known is not looked for again.
+
+    Where one is ``explained``, a proof that takes long is not tried.
+    """
     mutants = {n: subject.mutants[n - 1] for n in left}
     counted = json.dumps(masks, sort_keys=True)
-    facts = {n: (subject.key, counted, mutant) for n, mutant in mutants.items()}
+    facts = {n: (subject.key, counted, m, str(n in explained)) for n, m in mutants.items()}
     new = [n for n in left if known("same", *facts[n]) is None]
-    answers = proved([mutants[n] for n in new], subject.job.entity, subject.folder, masks)
+    short = {at for at, n in enumerate(new, start=1) if n in explained}
+    commands = [mutants[n] for n in new]
+    answers = proved(commands, subject.job.entity, subject.folder, masks, short)
     for n, answer in zip(new, answers, strict=True):
         keep(answer, "same", *facts[n])
     return {n: kept(lambda: ("", ""), "same", *facts[n]) for n in left}
