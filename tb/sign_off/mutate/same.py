@@ -24,7 +24,7 @@ from tb.sign_off.mutate.flat import Flat, Netlist, flatten, stored_bits
 
 SAME, OTHER, OPEN = "same", "other", "open"
 CONFLICTS, CLOCKS = 20_000, 400
-SECONDS = (10, 120)
+SECONDS = (10, 600)
 # Of more bits in registers and memories nothing is shown over clocks in so little time.
 STORED = 2000
 ANSWERS = {"snl_UNSAT": SAME, "snl_SAT": OTHER, "snl_UNK": OPEN}

@@ -30,7 +30,7 @@ from tb.sign_off.mutate.explained import explain, explanations
 from tb.sign_off.mutate.kept import keep, kept, known, scripts
 from tb.sign_off.mutate.mutants import make_mutants, write_netlists
 from tb.sign_off.mutate.replay import Trace, ports_of, replay, write_bench, write_trace
-from tb.sign_off.mutate.same import OTHER, SAME, proved
+from tb.sign_off.mutate.same import SAME, proved
 from tb.sign_off.mutate.words import describe
 from tb.sign_off.source import bench, source
 
@@ -188,8 +188,7 @@ def _found(
     survivors = []
     for number in (n for n in left if n not in late):
         where, what = places[number]
-        apart = verdicts[number][0] == OTHER
-        survivors.append({"where": where, "what": what, "told apart": apart})
+        survivors.append({"where": where, "what": what})
     return {
         "killed": len(differ) + len(late),
         "same": len(same),
