@@ -5,8 +5,8 @@
    bench looked.
 3. To look is not yet to compare, so the bench itself is run on a few of the mutants that differ, at
    least one for each port that did. Where it finds one of them sound it is run on all of them.
-4. Those that do not differ are proved to be the same, or the bench itself is run on them too. Where
-   one is explained only a short proof is tried.
+4. Those that do not differ are proved to be the same, or the bench itself is run on them too. Of
+   one that is explained only the proof within a clock is tried.
 """
 
 from __future__ import annotations
@@ -203,7 +203,7 @@ def _proofs(
 ) -> dict[int, tuple[str, str]]:
     """What is proved of each of these; an answer that is known is not looked for again.
 
-    Where one is ``explained``, a proof that takes long is not tried.
+    Of one that is ``explained`` only the proof within a clock is tried.
     """
     mutants = {n: subject.mutants[n - 1] for n in left}
     counted = json.dumps(masks, sort_keys=True)
