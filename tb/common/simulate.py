@@ -102,7 +102,11 @@ SETTING_UP = threading.Lock()
 
 @contextmanager
 def process_unchanged() -> Iterator[None]:
-    """Logging, warnings and signals stay as they are, which cocotb-test sets up for its own use."""
+    """Logging, warnings and signals stay as they are, which cocotb-test sets up for its own use.
+
+    Meanwhile the environment lacks ``WAVES``, which cocotb-test takes for a number even where it is
+    told whether to write waves.
+    """
     log = logging.getLogger("cocotb")
     # logging.basicConfig adds nothing where a handler is.
     placeholder = logging.NullHandler()
@@ -110,9 +114,12 @@ def process_unchanged() -> Iterator[None]:
         level = log.level
         handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
         logging.getLogger().addHandler(placeholder)
+        waves = os.environ.pop("WAVES", None)
         try:
             yield
         finally:
+            if waves is not None:
+                os.environ["WAVES"] = waves
             logging.getLogger().removeHandler(placeholder)
             log.setLevel(level)
             if threading.current_thread() is threading.main_thread():
