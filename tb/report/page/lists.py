@@ -114,8 +114,8 @@ def unseen() -> str:
             "the width, so the networks have",
             "  learnt which loads exist, and not their widths ([limits](docs/limits.md)).",
             "- The thesis trained on half of its rows. The networks of `digit` were trained on",
-            "  with all rows after *held out* was measured: *float* and *bit-true* are of rows that",
-            "  they know.",
+            "  with all rows after *held out* was measured: *float* and *bit-true* are of rows",
+            "  that they know.",
         ]
     )
 
