@@ -1,0 +1,171 @@
+"""Formulas that datasheets state, computed as they stand there, against what the twins publish."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from fractions import Fraction
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from pages import DOCS, cells
+from shared import Shared
+
+from golden.block import walk
+from golden.engine.graph import Kind
+from golden.fingerprint import ROOT
+from golden.networks.engine import Engine
+from golden.scene import load_scene, scene_names
+from golden.scene.write_image import hex_text
+from tb.common.collected import CASES, CASES_OF
+
+PAGE = (DOCS / "blocks" / "engine.md").read_text(encoding="utf-8")
+TEXT = " ".join(PAGE.split())
+COMPARISON = ROOT / "golden" / "scenes" / "comparison"
+
+
+@pytest.fixture(scope="module")
+def engines(shared: Shared) -> dict[str, Engine]:
+    """By scene or case: the engines of all shipped scenes, of those compared with, and of cases."""
+    named = {name: name for name in scene_names()}
+    named |= {path.name: str(path / f"{path.name}.toml") for path in COMPARISON.iterdir()}
+    scenes = {name: load_scene(path) for name, path in named.items()}
+    scenes |= {name: shared.scene(name) for name in CASES_OF["engine"] if name in CASES}
+    found: dict[str, Engine] = {}
+    for name, scene in scenes.items():
+        if scene.design == "engine":
+            (found[name],) = (b for b in walk(scene.twin()) if isinstance(b, Engine))
+    return found
+
+
+def row(name: str, registers: int) -> int:
+    """Clocks that the page's table of the pipeline gives."""
+    return int(cells(PAGE, f"`{name}`")[registers])
+
+
+def test_step_n_leaves_in_clock_begin_n_result(engines: dict[str, Engine]) -> None:
+    assert "leaves in clock `begin` + n + `result` after the last sample" in TEXT
+    registers = set()
+    for name, engine in engines.items():
+        if engine.serial:
+            continue
+        deep = engine.program.pipeline.memory_registers
+        registers.add(deep)
+        found = [row("begin", deep) + n + row("result", deep) for n in engine.program.output_steps]
+        assert tuple(found) == engine.output_clocks, name
+    assert registers == {0, 1}
+
+
+def neurons(engine: Engine) -> Iterator[tuple[int, int, int, bool]]:
+    """Words, deep or wide ones and deep ones of each neuron, and whether it leaves.
+
+    Read from the words by the fields of docs/blocks/replay_memory.md.
+    """
+    group: list[int] = []
+    words = engine.program.words
+    for word, following in pairwise(words):
+        kind, source = word >> 28 & 3, word >> 18 & 1023
+        deep = kind == Kind.DISTANCE or (kind == Kind.WORD and source >= engine.inputs)
+        group.append(2 if deep else 1 if kind == Kind.WORD else 0)
+        if word >> 30 & 3 == 3:
+            wide, far = (
+                max((k + 1 for k, depth in enumerate(group) if depth >= least), default=1)
+                for least in (1, 2)
+            )
+            yield len(group), wide, far, (following >> 33 & 3) >= 2
+            group = []
+
+
+def test_clocks_without_a_multiplier(engines: dict[str, Engine]) -> None:
+    assert "1 + n + 14 w + 3 d" in PAGE
+    assert "1 + n + 14 w + 3 d clocks" in (DOCS / "blocks" / "replay_memory.md").read_text()
+    assert "leaves in clock `begin` + c - 1 + `result` after the last sample" in TEXT
+    stated = re.search(
+        r"`done` is (\d+), `result` (\d+) and `result_ready` (\d+); `begin` and `free` are (\d+)",
+        TEXT,
+    )
+    assert stated
+    done, result, ready, begin = map(int, stated.groups())
+    serial = {name: engine for name, engine in engines.items() if engine.serial}
+    assert {"digit-serial", "digit-single-serial"} < serial.keys()
+    for name, engine in serial.items():
+        pipeline = engine.program.pipeline
+        published = (pipeline.done, pipeline.result, pipeline.result_ready, pipeline.begin)
+        assert published == (done, result, ready, begin), name
+        assert pipeline.free == begin, name
+        clocks, found = 0, []
+        for n, w, d, leaves in neurons(engine):
+            clocks += 1 + n + 14 * w + 3 * d
+            if leaves:
+                found.append(begin + clocks - 1 + result)
+        assert tuple(found) == engine.output_clocks, name
+
+
+def test_the_interval(engines: dict[str, Engine]) -> None:
+    assert "last output + free + samples - 1" in PAGE
+    for name, engine in engines.items():
+        free = row("free", engine.program.pipeline.memory_registers)
+        assert engine.interval == engine.output_clocks[-1] + free + engine.inputs - 1, name
+    printed = re.findall(r"(\d+) \+ (\d+) \+ (\d+) - 1 = (\d+) (?:clocks )?for `([\w-]+)`", TEXT)
+    assert [name for *_, name in printed] == ["digit", "digit-serial"]
+    for *figures, name in printed:
+        engine = engines[name]
+        last, free, samples, interval = map(int, figures)
+        assert last == engine.output_clocks[-1]
+        assert (samples, interval) == (engine.inputs, engine.interval)
+        assert last + free + samples - 1 == interval
+
+
+def test_words_that_are_read(engines: dict[str, Engine]) -> None:
+    """The counter steps up to the clock of the last output: one word behind the padding."""
+    for name, engine in engines.items():
+        if engine.serial:
+            continue
+        pipeline, last = engine.program.pipeline, engine.output_clocks[-1]
+        clock = np.arange(last + 4)
+        run = (clock >= pipeline.run) & (clock <= last)
+        read = engine.program_memory.counter(
+            clock == pipeline.run - 1, run, clock == last, np.zeros(len(clock))
+        )
+        begin, memory = len(engine.program.table), len(engine.program_memory.contents)
+        end = max(n for n, word in enumerate(engine.program.words) if word >> 35)
+        behind = row("padding", pipeline.memory_registers) + 1
+        expected = {(begin + n) % memory for n in range(end + behind + 1)}
+        assert set(read.tolist()) == expected, name
+        # An image names these words too, so that they are defined.
+        assert engine.loaded is not None or len(engine.program.words) == end + behind, name
+    single = engines["digit-single-engine"].program
+    stated = re.search(r"whose (\d+) words that are read and (\d+) operands share 512", TEXT)
+    assert stated
+    total = len(single.table) + len(single.words) + 1
+    assert [int(number) for number in stated.groups()] == [total, single.addresses]
+
+
+def test_a_later_networks_bias_is_rounded_once(engines: dict[str, Engine]) -> None:
+    assert "floor(2^14 (b - 2^-14 (sum of w) 2^-11) + 1/2)" in PAGE
+    scene, graph = load_scene("digit"), engines["digit"].graph
+    sums = {neuron.name: neuron for neuron in graph.neurons if neuron.name.endswith(" sum")}
+    rounded_apart = 0
+    for number, mlp in enumerate(scene.mlps(), 1):
+        for j, b in enumerate(mlp.b1.tolist(), 1):
+            terms = sums[f"network {number} node {j} sum"].terms
+            bias = sum(term.weight for term in terms if term.kind is Kind.ONE)
+            w = sum(t.weight for t in terms if t.kind is Kind.WORD and t.source >= graph.inputs)
+            half = Fraction(w, 2**14 * 2**11)
+            assert bias == math.floor(2**14 * (Fraction(b) - half) + Fraction(1, 2))
+            apart = [math.floor(2**14 * part + Fraction(1, 2)) for part in (Fraction(b), half)]
+            rounded_apart += bias != apart[0] - apart[1]
+    assert rounded_apart
+
+
+def test_hex_is_padded_to_the_memory_and_bin_is_not(engines: dict[str, Engine]) -> None:
+    for name in ("digit-reload", "rails-reload", "deep-reload"):
+        image = engines[name].loaded
+        assert image is not None
+        lines, count = hex_text(image).split(), len(image.words)
+        assert len(lines) == image.sizes.program_words > count, name
+        assert set(lines[count:]) == {"000000000"}
+        assert [int(line, 16) for line in lines[:count]] == list(image.words)
+        assert len(image.to_bytes()) == 5 + 5 * count + 2
