@@ -16,7 +16,13 @@ from shared import Shared
 from golden.block import walk
 from golden.engine.graph import Kind
 from golden.fingerprint import ROOT
+from golden.layers.constant_matrix import ConstantMatrix
+from golden.layers.listing import listing
+from golden.layers.shift_add import Sum
+from golden.networks.adder_graph import AdderGraph
+from golden.networks.constants import constants_of
 from golden.networks.engine import Engine
+from golden.precision import EXACT
 from golden.scene import load_scene, scene_names
 from golden.scene.write_image import hex_text
 from tb.common.collected import CASES, CASES_OF
@@ -169,3 +175,77 @@ def test_hex_is_padded_to_the_memory_and_bin_is_not(engines: dict[str, Engine]) 
         assert set(lines[count:]) == {"000000000"}
         assert [int(line, 16) for line in lines[:count]] == list(image.words)
         assert len(image.to_bytes()) == 5 + 5 * count + 2
+
+
+@pytest.fixture(scope="module", params=["digit-fast", *CASES_OF["adder_graph"]])
+def adders(request: pytest.FixtureRequest, shared: Shared) -> AdderGraph:
+    core = shared.scene(request.param).twin().core
+    assert isinstance(core, AdderGraph)
+    return core
+
+
+def matrices(design: AdderGraph) -> list[ConstantMatrix]:
+    return [design.first, design.second]
+
+
+def test_bits_are_cut_as_the_page_says(adders: AdderGraph) -> None:
+    """The rules of docs/blocks/constant_matrix.md, on the nodes, their shifts and the rows."""
+    for matrix in matrices(adders):
+        graph = matrix.graph
+        p = max(0, matrix.out_shift - matrix.guard)
+        asked: list[list[int]] = [[] for _ in graph.nodes]
+        for row in graph.rows:
+            asked[row.node].append(max(0, p - row.shift))
+        for place in reversed(range(len(graph.nodes))):
+            node = graph.nodes[place]
+            if isinstance(node, Sum):
+                kept = min(asked[place])
+                assert graph.lows[place] == kept
+                asked[node.low].append(kept)
+                asked[node.high].append(max(0, kept - node.shift))
+            else:
+                assert graph.lows[place] == 0
+
+
+def test_a_listing_computes_what_the_matrix_does(adders: AdderGraph) -> None:
+    rng = np.random.default_rng(1)
+    for matrix in matrices(adders):
+        frames = rng.integers(matrix.in_fmt.low, matrix.in_fmt.high + 1, (50, matrix.inputs))
+        names = {f"in_data_{k}": frames[:, k] for k in range(matrix.inputs)}
+        for line in listing(matrix)[2:]:
+            name, _, what = line.split(maxsplit=2)
+            names[name] = eval(what, {"__builtins__": {}}, names)
+        results = [names[f"out_data_{i}"] for i in range(len(matrix.weights))]
+        # A row without weights is a number.
+        found = np.stack([np.broadcast_to(one, len(frames)) for one in results], axis=-1)
+        low, high = matrix.out_fmt.low, matrix.out_fmt.high
+        assert np.array_equal(np.clip(found, low, high), matrix.process(frames))
+
+
+def test_the_page_shows_lines_of_a_listing_of_adders() -> None:
+    page = (DOCS / "blocks" / "constant_matrix.md").read_text(encoding="utf-8")
+    name, text = re.search(r"`make listing SCENE=([\w-]+)`:\n\n```\n(.*?)```", page, re.S).groups()
+    shown = [line for line in text.splitlines() if line != "..."]
+    assert len(shown) > 5
+    lines = listing(load_scene(name).twin().core.first)
+    assert [line for line in lines if line in shown] == shown
+
+
+def test_the_sums_of_an_adder_graph() -> None:
+    """The table of docs/blocks/adder_graph.md, of one network and its codes."""
+    scene = load_scene("digit-fast")
+    core = scene.twin().core
+    (mlp,) = scene.mlps()
+    constants = constants_of(mlp, EXACT, "bipartite", scene.activation_options)
+    first, second = constants.first, constants.second
+    assert core.first.weights == first.weights
+    assert core.first.biases == tuple(bias * 2**13 for bias in first.biases)
+    assert core.first.out_shift == first.fmt.frac - 1
+    shift = core.second.out_shift
+    assert shift == second.fmt.frac + 1
+    assert core.second.biases == tuple(
+        bias * 2**14 + sum(row) // 2 + 2 ** (shift - 1)
+        for row, bias in zip(second.weights, second.biases, strict=True)
+    )
+    for matrix in matrices(core):
+        assert matrix.place == matrix.out_shift - 1
