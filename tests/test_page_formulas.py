@@ -25,6 +25,7 @@ from golden.networks.engine import Engine
 from golden.precision import EXACT
 from golden.scene import load_scene, scene_names
 from golden.scene.write_image import hex_text
+from golden.sensing.scan import Scan
 from tb.common.collected import CASES, CASES_OF
 
 PAGE = (DOCS / "blocks" / "engine.md").read_text(encoding="utf-8")
@@ -175,6 +176,20 @@ def test_hex_is_padded_to_the_memory_and_bin_is_not(engines: dict[str, Engine]) 
         assert set(lines[count:]) == {"000000000"}
         assert [int(line, 16) for line in lines[:count]] == list(image.words)
         assert len(image.to_bytes()) == 5 + 5 * count + 2
+
+
+def test_how_soon_outputs_are_there(engines: dict[str, Engine]) -> None:
+    """Of docs/future-work.md."""
+    page = " ".join((DOCS / "future-work.md").read_text(encoding="utf-8").split())
+    found = re.search(r"less than (\d+) us after the last sample of a scan of (\d+) us", page)
+    assert found
+    scene = load_scene("digit-instrument")
+    scan = next(b.scan_clocks for b in walk(scene.twin()) if isinstance(b, Scan))
+    last = engines["digit-instrument"].output_clocks[-1]
+    assert [int(text) for text in found.groups()] == [
+        math.ceil(last / scene.clock_mhz),
+        scan / scene.clock_mhz,
+    ]
 
 
 @pytest.fixture(scope="module", params=["digit-fast", *CASES_OF["adder_graph"]])
