@@ -16,11 +16,16 @@ from golden.files import read_json, write_json
 from golden.fingerprint import ROOT, fingerprint, sources
 from golden.physics import swing_data
 from golden.scene.reference import NUMBERS
-from tb.report.measure import honest, past, store
+from tb.report.measure import convergence, honest, past, store
 from tb.report.measure.table import Table
 
 # By name, where they stand and what they hang on beside what trains.
-RECORDED = {"honest": (honest,), "robustness": (honest,), "past": (past, swing_data, window)}
+RECORDED = {
+    "convergence": (convergence,),
+    "honest": (honest,),
+    "robustness": (honest,),
+    "past": (past, swing_data, window),
+}
 FOLDER = Path(__file__).parent / "records"
 SEED = 1
 
