@@ -83,7 +83,7 @@ def blocks(scene: Scene, design: Network, found: Costs) -> Table:
     )
 
 
-def withactivation_cells(table: Table) -> Table:
+def with_activation_cells(table: Table) -> Table:
     """The table of activations with Virtex-II cells, of those that a recorded scene contains."""
     found = activation_cells()
     return _joined(

@@ -21,10 +21,10 @@ from tb.report.measure.table import Table
 
 # By name, where they stand and what they hang on beside what trains.
 RECORDED = {
-    "convergence": (convergence,),
     "honest": (honest,),
     "robustness": (honest,),
     "past": (past, swing_data, window),
+    "convergence": (convergence,),
 }
 FOLDER = Path(__file__).parent / "records"
 SEED = 1
