@@ -182,7 +182,7 @@ docs: $(READY)
 
 # What stands between markers in the pages: ports and clocks that the twins publish, recorded cells.
 pages: $(READY)
-	@$(RUN) -m tb.report.page.blocks && $(RUN) -m tb.report.page.datasheets && $(RUN) -m tb.report.page.boards && $(RUN) -m tb.report.page.lists && $(RUN) -m tb.report.page.sign_off
+	@$(RUN) -m tb.report.page.blocks && $(RUN) -m tb.report.page.datasheets && $(RUN) -m tb.report.page.boards && $(RUN) -m tb.report.page.lists && $(RUN) -m tb.report.page.thesis && $(RUN) -m tb.report.page.sign_off
 
 lint: $(READY)
 	@$(RUN) -m ruff check . && $(RUN) -m ruff format --check . && $(RUN) -m mypy

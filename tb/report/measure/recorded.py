@@ -15,19 +15,29 @@ from golden import window
 from golden.files import read_json, write_json
 from golden.fingerprint import ROOT, fingerprint, sources
 from golden.physics import swing_data
-from tb.report.measure import honest, past, store
+from golden.scene.reference import NUMBERS
+from tb.report.measure import convergence, honest, past, store
 from tb.report.measure.table import Table
 
 # By name, where they stand and what they hang on beside what trains.
-RECORDED = {"honest": (honest,), "robustness": (honest,), "past": (past, swing_data, window)}
+RECORDED = {
+    "honest": (honest,),
+    "robustness": (honest,),
+    "past": (past, swing_data, window),
+    "convergence": (convergence,),
+}
 FOLDER = Path(__file__).parent / "records"
 SEED = 1
 
 
 def state(name: str) -> str:
-    """A digest of what a table's figures hang on: what trains, and what is trained on."""
+    """A digest of what a table's figures hang on: what trains, and what is trained on.
+
+    The printed figures that others are compared with train nothing.
+    """
     own = [Path(str(module.__file__)) for module in RECORDED[name]]
-    return fingerprint([*sources("golden/training"), *own, ROOT / "golden" / "data"])
+    data = sorted(path for path in (ROOT / "golden" / "data").iterdir() if path != NUMBERS)
+    return fingerprint([*sources("golden/training"), *own, *data])
 
 
 def read(name: str) -> Table:
