@@ -8,7 +8,7 @@ from pathlib import Path
 from golden.cli import CommandError
 from golden.scene import load_scene
 from golden.table import suggest
-from tb.common.collected import BENCHES, CASES, CASES_OF
+from tb.common.collected import BENCHES, CASES_OF, case_scene
 from tb.common.runner import BUILD, Job, jobs, plan, prepare
 
 
@@ -52,10 +52,7 @@ def subjects_of(scene: str, block: str | None = None, simulator: str = "icarus")
 @cache
 def _case_jobs(name: str, simulator: str, build: Path) -> list[Job]:
     """The benches of a case, which many blocks share."""
-    folder = build / "cases"
-    folder.mkdir(parents=True, exist_ok=True)
-    CASES[name].scene(folder, name)
-    scene = load_scene(str(folder / f"{name}.toml"))
+    scene = case_scene(name, build)
     prepare(scene, simulator, build)
     return jobs(scene, simulator, build=build)
 
