@@ -4,6 +4,8 @@
 SCENE_CHOSEN := $(findstring command line,$(origin SCENE))
 # What a board is asked for takes another than the default, which has no serial line.
 ON_BOARD := $(if $(filter-out undefined,$(origin SCENE)),"$$SCENE",digit-board)
+# make demo has default scenes of its own.
+DEMO_SCENE := $(if $(filter-out undefined,$(origin SCENE)),"$$SCENE")
 SCENE ?= digit
 RIG ?= digit
 SEED ?= 1
@@ -26,7 +28,7 @@ READY := ready
 .PHONY: help demo test machines sim vhdl verilog scene check train recalibrate predict network image monitor record load bench listing activations figures sensors lean synth bitstream peers prove mutate coverage report docs pages lint clean tools browser ready
 
 help:
-	@echo "make demo    [SCENE=] [FULL=1]            a scene end to end: simulate, export, table of errors"
+	@echo "make demo    [SCENE=] [FULL=1]            scenes end to end, else thesis and digit side by side: simulate, export, errors"
 	@echo "make test    [TESTS=tests/test_x.py] [ALL=1] [MACHINE=name]"
 	@echo "                                          the tests, or some; ALL=1 every constant; MACHINE= as elsewhere"
 	@echo "make machines [ONLY=name] [TESTS=] [WHOLE=1] [ALL=1]"
@@ -81,7 +83,7 @@ help:
 	@printf 'or a path to a .toml file; now %s\n' "$$SCENE"
 
 demo: $(READY) tools
-	@$(RUN) -m tb.demo "$$SCENE" $(if $(filter-out 0,$(FULL)),--full)
+	@$(RUN) -m tb.demo $(DEMO_SCENE) $(if $(filter-out 0,$(FULL)),--full)
 
 test: $(READY) tools browser
 	@$(RUN) $(if $(MACHINE),tests/machines.py "$$MACHINE" --show --whole,tests/chosen.py) \

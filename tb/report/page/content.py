@@ -9,7 +9,7 @@ from golden.fingerprint import fingerprint, sources
 from golden.network_files.network_file import provenance_path
 from golden.networks.network import Network
 from golden.scene import Scene
-from tb.common.results import stored_results
+from tb.common.results import left_text, stored_results
 from tb.common.tools import SIMULATORS, version
 from tb.report.draw.outcome import along_plot, disturbance_plots, predicted_plots
 from tb.report.draw.past import past_plots
@@ -166,11 +166,13 @@ def _verified(scene: Scene) -> Section:
         + ", ".join(version(s) for s in SIMULATORS)
         + ".",
     )
-    text = (
+    text = [
         f"{results['benches']} benches, {results['failed']} failed, {results['compared']:,} values "
         "compared bit for bit."
-    )
-    return Section("verified", "Verified", text=[text], folded=[table])
+    ]
+    if results["left"]:
+        text.append(f"{left_text(results['left'])}.")
+    return Section("verified", "Verified", text=text, folded=[table])
 
 
 def _resources(scene: Scene, design: Network, found: Costs | None) -> Section | None:
