@@ -122,9 +122,7 @@ def _errors(scenes: Sequence[Scene]) -> list[Row]:
     return rows
 
 
-def _clocks(
-    scenes: Sequence[Scene], results: Mapping[str, dict[str, Any]] | None
-) -> list[Row]:
+def _clocks(scenes: Sequence[Scene], results: Mapping[str, dict[str, Any]] | None) -> list[Row]:
     """A frame's clocks, and those from one frame to the next, also in microseconds."""
     frames, behind, between = [], [], []
     for scene in scenes:
