@@ -1,6 +1,7 @@
 """``python -m hdl.export [SCENE] LANGUAGE``: a scene as VHDL or Verilog, one file an entity.
 
-Without a scene the default scenes are exported. The same scene gives the same bytes on every run (``hdl.export.repeatable``).
+Without a scene the default scenes are exported. The same scene gives the same bytes on every run
+(``hdl.export.repeatable``).
 """
 
 from __future__ import annotations

@@ -43,6 +43,13 @@ def chosen_blocks(block: str | None) -> list[str]:
     return [block]
 
 
+def case_line(block: str | None) -> str:
+    """The line that says in which case of its bench a block is taken, and why."""
+    if block is None:
+        return "each block: in the first case of its bench, as its records are"
+    return f"case {CASES_OF[block][0]}: the first of the bench of {block}, as its records are"
+
+
 def subjects_of(scene: str, block: str | None = None, simulator: str = "icarus") -> list[Job]:
     """The first entity of each block of a scene, or of one of its blocks."""
     planned = plan(load_scene(scene), [simulator], block)
