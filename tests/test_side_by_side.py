@@ -116,7 +116,7 @@ def ran(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, bool]]:
         return found(scene, left=0 if full else 5)
 
     monkeypatch.setattr(demo, "simulate", simulate)
-    monkeypatch.setattr(demo, "build_report", lambda *_: None)
+    monkeypatch.setattr(demo, "build_report", lambda *_, **__: None)
     monkeypatch.setattr(demo, "twin_speed", lambda _: 1.0)
     return asked
 
