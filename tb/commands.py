@@ -140,7 +140,8 @@ COMMANDS = (
     Command(
         "demo",
         "Simulates every block of a scene, exports it and prints the table of its errors; without "
-        "SCENE= it does so for scenes thesis and digit and prints them side by side.",
+        "SCENE= it does so for scenes thesis and digit and prints them side by side. FULL=1 "
+        "simulates each entity of a block by itself too.",
         (OPTIONAL_SCENE, FULL),
         "tb.demo",
     ),

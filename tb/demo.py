@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from golden.cli import run
+from golden.cli import run, would
 from golden.disturbance import Disturbance
 from golden.errors import (
     disturbed_errors,
@@ -173,6 +173,7 @@ def main() -> int:
     started = time.perf_counter()
     names = DEFAULT_SCENES if arguments.scene is None else (arguments.scene,)
     scenes = [ready_scene(name) for name in names]
+    would(f"simulate, export and report {' and '.join(scene.name for scene in scenes)}")
     results = {}
     for scene in scenes:
         warn_outside(scene)
@@ -184,7 +185,8 @@ def main() -> int:
         print(report(scene, results[scene.name]))
         for simulator in SIMULATORS:
             print(f"{language(simulator):8} in build/{scene.name}/{language(simulator)}")
-        build_report(scene, arguments.full)
+        # What is the project's own would be the same in every report.
+        build_report(scene, arguments.full, own=scene is scenes[-1])
     if len(scenes) > 1:
         print("\n".join(["", *side_by_side(scenes, results)]))
     print("\n".join(["", *closing(time.perf_counter() - started, **simulator_versions())]))

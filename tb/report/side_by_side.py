@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 from golden.errors import held_out_means, scene_errors
-from golden.networks.network import Network
 from golden.scene import Scene, load_scene, thesis_figures, thesis_table
 from hdl.synth.budget import budget_path, read_budget
 from tb.report.measure.clocks import clocks_per_frame
@@ -169,8 +168,11 @@ def _share(count: int, of: int) -> str:
 
 def _compared(scenes: Sequence[Scene], results: Mapping[str, dict[str, Any]]) -> Row:
     """That it is reproduced: what both simulators compared with the twins."""
-    found = [results[scene.name] for scene in scenes]
-    cells = [f"{r['compared']:,}, {r['failed'] or 'none'} differ" for r in found]
+    cells = []
+    for scene in scenes:
+        found = results[scene.name]
+        verdict = f"{found['failed']} benches red" if found["failed"] else "none differ"
+        cells.append(f"{found['compared']:,}, {verdict}")
     return ("values compared", NONE, *cells)
 
 

@@ -41,11 +41,11 @@ class Drawable(Protocol):
 Draw = Callable[[str, Sequence[Drawable]], list[Picture]]
 
 
-def content(scene: Scene, tell: Progress, full: bool = False) -> Page:
+def content(scene: Scene, tell: Progress, full: bool = False, own: bool = True) -> Page:
     """The report of a scene; ``tell`` hears of each part that is ready.
 
     What the project's own approximations err and cost stands in it where ``full`` asks for it, and
-    where the scene is compared with the reference.
+    where the scene is compared with the reference and ``own`` allows it.
     """
     design = scene.twin()
     tools = [version(s) for s in SIMULATORS]
@@ -98,7 +98,7 @@ def content(scene: Scene, tell: Progress, full: bool = False) -> Page:
         _pictures(scene, drawing, tell),
         _resources(scene, design, cost),
     ]
-    if full or scene.reference:
+    if full or (own and scene.reference):
         sections += project.sections(scene, state, drawn, tell)
     return Page(
         f"tactus: {scene.name}",
