@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 
 from golden.activation.segments import GRADIENT, INTERCEPT, UPPER
-from golden.cli import run
+from golden.cli import run, would
 from golden.disturbance import Disturbance
 from golden.engine.pipeline import Pipeline
 from golden.errors import disturbed_errors
@@ -20,6 +20,7 @@ from golden.fingerprint import ROOT
 from golden.scene import DEFAULT_SCENES, load_scene, scene_names
 from hdl.synth.budget import budget_path, read_budget
 from hdl.synth.timing import read_timing, timing_path
+from tb.commands import CLOSING, COMMANDS
 from tb.report.draw import findings
 from tb.report.draw.area import area
 from tb.report.draw.network import network
@@ -56,16 +57,13 @@ def scenes() -> str:
 
 
 def commands() -> str:
-    """Every command that ``make`` alone prints."""
-    text = (ROOT / "Makefile").read_text(encoding="utf-8")
+    """Every command of make, with all that it may be given."""
     lines = ["| command | what it does |", "|---|---|"]
-    words = r"make \w+(?: +(?:\[[^\]]*\]|[A-Z]+=\S+))*"
-    form = rf'@echo "({words})(?: +([^"]+))?"(?:\n\t@echo " +([^"]+)")?'
-    found = re.findall(form, text)
-    for command, beside, below in found:
-        what = re.sub(r"\S*<\w+>\S*", r"`\g<0>`", beside or below)
-        lines.append(f"| `{' '.join(command.split()).replace('|', ' or ')}` | {what} |")
-    return "\n".join(lines)
+    for command in COMMANDS:
+        # What stands between < and > would be read as HTML.
+        purpose = re.sub(r"\S*<\w+>[\w/]*", r"`\g<0>`", command.purpose)
+        lines.append(f"| `{command.usage.replace('|', ' or ')}` | {purpose} |")
+    return "\n".join([*lines, "", CLOSING.replace("DRY=1", "`DRY=1`")])
 
 
 def segments() -> str:
@@ -197,6 +195,7 @@ def pages() -> dict[Path, str]:
 
 
 def main() -> None:
+    would("write what pages list")
     write(pages())
 
 
