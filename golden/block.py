@@ -113,3 +113,10 @@ def walk(top: Block) -> Iterator[Block]:
         yield block
 
     yield from visit(top)
+
+
+def around(top: Block, part: Block) -> Iterator[Block]:
+    """Every distinct block under ``top`` that contains ``part``, the innermost first."""
+    for block in walk(top):
+        if block.entity != part.entity and part.entity in {inner.entity for inner in walk(block)}:
+            yield block

@@ -59,6 +59,21 @@ def words(name: str, text: str) -> list[str]:
         raise CommandError(f"{name}={text}: {error}") from None
 
 
+def would(work: str) -> None:
+    """End a command here where ``DRY=1`` is given, and print the work that is left.
+
+    A command calls it as soon as it has checked all that it was given.
+
+    Parameters
+    ----------
+    work : str
+        What the command would do now, such as "simulate 12 benches".
+    """
+    if os.environ.get("DRY", "") not in ("", "0"):
+        print(f"DRY=1: nothing done; would {work}")
+        raise SystemExit(0)
+
+
 def run(main: Callable[[], int | None]) -> int:
     """The exit code of ``main``; its complaints about input go to stderr as one message.
 

@@ -1,9 +1,11 @@
-"""``make demo``: a scene end to end, and one table of what came out.
+"""``make demo``: scenes end to end, and one table of what came out.
 
-Every block of the scene is simulated under GHDL and Icarus against its twin on the exported files;
+Every block of a scene is simulated under GHDL and Icarus against its twin on the exported files;
 then the errors on the recorded vectors are printed beside the clocks and the simulators' speed.
-Benches whose inputs have not changed since they passed are not run again, also where an earlier
-demo was interrupted.
+Without a scene these are the default ones, and a table has them side by side. Of entities of one
+block that differ in constants alone one is simulated by itself, and all within their networks;
+``--full`` simulates each. Benches whose inputs have not changed since they passed are not run
+again, also where an earlier demo was interrupted.
 """
 
 from __future__ import annotations
@@ -16,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from golden.cli import run
+from golden.cli import run, would
 from golden.disturbance import Disturbance
 from golden.errors import (
     disturbed_errors,
@@ -28,14 +30,15 @@ from golden.errors import (
 )
 from golden.machine import closing
 from golden.metrics import millimetres
-from golden.scene import Scene, thesis_figures
+from golden.scene import DEFAULT_SCENES, Scene, thesis_figures
 from golden.scene.ranges import ranges
 from golden.scene.vectors import warn_outside
 from golden.training.split import unused_text
-from tb.common.results import simulate
+from tb.common.results import left_text, simulate
 from tb.common.runner import ready_scene
 from tb.common.tools import SIMULATORS, language, simulator_versions
 from tb.report.page.build import build_report
+from tb.report.side_by_side import side_by_side
 
 
 def twin_speed(scene: Scene) -> float:
@@ -140,10 +143,11 @@ def report(scene: Scene, results: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def bench_table(results: dict[str, Any]) -> str:
+def bench_table(scene: Scene, results: dict[str, Any]) -> str:
     """Entities and values compared, a line per block."""
     lines = [
         "",
+        f"scene {scene.name}",
         f"{'block':20} " + "  ".join(f"{s + ' entities, compared':>28}" for s in SIMULATORS),
     ]
     for block, cells in results["blocks"].items():
@@ -154,25 +158,39 @@ def bench_table(results: dict[str, Any]) -> str:
         f"{results['benches']} benches ({kept}), {results['failed']} failed, "
         f"{results['compared']} values compared bit for bit"
     )
+    if results["left"]:
+        lines.append(left_text(results["left"]))
     return "\n".join(lines)
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(prog="make demo", description=__doc__)
-    parser.add_argument("scene")
-    parser.add_argument("--full", action="store_true", help="the project's own tables too")
+    parser.add_argument("scene", nargs="?", help=f"{' and '.join(DEFAULT_SCENES)} when left out")
+    parser.add_argument(
+        "--full", action="store_true", help="every entity, and the project's own tables too"
+    )
     arguments = parser.parse_args()
     started = time.perf_counter()
-    scene = ready_scene(arguments.scene)
-    warn_outside(scene)
-    results = simulate(scene)
-    print(bench_table(results))
-    if results["failed"]:
+    names = DEFAULT_SCENES if arguments.scene is None else (arguments.scene,)
+    scenes = [ready_scene(name) for name in names]
+    would(f"simulate, export and report {' and '.join(scene.name for scene in scenes)}")
+    results = {}
+    for scene in scenes:
+        warn_outside(scene)
+        results[scene.name] = simulate(scene, arguments.full)
+        print(bench_table(scene, results[scene.name]))
+    if any(found["failed"] for found in results.values()):
         return 1
-    print(report(scene, results))
-    for simulator in SIMULATORS:
-        print(f"{language(simulator):8} in build/{scene.name}/{language(simulator)}")
-    build_report(scene, arguments.full)
+    for scene in scenes:
+        print(report(scene, results[scene.name]))
+        for simulator in SIMULATORS:
+            print(f"{language(simulator):8} in build/{scene.name}/{language(simulator)}")
+        # What is the project's own takes longer than all else, and would be the same in each.
+        build_report(scene, arguments.full, own=len(scenes) == 1)
+    if len(scenes) > 1:
+        if not arguments.full:
+            print("the project's own tables: make report, or FULL=1")
+        print("\n".join(["", *side_by_side(scenes, results)]))
     print("\n".join(["", *closing(time.perf_counter() - started, **simulator_versions())]))
     return 0
 

@@ -1,7 +1,8 @@
 """``make sim``: the benches of one block, or of every block of a scene.
 
-They run on the exported VHDL and Verilog, or on what ``--netlist`` names
-(``tb/sign_off/netlist.py``).
+Without a scene they are those of the default scenes; a block that these do not contain is looked
+for elsewhere (``tb/common/where.py``), and a line says where it was found. Benches run on the
+exported VHDL and Verilog, or on what ``--netlist`` names (``tb/sign_off/netlist.py``).
 """
 
 from __future__ import annotations
@@ -10,12 +11,13 @@ import argparse
 import sys
 from collections.abc import Callable
 
-from golden.cli import MOST_SEED, CommandError, run, whole
+from golden.block import walk
+from golden.cli import MOST_SEED, CommandError, run, whole, would
 from golden.progress import Progress
-from golden.scene import load_scene
 from tb.common.runner import FRAMES, SEED, Outcome, plan, run_jobs
-from tb.common.tools import SIMULATORS
-from tb.sign_off.netlist import CELLS, NETLISTS_RUN_IN, chosen, on_cells_of
+from tb.common.tools import SIMULATORS, check_simulator
+from tb.common.where import places
+from tb.sign_off.netlist import CELLS, NETLISTS_RUN_IN, chosen, mapped, on_cells_of
 from tb.sign_off.netlist_record import record
 
 MOST_FRAMES = 1_000_000
@@ -43,7 +45,7 @@ def conclude(outcomes: list[Outcome]) -> int:
 
 def main() -> int:
     parser = argparse.ArgumentParser(prog="make sim", description=__doc__)
-    parser.add_argument("scene")
+    parser.add_argument("scene", nargs="?", help="the default scenes when left out")
     parser.add_argument("--block")
     parser.add_argument("--sim", help=f"one of {', '.join(SIMULATORS)}; both when left out")
     parser.add_argument("--seed", type=whole("SEED", 0, MOST_SEED), default=SEED)
@@ -56,19 +58,31 @@ def main() -> int:
         if not arguments.netlist:
             raise CommandError("RECORD=1: got no NETLIST, expected 1 or unknown, which is recorded")
         return conclude(record(arguments.netlist, arguments.block, tell))
-    scene = load_scene(arguments.scene)
     families = chosen(arguments.netlist, arguments.sim) if arguments.netlist else []
-    simulators = [arguments.sim] if arguments.sim else SIMULATORS
-    jobs = plan(
-        scene,
-        [NETLISTS_RUN_IN] if families else simulators,
-        arguments.block,
-        arguments.seed,
-        arguments.waves,
-        frames=arguments.frames,
-    )
-    if families:
-        jobs = on_cells_of(scene.twin(), jobs, families)
+    simulators = [NETLISTS_RUN_IN] if families else [arguments.sim] if arguments.sim else SIMULATORS
+    for simulator in simulators:
+        check_simulator(simulator)
+    found = places(arguments.scene, arguments.block)
+    for place in found:
+        if place.why:
+            print(place.why, flush=True)
+    count = 0
+    for place in found:
+        design = place.scene.twin()
+        entities = {p.entity for p in walk(design) if arguments.block in (None, p.block)}
+        count += len(mapped(design, entities, families or simulators))
+    would(f"export, then run {count} benches on {', '.join(families or simulators)}")
+    jobs = []
+    for place in found:
+        planned = plan(
+            place.scene,
+            simulators,
+            arguments.block,
+            arguments.seed,
+            arguments.waves,
+            frames=arguments.frames,
+        )
+        jobs += on_cells_of(place.scene.twin(), planned, families) if families else planned
     with Progress("simulating", len(jobs), "benches") as progress:
 
         def listen(outcome: Outcome) -> None:

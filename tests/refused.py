@@ -13,26 +13,22 @@ import pytest
 
 from golden.cli import run
 from golden.fingerprint import fingerprint
+from tb.commands import BY_NAME
 
-# The module behind each target of make, and what stands before and after the scene.
-COMMANDS = {
-    "train": "golden.training.__main__",
-    "vhdl": "hdl.export.__main__",
-    "sim": "tb.sim",
-    "network": "golden.network_files.convert",
-    "image": "golden.scene.write_image",
-    "bench": "tb.report.measure.benchmark",
-    "listing": "golden.engine.__main__",
-    "figures": "tb.report.measure.__main__",
-    "lean": "hdl.synth.lean",
-    "synth": "hdl.synth.__main__",
-    "bitstream": "hdl.boards.__main__",
-    "report": "tb.report.__main__",
-    "demo": "tb.demo",
-    "scene": "golden.rig.write_scene",
-    "check": "tb.check",
-    "predict": "golden.rig.predict",
-}
+# The commands that are called wrongly.
+COMMANDS = (
+    *("train", "vhdl", "sim", "network", "image", "bench", "listing", "figures", "lean", "synth"),
+    *("bitstream", "report", "demo", "scene", "check", "predict"),
+)
+
+
+def main_of(module: str) -> Callable[[], int | None]:
+    """The ``main`` that ``python -m`` runs of a module or a package."""
+    found = importlib.import_module(module)
+    if hasattr(found, "__path__"):
+        found = importlib.import_module(f"{module}.__main__")
+    main: Callable[[], int | None] = found.main
+    return main
 
 
 class Desk:
@@ -54,9 +50,9 @@ class Desk:
 
     def call(self, command: str, *words: str) -> tuple[int, str]:
         """Exit code and what was said on stderr, but for warnings."""
-        main: Callable[[], int | None] = importlib.import_module(COMMANDS[command]).main
-        others = ["vhdl"] * (command == "vhdl")
-        self._monkeypatch.setattr(sys, "argv", [command, *words, *others])
+        known = BY_NAME[command]
+        main = main_of(known.module)
+        self._monkeypatch.setattr(sys, "argv", [command, *words, *known.last])
         self._capfd.readouterr()
         try:
             code = run(main)

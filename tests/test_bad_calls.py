@@ -47,9 +47,10 @@ NAMES = {
     "-x": "the following arguments are required: scene",
 }
 WORDS = {
-    "sim --block engin": "BLOCK=engin: scene mine has no such block, expected one of",
-    "sim --block=": "BLOCK=: scene mine has no such block, expected one of",
-    "sim --block engine": "BLOCK=engine: scene mine has no such block, .*; scene digit",
+    "sim --block engin": "BLOCK=engin: no such block; did you mean 'engine'?",
+    "sim --block=": "BLOCK=: no such block, expected one of abs_unit, ",
+    "sim --block engine": "BLOCK=engine: scene mine has no such block, .*; scene digit contains",
+    "sim --block axis_network": "scene mine has no such block, .*; case axis-chain of its bench",
     "sim --sim modelsim": "SIM=modelsim: no such simulator, expected one of ghdl, icarus",
     "sim --sim icaru": "SIM=icaru: no such simulator, .* did you mean 'icarus'?",
     "sim --seed one": "SEED=one: expected a whole number, 0 to 4294967295",

@@ -11,15 +11,17 @@ from itertools import product
 from pathlib import Path
 
 import pytest
+from refused import main_of
 
 from golden.boards import board_names, load_board
 from golden.fingerprint import fingerprint
 from golden.network_files.network_file import provenance_path
-from golden.scene import FOLDER, Scene
+from golden.scene import DEFAULT_SCENES, FOLDER, Scene, scene_names
 from hdl.boards.record import record_path
 from hdl.boards.variants import variants_path
 from hdl.synth.budget import budget_path
 from hdl.synth.timing import timing_path
+from tb.commands import BY_NAME, CLOSING, COMMANDS, WIDTH, Command
 from tb.common.cases import random_mlp, write_scene
 from tb.report.measure.networks import scenes
 from tb.report.page.datasheets import recorded
@@ -44,46 +46,47 @@ def make(*words: str, **environment: str) -> subprocess.CompletedProcess[str]:
     return run("make", "--no-print-directory", f"VENV={sys.prefix}", *words, **environment)
 
 
-def test_make_alone_lists_the_targets() -> None:
-    result = make()
-    assert result.returncode == 0
-    targets = re.findall(r"^make (\w+)", result.stdout, re.M)
-    assert targets == [
-        "demo",
-        "test",
-        "machines",
-        "sim",
-        "vhdl",
-        "verilog",
-        "scene",
-        "check",
-        "train",
-        "recalibrate",
-        "predict",
-        "network",
-        "image",
-        "monitor",
-        "record",
-        "load",
-        "bench",
-        "listing",
-        "activations",
-        "figures",
-        "sensors",
-        "lean",
-        "synth",
-        "bitstream",
-        "peers",
-        "prove",
-        "mutate",
-        "coverage",
-        "report",
-        "docs",
-        "pages",
-        "lint",
-        "clean",
-    ]
-    assert "digit-single" in result.stdout
+def test_make_alone_lists_the_commands_before_anything_is_installed(tmp_path: Path) -> None:
+    """With a Python that has its standard library alone, and no environment."""
+    python = tmp_path / "python3"
+    python.write_text(f'#!/bin/sh\nexec "{sys.executable}" -E -S "$@"\n')
+    python.chmod(0o755)
+    result = make("PYTHON=python3", "VENV=none", PATH=f"{tmp_path}:{os.environ['PATH']}")
+    assert result.returncode == 0, result.stderr
+    assert not (ROOT / "none").exists()
+    assert re.findall(r"^make ([a-z]+)", result.stdout, re.M) == [c.name for c in COMMANDS]
+    told = " ".join(result.stdout.split())
+    for command in COMMANDS:
+        assert f"{command.usage} {command.purpose}" in told
+    assert told.endswith(f"one of {', '.join(scene_names())}. {CLOSING}")
+    assert max(map(len, result.stdout.splitlines())) <= WIDTH
+
+
+def test_every_target_is_in_the_table() -> None:
+    """But for those that others need."""
+    text = (ROOT / "Makefile").read_text(encoding="utf-8").replace("\\\n", " ")
+    phony = set(re.search(r"^\.PHONY: (.*)$", text, re.M)[1].split())
+    assert phony == {command.name for command in COMMANDS} | {"help", "tools", "browser", "ready"}
+    called = re.search(r"^CALLED := (.*)$", text, re.M)[1].split()
+    assert called == [command.name for command in COMMANDS if command.module]
+
+
+@pytest.mark.parametrize("command", [c for c in COMMANDS if c.module], ids=lambda c: c.name)
+def test_a_module_knows_the_arguments_of_its_command(
+    command: Command, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+) -> None:
+    found = main_of(command.module)
+    monkeypatch.setattr(sys, "argv", ["", "--help"])
+    with pytest.raises(SystemExit):
+        found()
+    known = set(re.findall(r"--[a-z]+", capsys.readouterr().out))
+    assert {a.option.rstrip("=") for a in command.arguments if a.option} <= known
+
+
+def test_the_default_scenes_are_those_that_the_table_names() -> None:
+    named = " and ".join(DEFAULT_SCENES)
+    for name in ("demo", "sim", "vhdl", "verilog"):
+        assert f"scenes {named}" in BY_NAME[name].purpose
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -95,7 +95,6 @@ def test_the_pages_hold_what_the_twins_publish() -> None:
 
 
 def test_the_demos_table_holds_the_errors() -> None:
-    """That the README has this table is seen in test_pages.py."""
     scene = load_scene("digit")
     printed = "\n".join(error_table(scene))
     errors, held_out = scene_errors(scene), held_out_means(scene)

@@ -10,7 +10,7 @@ from pages import ROUNDING, cells, section, shows
 from shared import Shared
 
 from golden.errors import scene_errors
-from golden.scene import load_scene
+from golden.scene import DEFAULT_SCENES, load_scene
 from tb.report.measure.clocks import clocks_per_frame
 from tb.report.measure.networks import scenes
 from tb.report.measure.table import Table
@@ -41,10 +41,12 @@ def test_the_worst_output_has_the_largest_error(table: Table) -> None:
 
 def test_the_clocks_of_the_front_page(table: Table) -> None:
     page = (ROOT / "README.md").read_text()
-    (frame,) = re.findall(r"clocks a frame +(\d+),", page)
-    (between,) = re.findall(r"clocks between frames +(\d+) ", page)
-    assert by_scene(table, "clocks a frame")["digit"] == int(frame)
-    assert by_scene(table, "interval clocks")["digit"] == int(between)
+    shown = {"clocks a frame": "clocks a frame", "clocks between frames": "interval clocks"}
+    for beginning, column in shown.items():
+        (line,) = re.findall(rf"^ +{beginning} .*", page, re.M)
+        counts = re.findall(r"(?<!\S)[\d,]+(?!\S)", line)[-len(DEFAULT_SCENES) :]
+        found = by_scene(table, column)
+        assert counts == [f"{found[name]:,}" for name in DEFAULT_SCENES]
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from tb.commands import COMMANDS
+
 ROOT = Path(__file__).parents[1]
 MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
 GIVEN = re.sub(r"\\\n", "", MAKEFILE).partition("GIVEN := ")[2].splitlines()[0].split()
@@ -33,48 +35,27 @@ NASTY = [
     "> ran",
     "$HOME %, (a) {b,c} [d] * ? ! ~ # = : @ é \t",
 ]
-# The variables that are arguments of a command, an option or a word of it, and of which commands.
-ARGUMENTS = {
-    "SCENE": (
-        "",
-        "demo sim vhdl verilog check train recalibrate predict network image monitor record "
-        "load bench listing lean synth bitstream report",
-    ),
-    "BOARD": ("", "bitstream"),
-    "DEVICE": ("--device=", "bitstream"),
-    "BLOCK": ("--block=", "sim mutate prove coverage"),
-    "SIM": ("--sim=", "sim"),
-    "NETLIST": ("--netlist=", "sim"),
-    "SEED": ("--seed=", "sim figures peers"),
-    "FRAMES": ("--frames=", "sim record bench"),
-    "CLUSTER": ("--cluster=", "train"),
-    "CSV": ("", "scene recalibrate predict"),
-    "OUTPUTS": ("", "scene"),
-    "TO": ("", "recalibrate predict network record"),
-    "OUTPUT": ("--output=", "network"),
-    "HARDWARE": ("--hardware=", "scene image monitor load"),
-    "PORT": ("", "monitor record load"),
-    "BAUD": ("--baud=", "monitor record load"),
-    "LABELS": ("--labels=", "record"),
-    "TABLE": ("", "figures"),
-    "RIG": ("", "sensors"),
-    "BESIDE": ("--beside=", "lean"),
-    "TESTS": ("--tests=", "test machines"),
-    "MACHINE": ("", "test"),
-    "ONLY": ("", "machines"),
-}
+CALLED = [command for command in COMMANDS if command.module]
 # What make or the shell ask about, and paths of what is made.
-OTHERS = {"ALL", "FULL", "LINKS", "RECORD", "WAVES", "WHOLE", "PYTHON", "SITE", "VENV"}
+FLAGS = {argument.option for c in COMMANDS for argument in c.arguments if argument.flag}
+OTHERS = {"DRY", "PYTHON", "SITE", "VENV"}
+# In front of the arguments of each call in the log.
+CALL = "a call"
 
 
 def environment(folder: Path, venv: str = "venv") -> Path:
-    """A virtual environment that is ready, whose python only writes down its arguments."""
+    """A virtual environment that is ready, whose python only writes down its arguments.
+
+    But for those of ``tb.commands``, with which it does what the real one does.
+    """
     python = folder / venv / "bin" / "python"
     python.parent.mkdir(parents=True)
     log = folder / "arguments"
+    called = "import sys; sys.executable = sys.argv.pop(1); from tb.commands import main; main()"
     python.write_text(
         f"""#!/bin/sh
-printf '%s\\0' "$@" >> '{log}'
+if [ "$2" = tb.commands ]; then exec '{sys.executable}' -S -E -c '{called}' "$0" "$3"; fi
+printf '%s\\0' '{CALL}' "$@" >> '{log}'
 echo found
 for last; do :; done
 if [ "$2" = sphinx ]; then mkdir "$last"; fi
@@ -83,6 +64,17 @@ if [ "$2" = sphinx ]; then mkdir "$last"; fi
     python.chmod(0o755)
     (folder / venv / ".ready").touch()
     return log
+
+
+def calls(log: Path) -> list[list[str]]:
+    """The arguments of each call."""
+    found: list[list[str]] = []
+    for word in log.read_text().split("\0")[:-1]:
+        if word == CALL:
+            found.append([])
+        else:
+            found[-1].append(word)
+    return found
 
 
 def make(folder: Path, *words: str, **variables: str) -> subprocess.CompletedProcess[str]:
@@ -105,33 +97,78 @@ def nothing_ran() -> Iterator[None]:
 @pytest.mark.parametrize("nasty", NASTY)
 def test_an_argument_arrives_as_it_was_given(tmp_path: Path, nasty: str) -> None:
     log = environment(tmp_path)
-    given = {name: f"{name}{nasty}{name}" for name in ARGUMENTS}
-    targets = dict.fromkeys(target for _, names in ARGUMENTS.values() for target in names.split())
+    given = {a.name: f"{a.name}{nasty}{a.name}" for c in COMMANDS for a in c.arguments}
     words = [f"{name}={text}" for name, text in given.items()]
-    result = make(tmp_path, f"VENV={tmp_path / 'venv'}", *targets, *words)
+    names = [command.name for command in COMMANDS if command.arguments and command.name != "docs"]
+    result = make(tmp_path, f"VENV={tmp_path / 'venv'}", *names, *words)
     assert result.returncode == 0, result.stderr
-    arrived = log.read_text().split("\0")
-    for name, (option, names) in ARGUMENTS.items():
-        assert arrived.count(f"{option}{given[name]}") == len(names.split()), name
+    arrived = dict(zip(names, calls(log), strict=True))
+    for command in CALLED:
+        if command.arguments:
+            _, module, *others = arrived[command.name]
+            assert module == command.module
+            for argument in command.arguments:
+                arrives = (
+                    argument.option if argument.flag else argument.option + given[argument.name]
+                )
+                assert others.count(arrives) == 1, f"{command.name}: {argument.name}"
+            assert len(others) == len(command.arguments) + len(command.last)
+    tests = f"--tests={given['TESTS']}"
+    as_machine = ["tests/machines.py", given["MACHINE"], "--show", "--whole", tests, "--all"]
+    assert arrived["test"] == as_machine
+    assert arrived["machines"] == ["tests/machines.py", given["ONLY"], tests, "--whole", "--all"]
 
 
 @pytest.mark.parametrize("nasty", NASTY)
 def test_so_it_does_from_the_environment(tmp_path: Path, nasty: str) -> None:
     log = environment(tmp_path)
-    result = make(tmp_path, "listing", VENV=str(tmp_path / "venv"), SCENE=nasty)
+    names = ("listing", "sim", "monitor", "mutate")
+    result = make(tmp_path, *names, VENV=str(tmp_path / "venv"), SCENE=nasty, PORT=nasty)
     assert result.returncode == 0, result.stderr
-    assert nasty in log.read_text().split("\0")
+    scenes = [[nasty], [nasty], [nasty, nasty], [f"--scene={nasty}"]]
+    assert [words[2:] for words in calls(log)] == scenes
+
+
+def test_a_scene_that_is_not_given_is_chosen(tmp_path: Path) -> None:
+    """By the table or, where it has none, by the command."""
+    log = environment(tmp_path)
+    names = ("listing", "sim", "vhdl", "monitor", "mutate", "demo")
+    result = make(tmp_path, f"VENV={tmp_path / 'venv'}", *names, "PORT=twin")
+    assert result.returncode == 0, result.stderr
+    words = [call[2:] for call in calls(log)]
+    assert words == [["digit"], [], ["vhdl"], ["digit-board", "twin"], [], []]
 
 
 @pytest.mark.parametrize("nasty", NASTY)
-def test_so_does_a_flag_and_the_help(tmp_path: Path, nasty: str) -> None:
+def test_a_flag_is_given_by_any_text(tmp_path: Path, nasty: str) -> None:
     log = environment(tmp_path)
     words = [f"{name}={nasty}" for name in ("ALL", "LINKS", "RECORD", "WAVES", "WHOLE")]
     targets = ("help", "test", "machines", "sim", "synth")
     result = make(tmp_path, f"VENV={tmp_path / 'venv'}", *targets, *words, f"SCENE={nasty}")
     assert result.returncode == 0, result.stderr
-    assert f"now {nasty}\n" in result.stdout
-    assert {"--all", "--whole", "--waves", "--record"} <= set(log.read_text().split("\0"))
+    arrived = {word for call in calls(log) for word in call}
+    assert {"--all", "--whole", "--waves", "--record"} <= arrived
+
+
+@pytest.mark.parametrize("zero", ["", "0"])
+def test_but_0_and_nothing_is_none(tmp_path: Path, zero: str) -> None:
+    log = environment(tmp_path)
+    words = [f"{name}={zero}" for name in ("ALL", "RECORD", "WAVES", "WHOLE", "FULL", "DRY")]
+    result = make(tmp_path, f"VENV={tmp_path / 'venv'}", "test", "machines", "sim", "demo", *words)
+    assert result.returncode == 0, result.stderr
+    assert not {word for call in calls(log) for word in call if word in FLAGS}
+
+
+def test_make_s_own_commands_are_tried_too(tmp_path: Path) -> None:
+    """DRY=1 does nothing, least of all what clean does."""
+    log = environment(tmp_path)
+    words = [f"VENV={tmp_path / 'venv'}", f"SITE={tmp_path / 'site'}", "DRY=1"]
+    result = make(tmp_path, *words, "docs", "pages", "lint", "clean")
+    assert result.returncode == 0, result.stderr
+    assert result.stdout.count("DRY=1: nothing done; would ") == 4
+    assert not log.exists()
+    assert (tmp_path / "venv").is_dir()
+    assert not (tmp_path / "site").exists()
 
 
 @pytest.mark.parametrize("nasty", [text for text in NASTY if "/" not in text])
@@ -157,7 +194,8 @@ def test_so_do_paths(tmp_path: Path, nasty: str) -> None:
 
 def test_recipes_have_no_text_of_a_user() -> None:
     """Make puts in none of what is given: it only asks whether there is any."""
-    assert set(ARGUMENTS) | OTHERS == set(GIVEN)
+    named = {argument.name for command in COMMANDS for argument in command.arguments}
+    assert named | OTHERS == set(GIVEN)
     for line in RECIPES:
         for name in re.findall(r"\$[({](\w+)", line):
             if name in GIVEN:

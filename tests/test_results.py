@@ -1,4 +1,6 @@
-"""What benches found is kept for each, so that an interrupted demo goes on where it stopped."""
+"""What benches found is kept for each, so that an interrupted demo goes on where it stopped; which
+entities a demo takes.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +11,7 @@ from typing import Any
 import pytest
 
 from golden.block import walk
+from golden.networks.network import Network
 from golden.scene import Scene, load_scene
 from tb.common import results
 from tb.common.runner import Job, Outcome
@@ -53,9 +56,9 @@ class Benches:
         self.ran.append(name)
         return Outcome(job, name not in self.red, 7, 0.5, {"interval": 9})
 
-    def simulate(self) -> dict[str, Any]:
+    def simulate(self, full: bool = True) -> dict[str, Any]:
         self.ran = []
-        return results.simulate(load_scene(str(self.scene.path)))
+        return results.simulate(load_scene(str(self.scene.path)), full)
 
 
 @pytest.fixture
@@ -74,6 +77,7 @@ def test_an_interrupted_demo_goes_on(benches: Benches) -> None:
     found = benches.simulate()
     assert benches.ran == names[5:]
     assert (found["kept"], found["benches"], found["failed"]) == (5, len(names), 0)
+    assert found["left"] == 0
     assert found["compared"] == 7 * len(names)
     assert found["facts"] == {simulator: {"interval": 9} for simulator in SIMULATORS}
     again = benches.simulate()
@@ -101,3 +105,49 @@ def test_what_fails_is_run_again(benches: Benches) -> None:
         assert benches.simulate()["failed"] == 1
         assert results.stored_results(benches.scene) is None
     assert benches.ran == list(benches.red)
+
+
+def test_one_entity_of_each_block_and_every_network_is_chosen(small_cascade: Scene) -> None:
+    parts = list(walk(small_cascade.twin()))
+    planned = [
+        Job(small_cascade, part.entity, part.block, part.area, (), simulator)
+        for simulator in SIMULATORS
+        for part in parts
+    ]
+    asked = results.chosen(planned)
+    assert results.chosen(planned, full=True) == planned
+    assert results.chosen([]) == []
+    networks = {part.entity for part in parts if isinstance(part, Network)}
+    others = {part.block for part in parts if part.entity not in networks}
+    assert len(networks) > 3
+    for simulator in SIMULATORS:
+        here = [job for job in asked if job.simulator == simulator]
+        assert networks <= {job.entity for job in here}
+        blocks = [job.block for job in here if job.entity not in networks]
+        assert sorted(blocks) == sorted(others)
+    by_simulator = [[j.entity for j in asked if j.simulator == s] for s in SIMULATORS]
+    assert by_simulator[0] == by_simulator[1]
+    assert len(asked) < len(planned)
+
+
+def test_what_is_left_is_counted_and_run_when_all_is_asked_for(benches: Benches) -> None:
+    asked = results.chosen(benches.planned)
+    left = len(benches.planned) - len(asked)
+    assert left
+    found = benches.simulate(full=False)
+    assert (found["benches"], found["left"]) == (len(asked), left)
+    assert len(benches.ran) == len(asked)
+    stored = results.stored_results(benches.scene)
+    assert stored == found | {"kept": len(asked)}
+    everything = benches.simulate()
+    assert (everything["kept"], everything["left"]) == (len(asked), 0)
+    assert len(benches.ran) == left
+    assert results.stored_results(benches.scene) == everything | {"kept": len(benches.planned)}
+
+
+def test_of_what_is_left_a_failure_hides_nothing(benches: Benches) -> None:
+    """All entities of the choice must have passed, whatever others did."""
+    benches.simulate()
+    job = results.chosen(benches.planned)[0]
+    (job.folder / "outcome.json").unlink()
+    assert results.stored_results(benches.scene) is None

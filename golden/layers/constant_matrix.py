@@ -13,10 +13,14 @@ from numpy.typing import ArrayLike
 from golden.block import Block
 from golden.border import Border
 from golden.fixed import Codes, Fix, signed_width
+from golden.layers.closest import closest
 from golden.layers.sharing import Matrix, shared
 from golden.layers.shift_add import Row, ShiftAdd, clocks_of
 from golden.port import CLOCK, Port, given, group, taken
 from golden.precision import FACTOR_LIMIT
+
+# What is cut moves a result by a unit or so, so that a sum in the middle of one may miss it.
+TRIES = 6
 
 
 @dataclass(frozen=True)
@@ -176,6 +180,18 @@ class ConstantMatrix(Block):
     def borders(self) -> tuple[Border, ...]:
         return _borders(self)
 
+    def beside(self, row: int, at: int) -> Codes:
+        """Frames whose result of a row is below ``at``, and frames whose result is not, close to it.
+
+        Always the same for the same row, so that a bench that drives them meets the border as
+        closely as ``borders`` says.
+
+        Returns
+        -------
+        Codes, shape (frames, inputs)
+        """
+        return _beside(self, row, at)
+
     def quantities(self, *inputs: Codes) -> dict[str, Codes]:
         (frames,) = inputs
         words = self.words(np.moveaxis(np.asarray(frames), -1, 0))
@@ -215,13 +231,27 @@ def _borders(matrix: ConstantMatrix) -> tuple[Border, ...]:
     found = []
     for i, (row, ends) in enumerate(zip(matrix.weights, matrix.ends, strict=True)):
         least, most = (matrix.quantities(np.array(end))[f"result {i}"] for end in ends)
-        # The results of one sample or of two are this far apart at the most.
-        weights = sorted(abs(w) for w in row if w)
-        within = 1 if len(weights) > 2 else 2 + (max(weights, default=0) >> matrix.out_shift)
         for side, at in (("below", matrix.out_fmt.low), ("above", matrix.out_fmt.high + 1)):
-            why = "" if least < at <= most else f"result {i} is {least} to {most}"
+            within, why = 1, ""
+            if least < at <= most:
+                words = matrix.quantities(matrix.beside(i, at))[f"result {i}"]
+                within = int(max(at - words[words < at].max(), words[words >= at].min() - at + 1))
+            else:
+                why = f"result {i} is {least} to {most}"
             found.append(Border(f"result {i} saturates {side}", f"result {i}", at, within, why))
     return tuple(found)
+
+
+@lru_cache(maxsize=256)
+def _beside(matrix: ConstantMatrix, row: int, at: int) -> Codes:
+    weights, bias, rng = np.array(matrix.weights[row]), matrix.biases[row], np.random.default_rng(0)
+    found = list(matrix.ends[row])
+    for word in (at - 1, at) * TRIES:
+        middle = (word << matrix.out_shift) + ((1 << matrix.out_shift) >> 1)
+        frame = closest(matrix.in_fmt, weights, bias, 0, middle, word == at, rng)
+        if frame is not None:
+            found.append(tuple(frame.tolist()))
+    return np.array(found)
 
 
 def _result(row: Row, number: Any, drop: int) -> Any:

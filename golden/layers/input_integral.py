@@ -112,6 +112,10 @@ class InputIntegral(WeightedSum):
             for border in self.borders_of(f"sum {j}", np.array(row), bias)
         )
 
+    def quantities(self, *inputs: Codes) -> dict[str, Codes]:
+        (frames,) = inputs
+        return {f"sum {j}": sums for j, sums in enumerate(self.exact(frames).T)}
+
     def process(self, frames: ArrayLike) -> Codes:
         """Results, shape (..., hidden), of frames of samples, shape (..., inputs).
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from golden.border import Border
 from golden.fixed import Codes, Overflow, Rounding, requantise
@@ -75,16 +75,23 @@ class InputNode(WeightedSum):
             ),
         )
 
+    def holds(self, weights: ArrayLike, biases: ArrayLike) -> NDArray[np.bool_]:
+        """Whether the block is specified for weights: no samples bring a sum out of its bits.
+
+        See ``partial_sums`` for the parameters.
+        """
+        least, most = self.partial_sums(weights, biases)
+        half = 1 << (self.acc_width - 1)
+        return np.asarray((least >= -half) & (most < half))
+
     @property
     def unreachable(self) -> dict[str, str]:
-        why = f"with it the sum leaves its {self.acc_width} bits"
-        ends = self.coeff_fmt.low, self.coeff_fmt.high
-        most = 1 << (self.acc_width - 1)
+        why = f"with it a sum can leave its {self.acc_width} bits"
         found = {}
-        for end in ends:
-            if abs(end * self.in_fmt.low) >> self.product_shift >= most:
+        for end in (self.coeff_fmt.low, self.coeff_fmt.high):
+            if not self.holds([end], 0):
                 found[f"weight={end}"] = why
-            if abs(end) << self.bias_shift >= most:
+            if not self.holds([0], end):
                 found[f"bias={end}"] = why
         return found
 
@@ -106,6 +113,9 @@ class InputNode(WeightedSum):
             )
             for name, end in zip(("saturates below", "saturates above"), self.ends, strict=True)
         )
+
+    def quantities(self, *inputs: Codes) -> dict[str, Codes]:
+        return {"sum": self.exact(*inputs)}
 
     def process(self, frames: ArrayLike, weights: ArrayLike, biases: ArrayLike) -> Codes:
         """Results in ``out_fmt``, shape (...), of frames of samples, shape (..., inputs).

@@ -66,5 +66,9 @@ class Neuron(NodeSum):
     def borders(self) -> tuple[Border, ...]:
         return tuple(self.borders_of("sum", np.array(self.weights), self.bias, self.factor or 1))
 
+    def quantities(self, *inputs: Codes) -> dict[str, Codes]:
+        (frames,) = inputs
+        return {"sum": self.exact(frames)}
+
     def scaled(self, acc: Codes) -> Codes:
         return acc if self.factor is None else acc * self.factor

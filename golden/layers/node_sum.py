@@ -50,15 +50,7 @@ class NodeSum(WeightedSum):
     @property
     def acc_width(self) -> int:
         """Bits of the sum: no sum of any subset of the terms can leave it."""
-        positive = negative = 0
-        for term in [self.bias << self.bias_shift] + [
-            (w * x) >> self.product_shift
-            for w in self.weights
-            for x in ((self.in_fmt.low, self.in_fmt.high))
-        ]:
-            positive += max(term, 0)
-            negative += min(term, 0)
-        return signed_width((positive, negative))
+        return signed_width(map(int, self.partial_sums(self.weights, self.bias)))
 
     @property
     def reach(self) -> int:

@@ -96,10 +96,8 @@ class OutputIntegral(WeightedSum):
 
     def sum_range(self, row: int) -> tuple[int, int]:
         """Least and largest value of any partial sum of output ``row``."""
-        ends = [self.biases[row] << self.bias_shift]
-        for w in self.weights[row]:
-            ends += [(w * r) >> self.product_shift for r in (self.in_fmt.low, self.in_fmt.high)]
-        return sum(e for e in ends if e < 0), sum(e for e in ends if e > 0)
+        least, most = self.partial_sums(self.weights[row], self.biases[row])
+        return int(least), int(most)
 
     @property
     def acc_width(self) -> int:

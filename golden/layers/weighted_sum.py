@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from functools import lru_cache
+
 import numpy as np
+from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.border import Border
@@ -65,40 +68,59 @@ class WeightedSum(Block):
         low, high = self.out_fmt.low, self.out_fmt.high
         return (low << self.out_shift) - half, ((high + 1) << self.out_shift) - half
 
+    def partial_sums(self, weights: ArrayLike, biases: ArrayLike) -> tuple[Codes, Codes]:
+        """Least and largest value of any partial sum, whatever the samples and their order.
+
+        Parameters
+        ----------
+        weights : array_like of int, shape (..., inputs)
+        biases : array_like of int, shape (...)
+        """
+        terms = self._ends_of_terms(weights)
+        start = np.asarray(biases, dtype=np.int64) << self.bias_shift
+        least = np.minimum(terms, 0).sum(axis=(-2, -1)) + np.minimum(start, 0)
+        most = np.maximum(terms, 0).sum(axis=(-2, -1)) + np.maximum(start, 0)
+        return least, most
+
+    def _ends_of_terms(self, weights: ArrayLike) -> Codes:
+        """What each weight adds to a sum with the least and with the largest sample."""
+        column = np.asarray(weights, dtype=np.int64)[..., np.newaxis]
+        ends: Codes = (column * [self.in_fmt.low, self.in_fmt.high]) >> self.product_shift
+        return ends
+
     def borders_of(self, quantity: str, row: Codes, bias: int, factor: int = 1) -> list[Border]:
         """Where the result of a row of weights saturates; ``factor`` multiplies its sum."""
+        terms = self._ends_of_terms(row)
         start = bias << self.bias_shift
-        terms = [
-            [(int(w) * x) >> self.product_shift for x in (self.in_fmt.low, self.in_fmt.high)]
-            for w in row
-        ]
-        least, most = (start + sum(end(pair) for pair in terms) for end in (min, max))
-        # Sums are multiples of this apart; of two samples alone only a few are there, and one
-        # within a unit of the result is as good.
-        within = max(1, int(np.gcd.reduce(row)) >> self.product_shift)
-        if np.count_nonzero(row) <= 2:
-            within = max(within, (1 << self.out_shift) // factor)
+        least, most = (start + int(side.sum()) for side in (terms.min(axis=1), terms.max(axis=1)))
         found = []
         for name, end in zip(("saturates below", "saturates above"), self.ends, strict=True):
             at = -(-end // factor)
-            why = ""
-            if not least < at <= most:
+            within, why = 1, ""
+            if least < at <= most:
+                sums = start + ((row * self.beside(row, bias, at)) >> self.product_shift).sum(axis=1)
+                within = int(max(at - sums[0], sums[1] - at + 1))
+            else:
                 why = f"the {quantity} is {least} to {most}"
-            elif np.count_nonzero(row) <= 2 and not self._reached(row, start, at, within):
-                why = "no pair of samples has a sum beside it"
             found.append(Border(f"{quantity} {name}", quantity, at, within, why))
         return found
 
-    def _reached(self, row: Codes, start: int, at: int, within: int) -> bool:
-        """Whether two samples or one can bring the sum to both sides of ``at``."""
-        for target, above in ((at, True), (at - 1, False)):
-            frame = self.closest(row, start, target, above, np.random.default_rng(0))
-            if frame is None:
-                return False
-            total = start + int(((np.asarray(row) * frame) >> self.product_shift).sum())
-            if not at - within <= total < at + within:
-                return False
-        return True
+    def beside(self, row: Codes, bias: int, at: int) -> Codes:
+        """Samples whose sum is below ``at`` and samples whose sum is not, both close to it.
+
+        Always the same two for the same row, so that a bench that drives them meets the border as
+        closely as ``borders_of`` says.
+
+        Returns
+        -------
+        Codes, shape (2, inputs)
+
+        Raises
+        ------
+        ValueError
+            When the sums of the row do not reach both sides.
+        """
+        return _beside(self, tuple(int(weight) for weight in row), bias, at)
 
     def closest(
         self, row: Codes, start: int, target: int, above: bool, rng: np.random.Generator
@@ -131,6 +153,22 @@ class WeightedSum(Block):
                 products >>= self.product_shift
             acc += products
         return np.moveaxis(acc, 0, -1).astype(np.int64, copy=False)
+
+
+@lru_cache(maxsize=4096)
+def _beside(layer: WeightedSum, weights: tuple[int, ...], bias: int, at: int) -> Codes:
+    row, start = np.array(weights), bias << layer.bias_shift
+    ends = np.where(row > 0, layer.in_fmt.low, layer.in_fmt.high)
+    found = []
+    for target, above, end in ((at - 1, False, ends), (at, True, -1 - ends)):
+        frame = layer.closest(row, start, target, above, np.random.default_rng(0))
+        # Where the search finds nothing, the sample's ends are on that side.
+        frame = end if frame is None else frame
+        total = start + int(((row * frame) >> layer.product_shift).sum())
+        if (total >= at) is not above:
+            raise ValueError(f"{layer.entity}: got a border at {at}, which no sum of {weights} meets")
+        found.append(frame)
+    return np.array(found)
 
 
 def tree_depth(terms: int) -> int:

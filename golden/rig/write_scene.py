@@ -8,7 +8,7 @@ import shlex
 import sys
 from pathlib import Path
 
-from golden.cli import run
+from golden.cli import run, would
 from golden.files import check_file, check_writable, replace_file
 from golden.network_files.network_file import provenance_path
 from golden.rig.csv_file import read_csv_file
@@ -100,11 +100,13 @@ def main() -> None:
     hardware = load_scene(arguments.hardware) if arguments.hardware else None
     if hardware:
         check_sensors(found, hardware)
+    would(f"write {path}")
     scene = write_scene(found, path, hardware)
     count = len(scene.members)
     networks = "one network" if count == 1 else f"{count} networks in {scene.arrangement}"
     print(f"wrote {path}: {networks}, {len(scene.sensors)} sensors")
-    print(f"next: make check SCENE={shlex.quote(str(path))}, then make train, make vhdl")
+    given = f"SCENE={shlex.quote(str(path))}"
+    print(f"next: make check {given}, then make train {given} and make vhdl {given}")
 
 
 if __name__ == "__main__":

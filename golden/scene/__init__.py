@@ -4,13 +4,21 @@ A scene is one TOML file, in a folder of ``golden/scenes`` or anywhere else. Pat
 relative to it.
 """
 
-from golden.scene.reading import FOLDER, comparison_names, load_scene, scene_names, scene_path
+from golden.scene.reading import (
+    DEFAULT_SCENES,
+    FOLDER,
+    comparison_names,
+    load_scene,
+    scene_names,
+    scene_path,
+)
 from golden.scene.reference import thesis_figures, thesis_table
 from golden.scene.scene import Scene
 from golden.scene.sections import Member, Training
 from golden.scene.vectors import Vectors
 
 __all__ = [
+    "DEFAULT_SCENES",
     "FOLDER",
     "Member",
     "Scene",

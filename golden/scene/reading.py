@@ -28,6 +28,9 @@ from golden.scene.visualisation import visualisation
 from golden.table import suggest
 
 FOLDER = Path(__file__).parents[1] / "scenes"
+# What a command takes that is given none: the thesis' own instrument, and the same sensors and
+# outputs as tactus builds them today.
+DEFAULT_SCENES = ("thesis", "digit")
 
 
 def scene_path(name: str) -> Path:

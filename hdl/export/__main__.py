@@ -1,6 +1,7 @@
-"""``python -m hdl.export SCENE LANGUAGE``: a scene as VHDL or Verilog, one file an entity.
+"""``python -m hdl.export [SCENE] LANGUAGE``: a scene as VHDL or Verilog, one file an entity.
 
-The same scene gives the same bytes on every run (``hdl.export.repeatable``).
+Without a scene the default scenes are exported. The same scene gives the same bytes on every run
+(``hdl.export.repeatable``).
 """
 
 from __future__ import annotations
@@ -11,9 +12,10 @@ from pathlib import Path
 
 import myhdl
 
+from golden.cli import would
 from golden.files import writing
 from golden.fingerprint import fingerprint, sources
-from golden.scene import load_scene
+from golden.scene import DEFAULT_SCENES, Scene, load_scene
 from golden.scene.ranges import ranges
 from golden.scene.vectors import warn_outside
 from hdl.export.exporter import ORDER, export
@@ -23,24 +25,31 @@ from hdl.export.repeatable import run_repeatable
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m hdl.export", description=__doc__)
-    parser.add_argument("scene")
+    parser.add_argument("scene", nargs="?", help=f"{' and '.join(DEFAULT_SCENES)} when left out")
     parser.add_argument("language", choices=sorted(LANGUAGES))
     parser.add_argument("--build", type=Path, default=Path("build"))
     arguments = parser.parse_args()
-    scene = load_scene(arguments.scene)
+    names = DEFAULT_SCENES if arguments.scene is None else (arguments.scene,)
+    scenes = [load_scene(name) for name in names]
+    folders = [arguments.build / scene.name / arguments.language for scene in scenes]
+    would(f"export into {' and '.join(map(str, folders))}")
+    for scene, folder in zip(scenes, folders, strict=True):
+        export_scene(scene, arguments.language, folder)
+
+
+def export_scene(scene: Scene, language: str, folder: Path) -> None:
+    """Export a scene unless it is there already, and print what it is."""
     warn_outside(scene)
     design = scene.twin()
-    top = design.entity
-    folder = arguments.build / scene.name / arguments.language
-    stamp = folder.parent / f".{arguments.language}.stamp"
+    stamp = folder.parent / f".{language}.stamp"
     inputs = [*sources("golden", "hdl"), *scene.files]
     versions = (myhdl.__version__, platform.python_version())
     if not _is_current(stamp, folder, inputs, versions):
-        export(scene, arguments.language, folder)
+        export(scene, language, folder)
         with writing(stamp):
             stamp.write_text(_state(folder, inputs, versions), encoding="utf-8")
     count = len((folder / ORDER).read_text().split())
-    print(f"{count} files in {folder}, top {top}, compile order in {folder / ORDER}")
+    print(f"{count} files in {folder}, top {design.entity}, compile order in {folder / ORDER}")
     for fact in design.core.facts():
         print(f"{design.core.entity}: {fact}")
     if scene.front_end:

@@ -10,6 +10,7 @@ Does not prove: combinations of magnitude and constants that no segment of the s
 import cocotb
 import numpy as np
 
+from golden.activation.gradient import Gradient
 from tb.common.bench import Bench
 from tb.common.small import PARTS
 from tb.common.stream import UNSIGNED, check_gaps_and_resets, check_stream
@@ -27,8 +28,7 @@ STEPS = 100
 
 def operands(bench):
     """Magnitudes of each segment with the constants of that segment."""
-    activation = next(a for a in bench.design.activations if a.grad_eqn.entity == bench.twin.entity)
-    table = activation.table
+    table = bench.around(Gradient)[0].table
     ends = [-1, *table.thresholds, (1 << bench.twin.mag_width) - 1]
     columns = {name: [] for name in INPUTS}
     for n, (coeff, intercept) in enumerate(zip(table.coeffs, table.intercepts, strict=True)):

@@ -14,19 +14,21 @@ import os
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import TypeVar
 
 import cocotb
 import numpy as np
 from cocotb.handle import LogicObject, _GPISetAction
 from cocotb.triggers import Timer
 
-from golden.block import walk
+from golden.block import Block, around, walk
 from golden.border import State
 from golden.scene import load_scene
 from tb.common.coverage import Coverage
 
 RESET_CLOCKS = 2
 CONFIGURATION = "TACTUS_BENCH"
+Kind = TypeVar("Kind", bound=Block)
 
 
 class Recording:
@@ -97,6 +99,13 @@ class Bench:
         self.played: list[tuple[str, dict[str, np.ndarray]]] = []
         self.inputs = {port.name for port in self.twin.ports if port.direction == "in"}
         dut._log.info("rerun: %s", self.configuration["rerun"])
+
+    def around(self, kind: type[Kind]) -> list[Kind]:
+        """The blocks of a kind that the block under test is part of, the innermost first.
+
+        The scene's top may be a network, several of them, or a whole instrument.
+        """
+        return [block for block in around(self.design, self.twin) if isinstance(block, kind)]
 
     async def play(self, drive: dict[str, np.ndarray], watch: list[str]) -> Recording:
         """Reset the block, play one value per clock on every port of ``drive``, record ``watch``.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from importlib import import_module
 from pathlib import Path
 
+from golden.scene import Scene
 from tb.common.cases import Case
 
 ROOT = Path(__file__).parents[2]
@@ -37,3 +38,10 @@ CASES = every_case()
 def blocks_of(case: str) -> set[str]:
     """The blocks whose benches name a case."""
     return {block for block, names in CASES_OF.items() if case in names}
+
+
+def case_scene(name: str, build: Path = ROOT / "build") -> Scene:
+    """The scene of a case, written below ``build``."""
+    folder = build / "cases"
+    folder.mkdir(parents=True, exist_ok=True)
+    return CASES[name].scene(folder, name)

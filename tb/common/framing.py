@@ -9,12 +9,19 @@ import numpy as np
 from golden.layers.input_controller import FrameScan, InputController
 from tb.common.bench import Recording
 
+LEAST_FRAMES = 30
+
 
 def random_lengths(rng: np.random.Generator, inputs: int, samples: int) -> np.ndarray:
-    """``last`` flags of frames, two in three of them of the right length."""
+    """``last`` flags of so many samples and of ``LEAST_FRAMES``, two in three of the right length.
+
+    Neither right nor wrong ones are missing, however long frames are.
+    """
     last: list[int] = []
-    while len(last) < samples:
+    count = 0
+    while len(last) < samples or count < LEAST_FRAMES:
         right = rng.random() < 2 / 3
+        count += 1
         length = inputs if right else int(rng.integers(1, 3 * inputs + 1))
         last += [0] * (length - 1) + [1]
     return np.array(last, dtype=np.int64)

@@ -1,6 +1,8 @@
 """What the benches of a scene found, each kept until anything that it depends on changes.
 
 A bench's result is kept when it ends, so that what was interrupted goes on where it stopped.
+Of entities of one block that differ in constants alone, one is simulated by itself and the others
+within the networks that they are parts of, unless all are asked for.
 """
 
 from __future__ import annotations
@@ -10,8 +12,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from golden.block import walk
 from golden.files import read_kept, write_kept
 from golden.fingerprint import fingerprint, sources
+from golden.networks.network import Network
 from golden.progress import Progress
 from golden.scene import Scene
 from hdl.export.exporter import MANIFEST
@@ -27,22 +31,54 @@ def state(scene: Scene) -> str:
     return fingerprint(inputs, *(version(s) for s in SIMULATORS))
 
 
+def chosen(planned: list[Job], full: bool = False) -> list[Job]:
+    """Under each simulator every whole network and one entity of each other block.
+
+    That is the first of ``planned``. With ``full`` all of them.
+    """
+    if full or not planned:
+        return planned
+    networks = {p.entity for p in walk(planned[0].scene.twin()) if isinstance(p, Network)}
+    first: dict[tuple[str, str], Job] = {}
+    for job in planned:
+        first.setdefault((job.simulator, job.block), job)
+    ones = {job.folder for job in first.values()}
+    return [job for job in planned if job.entity in networks or job.folder in ones]
+
+
+def left_text(left: int) -> str:
+    """What became of the entities that are not chosen."""
+    return (
+        f"{left} more benches are left to FULL=1: their entities differ from one above in "
+        "constants alone, and are simulated within their networks"
+    )
+
+
 def stored_results(scene: Scene) -> dict[str, Any] | None:
-    """What the benches found, if all have passed and nothing has changed since; None otherwise."""
+    """What the benches found, of all entities or else of those that are chosen.
+
+    None where not all of these have passed, or something has changed since.
+    """
     if not all((BUILD / scene.name / language(s) / MANIFEST).is_file() for s in SIMULATORS):
         return None
     now = state(scene)
-    outcomes = [_kept(job, now) for s in SIMULATORS for job in jobs(scene, s)]
-    found = [outcome for outcome in outcomes if outcome]
-    return _results(scene, found, len(found)) if len(found) == len(outcomes) else None
-
-
-def simulate(scene: Scene) -> dict[str, Any]:
-    """Run the benches of the scene, but for those that have passed and are unchanged since."""
-    planned = plan(scene, SIMULATORS)
-    now = state(scene)
+    planned = [job for s in SIMULATORS for job in jobs(scene, s)]
     kept = {job.folder: outcome for job in planned if (outcome := _kept(job, now))}
-    missing = [job for job in planned if job.folder not in kept]
+    for full in (True, False):
+        asked = chosen(planned, full)
+        if all(job.folder in kept for job in asked):
+            found = [kept[job.folder] for job in asked]
+            return _results(scene, found, len(found), len(planned) - len(asked))
+    return None
+
+
+def simulate(scene: Scene, full: bool = False) -> dict[str, Any]:
+    """Run the benches that are chosen, but for those that have passed and are unchanged since."""
+    planned = plan(scene, SIMULATORS)
+    asked = chosen(planned, full)
+    now = state(scene)
+    kept = {job.folder: outcome for job in asked if (outcome := _kept(job, now))}
+    missing = [job for job in asked if job.folder not in kept]
     with Progress(f"{scene.name}: simulating", len(missing), "benches") as progress:
 
         def listen(outcome: Outcome) -> None:
@@ -53,14 +89,16 @@ def simulate(scene: Scene) -> dict[str, Any]:
 
         ran = run_jobs(missing, listen, work=partial(_run_and_keep, now))
     found = kept | {outcome.job.folder: outcome for outcome in ran}
-    return _results(scene, [found[job.folder] for job in planned], len(kept))
+    outcomes = [found[job.folder] for job in asked]
+    return _results(scene, outcomes, len(kept), len(planned) - len(asked))
 
 
-def _results(scene: Scene, outcomes: list[Outcome], kept: int) -> dict[str, Any]:
+def _results(scene: Scene, outcomes: list[Outcome], kept: int, left: int) -> dict[str, Any]:
     top = scene.twin().entity
     return {
         "benches": len(outcomes),
         "kept": kept,
+        "left": left,
         "failed": sum(not o.passed for o in outcomes),
         "compared": sum(o.compared for o in outcomes),
         "blocks": _by_block(outcomes),

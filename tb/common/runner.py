@@ -23,13 +23,13 @@ from golden.block import Block, walk
 from golden.cli import CommandError
 from golden.files import replace_folder, writing
 from golden.fingerprint import fingerprint
-from golden.scene import Scene, load_scene, scene_names, scene_path
-from golden.table import suggest
+from golden.scene import Scene, load_scene, scene_path
 from hdl.export.exporter import MANIFEST, ORDER
 from tb.common.bench import CONFIGURATION
 from tb.common.coverage import Counts, add, missing
 from tb.common.simulate import Run, analyse, simulate
 from tb.common.tools import SIMULATORS, check_simulator, language
+from tb.common.where import check_block
 
 ROOT = Path(__file__).parents[2]
 BUILD = ROOT / "build"
@@ -190,8 +190,7 @@ def plan(
     simulators = list(simulators)
     for simulator in simulators:
         check_simulator(simulator)
-    if block is not None:
-        _check_block(scene, block)
+    check_block(scene, block)
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         list(pool.map(lambda name: prepare(scene, name, build), simulators))
     return [
@@ -242,29 +241,15 @@ def _needed(order: list[str], manifest: list[dict[str, Any]], part: Block) -> tu
     return tuple(name for name in order if name not in others)
 
 
-def _check_block(scene: Scene, block: str) -> None:
-    present = sorted({part.block for part in walk(scene.twin())})
-    if block in present:
-        return
-    elsewhere = [
-        name
-        for name in scene_names()
-        if name != scene.name and block in {p.block for p in walk(load_scene(name).twin())}
-    ]
-    hint = f"; scene {elsewhere[0]} contains it" if elsewhere else suggest(block, present)
-    raise CommandError(
-        f"BLOCK={block}: scene {scene.name} has no such block, expected one of "
-        f"{', '.join(present)}{hint}"
-    )
-
-
 def run_job(job: Job) -> Outcome:
     """Build and simulate one entity."""
     shutil.rmtree(job.folder, ignore_errors=True)
     with writing(job.folder):
         job.folder.mkdir(parents=True)
     how = f"NETLIST={job.form}" if job.form else f"SIM={job.simulator}"
-    rerun = f"make sim BLOCK={job.block} {how} SCENE={_scene_argument(job.scene)}"
+    rerun = f"make sim BLOCK={job.block} {how} SCENE={shlex.quote(_scene_argument(job.scene))}"
+    if job.frames != FRAMES:
+        rerun += f" FRAMES={job.frames}"
     configuration = {
         "scene": str(job.scene.path.resolve()),
         "entity": job.entity,

@@ -143,6 +143,9 @@ def border_frames(
         for border in layer.borders_of("sum", row, bias, factor):
             if border.unreachable:
                 continue
+            # Those that the twin has found; then others.
+            found += list(layer.beside(row, bias, border.at))
+            of_row += [number] * 2
             for target, above in (
                 (border.at - 2, False),
                 (border.at - 1, False),

@@ -1,9 +1,9 @@
 """frame_check against its twin.
 
 Sweeps: 1000 samples in frames of the right length, shorter and longer ones, mixed at random.
-Drives: frames far enough apart, closer than they are computed, with gaps, and with resets at random
-clocks. After each good frame ``finish`` comes in its clock; ``store`` is high at random while a
-frame is computed.
+Drives: frames far enough apart, closer than they are computed, each clock about the first that is
+late enough, with gaps, and with resets at random clocks. After each good frame ``finish`` comes in
+its clock; ``store`` is high at random while a frame is computed.
 Checks: start, run, write, its address and frame_error in their clocks, and that none of the flags
 is high in any other clock.
 Does not prove: a finish while no frame is computed, which the program rules out.
@@ -27,6 +27,8 @@ FAULTS = [
 ]
 
 SAMPLES = 1000
+# Clocks by which a frame comes later than just too early.
+ABOUT = range(-2, 3)
 
 
 def computed(twin, drive):
@@ -49,15 +51,29 @@ def computed(twin, drive):
     return flags, running
 
 
-async def check(bench, gap, apart, resets):
-    """Play frames; ``apart`` is the most idle clocks before each."""
+def openings(rows, last, done):
+    """The clocks of the last sample of each good frame, and of the sample that opens the next."""
+    ends = rows[done]
+    opening = rows[1:][last[:-1]]
+    good = np.append(-1, ends)[np.searchsorted(ends, opening)]
+    return good[good >= 0], opening[good >= 0]
+
+
+def timeline(bench, gap, apart, resets):
+    """Frames with their clocks; ``apart`` is the most idle clocks before each."""
     twin, rng = bench.twin, bench.rng
     last = random_lengths(rng, twin.inputs, SAMPLES)
     (border,) = twin.borders
     # Of four frames one comes about as early as it may.
     about = border.at - 1 + rng.integers(-2, 3, len(last))
     idle = np.where(rng.random(len(last)) < 1 / 4, about, rng.integers(0, apart + 1, len(last)))
-    pause = np.roll(last, 1) * idle
+    # And at the beginning good ones do: however long frames are, each such distance is there. One
+    # that comes too early is refused, so that the next follows no good one.
+    good = np.tile(np.arange(twin.inputs) == twin.inputs - 1, 2 * len(ABOUT)).astype(np.int64)
+    last = np.concatenate([good, last])
+    first = np.zeros((2 * len(ABOUT), twin.inputs), dtype=np.int64)
+    first[0::2, 0], first[1::2, 0] = 2 * border.at, border.at - 1 + np.array(ABOUT)
+    pause = np.concatenate([first.ravel(), np.roll(last, 1)[len(good) :] * idle])
     drive = spread(rng, {"in_last": last}, "in_valid", gap, tail=twin.busy + 6, pause=pause)
     length = len(drive["in_valid"])
     every = 3 * (twin.busy + twin.inputs)
@@ -66,17 +82,21 @@ async def check(bench, gap, apart, resets):
     # In turns some results, and so many that the counter goes around.
     density = np.where(np.arange(length) // (4 * twin.busy) % 2, 0.95, 1 / 3)
     drive["store"] = running & (rng.random(length) < density)
+    return drive
+
+
+async def check(bench, gap, apart, resets):
+    twin = bench.twin
+    drive = timeline(bench, gap, apart, resets)
     recording = await bench.play(drive, ["start", "run", "write", "write_addr", "frame_error"])
 
     rows, frames = scan(twin, recording)
     bench.visit("dropping", ~frames.accept)
     bench.visit("samples before", frames.addr[frames.accept & ~frames.error])
     ends = rows[frames.done]
-    # From a good frame to the sample that opens the next, with no reset between.
-    last_rows = recording.rows("in_last")
-    opening = rows[np.concatenate([[False], np.isin(rows[:-1], last_rows)])]
-    good = np.append(0, ends)[np.searchsorted(ends, opening)]
-    near = (good > 0) & recording.undisturbed(good, opening)
+    # Of samples with no reset between.
+    good, opening = openings(rows, np.isin(rows, recording.rows("in_last")), frames.done)
+    near = recording.undisturbed(good, opening)
     bench.meet("clocks from a good frame to the next sample", (opening - good)[near])
     # A frame is computed up to ``finish``, or to a reset, or to the end of the recording.
     stops = np.sort(np.concatenate([recording.resets(), [recording.clocks - 1]]))

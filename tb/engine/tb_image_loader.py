@@ -15,6 +15,7 @@ import numpy as np
 
 from golden.engine.image import Image, Sizes
 from golden.engine.program import WORD_WIDTH
+from golden.networks.engine import Engine
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import RELOADED
 from tb.common.stimulus import random_resets
@@ -34,7 +35,7 @@ FAULTS = [
 
 def random_image(bench, words):
     """An image of random words."""
-    sizes, rng = bench.design.core.loaded.sizes, bench.rng
+    sizes, rng = bench.around(Engine)[0].loaded.sizes, bench.rng
     inputs = int(rng.integers(1, sizes.operand_words))
     return Image(sizes, inputs, tuple(rng.integers(0, 1 << WORD_WIDTH, words).tolist()))
 
@@ -42,7 +43,7 @@ def random_image(bench, words):
 def streams(bench):
     """Bytes of images, and whether each is whole."""
     rng = bench.rng
-    sizes = bench.design.core.loaded.sizes
+    sizes = bench.around(Engine)[0].loaded.sizes
     whole = [random_image(bench, words).to_bytes() for words in (1, 2, 3, 10, 25, 1)]
     image = whole[3]
     cuts = [1, 4, 5, 6, *range(len(image) - 6, len(image)), *rng.integers(1, len(image), 5)]

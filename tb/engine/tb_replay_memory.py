@@ -13,6 +13,7 @@ Does not prove: that the program is the right one (the bench of the engine does)
 import cocotb
 import numpy as np
 
+from golden.networks.engine import Engine
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.small import SERIAL_PARTS
 from tb.common.stimulus import look_ups, random_resets, random_runs
@@ -60,7 +61,7 @@ async def check(bench, run, finish, resets):
 async def whole_program(dut):
     bench = Bench(dut)
     # On behind the program, where no word ends a pass, and through the table to the program again.
-    length = bench.design.output_clocks[-1] + 2 * len(bench.twin.contents)
+    length = bench.around(Engine)[0].output_clocks[-1] + 2 * len(bench.twin.contents)
     await check(bench, np.ones(length), np.zeros(length), resets=False)
     bench.finish(at_least=length)
 

@@ -21,16 +21,21 @@ FAULTS = [
 ]
 
 
+def stimuli(bench):
+    """Frames, as the twin takes them."""
+    twin, fmt = bench.twin, bench.twin.in_fmt
+    random = bench.rng.integers(fmt.low, fmt.high + 1, (300, twin.inputs))
+    ends = extreme_frames(fmt, twin.weights)
+    borders, _ = border_frames(bench.rng, twin, twin.weights, twin.biases)
+    rounding, _ = rounding_frames(bench.rng, twin, twin.weights, twin.biases)
+    return [(np.concatenate([corner_frames(fmt, twin.inputs), ends, borders, rounding, random]),)]
+
+
 @cocotb.test()
 async def frames(dut):
     bench = Bench(dut)
-    fmt, inputs = bench.twin.in_fmt, bench.twin.inputs
-    random = bench.rng.integers(fmt.low, fmt.high + 1, (300, inputs))
-    ends = extreme_frames(fmt, bench.twin.weights)
-    twin = bench.twin
-    borders, _ = border_frames(bench.rng, twin, twin.weights, twin.biases)
-    rounding, _ = rounding_frames(bench.rng, twin, twin.weights, twin.biases)
-    driven = np.concatenate([corner_frames(fmt, inputs), ends, borders, rounding, random])
+    twin, inputs = bench.twin, bench.twin.inputs
+    ((driven,),) = stimuli(bench)
     addr = np.tile(np.arange(inputs), (len(driven), 1))
     ports = [f"out_q_{j}" for j in range(bench.twin.hidden)]
     for gap in (0.0, 0.4):
@@ -40,8 +45,8 @@ async def frames(dut):
         bench.compare("addr", recording.unsigned("addr", samples.ravel()), addr.ravel())
         seen = recording.signed("in_data", samples.ravel()).reshape(samples.shape)
         expected = twin.process(seen)
-        for j, sums in enumerate(twin.exact(seen).T):
-            bench.meet(f"sum {j}", sums)
+        for quantity, sums in twin.quantities(seen).items():
+            bench.meet(quantity, sums)
         # The first clock of every sum, and the last one before the next sum.
         for rows in (held, np.append(held[1:] - 1, recording.clocks - 1)):
             got = np.stack([recording.signed(port, rows) for port in ports], axis=-1)

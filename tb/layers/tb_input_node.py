@@ -1,20 +1,20 @@
 """input_node against its twin.
 
 Sweeps: with the weights of every node that the design has, corner frames (rails, alternating rails,
-zeros, one sensor alone) and the frames that drive the sum to its ends; 500 random frames, each with
-weights and a bias of its own; with the weights of every node, and with the largest at random,
-frames on either side of where the sum saturates, and where it rounds to another result; frames that
-bring the sum to the ends of the accumulator.
+zeros, one sensor alone), the frames that drive the sum to its ends, and frames on either side of
+where it saturates, and where it rounds to another result; 500 random frames, each with weights and
+a bias of its own; each end of a weight and of the bias alone. With weights whose sums are just all
+that the accumulator holds, as many samples as that takes, the same borders and both ends.
 Drives: samples and weights with the controls as CONTROLLER 1 makes them, back to back and with
 gaps; a bias only where ``preset`` asks for it, and something else in other clocks.
 Checks: the held sum of every frame bit for bit, from the clock after ``capture`` to the next one.
-Does not prove: controls in an order that CONTROLLER 1 never makes; sums that leave the accumulator.
+Does not prove: controls in an order that CONTROLLER 1 never makes; weights with which samples could
+bring a sum out of the accumulator.
 """
 
 import cocotb
 import numpy as np
 
-from golden.block import walk
 from golden.layers.input_integral import InputIntegral
 from tb.common.bench import Bench
 from tb.common.frames import captured_rows, node_timeline
@@ -35,19 +35,15 @@ RANDOM = 500
 
 
 def random_coefficients(bench, inputs):
-    """Weights and biases of any magnitude whose sums the accumulator holds."""
+    """Weights and biases of any magnitude that the block is specified for."""
     twin, rng = bench.twin, bench.rng
     fmt = twin.coeff_fmt
     weights = rng.integers(fmt.low, fmt.high + 1, (RANDOM, inputs))
     biases = rng.integers(fmt.low, fmt.high + 1, RANDOM)
-    while True:
-        terms = np.abs(weights * twin.in_fmt.low) >> twin.product_shift
-        reach = terms.sum(axis=1) + (np.abs(biases) << twin.bias_shift)
-        wide = reach >= 1 << (twin.acc_width - 1)
-        if not wide.any():
-            return weights, biases
+    while not (held := twin.holds(weights, biases)).all():
         for codes in (weights, biases):
-            codes[wide] = np.sign(codes[wide]) * (np.abs(codes[wide]) // 2)
+            codes[~held] = np.sign(codes[~held]) * (np.abs(codes[~held]) // 2)
+    return weights, biases
 
 
 def end_coefficients(bench, inputs):
@@ -66,61 +62,92 @@ def end_coefficients(bench, inputs):
     return frames, found, np.array(biases, dtype=np.int64)
 
 
-def fine(bench, rows):
-    """The same weights, but that the last makes steps of one: sums of every value are reached.
-
-    Of minus one, which every format holds; the weight of plus one may be just beyond its highest.
-    """
-    return [[*row[:-1], -1 << bench.twin.product_shift] for row in rows]
-
-
-def accumulator_ends(bench, inputs):
-    """Frames whose sums are those at the ends of the accumulator, or as close as weights allow."""
-    twin, coeff = bench.twin, bench.twin.coeff_fmt
-    row = np.array(fine(bench, [[coeff.high] * inputs])[0])
-    parts = []
-    for sample, above in ((twin.in_fmt.high, False), (twin.in_fmt.low, True)):
-        end = (-1 if above else 1) << (twin.acc_width - 1)
-        rest = end - int(((row[:-1] * sample) >> twin.product_shift).sum())
-        bias = int(np.clip(rest >> twin.bias_shift, coeff.low, coeff.high))
-        for target in (end + 1, end) if above else (end - 2, end - 1):
-            parts.append(
-                (twin.closest(row, bias << twin.bias_shift, target, above, bench.rng), row, bias)
-            )
-    return tuple(map(np.array, zip(*parts, strict=True)))
+def marked(bench, rows, biases, count):
+    """Frames about which the sums of rows saturate or round to another result."""
+    pairs = [
+        border_frames(bench.rng, bench.twin, rows, biases),
+        rounding_frames(bench.rng, bench.twin, rows, biases, count=count),
+    ]
+    frames, chosen = (np.concatenate(column) for column in zip(*pairs, strict=True))
+    return frames, np.array(rows)[chosen], np.array(biases)[chosen]
 
 
-def stimuli(bench, layer):
-    """Frames, and the weights and bias of each."""
+def of_layer(bench, layer):
+    """Frames of as many samples as a layer takes, and the weights and bias of each."""
     fmt, inputs = bench.twin.in_fmt, layer.inputs
-    weights, biases = random_coefficients(bench, inputs)
-    parts = [(bench.rng.integers(fmt.low, fmt.high + 1, (RANDOM, inputs)), weights, biases)]
+    coefficients = random_coefficients(bench, inputs)
+    parts = [(bench.rng.integers(fmt.low, fmt.high + 1, (RANDOM, inputs)), *coefficients)]
     for row, bias in zip(layer.weights, layer.biases, strict=True):
         frames = np.concatenate([corner_frames(fmt, inputs), extreme_frames(fmt, [row])])
         count = len(frames)
         parts.append((frames, np.tile(row, (count, 1)), np.full(count, bias)))
-    # The weights of the nodes need not reach what the accumulator holds; these do.
-    reach = (np.abs(weights * fmt.low) >> bench.twin.product_shift).sum(axis=1)
-    widest = int(np.argmax(reach))
-    rows = [*map(list, layer.weights), weights[widest].tolist()]
-    offsets = [*layer.biases, int(biases[widest])]
-    frames, chosen = border_frames(bench.rng, bench.twin, rows, offsets)
-    parts.append((frames, np.array(rows)[chosen], np.array(offsets)[chosen]))
-    rows = fine(bench, rows)
-    frames, chosen = rounding_frames(bench.rng, bench.twin, rows, offsets, count=5)
-    parts.append((frames, np.array(rows)[chosen], np.array(offsets)[chosen]))
-    parts.append(accumulator_ends(bench, inputs))
+    parts.append(marked(bench, layer.weights, layer.biases, count=5))
     parts.append(end_coefficients(bench, inputs))
+    return joined(parts)
+
+
+def widest(twin, above):
+    """Weights and a bias whose sums end where the accumulator does, above or below.
+
+    Half of the way is the bias, where it reaches that far. One weight is 1 and one no larger than
+    the steps between which it leaves nothing out, so that every sum up to the end is reached.
+    """
+    fmt, most = twin.coeff_fmt, 1 << (twin.acc_width - 1)
+    room = most - 1 if above else most
+    bias = min(fmt.high, room >> twin.bias_shift >> 1)
+    room -= bias << twin.bias_shift
+    # What is left in weights that the least sample takes to the end.
+    left = room // (-twin.in_fmt.low >> twin.product_shift)
+    sizes = []
+    for size in (1, -twin.in_fmt.low):
+        sizes.append(min(left, size, fmt.high))
+        left -= sizes[-1]
+    while left:
+        sizes.append(min(left, fmt.high))
+        left -= sizes[-1]
+    row, bias = np.array(sizes) * (-1 if above else 1), bias if above else -bias
+    # A weight of the other sign, of which the largest sample is the last bit short of the end.
+    longer = np.append(row, 1 if above else -1)
+    return (longer if twin.holds(longer, bias) else row), bias
+
+
+def whole_range(bench):
+    """Frames up to the ends of the accumulator, of as many samples as that takes."""
+    twin, half = bench.twin, 1 << (bench.twin.acc_width - 1)
+    found = []
+    for above in (False, True):
+        row, bias = widest(twin, above)
+        found.append(marked(bench, [row], [bias], count=20))
+        for target in (half - 2, half - 1) if above else (-half, 1 - half):
+            start = bias << twin.bias_shift
+            frame = twin.closest(row, start, target, not above, bench.rng)
+            if frame is not None:
+                found.append((frame[np.newaxis], row[np.newaxis], np.array([bias])))
+    length = max(frames.shape[1] for frames, _, _ in found)
+
+    def padded(codes):
+        return np.pad(codes, ((0, 0), (0, length - codes.shape[1])))
+
+    return joined([(padded(frames), padded(rows), biases) for frames, rows, biases in found])
+
+
+def joined(parts):
     return tuple(np.concatenate(column) for column in zip(*parts, strict=True))
+
+
+def stimuli(bench):
+    """Frames, and the weights and bias of each; all frames of a part have as many samples."""
+    return [
+        *(of_layer(bench, layer) for layer in bench.around(InputIntegral)),
+        whole_range(bench),
+    ]
 
 
 @cocotb.test()
 async def frames(dut):
     bench = Bench(dut)
-    layers = [block for block in walk(bench.design) if isinstance(block, InputIntegral)]
     fmt = bench.twin.coeff_fmt
-    for layer in (block for block in layers if block.node == bench.twin):
-        driven, weights, biases = stimuli(bench, layer)
+    for driven, weights, biases in stimuli(bench):
         others = bench.rng.integers(fmt.low, fmt.high + 1, weights.shape)
         others[:, 0] = biases
         items = {"in_data": driven, "weight": weights, "bias": others}
@@ -128,7 +155,7 @@ async def frames(dut):
             drive = node_timeline(bench.rng, items, gap)
             drive["bias"] = np.roll(drive["bias"], 2)
             recording = await bench.play(drive, ["out_data"])
-            samples, held = captured_rows(recording, layer.inputs)
+            samples, held = captured_rows(recording, weights.shape[1])
             seen, factors = (
                 recording.signed(port, samples.ravel()).reshape(samples.shape)
                 for port in ("in_data", "weight")

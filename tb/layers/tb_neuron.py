@@ -25,17 +25,23 @@ FAULTS = [
 ]
 
 
+def stimuli(bench):
+    """Frames, as the twin takes them."""
+    twin = bench.twin
+    fmt, inputs = twin.in_fmt, len(twin.weights)
+    random = bench.rng.integers(fmt.low, fmt.high + 1, (1000 + bench.latency, inputs))
+    ends = extreme_frames(fmt, [twin.weights])
+    borders, _ = border_frames(bench.rng, twin, [twin.weights], [twin.bias], [twin.factor or 1])
+    rounding, _ = rounding_frames(bench.rng, twin, [twin.weights], [twin.bias], [twin.factor or 1])
+    return [(np.concatenate([corner_frames(fmt, inputs), ends, borders, rounding, random]),)]
+
+
 @cocotb.test()
 async def frames(dut):
     bench = Bench(dut)
     twin, latency = bench.twin, bench.latency
-    fmt, inputs = twin.in_fmt, len(twin.weights)
-    random = bench.rng.integers(fmt.low, fmt.high + 1, (1000 + latency, inputs))
-    ends = extreme_frames(fmt, [twin.weights])
-    borders, _ = border_frames(bench.rng, twin, [twin.weights], [twin.bias], [twin.factor or 1])
-    rounding, _ = rounding_frames(bench.rng, twin, [twin.weights], [twin.bias], [twin.factor or 1])
-    driven = np.concatenate([corner_frames(fmt, inputs), ends, borders, rounding, random])
-    ports = [f"in_data_{k}" for k in range(inputs)]
+    ((driven,),) = stimuli(bench)
+    ports = [f"in_data_{k}" for k in range(len(twin.weights))]
     recording = await bench.play(dict(zip(ports, driven.T, strict=True)), ["out_data"])
     # From the first row after the initial ones; by then the bias is in its register.
     rows = np.arange(recording.clocks - len(driven), recording.clocks - latency)

@@ -28,13 +28,15 @@ FAULTS = [
 ]
 
 
-async def check(bench, frames, gap, resets):
+def rows_of(twin, frames):
+    """Each output row, its ``last``, and the activations, for every frame of these."""
+    rows = np.tile(np.arange(twin.outputs), len(frames))
+    last = (rows == twin.outputs - 1).astype(np.int64)
+    return rows, last, *np.repeat(frames, twin.outputs, axis=0).T
+
+
+async def check(bench, operands, gap, resets):
     twin = bench.twin
-    outputs, hidden = twin.outputs, twin.hidden
-    rows = np.tile(np.arange(outputs), len(frames))
-    items = {"in_addr": rows, "in_last": (rows == outputs - 1).astype(np.int64)}
-    for j in range(hidden):
-        items[f"in_r_{j}"] = np.repeat(frames[:, j], outputs)
 
     def expected(addr, last, *activations):
         frames = np.stack(activations, axis=-1)
@@ -42,36 +44,40 @@ async def check(bench, frames, gap, resets):
         return results[np.arange(len(addr)), addr], last
 
     inputs = {"in_addr": UNSIGNED, "in_last": UNSIGNED}
-    inputs |= {f"in_r_{j}": SIGNED for j in range(hidden)}
+    inputs |= {f"in_r_{j}": SIGNED for j in range(twin.hidden)}
     await check_stream(
         bench,
-        items,
+        dict(zip(inputs, operands, strict=True)),
         inputs,
         {"out_data": SIGNED, "out_last": UNSIGNED},
         expected,
         gap=gap,
         resets=resets,
     )
-    bench.finish(at_least=len(frames))
+    bench.finish(at_least=len(operands[0]) // twin.outputs)
 
 
-def activations(bench, count):
+def stimuli(bench, count=1000):
+    """Rows and activations, as the block takes them; ``count`` random frames."""
     fmt = bench.twin.in_fmt
     random = bench.rng.integers(fmt.low, fmt.high + 1, (count, bench.twin.hidden))
     ends = extreme_frames(fmt, bench.twin.weights)
     twin = bench.twin
     borders, _ = border_frames(bench.rng, twin, twin.weights, twin.biases, twin.factors)
     rounding, _ = rounding_frames(bench.rng, twin, twin.weights, twin.biases, twin.factors)
-    return np.concatenate([corner_frames(fmt, twin.hidden), ends, borders, rounding, random])
+    frames = np.concatenate([corner_frames(fmt, twin.hidden), ends, borders, rounding, random])
+    return [rows_of(twin, frames)]
 
 
 @cocotb.test()
 async def back_to_back(dut):
     bench = Bench(dut)
-    await check(bench, activations(bench, 1000), gap=0.0, resets=False)
+    (operands,) = stimuli(bench)
+    await check(bench, operands, gap=0.0, resets=False)
 
 
 @cocotb.test()
 async def gaps_and_resets(dut):
     bench = Bench(dut)
-    await check(bench, activations(bench, 400), gap=0.3, resets=True)
+    (operands,) = stimuli(bench, count=400)
+    await check(bench, operands, gap=0.3, resets=True)

@@ -14,14 +14,14 @@ import sys
 from typing import Any
 
 from golden.block import Block
-from golden.cli import CommandError, run
+from golden.cli import CommandError, run, would
 from golden.fingerprint import fingerprint
 from golden.progress import Progress
 from tb.common.coverage import values_of
 from tb.common.runner import Outcome, run_job, run_jobs
 from tb.sign_off.record import write_record
 from tb.sign_off.source import source
-from tb.sign_off.subject import chosen_blocks, subject
+from tb.sign_off.subject import case_line, chosen_blocks, subject
 
 KIND = "coverage"
 
@@ -72,7 +72,10 @@ def main() -> int:
     parser.add_argument("--block")
     parser.add_argument("--record", action="store_true")
     arguments = parser.parse_args()
-    jobs = [subject(block) for block in chosen_blocks(arguments.block)]
+    blocks = chosen_blocks(arguments.block)
+    print(case_line(arguments.block), flush=True)
+    would(f"export, then run {len(blocks)} benches")
+    jobs = [subject(block) for block in blocks]
     with Progress("coverage", len(jobs), "benches") as progress:
         outcomes = run_jobs(jobs, lambda outcome: progress.step(outcome.job.entity), work=run_job)
     failed = [outcome for outcome in outcomes if not outcome.passed]

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from itertools import product
 
 from golden.cli import CommandError
 from golden.files import replace_file
@@ -110,6 +111,26 @@ def with_text(job: Job, family: str, files: dict[str, str]) -> Job:
     return replace(changed, files=(*changed.files, f"{job.entity}/{MODELS}"))
 
 
+def mapped(
+    design: Network, entities: Iterable[str], families: Iterable[str]
+) -> list[tuple[str, str]]:
+    """Which of a design's entities are mapped to the cells of which families.
+
+    Raises
+    ------
+    CommandError
+        When none is: only a whole design is placed.
+    """
+    found = [
+        (entity, family)
+        for entity, family in product(entities, families)
+        if family != ROUTED or entity == design.entity
+    ]
+    if not found:
+        raise CommandError(f"NETLIST={ROUTED}: only {design.entity}, the whole design, is placed")
+    return found
+
+
 def on_cells_of(design: Network, jobs: Iterable[Job], families: Iterable[str]) -> list[Job]:
     """The benches of a design's entities on its netlists.
 
@@ -120,14 +141,8 @@ def on_cells_of(design: Network, jobs: Iterable[Job], families: Iterable[str]) -
     CommandError
         When it cannot be mapped or placed, or when nothing is left to run.
     """
-    wanted = [
-        (job, family)
-        for job in jobs
-        for family in families
-        if family != ROUTED or job.entity == design.entity
-    ]
-    if not wanted:
-        raise CommandError(f"NETLIST={ROUTED}: only {design.entity}, the whole design, is placed")
+    by_entity = {job.entity: job for job in jobs}
+    wanted = [(by_entity[entity], family) for entity, family in mapped(design, by_entity, families)]
     first = {family: job for job, family in wanted if family != UNKNOWN}
     with ThreadPoolExecutor() as pool:
         # Each family's tool runs once, side by side; what follows finds its answer.

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from golden.block import walk
-from golden.cli import CommandError
+from golden.cli import CommandError, would
 from golden.files import read_kept, write_kept
 from golden.fingerprint import fingerprint, sources
 from golden.progress import Progress
@@ -172,10 +172,12 @@ def record(given: str, block: str | None, tell: Tell) -> list[Outcome]:
         For one family alone, and for a block that has no bench.
     """
     blocks = chosen_blocks(block)
-    if chosen(given) == list(FAMILIES):
-        return record_netlists(blocks, tell)
-    if given != UNKNOWN:
+    every = chosen(given) == list(FAMILIES)
+    if not every and given != UNKNOWN:
         raise CommandError(f"NETLIST={given}: RECORD=1 records every family: NETLIST={ALL}")
+    would(f"run the benches of {len(blocks)} blocks with NETLIST={given} and record them")
+    if every:
+        return record_netlists(blocks, tell)
     subjects = [played(subject(name, NETLISTS_RUN_IN)) for name in blocks]
     with Progress("simulating unknown registers of", len(subjects), "blocks") as progress:
 

@@ -21,7 +21,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from golden.cli import run
+from golden.cli import run, would
 from golden.files import replace_file
 from golden.fingerprint import fingerprint
 from hdl.synth.tools import digest
@@ -32,7 +32,7 @@ from tb.sign_off.proofs import PROOFS, proof_file, properties_of
 from tb.sign_off.properties import Property
 from tb.sign_off.record import read_record, write_record
 from tb.sign_off.solver import Answer, Inquiry
-from tb.sign_off.subject import chosen_blocks, subject
+from tb.sign_off.subject import case_line, chosen_blocks, subject
 
 KIND = "proof"
 
@@ -192,6 +192,8 @@ def main() -> int:
     parser.add_argument("--record", action="store_true")
     arguments = parser.parse_args()
     blocks = chosen_blocks(arguments.block)
+    print(case_line(arguments.block), flush=True)
+    would(f"export and prove {len(blocks)} blocks")
     proved = prove_blocks([block for block in blocks if block in PROOFS], arguments.record)
     equal = prove_equal(blocks, arguments.record)
     return 0 if proved and equal else 1

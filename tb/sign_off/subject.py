@@ -8,7 +8,7 @@ from pathlib import Path
 from golden.cli import CommandError
 from golden.scene import load_scene
 from golden.table import suggest
-from tb.common.collected import BENCHES, CASES, CASES_OF
+from tb.common.collected import BENCHES, CASES_OF, case_scene
 from tb.common.runner import BUILD, Job, jobs, plan, prepare
 
 
@@ -43,6 +43,13 @@ def chosen_blocks(block: str | None) -> list[str]:
     return [block]
 
 
+def case_line(block: str | None) -> str:
+    """The line that says in which case of its bench a block is taken, and why."""
+    if block is None:
+        return "each block: in the first case of its bench, as its records are"
+    return f"case {CASES_OF[block][0]}: the first of the bench of {block}, as its records are"
+
+
 def subjects_of(scene: str, block: str | None = None, simulator: str = "icarus") -> list[Job]:
     """The first entity of each block of a scene, or of one of its blocks."""
     planned = plan(load_scene(scene), [simulator], block)
@@ -52,10 +59,7 @@ def subjects_of(scene: str, block: str | None = None, simulator: str = "icarus")
 @cache
 def _case_jobs(name: str, simulator: str, build: Path) -> list[Job]:
     """The benches of a case, which many blocks share."""
-    folder = build / "cases"
-    folder.mkdir(parents=True, exist_ok=True)
-    CASES[name].scene(folder, name)
-    scene = load_scene(str(folder / f"{name}.toml"))
+    scene = case_scene(name, build)
     prepare(scene, simulator, build)
     return jobs(scene, simulator, build=build)
 

@@ -11,7 +11,7 @@ close the result is to exp(-x) (tests/test_visualisation.py bounds the profile).
 import cocotb
 import numpy as np
 
-from golden.block import walk
+from golden.visualisation.load_profile import LoadProfile
 from tb.common.bench import Bench
 from tb.common.small import PROFILES
 from tb.common.stream import UNSIGNED, check_gaps_and_resets, check_stream
@@ -27,8 +27,7 @@ OUTPUTS = {"out_data": UNSIGNED}
 
 
 def pairs(bench):
-    load_profile = next(b for b in walk(bench.design) if b.block == "load_profile")
-    words = np.array(load_profile.exp_memory.words)
+    words = np.array(bench.around(LoadProfile)[0].exp_memory.words)
     top = (1 << bench.twin.offset_width) - 1
     random = bench.rng.integers(0, words.max() + 1, 2000)
     offsets = [np.full(len(words), fixed) for fixed in (0, top)]

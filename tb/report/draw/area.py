@@ -34,7 +34,10 @@ class Disc:
 
 
 def designs(table: Table) -> list[Disc]:
-    """Networks of four outputs within a scan, and the printed ones; the fewest LUTs first."""
+    """Networks of four outputs within a scan, and the printed ones; the fewest LUTs first.
+
+    What has a front end is no network alone, and waits for its scan.
+    """
     found = [
         Disc(
             str(row["scene"]).removeprefix("comparison/"),
@@ -45,7 +48,7 @@ def designs(table: Table) -> list[Disc]:
             number(row, "largest %"),
         )
         for row in rows_of(table, data="appendix2", outputs=4)
-        if row["LUT"] is not None and number(row, "clocks a frame") < SCAN_CLOCKS
+        if row["LUT"] is not None and number(row, "interval clocks") < SCAN_CLOCKS
     ]
     device = thesis_table("board")
     for name, key in (("cascade", "digit.cascade_b"), ("single", "digit.hybrid")):

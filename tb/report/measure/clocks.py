@@ -67,5 +67,5 @@ def clocks(_: int) -> Table:
         "appendix2 are percent of the target, or of 0.9 for position and width; those of "
         "swing-train percent of 1.4, from end to end, without positions, so the two do not "
         "compare. Clocks from the first sample to the last output, and from one frame to the "
-        "next; digit-instrument waits for its sensors.",
+        "next; thesis and digit-instrument wait for their sensors.",
     )

@@ -61,10 +61,10 @@ def made(seconds: float) -> list[str]:
     ]
 
 
-def build_report(scene: Scene, full: bool = False) -> None:
-    """Build the report of a scene; ``full`` has the project's own tables too."""
+def build_report(scene: Scene, full: bool = False, own: bool = True) -> None:
+    """Build the report of a scene; for ``full`` and ``own`` see ``content``."""
     started = time.perf_counter()
     check_writable([BUILD / scene.name / "report.html"])
-    page = content(scene, tell, full)
+    page = content(scene, tell, full, own)
     write(scene, dataclasses.replace(page, made=made(time.perf_counter() - started)))
     print(f"wrote {BUILD / scene.name / 'report.html'}")

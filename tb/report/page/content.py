@@ -9,7 +9,7 @@ from golden.fingerprint import fingerprint, sources
 from golden.network_files.network_file import provenance_path
 from golden.networks.network import Network
 from golden.scene import Scene
-from tb.common.results import stored_results
+from tb.common.results import left_text, stored_results
 from tb.common.tools import SIMULATORS, version
 from tb.report.draw.outcome import along_plot, disturbance_plots, predicted_plots
 from tb.report.draw.past import past_plots
@@ -41,11 +41,11 @@ class Drawable(Protocol):
 Draw = Callable[[str, Sequence[Drawable]], list[Picture]]
 
 
-def content(scene: Scene, tell: Progress, full: bool = False) -> Page:
+def content(scene: Scene, tell: Progress, full: bool = False, own: bool = True) -> Page:
     """The report of a scene; ``tell`` hears of each part that is ready.
 
     What the project's own approximations err and cost stands in it where ``full`` asks for it, and
-    where the scene is compared with the reference.
+    where the scene is compared with the reference and ``own`` allows it.
     """
     design = scene.twin()
     tools = [version(s) for s in SIMULATORS]
@@ -98,7 +98,7 @@ def content(scene: Scene, tell: Progress, full: bool = False) -> Page:
         _pictures(scene, drawing, tell),
         _resources(scene, design, cost),
     ]
-    if full or scene.reference:
+    if full or (own and scene.reference):
         sections += project.sections(scene, state, drawn, tell)
     return Page(
         f"tactus: {scene.name}",
@@ -166,11 +166,13 @@ def _verified(scene: Scene) -> Section:
         + ", ".join(version(s) for s in SIMULATORS)
         + ".",
     )
-    text = (
+    said = [
         f"{results['benches']} benches, {results['failed']} failed, {results['compared']:,} values "
         "compared bit for bit."
-    )
-    return Section("verified", "Verified", text=[text], folded=[table])
+    ]
+    if results["left"]:
+        said.append(f"{left_text(results['left'])}.")
+    return Section("verified", "Verified", text=said, folded=[table])
 
 
 def _resources(scene: Scene, design: Network, found: Costs | None) -> Section | None:

@@ -1,7 +1,7 @@
 """``python -m tb.report.page.lists``: what pages list and the project knows.
 
 Rewrites what stands between the markers of README.md and of pages in ``docs``, and the pictures of
-the networks that the demo builds, of what designs cost and of an engine's tanh; the rest of a page
+the networks of scene digit, of what designs cost and of an engine's tanh; the rest of a page
 is left alone.
 """
 
@@ -12,30 +12,32 @@ import sys
 from pathlib import Path
 
 from golden.activation.segments import GRADIENT, INTERCEPT, UPPER
-from golden.cli import CommandError, run
+from golden.cli import CommandError, run, would
 from golden.disturbance import Disturbance
 from golden.engine.pipeline import Pipeline
 from golden.errors import disturbed_errors, held_out_means
 from golden.fingerprint import ROOT
-from golden.scene import load_scene, scene_names
+from golden.scene import DEFAULT_SCENES, load_scene, scene_names
 from hdl.synth.budget import budget_path, read_budget
 from hdl.synth.timing import read_timing, timing_path
-from tb.demo import clock_lines, error_table
+from tb.commands import CLOSING, COMMANDS
 from tb.report.draw import findings
 from tb.report.draw.area import area
 from tb.report.draw.network import network
 from tb.report.draw.tanh_words import tanh_words as draw_tanh_words
 from tb.report.measure.adder_chains import adder_chains
-from tb.report.measure.clocks import clocks, clocks_per_frame
+from tb.report.measure.clocks import clocks
 from tb.report.measure.costs import with_network_cells
 from tb.report.measure.digits import digits
 from tb.report.measure.recorded import SEED
 from tb.report.measure.table import Cell, Table
 from tb.report.measure.tanh_words import tanh_words
 from tb.report.page.markers import put, write
+from tb.report.side_by_side import side_by_side
 
 COMMAND = "python -m tb.report.page.lists"
-DEMO = "digit"
+# The networks that the pages show.
+SHOWN = "digit"
 DISTURBED = ("digit", "digit-single", "digit-thesis", "swing-multiple")
 
 
@@ -55,16 +57,13 @@ def scenes() -> str:
 
 
 def commands() -> str:
-    """Every command that ``make`` alone prints."""
-    text = (ROOT / "Makefile").read_text(encoding="utf-8")
+    """Every command of make, with all that it may be given."""
     lines = ["| command | what it does |", "|---|---|"]
-    words = r"make \w+(?: +(?:\[[^\]]*\]|[A-Z]+=\S+))*"
-    form = rf'@echo "({words})(?: +([^"]+))?"(?:\n\t@echo " +([^"]+)")?'
-    found = re.findall(form, text)
-    for command, beside, below in found:
-        what = re.sub(r"\S*<\w+>\S*", r"`\g<0>`", beside or below)
-        lines.append(f"| `{' '.join(command.split()).replace('|', ' or ')}` | {what} |")
-    return "\n".join(lines)
+    for command in COMMANDS:
+        # What stands between < and > would be read as HTML.
+        purpose = re.sub(r"\S*<\w+>[\w/]*", r"`\g<0>`", command.purpose)
+        lines.append(f"| `{command.usage.replace('|', ' or ')}` | {purpose} |")
+    return "\n".join([*lines, "", CLOSING.replace("DRY=1", "`DRY=1`")])
 
 
 def segments() -> str:
@@ -86,12 +85,9 @@ def pipeline() -> str:
     return "\n".join(lines)
 
 
-def errors() -> str:
-    """What the demo prints of its errors and clocks."""
-    scene = load_scene(DEMO)
-    design = scene.twin()
-    lines = [*error_table(scene), ""]
-    lines += clock_lines(scene, clocks_per_frame(design), design.interval)
+def demo() -> str:
+    """The table with which the demo ends, but for what was compared."""
+    lines = side_by_side([load_scene(name) for name in DEFAULT_SCENES])
     return "\n".join(f"    {line}".rstrip() for line in lines)
 
 
@@ -100,7 +96,7 @@ def unseen() -> str:
 
     Figures that were measured elsewhere are those of the pages that show them.
     """
-    scene = load_scene(DEMO)
+    scene = load_scene(SHOWN)
     held_out = dict(zip(scene.outputs, held_out_means(scene) or [], strict=True))
     width, shape = (_row("figures", "honest", "loads", output)[0] for output in ("width", "shape"))
     silent = _row("limits", "The digit at 2 mV", "width", "no")[0]
@@ -121,8 +117,8 @@ def unseen() -> str:
 
 
 def cost() -> str:
-    """What the demo's network takes, and the clock that it reaches."""
-    scene = load_scene(DEMO)
+    """What the networks of scene digit take, and the clock that it reaches."""
+    scene = load_scene(SHOWN)
     design = scene.twin()
     cells = read_budget(budget_path(scene.path))
     timing, _ = read_timing(timing_path(scene.path))
@@ -214,7 +210,7 @@ def pages() -> dict[Path, str]:
     """Every file that this command writes, as it must be."""
     docs = ROOT / "docs"
     sections = [
-        (ROOT / "README.md", "errors", errors),
+        (ROOT / "README.md", "side_by_side", demo),
         (ROOT / "README.md", "unseen", unseen),
         (ROOT / "README.md", "cost", cost),
         (docs / "README.md", "commands", commands),
@@ -232,13 +228,14 @@ def pages() -> dict[Path, str]:
     figures = (docs / "figures.md").read_text(encoding="utf-8")
     found[docs / "robustness.svg"] = robustness(figures) + "\n"
     found[docs / "digits.svg"] = findings.digits_plot(digits(SEED)).draw() + "\n"
-    found[docs / "networks.svg"] = network(load_scene(DEMO)) + "\n"
+    found[docs / "networks.svg"] = network(load_scene(SHOWN)) + "\n"
     found[docs / "area.svg"] = area(with_network_cells(clocks(SEED))) + "\n"
     found[docs / "activations" / "engine.svg"] = draw_tanh_words(tanh_words(SEED)) + "\n"
     return found
 
 
 def main() -> None:
+    would("write what pages list")
     write(pages())
 
 

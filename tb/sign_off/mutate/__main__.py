@@ -7,11 +7,13 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-from golden.cli import CommandError, run
+from golden.cli import CommandError, run, would
+from golden.scene import load_scene
 from tb.common.runner import Job
+from tb.common.where import check_block
 from tb.sign_off.mutate.score import score
 from tb.sign_off.record import read_record, record_path, write_record
-from tb.sign_off.subject import chosen_blocks, subject, subjects_of
+from tb.sign_off.subject import case_line, chosen_blocks, subject, subjects_of
 
 KIND = "mutation"
 BESIDE = 2
@@ -36,9 +38,14 @@ def main() -> int:
     if arguments.scene and arguments.record:
         raise CommandError("RECORD=1: got SCENE= too, expected none: records are of benches' cases")
     if arguments.scene:
+        check_block(load_scene(arguments.scene), arguments.block)
+        would(f"export scene {arguments.scene} and mutate {arguments.block or 'its blocks'}")
         planned = subjects_of(arguments.scene, arguments.block)
     else:
-        planned = [subject(block) for block in chosen_blocks(arguments.block)]
+        blocks = chosen_blocks(arguments.block)
+        print(case_line(arguments.block), flush=True)
+        would(f"export and mutate {len(blocks)} blocks")
+        planned = [subject(block) for block in blocks]
     found = True
 
     def work(job: Job) -> dict[str, Any]:

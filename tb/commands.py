@@ -1,0 +1,421 @@
+"""Every command of ``make``: what it is for, what it may be given, and the module that does it.
+
+From this one table come ``make help``, the table of commands in ``docs/README.md``, the words that
+a module is called with, and what the tests know of commands. ``make help`` must work before
+anything is installed, so this file imports nothing but the standard library.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import textwrap
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+WIDTH = 100
+INDENT = 10
+
+
+@dataclass(frozen=True)
+class Argument:
+    """A variable that a command of make may be given.
+
+    Attributes
+    ----------
+    name : str
+        As it is given: ``BLOCK``.
+    example : str
+        What the help shows behind ``=``.
+    option : str
+        What stands in front of its value where the module is called: ``--block=``. Empty for a word
+        of its own.
+    flag : bool
+        Whether ``option`` is all that the module is called with, for any value but 0.
+    default : str or None
+        The word where it is not given; None for no word.
+    needed : bool
+        Whether the command does nothing without it.
+    """
+
+    name: str
+    example: str = ""
+    option: str = ""
+    flag: bool = False
+    default: str | None = None
+    needed: bool = False
+
+    @property
+    def usage(self) -> str:
+        """How the help shows it; in brackets what may be left out."""
+        text = f"{self.name}={self.example}"
+        return text if self.needed else f"[{text}]"
+
+    def words(self, given: Mapping[str, str]) -> list[str]:
+        """What it adds to the words that the module is called with."""
+        value = given.get(self.name)
+        if self.flag:
+            return [self.option] if value not in (None, "", "0") else []
+        if self.option:
+            return [f"{self.option}{value}"] if value else []
+        word = self.default if value is None else value
+        return [] if word is None else [word]
+
+
+def word(
+    name: str, example: str = "", default: str | None = None, needed: bool = False
+) -> Argument:
+    """A word of its own."""
+    return Argument(name, example, default=default, needed=needed)
+
+
+def option(name: str, example: str = "", needed: bool = False) -> Argument:
+    """``NAME=x`` becomes ``--name=x``."""
+    return Argument(name, example, f"--{name.lower()}=", needed=needed)
+
+
+def flag(name: str) -> Argument:
+    """``NAME=1`` becomes ``--name``."""
+    return Argument(name, "1", f"--{name.lower()}", flag=True)
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command of make.
+
+    Attributes
+    ----------
+    name : str
+        The target.
+    purpose : str
+        One sentence.
+    arguments : tuple of Argument
+        In the order of the words that the module is called with.
+    module : str
+        What does it; empty for what the Makefile does itself.
+    last : tuple of str
+        Words that the module is always called with, behind the others.
+    """
+
+    name: str
+    purpose: str
+    arguments: tuple[Argument, ...] = ()
+    module: str = ""
+    last: tuple[str, ...] = ()
+
+    @property
+    def usage(self) -> str:
+        """The command with all that it may be given; what it needs stands first."""
+        ordered = sorted(self.arguments, key=lambda argument: not argument.needed)
+        return " ".join(["make", self.name, *(argument.usage for argument in ordered)])
+
+    def words(self, given: Mapping[str, str]) -> list[str]:
+        """What follows ``python`` where the variables ``given`` are given."""
+        found = ["-m", self.module]
+        for argument in self.arguments:
+            found += argument.words(given)
+        return [*found, *self.last]
+
+
+SCENE = word("SCENE", default="digit")
+# A scene that the command chooses itself where none is given.
+OPTIONAL_SCENE = word("SCENE")
+# Of the shipped scenes, one whose board has a serial line.
+BOARD_SCENE = word("SCENE", default="digit-board")
+BLOCK = option("BLOCK")
+FRAMES = option("FRAMES")
+SEED = option("SEED")
+BAUD = option("BAUD")
+PORT = word("PORT", "/dev/ttyUSB0", default="", needed=True)
+HARDWARE = option("HARDWARE", "scene")
+RECORD = flag("RECORD")
+ALL = flag("ALL")
+FULL = flag("FULL")
+TESTS = option("TESTS", "tests/test_x.py")
+TABLE = word("TABLE")
+
+COMMANDS = (
+    Command(
+        "demo",
+        "Simulates every block of a scene, exports it and prints the table of its errors; without "
+        "SCENE= it does so for scenes thesis and digit and prints them side by side. FULL=1 "
+        "simulates each entity of a block by itself too.",
+        (OPTIONAL_SCENE, FULL),
+        "tb.demo",
+    ),
+    Command(
+        "test",
+        "Runs the tests, or those that TESTS= names; ALL=1 adds every constant of every scene, and "
+        "MACHINE= runs them as they would run on another machine.",
+        (TESTS, ALL, word("MACHINE", "name")),
+    ),
+    Command(
+        "machines",
+        "Runs, as on each of several other machines, the tests that this machine may change; "
+        "WHOLE=1 runs all tests.",
+        (word("ONLY", "name"), TESTS, flag("WHOLE"), ALL),
+    ),
+    Command(
+        "sim",
+        "Runs the benches of one block, or of every block of a scene; without SCENE= a block is "
+        "looked for in scenes thesis and digit, then in the other shipped scenes, then in the "
+        "cases of its bench. NETLIST= runs them on the cells of a family, of each family (1), or "
+        "on registers that are unknown until they are written; RECORD=1 with it records the "
+        "result.",
+        (
+            OPTIONAL_SCENE,
+            BLOCK,
+            option("SIM", "ghdl|icarus"),
+            SEED,
+            FRAMES,
+            flag("WAVES"),
+            option("NETLIST", "1|virtex-2|series-7|ecp5|ice40|unknown"),
+            RECORD,
+        ),
+        "tb.sim",
+    ),
+    Command(
+        "vhdl",
+        "Exports a scene as VHDL to build/<scene>/vhdl; without SCENE= the scenes thesis and "
+        "digit.",
+        (OPTIONAL_SCENE,),
+        "hdl.export",
+        ("vhdl",),
+    ),
+    Command(
+        "verilog",
+        "Exports a scene as Verilog to build/<scene>/verilog; without SCENE= the scenes thesis and "
+        "digit.",
+        (OPTIONAL_SCENE,),
+        "hdl.export",
+        ("verilog",),
+    ),
+    Command(
+        "scene",
+        "Writes a scene for your own readings, and prints what they show; HARDWARE= names the "
+        "scene whose board has read them.",
+        (
+            word("CSV", "readings.csv", default="", needed=True),
+            word("OUTPUTS", "a,b", default="", needed=True),
+            option("TO", "my-rig.toml"),
+            HARDWARE,
+        ),
+        "golden.rig.write_scene",
+    ),
+    Command("check", "Finds in seconds what can be wrong with a scene.", (SCENE,), "tb.check"),
+    Command(
+        "train",
+        "Trains the networks of a scene and writes them beside it; CLUSTER= is the address of a "
+        "Dask scheduler to compute on.",
+        (SCENE, option("CLUSTER")),
+        "golden.training",
+    ),
+    Command(
+        "recalibrate",
+        "Finds gain and offset of each sensor from readings at known placements, and writes a "
+        "corrected copy of the scene; without CSV= it prints the placements that tell most.",
+        (SCENE, word("CSV", "placements.csv", default=""), word("TO", "folder", default="")),
+        "golden.recalibration",
+    ),
+    Command(
+        "predict",
+        "Writes the outputs of the hardware for new readings, and which of these are unlike any "
+        "that the networks were trained on.",
+        (
+            SCENE,
+            word("CSV", "new.csv", default="", needed=True),
+            word("TO", "out.csv", default="", needed=True),
+        ),
+        "golden.rig.predict",
+    ),
+    Command(
+        "network",
+        "Writes a network of a scene as an .npz, .mat or .onnx file; OUTPUT= says which, where the "
+        "scene has several.",
+        (SCENE, word("TO", "file.onnx", default="", needed=True), option("OUTPUT")),
+        "golden.network_files.convert",
+    ),
+    Command(
+        "image",
+        "Writes the words that make an engine which can be reloaded run the networks of a scene.",
+        (SCENE, HARDWARE),
+        "golden.scene.write_image",
+    ),
+    Command(
+        "monitor",
+        "Shows in the browser what a board sends; PORT=twin and PORT=sim are a simulated board.",
+        (BOARD_SCENE, PORT, HARDWARE, option("TO", "all.csv"), BAUD),
+        "tb.monitor",
+    ),
+    Command(
+        "record",
+        "Records readings at known placements from a board, in the form that make scene takes.",
+        (
+            BOARD_SCENE,
+            PORT,
+            word("TO", "readings.csv", default="", needed=True),
+            option("LABELS", "placements.csv"),
+            FRAMES,
+            BAUD,
+        ),
+        "tb.monitor.record",
+    ),
+    Command(
+        "load",
+        "Sends the image of a scene to a board, and waits until it runs there.",
+        (BOARD_SCENE, PORT, HARDWARE, BAUD),
+        "tb.monitor.load",
+    ),
+    Command(
+        "bench",
+        "Measures the speed and the memory of a scene's bit-true twin.",
+        (SCENE, FRAMES),
+        "tb.report.measure.benchmark",
+    ),
+    Command(
+        "listing",
+        "Prints the program of a scene's engine, step by step.",
+        (SCENE,),
+        "golden.engine",
+    ),
+    Command(
+        "activations",
+        "Measures the errors of every activation against tanh, and plots them.",
+        (),
+        "tb.report.measure.activation_errors",
+    ),
+    Command(
+        "figures",
+        "Measures the figures that stand beside the thesis' and writes them to build/figures; "
+        "TABLE= names one table, and RECORD=1 records it.",
+        (TABLE, SEED, RECORD),
+        "tb.report.measure",
+    ),
+    Command(
+        "sensors",
+        "Finds where gauges on a beam should sit, with a picture and a table.",
+        (word("RIG", "my-beam.toml", default="digit"),),
+        "tb.report.measure.gauges",
+    ),
+    Command(
+        "lean",
+        "Prints what the hardware of a scene leaves out, and what that saves; BESIDE= names other "
+        "scenes to compare it with.",
+        (SCENE, option("BESIDE", "other")),
+        "hdl.synth.lean",
+    ),
+    Command(
+        "synth",
+        "Counts the cells of every block of a scene and finds its clock, both beside the thesis, "
+        "and compares them with what is recorded.",
+        (SCENE, RECORD),
+        "hdl.synth",
+    ),
+    Command(
+        "bitstream",
+        "Writes a file to program a board with, and prints what it takes of the board's device.",
+        (
+            SCENE,
+            word("BOARD", "ulx3s", default="", needed=True),
+            option("DEVICE"),
+            RECORD,
+        ),
+        "hdl.boards",
+    ),
+    Command(
+        "peers",
+        "Builds other projects' hardware for the same weights, and compares it with ours.",
+        (SEED,),
+        "tb.peers",
+    ),
+    Command(
+        "prove",
+        "Proves properties of one block or of every block, shows that broken copies refute them, "
+        "and proves that the VHDL is the same function as the Verilog.",
+        (BLOCK, RECORD),
+        "tb.sign_off.prove",
+    ),
+    Command(
+        "mutate",
+        "Counts how many random faults of a block its bench finds; ALL=1 tries again those that "
+        "are recorded.",
+        (BLOCK, option("SCENE"), ALL, RECORD),
+        "tb.sign_off.mutate",
+    ),
+    Command(
+        "coverage",
+        "Counts what each bench meets of the borders and states of its block.",
+        (BLOCK, RECORD),
+        "tb.sign_off.coverage",
+    ),
+    Command(
+        "report",
+        "Writes errors, effects of noise, what was verified and pictures of a scene into one HTML "
+        "file; FULL=1 adds the errors and costs of every approximation.",
+        (SCENE, FULL),
+        "tb.report",
+    ),
+    Command(
+        "docs",
+        "Builds the documentation as a site; LINKS=1 follows the links to other sites too.",
+        (flag("LINKS"),),
+    ),
+    Command("pages", "Writes anew what is generated in the documentation."),
+    Command("lint", "Runs ruff and mypy."),
+    Command("clean", "Removes build and .venv."),
+)
+BY_NAME = {command.name: command for command in COMMANDS}
+CLOSING = (
+    "DRY=1 beside a command checks all that it is given, prints what it would do, and does nothing."
+)
+
+
+def scene_names() -> list[str]:
+    """As ``golden.scene.scene_names``, which needs numpy."""
+    folder = ROOT / "golden" / "scenes"
+    return sorted(
+        path.parent.name for path in folder.glob("*/*.toml") if path.parent.name == path.stem
+    )
+
+
+def help_text() -> str:
+    """What ``make`` alone prints."""
+    lines = []
+    for command in COMMANDS:
+        # Brackets hold no blank, so no argument is cut.
+        lines += _wrapped(command.usage, "", " " * INDENT)
+        lines += _wrapped(command.purpose, " " * INDENT, " " * INDENT)
+    names = ", ".join(scene_names())
+    lines.append("")
+    lines += _wrapped(f"SCENE= is a path to a .toml file, or one of {names}.", "", "")
+    lines += _wrapped(CLOSING, "", "")
+    return "\n".join(lines)
+
+
+def _wrapped(text: str, first: str, others: str) -> list[str]:
+    return textwrap.wrap(
+        text,
+        WIDTH,
+        initial_indent=first,
+        subsequent_indent=others,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+
+
+def main() -> None:
+    """``python -m tb.commands TARGET``: print the help, or call what does it.
+
+    What is given stands in the environment, where no character of it is special.
+    """
+    name = sys.argv[1]
+    if name == "help":
+        print(help_text())
+        return
+    os.execv(sys.executable, [sys.executable, *BY_NAME[name].words(os.environ)])
+
+
+if __name__ == "__main__":
+    main()

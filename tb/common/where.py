@@ -1,0 +1,124 @@
+"""Where the benches of a block run: in the scene that is named, or where the block is found.
+
+Without a scene a block is looked for in the default scenes, then in the other shipped ones, then in
+the cases of its bench.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from golden.block import walk
+from golden.cli import CommandError
+from golden.scene import DEFAULT_SCENES, Scene, load_scene, scene_names
+from golden.table import suggest
+
+TB = Path(__file__).parents[1]
+
+
+@dataclass(frozen=True)
+class Place:
+    """A scene in which benches run, and a line that says why; empty of a scene that was named."""
+
+    scene: Scene
+    why: str = ""
+
+
+def block_names() -> list[str]:
+    """Every block: what has a bench."""
+    return sorted(path.stem.removeprefix("tb_") for path in TB.glob("*/tb_*.py"))
+
+
+def blocks_in(scene: Scene) -> set[str]:
+    """The blocks of a scene."""
+    return {part.block for part in walk(scene.twin())}
+
+
+def places(scene: str | None, block: str | None) -> list[Place]:
+    """Where benches run, of one block or of all: in the scene that is named, or in several.
+
+    Raises
+    ------
+    CommandError
+        For a block that there is not, that the named scene does not contain, or that neither a
+        shipped scene nor a case of its bench contains.
+    FileNotFoundError, ValueError
+        See ``load_scene``.
+    """
+    if scene is not None:
+        named = load_scene(scene)
+        check_block(named, block)
+        return [Place(named)]
+    default = f"the default scenes, {' and '.join(DEFAULT_SCENES)}"
+    if block is None:
+        return [Place(load_scene(n), f"scene {n}: one of {default}") for n in DEFAULT_SCENES]
+    _check_name(block)
+    found = [name for name in DEFAULT_SCENES if block in _blocks_in(name)]
+    if found:
+        why = f"one of {default}, contains {block}"
+        return [Place(load_scene(name), f"scene {name}: {why}") for name in found]
+    for name in _others():
+        if block in _blocks_in(name):
+            why = f"the first shipped scene that contains {block}; {default}, do not"
+            return [Place(load_scene(name), f"scene {name}: {why}")]
+    from tb.common.collected import CASES_OF, case_scene
+
+    for name in CASES_OF[block]:
+        made = case_scene(name)
+        if block in blocks_in(made):
+            why = f"the first of its bench that contains {block}; no shipped scene does"
+            return [Place(made, f"case {name}: {why}")]
+    raise CommandError(
+        f"BLOCK={block}: neither a shipped scene nor a case of its bench contains it, expected "
+        "SCENE= with a scene that does"
+    )
+
+
+def check_block(scene: Scene, block: str | None) -> None:
+    """Refuse a block that a scene does not contain, and say which does.
+
+    Raises
+    ------
+    CommandError
+    """
+    if block is None:
+        return
+    present = blocks_in(scene)
+    if block in present:
+        return
+    _check_name(block)
+    raise CommandError(
+        f"BLOCK={block}: scene {scene.name} has no such block, expected one of "
+        f"{', '.join(sorted(present))}; {_elsewhere(block)}"
+    )
+
+
+def _elsewhere(block: str) -> str:
+    for name in (*DEFAULT_SCENES, *_others()):
+        if block in _blocks_in(name):
+            return f"scene {name} contains it, which is found without SCENE="
+    from tb.common.collected import CASES_OF
+
+    for name in CASES_OF[block][:1]:
+        return f"case {name} of its bench contains it, which is found without SCENE="
+    return "no shipped scene contains it"
+
+
+def _check_name(block: str) -> None:
+    known = block_names()
+    if block not in known:
+        hint = suggest(block, known) or f", expected one of {', '.join(known)}"
+        raise CommandError(f"BLOCK={block}: no such block{hint}")
+
+
+def _others() -> Iterator[str]:
+    return (name for name in scene_names() if name not in DEFAULT_SCENES)
+
+
+@cache
+def _blocks_in(name: str) -> set[str]:
+    """Of a shipped scene, which does not change while a command runs."""
+    return blocks_in(load_scene(name))

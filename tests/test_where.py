@@ -1,0 +1,62 @@
+"""Where benches run that are asked for without a scene."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import pytest
+
+from golden.cli import CommandError
+from golden.scene import DEFAULT_SCENES, load_scene, scene_names
+from tb.common.collected import BENCHES, CASES_OF
+from tb.common.where import block_names, blocks_in, places
+
+pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+
+
+@cache
+def blocks_of_scenes() -> dict[str, set[str]]:
+    """Of every shipped scene, in their order."""
+    return {name: blocks_in(load_scene(name)) for name in scene_names()}
+
+
+@pytest.mark.parametrize("block", sorted(BENCHES))
+def test_every_block_is_found_without_a_scene(block: str) -> None:
+    """In the default scenes before other shipped ones, in these before the cases of its bench."""
+    found = places(None, block)
+    assert all(block in blocks_in(place.scene) for place in found)
+    shipped = [name for name, blocks in blocks_of_scenes().items() if block in blocks]
+    default = [name for name in DEFAULT_SCENES if name in shipped]
+    names = [place.scene.name for place in found]
+    assert names == (default or shipped[:1] or CASES_OF[block][:1])
+    kind = "scene" if shipped else "case"
+    assert all(p.why.startswith(f"{kind} {p.scene.name}: ") and block in p.why for p in found)
+
+
+def test_without_a_block_the_default_scenes_are_taken() -> None:
+    assert [place.scene.name for place in places(None, None)] == list(DEFAULT_SCENES)
+
+
+def test_a_scene_that_is_named_is_taken_without_a_word() -> None:
+    (place,) = places("digit-single", "hybrid")
+    assert (place.scene.name, place.why) == ("digit-single", "")
+
+
+def test_blocks_are_those_that_have_benches() -> None:
+    assert block_names() == sorted(BENCHES)
+
+
+@pytest.mark.parametrize(
+    ("scene", "block", "message"),
+    [
+        (None, "grad_eqm", "BLOCK=grad_eqm: no such block; did you mean 'grad_eqn'?"),
+        (None, "zzz", "BLOCK=zzz: no such block, expected one of abs_unit, "),
+        ("digit", "grad_eqm", "BLOCK=grad_eqm: no such block; did you mean 'grad_eqn'?"),
+        ("digit", "grad_eqn", "scene digit has no such block, .*; scene thesis contains it, "),
+        ("thesis", "adder_graph", "scene thesis has no such block, .*; scene digit-fast contains"),
+        ("thesis", "axis_network", "has no such block, .*; case axis-chain of its bench contains"),
+    ],
+)
+def test_a_block_that_is_not_there(scene: str | None, block: str, message: str) -> None:
+    with pytest.raises(CommandError, match=message.replace("?", r"\?")):
+        places(scene, block)
