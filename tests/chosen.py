@@ -8,7 +8,7 @@ import sys
 
 from machines import CORES
 
-from golden.cli import run, words
+from golden.cli import run, words, would
 
 
 def main() -> None:
@@ -17,6 +17,7 @@ def main() -> None:
     parser.add_argument("--all", action="store_true", help="what ALL=1 adds, too")
     arguments = parser.parse_args()
     command = [sys.executable, "-m", "pytest", *CORES, *["--all"] * arguments.all]
+    would(f"run {' '.join(['pytest', *words('TESTS', arguments.tests)])}")
     os.execv(sys.executable, [*command, *words("TESTS", arguments.tests)])
 
 

@@ -6,7 +6,7 @@ import argparse
 import sys
 
 from golden.block import walk
-from golden.cli import CommandError, run
+from golden.cli import CommandError, run, would
 from golden.engine.listing import listing
 from golden.networks.engine import Engine
 from golden.scene import load_scene
@@ -23,6 +23,7 @@ def main() -> None:
             f"{Engine.block}"
         )
     (engine,) = engines
+    would(f"print the program of {engine.entity}")
     print("\n".join(listing(engine.graph, engine.program)))
 
 
