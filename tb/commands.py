@@ -122,8 +122,11 @@ class Command:
 SCENE = word("SCENE", default="digit")
 # A scene that the command chooses itself where none is given.
 OPTIONAL_SCENE = word("SCENE")
-# Of the shipped scenes, one whose board has a serial line.
+# Where scene digit would be refused, since it has none of that: a board and its serial line, an
+# engine that can be reloaded, one network for all outputs.
 BOARD_SCENE = word("SCENE", default="digit-board")
+RELOADED_SCENE = word("SCENE", default="digit-reload")
+SINGLE_SCENE = word("SCENE", default="digit-single")
 BLOCK = option("BLOCK")
 FRAMES = option("FRAMES")
 SEED = option("SEED")
@@ -234,13 +237,13 @@ COMMANDS = (
         "network",
         "Writes a network of a scene as an .npz, .mat or .onnx file; OUTPUT= says which, where the "
         "scene has several.",
-        (SCENE, word("TO", "file.onnx", default="", needed=True), option("OUTPUT")),
+        (SINGLE_SCENE, word("TO", "file.onnx", default="", needed=True), option("OUTPUT")),
         "golden.network_files.convert",
     ),
     Command(
         "image",
         "Writes the words that make an engine which can be reloaded run the networks of a scene.",
-        (SCENE, HARDWARE),
+        (RELOADED_SCENE, HARDWARE),
         "golden.scene.write_image",
     ),
     Command(
@@ -317,7 +320,7 @@ COMMANDS = (
         "bitstream",
         "Writes a file to program a board with, and prints what it takes of the board's device.",
         (
-            SCENE,
+            BOARD_SCENE,
             word("BOARD", "ulx3s", default="", needed=True),
             option("DEVICE"),
             RECORD,

@@ -8,7 +8,7 @@ import sys
 
 from machines import CORES
 
-from golden.cli import run, whole, words
+from golden.cli import run, whole, words, would
 
 MOST_SECONDS = 86400
 
@@ -24,6 +24,7 @@ def main() -> None:
     command += ["--record"] * arguments.record
     if arguments.sample:
         command += ["--sample", str(arguments.sample)]
+    would(f"run {' '.join(['pytest', *words('TESTS', arguments.tests)])}")
     os.execv(sys.executable, [*command, *words("TESTS", arguments.tests)])
 
 

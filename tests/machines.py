@@ -25,7 +25,7 @@ from typing import BinaryIO
 from groups import EVERYTHING, FILES, NUMBERS, ORDER, VERSIONS, Group
 
 from golden.cli import run as run_command
-from golden.cli import words
+from golden.cli import words, would
 from golden.machine import FLAGS, SETTINGS
 
 ROOT = Path(__file__).parents[1]
@@ -219,6 +219,7 @@ def main() -> int:
             )
             return 2
     chosen = words("TESTS", arguments.tests)
+    would(f"run tests as on {', '.join(names or MACHINES)}")
     results: dict[str, str] = {}
     for name in names or MACHINES:
         machine = MACHINES[name]

@@ -129,7 +129,6 @@ def drawn_scene(seed: int, folder: Path) -> tuple[Scene, Block]:
             assert str(error), case
 
 
-
 def plan(subject: Subject) -> None:
     """Run each test of a bench up to its first play, or to its end where it has none to make."""
     tests = vars(BENCHES[subject.twin.block]).values()

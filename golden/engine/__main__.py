@@ -9,7 +9,7 @@ import argparse
 import sys
 
 from golden.block import walk
-from golden.cli import CommandError, run
+from golden.cli import CommandError, run, would
 from golden.engine.listing import listing
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.listing import listing as adders
@@ -34,6 +34,7 @@ def main() -> None:
             f"{Engine.block} or {AdderGraph.block}"
         )
     (engine,) = engines
+    would(f"print the program of {engine.entity}")
     print("\n".join(listing(engine.graph, engine.program)))
 
 

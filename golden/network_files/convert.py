@@ -6,8 +6,8 @@ import argparse
 import sys
 from pathlib import Path
 
-from golden.cli import run
-from golden.network_files.network_file import write_network
+from golden.cli import run, would
+from golden.network_files.network_file import check_target, write_network
 from golden.scene import Member, Scene, load_scene
 from golden.table import suggest
 
@@ -38,6 +38,8 @@ def main() -> None:
     parser.add_argument("--output", help="which network, where the scene has several")
     arguments = parser.parse_args()
     mlp = member_of(load_scene(arguments.scene), arguments.output).load()
+    check_target(arguments.file)
+    would(f"write {arguments.file}")
     write_network(arguments.file, mlp)
     print(f"wrote {arguments.file}, {':'.join(str(n) for n in mlp.shape)}")
 

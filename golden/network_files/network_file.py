@@ -130,6 +130,18 @@ def write_network(path: Path, mlp: Mlp) -> None:
         form.write(temporary, mlp)
 
 
+def check_target(path: Path) -> None:
+    """Refuse a path that ``write_network`` cannot write.
+
+    Raises
+    ------
+    CommandError, ValueError
+        For one that cannot be written, and for another ending.
+    """
+    _form(path)
+    check_writable([path])
+
+
 def check_targets(paths: Sequence[Path]) -> None:
     """Refuse paths where networks and their provenance cannot be written.
 

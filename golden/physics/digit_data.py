@@ -12,8 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
-from golden.cli import run
+from golden.cli import run, would
 from golden.domain import checked
+from golden.files import check_writable
 from golden.networks.mlp import Real
 from golden.physics.beam import Beam
 from golden.physics.strain_sensor import (
@@ -88,6 +89,8 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--noise", type=float, default=NOISE, help="V")
     arguments = parser.parse_args()
+    check_writable([arguments.file])
+    would(f"write {arguments.rows} rows into {arguments.file}")
     data = digit_data(arguments.rows, arguments.seed, arguments.noise)
     write_table(arguments.file, [*SENSORS, *COLUMNS], data, 4)
     print(f"wrote {arguments.file}: {arguments.rows} rows, seed {arguments.seed}")

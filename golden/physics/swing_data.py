@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from golden.cli import run
+from golden.cli import run, would
 from golden.domain import checked
 from golden.files import replace_file
 from golden.networks.mlp import Real
@@ -208,6 +208,7 @@ def main() -> None:
     parser.add_argument("--angles", type=float, nargs="+", default=ANGLES, help="degrees")
     parser.add_argument("--noise", type=float, default=NOISE, help="V before the gain")
     arguments = parser.parse_args()
+    would(f"write recordings of {len(arguments.angles)} swings into {arguments.folder}")
     paths = write_recordings(arguments.folder, arguments.seed, arguments.angles, arguments.noise)
     for path in paths:
         print(f"wrote {path}")

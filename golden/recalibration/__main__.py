@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from golden.cli import run
+from golden.cli import run, would
 from golden.networks.mlp import Real
 from golden.precision import SIGNAL
 from golden.recalibration.choice import information_of, placement, proposal, refuse_unsure
@@ -55,6 +55,7 @@ def main() -> None:
 
 def propose(scene: Scene) -> None:
     """Print placements that tell most of the sensors."""
+    would(f"print placements that tell most of the sensors of scene {scene.name}")
     recorded = Sensitivity.of(scene)
     nothing = np.zeros((2 * len(scene.sensors),) * 2)
     print("placements that tell most, one after the other, and what gains and offsets that are")
@@ -75,6 +76,7 @@ def recalibrate(scene: Scene, path: Path, target: Path) -> None:
         refuse_unsure(scene, recorded, information_of(scene, recorded, known), len(samples))
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
+    would(f"write {target}")
     told = {
         "recalibrated_from": scene.name,
         "recalibrated_with": path.name,

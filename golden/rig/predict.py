@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from golden.cli import run
+from golden.cli import run, would
 from golden.files import check_writable, replace_file, same_file
 from golden.networks.mlp import Real
 from golden.precision import SIGNAL
@@ -143,6 +143,7 @@ def main() -> None:
             f"{source}: got {len(readings)} rows, expected more than the {past} that data.window "
             f"of {scene.path} reaches back"
         )
+    would(f"write {path}")
     known, which = trained_on(scene)
     found = predict(scene, readings, known)
     write_prediction(scene, recording, found, path)

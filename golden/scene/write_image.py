@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from golden.cli import run
+from golden.cli import run, would
 from golden.engine.image import Image
 from golden.engine.program import WORD_WIDTH
 from golden.files import replace_folder
@@ -67,6 +67,7 @@ def main() -> None:
     hardware = load_scene(arguments.hardware) if arguments.hardware else scene
     image = scene_image(scene, hardware_of(hardware))
     folder = arguments.build / scene.name / "image"
+    would(f"write {folder}")
     write_image(image, scene.name, folder)
     sizes, data = image.sizes, image.to_bytes()
     print(

@@ -16,7 +16,7 @@ import numpy as np
 import scipy
 from joblib import parallel_config
 
-from golden.cli import CommandError, run
+from golden.cli import CommandError, run, would
 from golden.fingerprint import fingerprint, sources
 from golden.network_files.network_file import check_targets, provenance_path, save_networks
 from golden.networks.mlp import Mlp
@@ -76,6 +76,9 @@ def main() -> None:
         )
         scene = replace(scene, members=tuple(members))
     refuse(before_training(scene, arguments.build))
+    would(
+        f"train {len(scene.members)} networks and write {', '.join(map(str, scene.weights_paths))}"
+    )
     with computed_on(arguments.cluster):
         train_scene(scene, arguments.build, arguments.workers)
 

@@ -14,6 +14,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from golden.boards import Board, board_names, load_board
+from golden.cli import would
 from golden.files import replace_folder, write_json
 from golden.networks.network import Network
 from golden.progress import Progress
@@ -43,6 +44,7 @@ def main() -> None:
     place = board.name if own else f"{board.name}-{board.device}"
     folder = arguments.build / scene.name / "bitstream" / place
     name = f"{scene.name}{FAMILIES[board.family].suffix}"
+    would(f"synthesise, place and route scene {scene.name} and write {folder / name}")
     with (
         replace_folder(folder) as temporary,
         Progress(f"{scene.name} on {board.title}", 2, "steps") as progress,

@@ -11,6 +11,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 
 from golden.boards import Board, load_board
+from golden.cli import would
 from golden.files import read_json, write_json
 from golden.progress import Progress
 from golden.scene import Scene, load_scene
@@ -64,6 +65,7 @@ def main() -> None:
     arguments = parser.parse_args()
     scene, board = load_scene(arguments.scene), load_board(arguments.board)
     wanted = variants(scene)
+    would(f"place {len(wanted)} variants of scene {scene.name} on {board.title}")
     found = {}
     with Progress(f"{scene.name} on {board.title}", len(wanted), "variants") as progress:
         for name, variant in wanted.items():

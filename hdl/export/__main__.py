@@ -32,7 +32,8 @@ def main() -> None:
     names = DEFAULT_SCENES if arguments.scene is None else (arguments.scene,)
     scenes = [load_scene(name) for name in names]
     folders = [arguments.build / scene.name / arguments.language for scene in scenes]
-    would(f"export into {' and '.join(map(str, folders))}")
+    tops = [scene.twin().entity for scene in scenes]
+    would(f"export {' and '.join(tops)} into {' and '.join(map(str, folders))}")
     for scene, folder in zip(scenes, folders, strict=True):
         export_scene(scene, arguments.language, folder)
 

@@ -14,7 +14,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from golden.cli import CommandError
+from golden.cli import CommandError, would
 from golden.files import replace_folder, write_json
 from golden.networks.network import Network
 from golden.progress import Progress
@@ -96,6 +96,7 @@ def main() -> None:
     arguments = parser.parse_args()
     scene = load_scene(arguments.scene)
     design = scene.twin()
+    would(f"synthesise, place and route scene {scene.name}")
     with replace_folder(arguments.build / scene.name / "synth") as folder:
         verilog = folder / "verilog"
         export(scene, "verilog", verilog)

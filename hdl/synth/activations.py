@@ -7,6 +7,7 @@ from pathlib import Path
 
 from golden.activation.schemes import forms
 from golden.block import Block
+from golden.cli import would
 from golden.precision import EXACT
 from hdl.export.elaborate import elaborate
 from hdl.export.hierarchy import convert_hierarchy
@@ -29,6 +30,7 @@ def cells(spec: Block, family: str) -> dict[str, int]:
 
 
 def main() -> None:
+    would("synthesise every activation")
     for family, meaning in FAMILIES.items():
         print(f"\n{meaning} (synth_xilinx -family {family})")
         print(f"{'':18}" + "".join(f"{kind:>12}" for kind in KINDS))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import argparse
 
-from golden.cli import words
+from golden.cli import words, would
 from golden.progress import Progress
 from golden.scene import load_scene
 from hdl.export.repeatable import run_repeatable
@@ -27,6 +27,7 @@ def main() -> None:
     names = [arguments.scene, *words("BESIDE", arguments.beside)]
     scenes = [load_scene(name) for name in names]
     first = scenes[0]
+    would(f"synthesise {', '.join(scene.name for scene in scenes)} and print what is saved")
     print(f"scene {first.name} leaves out:")
     for text in first.twin().left_out():
         print(f"  {text}")

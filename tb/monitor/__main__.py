@@ -8,7 +8,7 @@ import time
 from contextlib import ExitStack
 from pathlib import Path
 
-from golden.cli import run, whole
+from golden.cli import run, whole, would
 from golden.progress import CLEAR
 from tb.monitor.board import MOST_BAUD, board_of
 from tb.monitor.csv_file import GrowingCsv
@@ -58,6 +58,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, help="end after so long")
     arguments = parser.parse_args()
     board = board_of(arguments.scene, arguments.hardware)
+    would(f"show what the board of scene {board.scene.name} sends on {arguments.port}")
     with ExitStack() as stack:
         line = stack.enter_context(open_line(arguments.port, arguments.baud, board))
         csv = None

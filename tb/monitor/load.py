@@ -6,7 +6,7 @@ import argparse
 import sys
 import time
 
-from golden.cli import CommandError, run, whole
+from golden.cli import CommandError, run, whole, would
 from golden.link.decoder import Decoder
 from golden.link.packets import image_packet
 from golden.scene.image import scene_image
@@ -98,6 +98,7 @@ def main() -> None:
     board = board_of(arguments.scene, arguments.hardware)
     check_readings(board)
     hardware_of(board.hardware)
+    would(f"send the image of scene {board.scene.name} to {arguments.port}")
     with open_line(arguments.port, arguments.baud, board) as line:
         count = load(line, board)
         print(f"{line.label}: {board.scene.name} runs, {count} bytes")

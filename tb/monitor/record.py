@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from golden.cli import CommandError, run, whole
+from golden.cli import CommandError, run, whole, would
 from golden.files import same_file
 from golden.link.decoder import Decoder
 from golden.link.packets import Frame
@@ -188,6 +188,7 @@ def main() -> None:
         if same_file(labels, to):
             raise ValueError(f"TO={to}: is read, expected another file")
         outputs, placements = labels_of(labels)
+    would(f"record readings from {arguments.port} into {to}")
     with (
         open_line(arguments.port, arguments.baud, board) as line,
         GrowingCsv(to, [*board.scene.sensors, *outputs]) as csv,

@@ -19,7 +19,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from golden.cli import run
+from golden.cli import run, would
 from golden.machine import closing
 from tb.monitor.board import Board, board_of
 from tb.monitor.csv_file import GrowingCsv
@@ -77,6 +77,7 @@ def main() -> None:
     parser.add_argument("scene", nargs="?", default="digit-board")
     scene = parser.parse_args().scene
     board = board_of(scene)
+    would(f"measure how many packets of scene {scene} are shown in a second")
     began = time.perf_counter()
     layout, rate = board.layout, board.baud / 10 / board.layout.packet_bytes
     print(f"{layout.packet_bytes} bytes a packet: {rate:.0f} a second at {board.baud} baud")

@@ -12,7 +12,7 @@ import argparse
 from importlib.metadata import version
 from pathlib import Path
 
-from golden.cli import MOST_SEED, whole
+from golden.cli import MOST_SEED, whole, would
 from golden.files import replace_folder
 from golden.progress import Progress
 from golden.scene import load_scene
@@ -35,6 +35,7 @@ def main() -> None:
     parser.add_argument("--build", type=Path, default=Path("build"))
     arguments = parser.parse_args()
     check_simulator("icarus")
+    would(f"install {' and '.join(PEERS)} and build their hardware of scene {SCENE}")
     python = installed(arguments.build / "peers" / "environment")
     scene = load_scene(SCENE)
     task = task_of(scene, arguments.seed)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from golden.cli import run
+from golden.cli import run, would
 from tb.common.runner import ready_scene
 from tb.report.page.build import build_report
 
@@ -20,7 +20,9 @@ def main() -> None:
     parser.add_argument("scene")
     parser.add_argument("--full", action="store_true", help="the project's own tables too")
     arguments = parser.parse_args()
-    build_report(ready_scene(arguments.scene), arguments.full)
+    scene = ready_scene(arguments.scene)
+    would(f"simulate and measure scene {scene.name} and write its report")
+    build_report(scene, arguments.full)
 
 
 if __name__ == "__main__":

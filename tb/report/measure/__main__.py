@@ -15,7 +15,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from golden.cli import MOST_SEED, CommandError, run, whole
+from golden.cli import MOST_SEED, CommandError, run, whole, would
 from golden.files import replace_folder, write_json
 from golden.fingerprint import ROOT, fingerprint, sources
 from golden.machine import facts, versions
@@ -41,6 +41,7 @@ def main() -> None:
     if arguments.record:
         refuse_others(names, arguments.seed)
     folder = arguments.build / "figures"
+    would(f"measure {', '.join(names)} and write {folder}")
     with replace_folder(folder) as temporary:
         data = {
             "seed": arguments.seed,

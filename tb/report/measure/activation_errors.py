@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from golden.activation.activation_block import ActivationBlock
 from golden.activation.pade import UnsettledWarning
 from golden.activation.schemes import Scheme, forms
-from golden.cli import run
+from golden.cli import run, would
 from golden.files import replace_file, write_json
 from golden.fingerprint import ROOT
 from golden.machine import versions
@@ -225,6 +225,7 @@ def main() -> None:
     parser.add_argument("--build", type=Path, default=Path("build"))
     parser.add_argument("--plots", type=Path, default=PLOTS)
     arguments = parser.parse_args()
+    would(f"measure every activation and write its plot into {arguments.plots}")
     rows = measure()
     print("\n".join(table(rows)))
     folder = arguments.build / "activations"

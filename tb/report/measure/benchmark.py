@@ -13,7 +13,7 @@ import time
 
 import numpy as np
 
-from golden.cli import run, whole
+from golden.cli import run, whole, would
 from golden.networks.arrangement import process_real
 from golden.precision import SIGNAL
 from golden.scene import load_scene
@@ -30,6 +30,7 @@ def main() -> None:
     scene = load_scene(arguments.scene)
     design = scene.twin().core
     recorded = scene.vectors().codes
+    would(f"measure the twin of scene {scene.name} on {arguments.frames} frames")
     frames = np.resize(recorded, (arguments.frames, recorded.shape[1]))
     design.process(recorded)  # fills the tables of activations, which later calls share
 

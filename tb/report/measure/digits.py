@@ -21,6 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
+from golden.cli import would
 from golden.files import replace_file
 from golden.network_files.network_file import provenance_path, save_network
 from golden.networks.mlp import Mlp, Real
@@ -130,6 +131,7 @@ def main() -> None:
     arguments = parser.parse_args()
     scene = load_scene(SCENE)
     story = tomllib.loads(provenance_path(scene.weights_paths[0]).read_text(encoding="utf-8"))
+    would(f"train the network of scene {scene.name} with fewer and fewer digits")
     stages = Stages(scene)
     stages.add(scene.members[0].hidden, story["best_restart"])
     heads = columns(scene)

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from golden.cli import run
+from golden.cli import run, would
 from golden.files import replace_folder
 from golden.physics.gauge_places import Placing
 from golden.physics.gauge_rig import OUTPUTS, GaugeRig, load_rig
@@ -91,6 +91,7 @@ def main() -> None:
     parser.add_argument("--build", type=Path, default=Path("build"))
     arguments = parser.parse_args()
     rig = load_rig(arguments.rig)
+    would(f"find where the gauges of {rig.name} should sit")
     table, picture = sensors(rig)
     print("\n".join(table.lines()))
     folder = arguments.build / "sensors" / rig.name

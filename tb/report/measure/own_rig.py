@@ -16,7 +16,8 @@ import tempfile
 import time
 from pathlib import Path
 
-from golden.cli import CommandError, run
+from golden.cli import CommandError, run, would
+from golden.files import check_file
 from golden.fingerprint import ROOT
 from golden.machine import closing
 from golden.scene import load_scene
@@ -59,6 +60,8 @@ def main() -> None:
     parser.add_argument("csv", type=Path)
     parser.add_argument("outputs")
     arguments = parser.parse_args()
+    check_file(arguments.csv)
+    would(f"do with {arguments.csv} all that the tutorial does, and measure how long it takes")
     with tempfile.TemporaryDirectory(prefix="own-rig-") as folder:
         readings = Path(shutil.copy(arguments.csv, folder))
         # Builds have the name of the scene: nothing of an earlier one is there.

@@ -33,7 +33,7 @@ from typing import Any
 import numpy as np
 
 from golden import machine
-from golden.cli import CommandError, run
+from golden.cli import CommandError, run, would
 from golden.fingerprint import ROOT
 from golden.network_files.network_file import provenance_path
 from golden.networks.mlp import Mlp, Real
@@ -228,6 +228,7 @@ def main() -> None:
         kind.add_argument("--python", action="append", default=[])
     arguments = parser.parse_args()
     settings = arguments.setting or list(SETTINGS)
+    would(f"measure under {len(settings)} settings of this machine what differs")
     if arguments.kind == "figures":
         table = figures(arguments.tables, settings, arguments.python)
     else:

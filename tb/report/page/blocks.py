@@ -18,7 +18,7 @@ from pathlib import Path
 from golden.activation.pade import UnsettledWarning
 from golden.activation.schemes import SCHEMES
 from golden.block import Block, walk
-from golden.cli import run
+from golden.cli import run, would
 from golden.fingerprint import ROOT
 from golden.fixed import Fix
 from golden.instruments.converter_instrument import ConverterInstrument
@@ -220,6 +220,7 @@ def pages() -> dict[Path, str]:
 
 
 def main() -> None:
+    would("write what is generated in the documentation")
     write(pages())
 
 

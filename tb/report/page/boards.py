@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 from golden.boards import board_names, load_board
-from golden.cli import run
+from golden.cli import run, would
 from golden.fingerprint import ROOT
 from golden.scene import load_scene, scene_names
 from hdl.boards.bitstream import Report
@@ -105,6 +105,7 @@ def pages() -> dict[Path, str]:
 
 
 def main() -> None:
+    would("write what is generated in the documentation")
     write(pages())
 
 

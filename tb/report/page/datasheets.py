@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from golden.block import walk
+from golden.cli import would
 from golden.fingerprint import ROOT
 from golden.scene import Scene, load_scene, scene_names
 from hdl.export.repeatable import run_repeatable
@@ -109,6 +110,7 @@ def pages() -> dict[Path, str]:
 
 
 def main() -> None:
+    would("write what is generated in the documentation")
     write(pages())
 
 

@@ -235,7 +235,7 @@ def pages() -> dict[Path, str]:
 
 
 def main() -> None:
-    would("write what pages list")
+    would("write what is generated in the documentation")
     write(pages())
 
 

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from golden.cli import run
+from golden.cli import run, would
 from golden.fingerprint import ROOT
 from tb.common.collected import BENCHES
 from tb.report.page.markers import put, write
@@ -183,6 +183,7 @@ def pages() -> dict[Path, str]:
 
 
 def main() -> None:
+    would("write what is generated in the documentation")
     write(pages())
 
 

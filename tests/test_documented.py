@@ -1,0 +1,152 @@
+"""Every command that a page names is tried as it stands there; one that errs is red.
+
+A command is called as ``make`` calls it, with ``DRY=1``: it checks all that it is given, says what
+it would do, and does nothing. ``make test ALL=1`` really does what takes seconds. That make hands
+on what it is given is seen in ``test_make.py``.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from documented import PAGES, ROOT, STAND_INS, Documented, commands_of, documented, lay_out
+from refused import main_of
+
+from golden.cli import run
+
+pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+
+FOUND = documented()
+# Of make's own: with DRY=1 the recipes themselves say what they would do.
+OWN = ("docs", "pages", "lint", "clean")
+# What takes seconds, and is done.
+QUICK = ("check", "image", "listing", "network", "predict", "recalibrate", "scene", "verilog")
+SAYS = "DRY=1: nothing done; would "
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where a user works who has what the pages speak of."""
+    folder = tmp_path_factory.mktemp("user")
+    lay_out(folder)
+    return folder
+
+
+def words_of(item: Documented) -> tuple[str, list[str]]:
+    """The module that a command calls, and with what."""
+    if item.command is None:
+        _, option, module, *words = item.words
+        assert option == "-m", item.text
+        return module, words
+    if item.command.module:
+        _, module, *words = item.command.words(item.given)
+        return module, words
+    given = item.given
+    words = [f"--tests={given.get('TESTS', '')}"]
+    if item.command.name == "machines":
+        return "machines", [given.get("ONLY", ""), *words]
+    return ("machines", [given["MACHINE"], *words]) if "MACHINE" in given else ("chosen", words)
+
+
+def call(item: Documented, folder: Path, monkeypatch: pytest.MonkeyPatch) -> int:
+    """The exit code of a command in a folder."""
+    module, words = words_of(item)
+    main = main_of(module)
+    monkeypatch.chdir(folder)
+    monkeypatch.setattr(sys, "argv", [module, *words])
+    try:
+        return run(main)
+    except SystemExit as stop:
+        return stop.code if isinstance(stop.code, int) else 1
+
+
+@pytest.mark.parametrize("item", FOUND, ids=lambda item: item.text)
+def test_a_documented_command_works(
+    item: Documented, place: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
+) -> None:
+    where = f"{item.page.relative_to(ROOT)}: {item.text}"
+    if item.words[0] == "make":
+        assert item.command, f"{where}: no such command"
+        known = {argument.name for argument in item.command.arguments}
+        assert {*item.shown, *item.optional} <= known, f"{where}: expected {', '.join(known)}"
+        if item.command.name in OWN:
+            return
+    for name in item.given.get("TESTS", "").split() if item.command else []:
+        assert (ROOT / name).is_file(), f"{where}: no such test"
+    monkeypatch.setenv("DRY", "1")
+    before = sorted(place.rglob("*"))
+    code = call(item, place, monkeypatch)
+    said = capfd.readouterr()
+    assert code == 0, f"{where}\n{said.err}"
+    if not (item.command and item.command.name == "check"):
+        assert SAYS in said.out, where
+    assert sorted(place.rglob("*")) == before
+
+
+@pytest.mark.all_only
+@pytest.mark.parametrize(
+    "item",
+    [item for item in FOUND if item.command and item.command.name in QUICK],
+    ids=lambda item: item.text,
+)
+def test_what_takes_seconds_is_done(
+    item: Documented, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
+) -> None:
+    lay_out(tmp_path)
+    code = call(item, tmp_path, monkeypatch)
+    said = capfd.readouterr()
+    assert code == 0, f"{item.text}\n{said.err}"
+    assert SAYS not in said.out
+
+
+@pytest.mark.parametrize("name", OWN)
+def test_make_s_own_commands_are_tried(name: str) -> None:
+    command = ["make", "--no-print-directory", f"VENV={sys.prefix}", name, "DRY=1"]
+    result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result.stderr
+    assert result.stdout.startswith(SAYS)
+
+
+def test_the_commands_of_a_page_are_found() -> None:
+    page = """Say `make sim BLOCK=x
+SIM=ghdl` or `other`, and `a/python -m tb.sim`.
+
+    make test   a remark
+    LC_ALL=C make lint
+
+```
+$ make demo
+makes nothing
+```
+"""
+    assert sorted(commands_of(page)) == [
+        "LC_ALL=C make lint",
+        "a/python -m tb.sim",
+        "make demo",
+        "make sim BLOCK=x SIM=ghdl",
+        "make test",
+    ]
+
+
+def test_a_command_that_errs_is_seen(
+    place: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
+) -> None:
+    monkeypatch.setenv("DRY", "1")
+    for text in ("make sim BLOCK=engin", "make vhdl SCENE=finger", "python -m hdl.export digit c"):
+        assert call(Documented(text, ROOT / "README.md"), place, monkeypatch) == 2, text
+    assert "did you mean 'engine'?" in capfd.readouterr().err
+
+
+def test_every_stand_in_stands_for_something() -> None:
+    shown = {pair for item in FOUND if item.command for pair in item.shown.items()}
+    examples = {(a.name, a.example) for i in FOUND if i.command for a in i.command.arguments}
+    assert set(STAND_INS) <= shown | examples
+
+
+def test_there_are_commands_on_the_pages() -> None:
+    pages = {item.page for item in FOUND}
+    assert ROOT / "README.md" in pages
+    assert set((ROOT / "docs" / "blocks").glob("*.md")) <= pages < set(PAGES)
