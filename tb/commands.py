@@ -150,9 +150,10 @@ COMMANDS = (
     ),
     Command(
         "test",
-        "Runs the tests, or those that TESTS= names; ALL=1 adds every constant of every scene, and "
-        "MACHINE= runs them as they would run on another machine.",
-        (TESTS, ALL, word("MACHINE", "name")),
+        "Runs the tests, or those that TESTS= names; ALL=1 adds every constant of every scene, "
+        "SAMPLE= so many seconds of that, and MACHINE= runs them as they would run on another "
+        "machine. RECORD=1 records how long the tests take that ALL=1 adds.",
+        (TESTS, ALL, option("SAMPLE", "180"), word("MACHINE", "name"), RECORD),
     ),
     Command(
         "machines",
