@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import sample
 from hypothesis import HealthCheck, settings
 from refused import Desk
 from shared import Shared
@@ -19,6 +20,8 @@ from tb.common.cases import random_mlp, write_scene
 from tb.common.tools import simulator_versions
 
 STARTED = time.perf_counter()
+# How long each test of ALL=1 took that was run.
+TIMES: dict[str, float] = {}
 # Tests that simulate, synthesise, or measure.
 LONG = (
     *("test_benches", "test_cells", "test_docs", "test_export", "test_handover", "test_image"),
@@ -32,6 +35,8 @@ settings.load_profile("untimed")
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--all", action="store_true", help="what make test ALL=1 adds, too")
+    parser.addoption("--sample", type=float, help="so many seconds of what ALL=1 adds")
+    parser.addoption("--record", action="store_true", help="how long the tests of ALL=1 take")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -64,14 +69,32 @@ def long_first(items: list[pytest.Item], workers: int) -> list[pytest.Item]:
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Skipped, not left out: the summary counts what is left to the other tier."""
     items[:] = long_first(items, int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")))
-    if not config.getoption("--all"):
-        for item in items:
-            if item.get_closest_marker("all_only"):
-                item.add_marker(pytest.mark.skip(reason="left to make test ALL=1"))
+    left = [item for item in items if item.get_closest_marker("all_only")]
+    if config.getoption("--all"):
+        return
+    drawn = []
+    if seconds := config.getoption("--sample"):
+        names = [item.nodeid for item in left]
+        drawn = sample.draw(names, sample.timed(), seconds * sample.cores(), sample.tree())
+    for item in left:
+        if item.nodeid not in drawn:
+            item.add_marker(pytest.mark.skip(reason="left to make test ALL=1"))
 
 
-def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """Before pytest's closing line, on what the tests ran."""
+def pytest_runtest_logreport(report: pytest.TestReport) -> None:
+    """In the process that hears of all workers' tests."""
+    if "all_only" in report.keywords and report.when == "call":
+        TIMES[report.nodeid] = report.duration
+
+
+def pytest_terminal_summary(
+    terminalreporter: pytest.TerminalReporter, config: pytest.Config
+) -> None:
+    """Before pytest's closing line, on what the tests ran, and what was drawn."""
+    if config.getoption("--sample"):
+        terminalreporter.section("drawn of what ALL=1 adds")
+        for name in sorted(TIMES):
+            terminalreporter.line(name)
     terminalreporter.section("machine")
     for line in closing(time.perf_counter() - STARTED, **simulator_versions()):
         terminalreporter.line(line)
@@ -82,6 +105,8 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
     reporter = session.config.pluginmanager.get_plugin("terminalreporter")
     if reporter and session.exitstatus == pytest.ExitCode.OK and "passed" not in reporter.stats:
         session.exitstatus = pytest.ExitCode.NO_TESTS_COLLECTED
+    if reporter and session.config.getoption("--record"):
+        sample.record(TIMES)
 
 
 def tiered(always: Iterable[Any], all_only: Iterable[Any]) -> list[Any]:

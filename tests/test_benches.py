@@ -14,6 +14,7 @@ from tb.common.collected import BENCHES, CASES, CASES_OF, blocks_of
 from tb.common.runner import Job, Outcome
 from tb.common.tools import SIMULATORS
 from tb.report.measure.clocks import clocks_per_frame
+from tb.sign_off.current import stale_records
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
@@ -45,17 +46,26 @@ def one_of_each(jobs: list[Job]) -> list[Job]:
 
 
 def check(outcomes: list[Outcome]) -> None:
-    """Nothing failed, and both simulators compared as much of every entity."""
+    """Nothing failed, both simulators compared as much of every entity, and records are of this.
+
+    What is recorded of a bench is recorded of its trace: each run shows whether it is that still.
+    """
     failed = [f"{o.job.simulator}, {o.job.entity}: {o.complaint()}" for o in outcomes]
     assert all(o.passed for o in outcomes), "\n".join(
         line for line, o in zip(failed, outcomes, strict=True) if not o.passed
     )
-    counts = [
-        {o.job.entity: o.compared for o in outcomes if o.job.simulator == simulator}
-        for simulator in SIMULATORS
-    ]
+    counts, traces = (
+        [
+            {o.job.entity: value(o) for o in outcomes if o.job.simulator == simulator}
+            for simulator in SIMULATORS
+        ]
+        for value in (lambda o: o.compared, lambda o: o.facts["played"])
+    )
     assert counts[0] == counts[1]
     assert all(count > 0 for count in counts[0].values())
+    assert traces[0] == traces[1]
+    assert all(traces[0].values())
+    assert [line for o in outcomes for line in stale_records(o)] == []
 
 
 def check_clocks(outcomes: list[Outcome]) -> None:

@@ -16,18 +16,20 @@ from golden.port import Unsigned, given, taken
 from tb.common.collected import BENCHES
 from tb.common.coverage import Coverage, add, missing
 from tb.common.runner import Job, run_job
-from tb.sign_off.coverage import KIND, source
+from tb.sign_off.coverage import KIND, named_by
+from tb.sign_off.current import of_this_verilog
 from tb.sign_off.record import read_record
-from tb.sign_off.source import bench_modules
-
-AGAIN = "run: make coverage BLOCK={} RECORD=1"
+from tb.sign_off.source import bench_modules, verilog
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
 
 @pytest.mark.parametrize("block", BENCHES)
 def test_the_record_is_of_this_source(shared: Shared, block: str) -> None:
-    assert read_record(KIND, block)["source"] == source(shared.subject(block)), AGAIN.format(block)
+    job = shared.subject(block)
+    assert not of_this_verilog(KIND, block, verilog(job))
+    again = f"the twin names something else; run: make coverage BLOCK={block} RECORD=1"
+    assert read_record(KIND, block)["named"] == named_by(job.twin), again
 
 
 @pytest.mark.parametrize("block", BENCHES)
@@ -47,17 +49,17 @@ def test_another_source_is_noticed(shared: Shared, tmp_path: Path) -> None:
     for name in job.files:
         text = (job.hdl_folder / name).read_text()
         (changed.hdl_folder / name).write_text(text.replace("8191", "8190").replace("131071", "1"))
-    assert source(changed) != source(job)
+    assert verilog(changed) != verilog(job)
 
 
 def test_another_border_is_another_source(shared: Shared, monkeypatch) -> None:
     job = shared.subject("abs_unit")
-    before = source(job)
+    before = named_by(job.twin)
     monkeypatch.setattr(AbsUnit, "borders", property(lambda _: (Border("another", "code", 3),)))
-    assert source(job) != before
+    assert named_by(job.twin) != before
 
 
-def test_the_bench_and_what_it_imports_are_part_of_the_source() -> None:
+def test_the_bench_and_what_it_imports_are_part_of_what_is_kept() -> None:
     read = {name for name, code in bench_modules("activation", "pade").items() if code}
     common = {f"tb.common.{name}" for name in ("bench", "stream", "stimulus", "coverage")}
     assert {"tb.activation.tb_pade", *common} <= read

@@ -13,6 +13,7 @@ from shared import Shared
 
 from golden.fingerprint import ROOT
 from tb.common.runner import run_job
+from tb.sign_off.current import of_this_verilog
 from tb.sign_off.mutate import kept
 from tb.sign_off.mutate.explained import explain, explanations
 from tb.sign_off.mutate.mutants import make_mutants, write_netlists
@@ -21,7 +22,7 @@ from tb.sign_off.mutate.same import OPEN, OTHER, SAME, proved
 from tb.sign_off.mutate.score import Subject, prepare, run_bench
 from tb.sign_off.mutate.words import describe
 from tb.sign_off.record import RECORDS, read_record
-from tb.sign_off.source import source
+from tb.sign_off.source import verilog
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
@@ -32,12 +33,11 @@ FEW = 12
 
 
 @pytest.mark.parametrize("block", SCORED)
-def test_the_score_is_of_this_verilog_and_this_bench(shared: Shared, block: str) -> None:
+def test_the_score_is_of_this_verilog(shared: Shared, block: str) -> None:
     record = read_record("mutation", block)
     job = shared.subject(block)
     assert (record["entity"], record["scene"]) == (job.entity, job.scene.name)
-    again = f"run: make mutate BLOCK={block} RECORD=1"
-    assert record["source"] == source(job), f"another source; {again}"
+    assert not of_this_verilog("mutation", block, verilog(job))
 
 
 @pytest.mark.parametrize("block", SCORED)
@@ -97,7 +97,7 @@ def test_what_the_replay_finds_the_bench_finds(
     differ = found(small, recorded, tmp_path)
     assert not differ[0]
     assert sum(differ) > FEW / 2
-    assert run_bench(small, differ.index(True))
+    assert run_bench(small, differ.index(True), {})
 
 
 def test_what_the_bench_does_not_look_at_survives(

@@ -8,6 +8,7 @@ an input of row t and a registered output of row t + latency belong together.
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import time
@@ -94,6 +95,9 @@ class Bench:
         self.facts: dict[str, float] = {}
         self.coverage = Coverage(self.twin)
         self.recordings: list[Recording] = []
+        # By recording: a digest of what was driven, and the rows in which a port was looked at.
+        self.played: list[tuple[str, dict[str, np.ndarray]]] = []
+        self.inputs = {port.name for port in self.twin.ports if port.direction == "in"}
         dut._log.info("rerun: %s", self.configuration["rerun"])
 
     def around(self, kind: type[Kind]) -> list[Kind]:
@@ -144,6 +148,7 @@ class Bench:
         for port, words in recording.columns.items():
             self.coverage.stood(port, words[RESET_CLOCKS:])
         self._check_cleared(recording)
+        self.played.append((driven_digest(recording, self.inputs), recording.looked))
         if self.configuration["trace"]:
             self.recordings.append(recording)
         return recording
@@ -208,11 +213,46 @@ class Bench:
         assert self.compared >= at_least, (
             f"{entity}: compared {self.compared} results, expected at least {at_least}"
         )
-        line = {"compared": self.compared, "coverage": self.coverage.counts, **self.facts}
+        line = {
+            "compared": self.compared,
+            "coverage": self.coverage.counts,
+            "played": {test_key(): self._play_digest()},
+            **self.facts,
+        }
         with Path(self.configuration["result"]).open("a", encoding="utf-8") as handle:
             handle.write(json.dumps(line) + "\n")
         if self.recordings:
             write_trace(Path(self.configuration["trace"]), self.recordings)
+
+    def _play_digest(self) -> str:
+        """What the test drove, where it looked, and how many results it compared.
+
+        What stood on the outputs follows from that and from the hardware, so it is left out: both
+        simulators give the same digest, and so does every netlist that does the same.
+        """
+        digest = hashlib.sha256(str(self.compared).encode())
+        for driven, looked in self.played:
+            digest.update(driven.encode())
+            for name in sorted(looked):
+                digest.update(f"{name} ".encode() + np.packbits(looked[name]).tobytes())
+        return digest.hexdigest()
+
+
+def test_key() -> str:
+    """What stands for the running test, whatever the seed of the run.
+
+    cocotb adds a digest of the test's module and name to the seed of the run.
+    """
+    return f"{cocotb.RANDOM_SEED - int(os.environ['COCOTB_RANDOM_SEED']):040x}"[:12]
+
+
+def driven_digest(recording: Recording, inputs: set[str]) -> str:
+    """A digest of the words that stood on the inputs, row by row."""
+    digest = hashlib.sha256()
+    for name in sorted(inputs & recording.columns.keys()):
+        words = " ".join(recording.columns[name])
+        digest.update(f"{name} {words}\n".encode())
+    return digest.hexdigest()
 
 
 def write_trace(path: Path, recordings: list[Recording]) -> None:

@@ -15,13 +15,14 @@ import sys
 import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from golden.block import Block, walk
 from golden.cli import CommandError
 from golden.files import replace_folder, writing
+from golden.fingerprint import fingerprint
 from golden.scene import Scene, load_scene, scene_path
 from hdl.export.exporter import MANIFEST, ORDER
 from tb.common.bench import CONFIGURATION
@@ -74,6 +75,11 @@ class Job:
     def hdl_folder(self) -> Path:
         """The files that it runs on."""
         return self.build / self.scene.name / (self.form or language(self.simulator))
+
+    @property
+    def result_file(self) -> Path:
+        """Where each test of the bench writes what it compared."""
+        return self.folder / "compared.jsonl"
 
     @property
     def trace_file(self) -> Path:
@@ -240,7 +246,6 @@ def run_job(job: Job) -> Outcome:
     shutil.rmtree(job.folder, ignore_errors=True)
     with writing(job.folder):
         job.folder.mkdir(parents=True)
-    result = job.folder / "compared.jsonl"
     how = f"NETLIST={job.form}" if job.form else f"SIM={job.simulator}"
     rerun = f"make sim BLOCK={job.block} {how} SCENE={shlex.quote(_scene_argument(job.scene))}"
     if job.frames != FRAMES:
@@ -249,7 +254,7 @@ def run_job(job: Job) -> Outcome:
         "scene": str(job.scene.path.resolve()),
         "entity": job.entity,
         "frames": job.frames,
-        "result": str(result),
+        "result": str(job.result_file),
         "trace": str(job.trace_file.resolve()) if job.trace else "",
         "rerun": f"{rerun} SEED={job.seed}",
     }
@@ -276,17 +281,30 @@ def run_job(job: Job) -> Outcome:
     }
     started = time.perf_counter()
     sound = simulate(run, environment, job.folder / "log.txt")
-    seconds = time.perf_counter() - started
+    outcome = read_outcome(job, sound, time.perf_counter() - started)
+    if outcome.passed and not job.test:
+        return replace(outcome, passed=_covered(job, outcome.facts["coverage"]))
+    return outcome
+
+
+def read_outcome(job: Job, sound: bool, seconds: float) -> Outcome:
+    """What the tests of a bench have written down; ``sound`` is whether the simulator ended well.
+
+    A run that compared nothing proves nothing, whatever its tests say.
+    """
+    result = job.result_file
     written = result.read_text(encoding="utf-8") if result.exists() else ""
     lines = [json.loads(line) for line in written.splitlines()]
     compared = sum(line.pop("compared") for line in lines)
     coverage: Counts = {}
+    # By test: a digest of what it drove, where it looked and how much it compared.
+    played: dict[str, str] = {}
     for line in lines:
         add(coverage, line.pop("coverage"))
-    facts = {key: value for line in lines for key, value in line.items()} | {"coverage": coverage}
-    if sound and not job.test:
-        sound = _covered(job, coverage)
-    # A run that compared nothing proves nothing, whatever its tests say.
+        for test, found in line.pop("played").items():
+            played[test] = fingerprint([], played[test], found) if test in played else found
+    facts = {key: value for line in lines for key, value in line.items()}
+    facts |= {"coverage": coverage, "played": played}
     return Outcome(job, sound and compared > 0, compared, seconds, facts)
 
 

@@ -13,35 +13,35 @@ import argparse
 import sys
 from typing import Any
 
+from golden.block import Block
 from golden.cli import CommandError, run, would
 from golden.fingerprint import fingerprint
 from golden.progress import Progress
 from tb.common.coverage import values_of
-from tb.common.runner import Job, run_job, run_jobs
+from tb.common.runner import Outcome, run_job, run_jobs
 from tb.sign_off.record import write_record
-from tb.sign_off.source import source as code_source
+from tb.sign_off.source import source
 from tb.sign_off.subject import case_line, chosen_blocks, subject
 
 KIND = "coverage"
 
 
-def source(job: Job) -> str:
-    """A digest of what the counts are of: the entity's exported files, its bench, and what the twin
-    names.
-    """
-    twin = job.twin
+def named_by(twin: Block) -> str:
+    """A digest of what the twin names: its borders, its states, the values of its ports."""
     named = [f"{border}" for border in twin.borders] + [f"{state}" for state in twin.states]
     named += [f"{port.name} {values_of(port)}" for port in twin.ports]
-    return fingerprint([], code_source(job), *named, f"{twin.unreachable}")
+    return fingerprint([], *named, f"{twin.unreachable}")
 
 
-def summary(job: Job, counts: dict[str, dict[str, dict[str, int]]]) -> dict[str, Any]:
+def summary(outcome: Outcome) -> dict[str, Any]:
     """What is recorded of the counts of a bench."""
+    job, counts = outcome.job, outcome.facts["coverage"]
     twin = job.twin
     states = counts.get("states", {})
     met = counts.get("borders", {})
     return {
-        "source": source(job),
+        **source(job, outcome.facts["played"]),
+        "named": named_by(twin),
         "entity": job.entity,
         "scene": job.scene.name,
         "seed": job.seed,
@@ -81,7 +81,7 @@ def main() -> int:
     failed = [outcome for outcome in outcomes if not outcome.passed]
     for outcome in outcomes:
         if outcome.passed:
-            facts = summary(outcome.job, outcome.facts["coverage"])
+            facts = summary(outcome)
             if arguments.record:
                 write_record(KIND, outcome.job.block, facts)
             missed = sum("unreachable" in border for border in facts["borders"].values())

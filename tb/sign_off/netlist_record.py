@@ -26,7 +26,7 @@ from tb.common.runner import BUILD, Job, Outcome, jobs, prepare, run_job, run_jo
 from tb.common.tools import version
 from tb.sign_off.netlist import ALL, FAMILIES, NETLISTS_RUN_IN, ROUTED, chosen, on_cells
 from tb.sign_off.record import write_record
-from tb.sign_off.source import bench, source
+from tb.sign_off.source import EVERY, bench, source, verilog
 from tb.sign_off.subject import chosen_blocks, subject
 from tb.sign_off.unknown import UNKNOWN, Netlist
 from tb.sign_off.unknown_proof import clocks_to_prove
@@ -87,7 +87,7 @@ def entities(blocks: Collection[str], build: Path = BUILD) -> Iterator[Entity]:
     seen = set()
     for block in blocks:
         job = played(subject(block, NETLISTS_RUN_IN, build))
-        seen.add(source(job))
+        seen.add(verilog(job))
         yield Entity(job, job.entity)
     for name in SCENES:
         scene = load_scene(name)
@@ -95,8 +95,8 @@ def entities(blocks: Collection[str], build: Path = BUILD) -> Iterator[Entity]:
             continue
         prepare(scene, NETLISTS_RUN_IN, build)
         for job in jobs(scene, NETLISTS_RUN_IN, build=build):
-            if job.block in blocks and source(job) not in seen:
-                seen.add(source(job))
+            if job.block in blocks and verilog(job) not in seen:
+                seen.add(verilog(job))
                 yield Entity(played(job), scene.twin().entity)
 
 
@@ -118,15 +118,15 @@ def record_netlists(blocks: Collection[str], tell: Tell, build: Path = BUILD) ->
                     "scene": entity.job.scene.name,
                     "entity": entity.job.entity,
                     "family": family,
-                    "source": source(entity.job),
-                    "tests": entity.job.test or "all",
+                    **source(entity.job, outcome.facts["played"]),
+                    "tests": entity.job.test or EVERY,
                     "compared": outcome.compared,
                     "frames": outcome.facts.get("frames", 0),
                     "passed": outcome.passed,
                 }
             )
     for block, lines in runs.items():
-        write_record(KIND, block, {"source": lines[0]["source"], "runs": lines})
+        write_record(KIND, block, {"runs": lines})
     return outcomes
 
 
@@ -148,10 +148,10 @@ def record_unknown(job: Job) -> Outcome:
     control = next((r for r in reset if not run_kept(netlist.bench(job, r)).passed), None)
     facts = {
         "proved over clocks": clocks_to_prove(netlist) if reset else None,
-        "source": source(job),
+        **source(job, outcome.facts["played"]),
         "scene": job.scene.name,
         "entity": job.entity,
-        "tests": job.test or "all",
+        "tests": job.test or EVERY,
         "compared": outcome.compared,
         "passed": outcome.passed,
         "reset": [register.name for register in reset],

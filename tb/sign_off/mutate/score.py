@@ -32,7 +32,7 @@ from tb.sign_off.mutate.mutants import make_mutants, write_netlists
 from tb.sign_off.mutate.replay import Trace, ports_of, replay, write_bench, write_trace
 from tb.sign_off.mutate.same import SAME, proved
 from tb.sign_off.mutate.words import describe
-from tb.sign_off.source import bench, source
+from tb.sign_off.source import source
 
 COUNT = 200
 SEED = 1
@@ -65,8 +65,8 @@ def prepare(job: Job, folder: Path, count: int = COUNT, seed: int = SEED) -> Sub
     return Subject(job, folder, key, mutants, write_netlists(mutants, job.entity, folder))
 
 
-def record_trace(subject: Subject) -> Trace:
-    """What the bench does on the sound hardware.
+def record_trace(subject: Subject) -> tuple[Trace, dict[str, str]]:
+    """What the bench does on the sound hardware, and a digest of it by test.
 
     Raises
     ------
@@ -84,11 +84,15 @@ def record_trace(subject: Subject) -> Trace:
     differ = replay(trace, subject.sources(0))
     if differ:
         raise RuntimeError(f"{job.entity}: the sound netlist differs on {', '.join(differ)}")
-    return trace
+    return trace, outcome.facts["played"]
 
 
-def run_bench(subject: Subject, number: int) -> bool:
-    """Whether the bench itself finds a mutant; one that stops the simulator is found."""
+def run_bench(subject: Subject, number: int, played: dict[str, str]) -> bool:
+    """Whether the bench itself finds a mutant; one that stops the simulator is found.
+
+    ``played`` is what the bench does on the sound hardware: an answer is kept as long as it does
+    the same.
+    """
 
     def work() -> bool:
         with tempfile.TemporaryDirectory() as name:
@@ -97,8 +101,8 @@ def run_bench(subject: Subject, number: int) -> bool:
             shutil.copy(subject.netlists[number], job.hdl_folder / f"{job.entity}.v")
             return not run_job(job).passed
 
-    text = bench(subject.job.area, subject.job.block)
-    return kept(work, "bench", subject.key, text, subject.mutants[number - 1])
+    trace = json.dumps(played, sort_keys=True)
+    return kept(work, "bench", subject.key, trace, subject.mutants[number - 1])
 
 
 def sample(differ: dict[int, list[str]], seed: int) -> list[int]:
@@ -121,21 +125,20 @@ def score(
 
     ``before`` is what was found once; where netlist and trace are the same still, it is again.
     """
-    of = source(job)
     with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor(os.cpu_count()) as pool:
         subject = prepare(job, Path(name), count, seed)
-        trace = record_trace(subject)
+        trace, played = record_trace(subject)
         patterns = explanations(job.block)
         digest = fingerprint(scripts(), subject.key, trace.digest, *subject.mutants, *patterns)
         tell(f"{len(subject.mutants)} mutants, {trace.rows} clocks")
         if before and before.get("digest") == digest:
             found = before
         else:
-            found = _found(subject, trace, seed, pool, tell)
+            found = _found(subject, trace, played, seed, pool, tell)
     survivors = [one | {"explained": explain(job.block, one["what"])} for one in found["survivors"]]
     excused = sum(bool(one["explained"]) for one in survivors)
     return found | {
-        "source": of,
+        **source(job, played),
         "digest": digest,
         "scene": job.scene.name,
         "entity": job.entity,
@@ -151,6 +154,7 @@ def score(
 def _found(
     subject: Subject,
     trace: Trace,
+    played: dict[str, str],
     seed: int,
     pool: ThreadPoolExecutor,
     tell: Callable[[str], None],
@@ -165,7 +169,7 @@ def _found(
         return kept(lambda: replay(trace, subject.sources(number)), "replay", *facts)
 
     def found_by_bench(asked: list[int]) -> list[int]:
-        answers = pool.map(lambda number: run_bench(subject, number), asked)
+        answers = pool.map(lambda number: run_bench(subject, number, played), asked)
         return [number for number, red in zip(asked, answers, strict=True) if red]
 
     seen = pool.map(play, numbers)

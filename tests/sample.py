@@ -1,0 +1,76 @@
+"""A drawn sample of the tests that ``make test ALL=1`` adds: ``make test SAMPLE=180``.
+
+What is left to ALL=1 must not rot between two nightly runs, so CI adds a few minutes of it to every
+run. The sample is drawn by the digest of the tree: the same tree draws the same tests, the next one
+draws others. How long a test takes is recorded, so that the sample fits its time; a test that is
+longer than the whole sample is never drawn, and is left to the nightly run.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import subprocess
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from golden.files import read_json, write_json
+
+ROOT = Path(__file__).parents[1]
+SECONDS = Path(__file__).parent / "data" / "seconds.json"
+# Of a test that was never timed.
+UNTIMED = 30.0
+
+
+def tree() -> str:
+    """The digest of the committed tree.
+
+    Raises
+    ------
+    subprocess.CalledProcessError
+        Outside a git repository.
+    """
+    command = ["git", "-C", str(ROOT), "rev-parse", "HEAD^{tree}"]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+
+
+def cores() -> int:
+    """The processors that share a sample's time."""
+    return os.cpu_count() or 1
+
+
+def timed() -> dict[str, float]:
+    """By test: how many seconds of one processor it took when ALL=1 was last timed."""
+    found: dict[str, float] = read_json(SECONDS, "JSON", "no times of tests are recorded")
+    return found
+
+
+def record(times: Mapping[str, float]) -> None:
+    """Keep how long tests take; ``make test ALL=1 RECORD=1``."""
+    write_json(SECONDS, {name: round(s, 1) for name, s in times.items()}, sort_keys=True)
+
+
+def draw(
+    names: Iterable[str], seconds: Mapping[str, float], budget: float, digest: str
+) -> list[str]:
+    """The tests that fit into ``budget`` seconds, in an order that the digest shuffles.
+
+    Parameters
+    ----------
+    names : iterable of str
+        All that could be drawn.
+    seconds : mapping
+        By test, how long it takes.
+    budget : float
+        Seconds of one processor.
+    digest : str
+        Of the tree.
+    """
+    order = sorted(names, key=lambda name: hashlib.sha256(f"{digest} {name}".encode()).digest())
+    drawn, left = [], budget
+    for name in order:
+        takes = seconds.get(name, UNTIMED)
+        if takes <= left:
+            drawn.append(name)
+            left -= takes
+    return drawn

@@ -1,0 +1,41 @@
+"""``make sim SCENE=`` of every shipped scene, as a user types it: every bench, both simulators.
+
+What shipped scenes hold beside the sizes of the benches' cases is seen here alone, so all of it is
+left to ALL=1, and CI draws from it (``tests/sample.py``).
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from test_benches import check, check_clocks
+
+from golden.block import walk
+from golden.scene import load_scene, scene_names
+from tb.common.runner import jobs, read_outcome
+from tb.common.tools import SIMULATORS
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.mark.all_only
+@pytest.mark.parametrize("name", scene_names())
+def test_every_bench_of_a_scene_is_green(name: str) -> None:
+    (Path(sys.prefix) / ".ready").touch()
+    command = ["make", "--no-print-directory", f"VENV={sys.prefix}", "sim", f"SCENE={name}"]
+    environment = os.environ | {"MAKEFLAGS": ""}
+    said = subprocess.run(
+        command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False
+    )
+    red = [line for line in said.stdout.splitlines() if "FAIL" in line or "Error: " in line]
+    assert said.returncode == 0, "\n".join([*red, said.stderr])
+    scene = load_scene(name)
+    outcomes = [read_outcome(job, True, 0) for s in SIMULATORS for job in jobs(scene, s)]
+    entities = {part.entity for part in walk(scene.twin())}
+    assert {outcome.job.entity for outcome in outcomes} == entities
+    check(outcomes)
+    check_clocks(outcomes)

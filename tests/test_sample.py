@@ -1,0 +1,47 @@
+"""What CI draws of ALL=1: the same for the same tree, another for another, and all in the end."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import sample
+
+NAMES = [f"tests/test_a.py::test[{n}]" for n in range(100)]
+TIMES = dict.fromkeys(NAMES, 2.0) | {NAMES[0]: 500.0}
+
+
+def test_the_same_tree_draws_the_same_and_another_draws_others() -> None:
+    one = sample.draw(NAMES, TIMES, 40, "a tree")
+    assert one == sample.draw(reversed(NAMES), TIMES, 40, "a tree")
+    assert len(one) == 20
+    assert set(one) != set(sample.draw(NAMES, TIMES, 40, "another tree"))
+
+
+def test_everything_that_fits_is_drawn_in_the_end() -> None:
+    met = {name for n in range(100) for name in sample.draw(NAMES, TIMES, 40, f"tree {n}")}
+    assert met == set(NAMES[1:])
+
+
+def test_a_test_that_was_never_timed_is_drawn_too() -> None:
+    assert sample.draw(["tests/test_a.py::new"], {}, sample.UNTIMED, "a tree") != []
+    assert sample.draw(["tests/test_a.py::new"], {}, sample.UNTIMED - 1, "a tree") == []
+
+
+def test_a_run_names_what_it_has_drawn() -> None:
+    """Of one test, with time for all of it."""
+    environment = {k: v for k, v in os.environ.items() if not k.startswith("PYTEST")}
+    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-n", "1"]
+    said = subprocess.run(
+        [*command, "tests/test_benches_can_fail.py", "-k", "abs_unit-1", "--sample", "100000"],
+        cwd=sample.ROOT,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert said.returncode == 0, said.stdout + said.stderr
+    assert "drawn of what ALL=1 adds" in said.stdout
+    assert "tests/test_benches_can_fail.py::" in said.stdout.split("drawn of what ALL=1 adds")[1]
+    assert "1 passed" in said.stdout
