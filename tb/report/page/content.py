@@ -166,13 +166,13 @@ def _verified(scene: Scene) -> Section:
         + ", ".join(version(s) for s in SIMULATORS)
         + ".",
     )
-    text = [
+    said = [
         f"{results['benches']} benches, {results['failed']} failed, {results['compared']:,} values "
         "compared bit for bit."
     ]
     if results["left"]:
-        text.append(f"{left_text(results['left'])}.")
-    return Section("verified", "Verified", text=text, folded=[table])
+        said.append(f"{left_text(results['left'])}.")
+    return Section("verified", "Verified", text=said, folded=[table])
 
 
 def _resources(scene: Scene, design: Network, found: Costs | None) -> Section | None:
