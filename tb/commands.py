@@ -150,9 +150,10 @@ COMMANDS = (
     ),
     Command(
         "test",
-        "Runs the tests, or those that TESTS= names; ALL=1 adds every constant of every scene, and "
-        "MACHINE= runs them as they would run on another machine.",
-        (TESTS, ALL, word("MACHINE", "name")),
+        "Runs the tests, or those that TESTS= names; ALL=1 adds every constant of every scene, "
+        "SAMPLE= a drawn part of that which takes so many seconds, and RECORD=1 with ALL=1 records "
+        "how long each takes. MACHINE= runs the tests as they would run on another machine.",
+        (TESTS, ALL, option("SAMPLE", "180"), RECORD, word("MACHINE", "name")),
     ),
     Command(
         "machines",
