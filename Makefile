@@ -37,8 +37,7 @@ $(CALLED): $(READY)
 	@$(RUN) -m tb.commands $@
 
 test: $(READY) $(if $(DRY_RUN),,tools browser)
-	@$(RUN) $(if $(MACHINE),tests/machines.py "$$MACHINE" --show --whole,tests/chosen.py \
-		$(if $(SAMPLE),--sample="$$SAMPLE") $(if $(filter-out 0,$(RECORD)),--record)) \
+	@$(RUN) $(if $(MACHINE),tests/machines.py "$$MACHINE" --show --whole,tests/chosen.py $(if $(SAMPLE),--sample="$$SAMPLE") $(if $(filter-out 0,$(RECORD)),--record)) \
 		--tests="$$TESTS" $(if $(filter-out 0,$(ALL)),--all)
 
 machines: $(READY) $(if $(DRY_RUN),,tools browser)

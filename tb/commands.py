@@ -151,9 +151,9 @@ COMMANDS = (
     Command(
         "test",
         "Runs the tests, or those that TESTS= names; ALL=1 adds every constant of every scene, "
-        "SAMPLE= so many seconds of that, and MACHINE= runs them as they would run on another "
-        "machine. RECORD=1 records how long the tests take that ALL=1 adds.",
-        (TESTS, ALL, option("SAMPLE", "180"), word("MACHINE", "name"), RECORD),
+        "SAMPLE= a drawn part of that which takes so many seconds, and RECORD=1 with ALL=1 records "
+        "how long each takes. MACHINE= runs the tests as they would run on another machine.",
+        (TESTS, ALL, option("SAMPLE", "180"), RECORD, word("MACHINE", "name")),
     ),
     Command(
         "machines",

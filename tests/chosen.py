@@ -21,10 +21,10 @@ def main() -> None:
     parser.add_argument("--record", action="store_true", help="with ALL=1, how long its tests take")
     arguments = parser.parse_args()
     command = [sys.executable, "-m", "pytest", *CORES, *["--all"] * arguments.all]
+    would(f"run {' '.join(['pytest', *words('TESTS', arguments.tests)])}")
     command += ["--record"] * arguments.record
     if arguments.sample:
         command += ["--sample", str(arguments.sample)]
-    would(f"run {' '.join(['pytest', *words('TESTS', arguments.tests)])}")
     os.execv(sys.executable, [*command, *words("TESTS", arguments.tests)])
 
 
