@@ -90,10 +90,8 @@ def drawn_case(rng: np.random.Generator, large: bool) -> Case:
     arrangement = str(rng.choice(kind.arrangements))
     # Small ones more often: large ones take longer.
     most = 9 if large else 4
-    inputs, hidden = (
-        int(rng.integers(1, most)),
-        rng.choice([1, 2, 3, 4, 6, 9, 24][:most], 4).tolist(),
-    )
+    inputs = int(rng.integers(1, most))
+    hidden = rng.choice([1, 2, 3, 4, 6, 9, 24][:most], 4).tolist()
     drawn = bool(rng.random() < 0.3)
     outputs = 4 if drawn else int(rng.integers(1, 7))
     count = 4 if drawn else int(rng.integers(2, 5))
