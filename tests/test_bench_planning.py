@@ -83,13 +83,15 @@ def ends(port: Port) -> tuple[int, int]:
     return (-most // 2, most // 2 - 1) if port.signed else (0, most - 1)
 
 
-def drawn_case(rng: np.random.Generator) -> Case:
+def drawn_case(rng: np.random.Generator, large: bool) -> Case:
     """A case of any design, arrangement, activation, precision and surroundings."""
     design = str(rng.choice([*DESIGNS]))
     kind = DESIGNS[design]
     arrangement = str(rng.choice(kind.arrangements))
     # Small ones more often: large ones take longer.
-    inputs, hidden = int(rng.integers(1, 9)), rng.choice([1, 2, 3, 4, 6, 9, 24], 4).tolist()
+    most = 9 if large else 4
+    inputs = int(rng.integers(1, most))
+    hidden = rng.choice([1, 2, 3, 4, 6, 9, 24][:most], 4).tolist()
     drawn = bool(rng.random() < 0.3)
     outputs = 4 if drawn else int(rng.integers(1, 7))
     count = 4 if drawn else int(rng.integers(2, 5))
@@ -122,7 +124,7 @@ def drawn_scene(seed: int, folder: Path) -> tuple[Scene, Block]:
     """The first of the cases of a seed that a scene can be; others are refused by name."""
     rng = np.random.default_rng(seed)
     while True:
-        case = drawn_case(rng)
+        case = drawn_case(rng, large=seed >= EVERY_RUN)
         with suppress(ValueError, RuntimeError):
             scene = case.scene(folder, f"drawn{seed}")
             return scene, scene.twin()

@@ -85,7 +85,8 @@ class WeightedSum(Block):
         """What each weight adds to a sum with the least and with the largest sample."""
         column = np.asarray(weights, dtype=np.int64)[..., np.newaxis]
         samples: Codes = np.array([self.in_fmt.low, self.in_fmt.high], dtype=np.int64)
-        return np.right_shift(column * samples, self.product_shift)
+        products: Codes = column * samples
+        return products >> self.product_shift
 
     def borders_of(self, quantity: str, row: Codes, bias: int, factor: int = 1) -> list[Border]:
         """Where the result of a row of weights saturates; ``factor`` multiplies its sum."""
