@@ -85,7 +85,7 @@ def blocks(scene: Scene, design: Network, found: Costs) -> Table:
 
 def with_activation_cells(table: Table) -> Table:
     """The table of activations with Virtex-II cells, of those that a recorded scene contains."""
-    found = activation_cells()
+    found = _activation_cells()
     return _joined(
         table,
         lambda row: found.get((str(row[0]).split(",")[0].replace(" ", "_"), str(row[1]))),
@@ -114,9 +114,8 @@ def _joined(
     return Table(table.name, [*table.columns, *COST], rows, f"{table.note} {note}", table.timed)
 
 
-def activation_cells() -> dict[tuple[str, str], dict[str, int]]:
-    """By block and precision the Virtex-II cells of the entity with the most LUTs, of all scenes
-    whose cells are recorded."""
+def _activation_cells() -> dict[tuple[str, str], dict[str, int]]:
+    """By block and precision the cells of the entity with the most LUTs."""
     found: dict[tuple[str, str], dict[str, int]] = {}
     for scene in scenes():
         path = budget_path(scene.path)

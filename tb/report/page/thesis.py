@@ -10,18 +10,17 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from golden.block import walk
 from golden.cli import run
 from golden.fingerprint import ROOT
-from golden.precision import THESIS
 from golden.scene import load_scene, thesis_table
 from hdl.synth.budget import budget_path, read_budget
 from tb.report.draw import along, rigs
 from tb.report.draw.convergence import convergence_plot
 from tb.report.measure import recorded
 from tb.report.measure.camera import camera
-from tb.report.measure.costs import COST, activation_cells
 from tb.report.measure.low_pass import low_pass
-from tb.report.measure.printed import ALONG, along_beam, printed, widths
+from tb.report.measure.printed import ALONG, PARALLEL, along_beam, printed, widths
 from tb.report.measure.recorded import SEED
 from tb.report.measure.table import Cell, Table
 from tb.report.page.markers import put, write
@@ -128,13 +127,16 @@ def _shares(name: str) -> list[Cell]:
 
 def cells() -> str:
     """Printed gates of each activation of the thesis, and the cells of ours as recorded."""
-    kinds = (*COST, "flip-flop")
+    kinds = ("LUT", "flip-flop", "multiplier", "block RAM")
     rows: list[list[Cell]] = []
-    for (scheme, precision), found in activation_cells().items():
-        gates = thesis_table(f"activation.{scheme}").get("gate_count")
-        if precision == THESIS.name:
-            rows.append([scheme, gates, *(found[kind] for kind in kinds)])
-    return _table(["scheme", "printed gates", *kinds], sorted(rows, key=lambda row: str(row[0])))
+    for pair in PARALLEL:
+        scene = load_scene(pair.alike)
+        budget = read_budget(budget_path(scene.path))["xc2v"]
+        own = [budget[part.entity] for part in walk(scene.twin()) if part.block == scene.activation]
+        largest = max(own, key=lambda found: found["LUT"])
+        gates = thesis_table(f"activation.{scene.activation}")["gate_count"]
+        rows.append([scene.activation, gates, *(largest[kind] for kind in kinds)])
+    return _table(["scheme", "printed gates", *kinds], rows)
 
 
 def lengths() -> str:
