@@ -22,7 +22,7 @@ from tb.report.measure.motions import RUNS
 from tb.report.measure.rbf import classes, printed_figures
 from tb.report.measure.recordings import FORMS, NOISES
 from tb.report.measure.registry import TABLES
-from tb.report.measure.steps import TIMED
+from tb.report.measure.recorded import TIMED
 from tb.report.measure.table import Table
 
 ROOT = Path(__file__).parents[1]

@@ -12,6 +12,7 @@ from tb.report.measure import (
     clocks,
     digits,
     disturbance,
+    engines,
     gauges,
     honest,
     motions,
@@ -63,3 +64,6 @@ TABLES: dict[str, Callable[[int], Table]] = {
     "past": past.past,
     "stability": stability,
 }
+
+# Measured when they are asked for by name: they start simulators.
+ASKED: dict[str, Callable[[int], Table]] = {"simulators": engines.simulators}
