@@ -92,9 +92,7 @@ def activations(table: Table) -> str:
     ):
         points = groups(rows, _activation, column, "largest units")
         looks = {label: activation_look(*label.rsplit(", ", 1)) for label in points}
-        plots.append(
-            _panel("", across, _UNITS, points, joined=False, linear=linear, looks=looks)
-        )
+        plots.append(_panel("", across, _UNITS, points, joined=False, linear=linear, looks=looks))
     return side_by_side("activations", "Activations: largest error against clocks and LUTs", plots)
 
 
@@ -119,7 +117,8 @@ def pade(table: Table) -> str:
 
 def training(table: Table) -> str:
     """Validation error against processor time: the optimisers, and the two cascades."""
-    one, many = [], []
+    one: list[Row] = []
+    many: list[Row] = []
     for row in rows_of(table):
         (one if row["output"] == "all" else many).append(row)
 
@@ -217,7 +216,7 @@ def simulators(table: Table) -> str:
                 va="center",
             )
         axes.set_xscale("log")
-        axes.set_xlim(0.1, 10 * max(rates))
+        axes.set_xlim(0.1, 20 * max(rates))
         axes.set_xlabel("frames a second")
         return plotted(figure, "simulators", title)
 

@@ -108,16 +108,16 @@ def defaults(tables: Tables) -> Iterator[str]:
         for case, method in (("plain", LIGHT), ("strongly damped", STRONG))
     )
     slow = _reached(tables, "strongly damped", LIGHT)
-    near, exact = _plate(tables, TERMS), _plate(tables, 10 * TERMS)
-    settled = _settled(tables)
+    near, exact = plate_row(tables, TERMS), plate_row(tables, 10 * TERMS)
+    settled = settled_after(tables)
     series = max(rows_of(tables["series"]), key=lambda row: number(row, "terms"))
     twin, icarus = _rate(tables, "bit-true, numpy"), _rate(tables, "Icarus")
     yield "| choice | default | why |"
     yield "|---|---|---|"
     yield (
         f"| [design](#networks) | `{default['design']}` | {_count(default)} of the "
-        f"{SCAN_CLOCKS:,} clocks of a scan are enough. The same networks folded as the thesis folds "
-        f"(`{FOLDED}`) take {_count(folded)} and err by {_error(folded)} %, but need "
+        f"{SCAN_CLOCKS:,} clocks of a scan are enough. The same networks folded as the thesis "
+        f"folds (`{FOLDED}`) take {_count(folded)} and err by {_error(folded)} %, but need "
         f"{number(folded, 'LUT'):,.0f} LUTs and {number(folded, 'multiplier'):.0f} multipliers "
         f"instead of {number(default, 'LUT'):.0f} and {number(default, 'multiplier'):.0f}. |"
     )
@@ -138,14 +138,14 @@ def defaults(tables: Tables) -> Iterator[str]:
         f"{number(gradient, 'latency clocks'):.0f} clocks and {number(gradient, 'LUT'):.0f} LUTs. |"
     )
     yield (
-        f"| [rho and iterations of Pade](#activations) | {RHO:g} and {ITERATIONS} | It is the "
-        f"smallest rho that settles up to the gate; the largest error is down to what remains after "
-        f"{settled[RHO]:.0f} iterations, and the mean error after {ITERATIONS}. |"
+        f"| [rho and iterations of Pade](#activations) | {RHO:g} and {ITERATIONS} | No rho settles "
+        f"up to the gate with fewer iterations than {RHO:g} with its {settled[RHO]:.0f}, and with "
+        f"{ITERATIONS} the mean error halves. |"
     )
     yield (
         f"| [optimiser](#optimisers) | `{optimiser}` | After {LATE:g} s of processor time its best "
-        f"start errs by {rounded(_best(tables, optimiser, LATE))} %, that of `{other}` by "
-        f"{rounded(_best(tables, other, LATE))} %. |"
+        f"start errs by {rounded(best_error(tables, optimiser, LATE))} %, that of `{other}` by "
+        f"{rounded(best_error(tables, other, LATE))} %. |"
     )
     yield (
         f"| [swing](#swing) | {LIGHT}, tolerance {rounded(TOLERANCE)} | It takes the least time to "
@@ -169,8 +169,8 @@ def defaults(tables: Tables) -> Iterator[str]:
         f"{number(series, 'terms'):,.0f} terms and {rounded(number(series, 'ms') / 1e3)} s. |"
     )
     yield (
-        f"| [simulator](#simulators) | the twin for figures, Icarus and GHDL for proof | The twin is "
-        f"{rounded(twin / icarus)} times as fast as Icarus and gives the same codes. |"
+        f"| [simulator](#simulators) | the twin for figures, Icarus and GHDL for proof | The twin "
+        f"is {rounded(twin / icarus)} times as fast as Icarus and gives the same codes. |"
     )
 
 
@@ -239,12 +239,24 @@ def schemes(tables: Tables) -> Iterator[str]:
     yield ""
     yield _picture("pade", "Error of the Pade regression against its iterations")
     yield ""
-    settled = ", ".join(f"{rho:g} after {count:.0f}" for rho, count in _settled(tables).items())
     floor = min(number(row, "largest units") for row in _pade(tables))
+    settled = settled_after(tables)
+    first = min(settled, key=lambda rho: (settled[rho], rho))
     yield (
-        f"In `exact` the largest error comes down to {floor:.0f} units, the step at the gate, with "
-        f"rho {settled} iterations; with 4 it is not there after 64."
+        f"In `exact` precision, over every code, the largest error comes down to {floor:.0f} "
+        f"units, the step at the gate, with the fewest iterations for rho {first:g}."
     )
+    yield ""
+    yield "| rho | stable below abs(q) | iterations until then | mean error there, % |"
+    yield "|---|---|---|---|"
+    for rho in draw.SETTLING:
+        rows = [row for row in _pade(tables) if row["rho"] == rho]
+        there = [row for row in rows if number(row, "iterations") == settled.get(rho)]
+        most = max(number(row, "iterations") for row in rows)
+        count, mean = f"more than {most:.0f}", ""
+        if there:
+            count, mean = f"{settled[rho]:.0f}", f"{number(there[0], 'mean %'):.3f}"
+        yield f"| {rho:g} | {number(rows[0], 'stable below |q|'):.3f} | {count} | {mean} |"
 
 
 def optimisers(tables: Tables) -> Iterator[str]:
@@ -253,9 +265,9 @@ def optimisers(tables: Tables) -> Iterator[str]:
     yield _picture("training", "Validation error against processor time")
     yield ""
     told = [
-        f"`{method}` errs by {rounded(_best(tables, method, EARLY))} % after {EARLY:g} s, "
-        f"{rounded(_best(tables, method, LATE))} % after {LATE:g} s and "
-        f"{rounded(_best(tables, method, float('inf')))} % at the end"
+        f"`{method}` errs by {rounded(best_error(tables, method, EARLY))} % after {EARLY:g} s, "
+        f"{rounded(best_error(tables, method, LATE))} % after {LATE:g} s and "
+        f"{rounded(best_error(tables, method, float('inf')))} % at the end"
         for method in methods
     ]
     yield f"The best of three starts with {'; that with '.join(told)}."
@@ -268,7 +280,7 @@ def swing(tables: Tables) -> Iterator[str]:
     best = [
         f"{method} {where} ({rounded(number(row, 'ms'))} ms)"
         for case, where in CASES.items()
-        for method, row in [_quickest(tables, case)]
+        for method, row in [quickest(tables, case)]
     ]
     yield f"An error of {_small(SWING_ERROR)} rad takes the least time with {', '.join(best)}."
     yield ""
@@ -309,7 +321,7 @@ def plate(tables: Tables) -> Iterator[str]:
     """The picture of the plate, its sentence and its table."""
     grids = rows_of(tables["plate"], method="grid", point="at the load")
     finest = min(grids, key=lambda row: number(row, "error"))
-    series = _plate(tables, TERMS)
+    series = plate_row(tables, TERMS)
     beside = rows_of(tables["plate"], method="series", point="beside it", error=0.0)
     exact = rounded(min(number(row, "terms, nodes") for row in beside), 6)
     yield _picture("plate", "Error of the plate's deflection against terms and run time")
@@ -324,9 +336,7 @@ def plate(tables: Tables) -> Iterator[str]:
 
 def profile(tables: Tables) -> Iterator[str]:
     """The picture of equation 3.17, and its sentence."""
-    ends = {
-        number(row, "terms"): row for row in rows_of(tables["series"]) if row["case"] == "A, B"
-    }
+    ends = {number(row, "terms"): row for row in rows_of(tables["series"]) if row["case"] == "A, B"}
     last, before = (ends[count] for count in sorted(ends)[:-3:-1])
     yield _picture("profile", "Error of equation 3.17 against terms and run time")
     yield ""
@@ -441,7 +451,7 @@ def _pade(tables: Tables) -> list[Row]:
     ]
 
 
-def _settled(tables: Tables) -> dict[float, float]:
+def settled_after(tables: Tables) -> dict[float, float]:
     """By rho after how many iterations the largest error is the least that any reaches."""
     rows = _pade(tables)
     floor = min(number(row, "largest units") for row in rows)
@@ -456,7 +466,7 @@ def _descents(tables: Tables) -> list[Row]:
     return rows_of(tables["training"], output="all")
 
 
-def _best(tables: Tables, method: str, seconds: float) -> float:
+def best_error(tables: Tables, method: str, seconds: float) -> float:
     """The least validation error that a start has come to by then."""
     return min(
         number(row, "validation %")
@@ -475,12 +485,12 @@ def _reached(tables: Tables, case: str, method: str) -> Row:
     return min(rows, key=lambda row: number(row, "evaluations"), default={})
 
 
-def _quickest(tables: Tables, case: str) -> tuple[str, Row]:
+def quickest(tables: Tables, case: str) -> tuple[str, Row]:
     found = {method: row for method in METHODS if (row := _reached(tables, case, method))}
     return min(found.items(), key=lambda item: number(item[1], "ms"))
 
 
-def _plate(tables: Tables, terms: int) -> Row:
+def plate_row(tables: Tables, terms: int) -> Row:
     (found,) = (
         row
         for row in rows_of(tables["plate"], method="series", point="at the load")
