@@ -20,7 +20,7 @@ from golden.scene.schema import KEYS
 from tb.report.draw.findings import number, rows_of
 from tb.report.draw.run_time import SETTLING, network_rows, rounded
 from tb.report.measure import recorded
-from tb.report.measure.costs import with_activation_cells, with_network_cells, with_network_times
+from tb.report.measure.costs import with_activation_cells, with_network_cells
 from tb.report.measure.engines import SCENE
 from tb.report.measure.table import Cell, Table
 from tb.report.page import run_time
@@ -33,12 +33,15 @@ FINE = 1e-9
 
 
 @pytest.fixture(scope="module")
-def tables(shared: Shared) -> run_time.Tables:
-    measured = shared.tables()
-    found = {name: recorded.read(name) for name in recorded.FOR_PAGES}
-    found["clocks"] = with_network_times(with_network_cells(measured["clocks"]))
-    found["activations"] = with_activation_cells(measured["activations"])
-    return found
+def tables() -> run_time.Tables:
+    """What is recorded."""
+    return {name: recorded.read(name) for name in recorded.FOR_PAGES}
+
+
+@pytest.fixture(scope="module")
+def measured(shared: Shared) -> dict[str, Table]:
+    """What is measured in every run."""
+    return shared.tables()
 
 
 def agrees(heading: str, old: Cell, new: Cell) -> bool:
@@ -51,8 +54,10 @@ def agrees(heading: str, old: Cell, new: Cell) -> bool:
 
 
 @pytest.mark.parametrize("name", COMPARED)
-def test_what_is_recorded_is_what_is_measured(shared: Shared, name: str) -> None:
-    old, new = recorded.read(name).without_times(), shared.tables()[name].without_times()
+def test_what_is_recorded_is_what_is_measured(
+    tables: run_time.Tables, measured: dict[str, Table], name: str
+) -> None:
+    old, new = tables[name].without_times(), measured[name].without_times()
     assert (old.columns, len(old.rows), old.note) == (list(new.columns), len(new.rows), new.note)
     for before, now in zip(old.rows, new.rows, strict=True):
         for heading, cell, other in zip(old.columns, before, now, strict=True):
@@ -70,14 +75,16 @@ def test_a_record_of_other_figures_is_found_out() -> None:
     assert not agrees("method", "RK23", "RK45")
 
 
-def test_the_recorded_descents_begin_where_todays_do(shared: Shared) -> None:
+def test_the_recorded_descents_begin_where_todays_do(
+    tables: run_time.Tables, measured: dict[str, Table]
+) -> None:
     """Where they end is a range that the page shows: a last bit turns them."""
 
     def starts(table: Table) -> list[tuple]:
         rows = rows_of(table, evaluations=1)
         return [tuple(row[name] for name in ("method", "output", "restart")) for row in rows]
 
-    old, new = recorded.read("training"), shared.tables()["training"]
+    old, new = tables["training"], measured["training"]
     assert (list(old.columns), old.note) == (list(new.columns), new.note)
     assert starts(old) == starts(new)
     for before, now in zip(rows_of(old, evaluations=1), rows_of(new, evaluations=1), strict=True):
@@ -85,8 +92,8 @@ def test_the_recorded_descents_begin_where_todays_do(shared: Shared) -> None:
             assert number(before, heading) == pytest.approx(number(now, heading), rel=ROUNDING)
 
 
-def test_every_simulator_played_the_frames_of_the_default_scene() -> None:
-    scene, rows = load_scene(SCENE), rows_of(recorded.read("simulators"))
+def test_every_simulator_played_the_frames_of_the_default_scene(tables: run_time.Tables) -> None:
+    scene, rows = load_scene(SCENE), rows_of(tables["simulators"])
     frames = len(scene.vectors().codes)
     worst = {k: max(e.mean for e in found) for k, found in scene_errors(scene).items()}
     for row in rows:
@@ -126,8 +133,9 @@ def test_a_picture_is_accessible_and_has_units_on_its_axes(name: str) -> None:
     assert re.search(of, words)
 
 
-def test_the_default_network_errs_least_and_is_the_smallest(tables: run_time.Tables) -> None:
-    rows = [row for row in network_rows(tables["clocks"]) if row["outputs"] == 4]
+def test_the_default_network_errs_least_and_is_the_smallest(measured: dict[str, Table]) -> None:
+    rows = network_rows(with_network_cells(measured["clocks"]))
+    rows = [row for row in rows if row["outputs"] == 4]
     (default,) = (row for row in rows if row["scene"] == SCENE)
     assert number(default, "largest %") <= min(number(row, "largest %") for row in rows) + 1e-9
     assert default["LUT"] == min(number(row, "LUT") for row in rows)
@@ -136,9 +144,10 @@ def test_the_default_network_errs_least_and_is_the_smallest(tables: run_time.Tab
 
 
 def test_the_default_activation_errs_least_of_those_with_a_multiplier(
-    tables: run_time.Tables,
+    measured: dict[str, Table],
 ) -> None:
-    rows = [row for row in rows_of(tables["activations"]) if row["LUT"] is not None]
+    table = with_activation_cells(measured["activations"])
+    rows = [row for row in rows_of(table) if row["multiplier"]]
     best = min(rows, key=lambda row: number(row, "largest units"))
     assert best["scheme"] == EXACT.activation
 
