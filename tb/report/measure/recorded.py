@@ -1,9 +1,11 @@
-"""Tables that train for long: the report and its tests take them as recorded.
+"""Tables that are recorded: those that train for long, and those that pages show.
 
     make figures TABLE=honest RECORD=1
 
-measures one and records it. A record names the code and the data that it is of: of others it is
-stale, which a test tells.
+measures one and records it. What trains for long the report and its tests take as recorded: such a
+record names the code and the data that it is of, and of others it is stale, which a test tells.
+What is recorded for pages holds the run times of one machine, which the record names; a test
+compares the rest of each table with what is measured.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ from typing import Any
 from golden import window
 from golden.files import read_json, write_json
 from golden.fingerprint import ROOT, fingerprint, sources
+from golden.machine import facts
 from golden.physics import swing_data
 from golden.scene.reference import NUMBERS
 from tb.report.measure import convergence, honest, past, store
@@ -26,6 +29,9 @@ RECORDED = {
     "past": (past, swing_data, window),
     "convergence": (convergence,),
 }
+# With run times in every report.
+TIMED = ("series", "plate", "swing", "swing_damping", "training")
+FOR_PAGES = (*TIMED, "iterations", "simulators")
 FOLDER = Path(__file__).parent / "records"
 SEED = 1
 
@@ -53,8 +59,23 @@ def is_stale(name: str) -> bool:
 def write(table: Table) -> Path:
     """Record a table that was measured with SEED."""
     path = _path(table.name)
-    write_json(path, {"state": state(table.name), "table": store.packed(table)})
+    known = {"machine": facts()} if table.name in FOR_PAGES else {"state": state(table.name)}
+    write_json(path, {**known, "table": store.packed(table)})
     return path
+
+
+def machine() -> str:
+    """The processor on which every table for pages was recorded.
+
+    Raises
+    ------
+    ValueError
+        When they are of several: record all of them on one.
+    """
+    found = {_found(name)["machine"]["processor"] for name in FOR_PAGES}
+    if len(found) > 1:
+        raise ValueError(f"tables for pages: got {sorted(found)}, expected one processor")
+    return str(found.pop())
 
 
 def _path(name: str) -> Path:

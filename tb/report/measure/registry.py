@@ -14,6 +14,7 @@ from tb.report.measure import (
     convergence,
     digits,
     disturbance,
+    engines,
     gauges,
     honest,
     low_pass,
@@ -73,3 +74,6 @@ TABLES: dict[str, Callable[[int], Table]] = {
     "past": past.past,
     "stability": stability,
 }
+
+# Measured when they are asked for by name: they start simulators.
+ASKED: dict[str, Callable[[int], Table]] = {"simulators": engines.simulators}

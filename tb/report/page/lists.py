@@ -32,6 +32,7 @@ from tb.report.measure.digits import digits
 from tb.report.measure.recorded import SEED
 from tb.report.measure.table import Cell, Table
 from tb.report.measure.tanh_words import tanh_words
+from tb.report.page import run_time
 from tb.report.page.markers import put, write
 from tb.report.side_by_side import side_by_side
 
@@ -229,7 +230,9 @@ def pages() -> dict[Path, str]:
     found[docs / "robustness.svg"] = robustness(figures) + "\n"
     found[docs / "digits.svg"] = findings.digits_plot(digits(SEED)).draw() + "\n"
     found[docs / "networks.svg"] = network(load_scene(SHOWN)) + "\n"
-    found[docs / "area.svg"] = area(with_network_cells(clocks(SEED))) + "\n"
+    networks = with_network_cells(clocks(SEED))
+    found[docs / "area.svg"] = area(networks) + "\n"
+    found |= run_time.pages(networks, COMMAND)
     found[docs / "activations" / "engine.svg"] = draw_tanh_words(tanh_words(SEED)) + "\n"
     return found
 
