@@ -61,7 +61,8 @@ help:
 	@echo "make activations                          errors of every activation against tanh, and their plots"
 	@echo "make figures [TABLE=] [SEED=] [RECORD=1]  measured figures beside the thesis', in build/figures"
 	@echo "make sensors [RIG=my-beam.toml]           where gauges on a beam should sit, with picture and table"
-	@echo "make lean    [SCENE=] [BESIDE=other]      what a scene leaves out, and what that saves"
+	@echo "make lean    [SCENE=] [BESIDE=other] [RECORD=1]"
+	@echo "                                          what a scene leaves out, and what that saves; RECORD=1 keeps it beside the scene"
 	@echo "make synth   [SCENE=] [RECORD=1]          cells of every block, clock, both beside the thesis; budget"
 	@echo "make bitstream BOARD=ulx3s [SCENE=] [DEVICE=] [RECORD=1]"
 	@echo "                                          a file to program a board with; what it takes of its device"
@@ -146,7 +147,7 @@ sensors: $(READY)
 	@$(RUN) -m tb.report.measure.gauges "$$RIG"
 
 lean: $(READY)
-	@$(RUN) -m hdl.synth.lean "$$SCENE" --beside="$$BESIDE"
+	@$(RUN) -m hdl.synth.lean "$$SCENE" --beside="$$BESIDE" $(if $(filter-out 0,$(RECORD)),--record)
 
 synth: $(READY)
 	@$(RUN) -m hdl.synth "$$SCENE" $(if $(filter-out 0,$(RECORD)),--record)

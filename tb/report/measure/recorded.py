@@ -3,7 +3,8 @@
     make figures TABLE=honest RECORD=1
 
 measures one and records it. A record names the code and the data that it is of: of others it is
-stale, which a test tells.
+stale, which a test tells. ``stability`` is quick, and recorded since another processor has other
+last bits, and its page shows every figure: test_stability.py measures it anew.
 """
 
 from __future__ import annotations
@@ -15,18 +16,26 @@ from golden import window
 from golden.files import read_json, write_json
 from golden.fingerprint import ROOT, fingerprint, sources
 from golden.physics import swing_data
-from tb.report.measure import honest, past, store
+from golden.rig import sensors_needed
+from tb.report.measure import honest, past, sensors_dropped, stability, store
 from tb.report.measure.table import Table
 
 # By name, where they stand and what they hang on beside what trains.
-RECORDED = {"honest": (honest,), "robustness": (honest,), "past": (past, swing_data, window)}
+RECORDED = {
+    "honest": (honest,),
+    "robustness": (honest,),
+    "past": (past, swing_data, window),
+    "sensors_dropped": (sensors_dropped, sensors_needed),
+    "hidden_nodes": (sensors_dropped, sensors_needed),
+    "stability": (stability,),
+}
 FOLDER = Path(__file__).parent / "records"
 SEED = 1
 
 
 def state(name: str) -> str:
     """A digest of what a table's figures hang on: what trains, and what is trained on."""
-    own = [Path(str(module.__file__)) for module in RECORDED[name]]
+    own = [file for module in RECORDED[name] for file in _files(Path(str(module.__file__)))]
     return fingerprint([*sources("golden/training"), *own, ROOT / "golden" / "data"])
 
 
@@ -45,6 +54,11 @@ def write(table: Table) -> Path:
     path = _path(table.name)
     write_json(path, {"state": state(table.name), "table": store.packed(table)})
     return path
+
+
+def _files(module: Path) -> list[Path]:
+    """A module's file; of a package all of them."""
+    return sorted(module.parent.glob("*.py")) if module.name == "__init__.py" else [module]
 
 
 def _path(name: str) -> Path:

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import re
 import sys
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from golden.activation.segments import GRADIENT, INTERCEPT, UPPER
@@ -23,15 +25,17 @@ from hdl.synth.timing import read_timing, timing_path
 from tb.demo import clock_lines, error_table
 from tb.report.draw import findings
 from tb.report.draw.area import area
+from tb.report.draw.margins import margins
 from tb.report.draw.network import network
 from tb.report.draw.tanh_words import tanh_words as draw_tanh_words
 from tb.report.measure.adder_chains import adder_chains
 from tb.report.measure.clocks import clocks, clocks_per_frame
 from tb.report.measure.costs import with_network_cells
 from tb.report.measure.digits import digits
-from tb.report.measure.recorded import SEED
+from tb.report.measure.recorded import SEED, read
 from tb.report.measure.table import Cell, Table
 from tb.report.measure.tanh_words import tanh_words
+from tb.report.page import stability
 from tb.report.page.markers import put, write
 
 COMMAND = "python -m tb.report.page.lists"
@@ -174,13 +178,18 @@ def _middle(text: str) -> float:
 def pages() -> dict[Path, str]:
     """Every file that this command writes, as it must be."""
     docs = ROOT / "docs"
-    sections = [
+    cases = read("stability")
+    sections: list[tuple[Path, str, Callable[[], str]]] = [
         (ROOT / "README.md", "errors", errors),
         (ROOT / "README.md", "cost", cost),
         (docs / "README.md", "commands", commands),
         (docs / "figures.md", "disturbance", disturbed),
         (docs / "figures.md", "digits", digits_rows),
         (docs / "scenes.md", "scenes", scenes),
+        (docs / "stability.md", "headline", partial(stability.headline, cases)),
+        (docs / "stability.md", "nearest", partial(stability.nearest, cases)),
+        (docs / "stability.md", "kinds", partial(stability.kinds, cases)),
+        (docs / "stability.md", "everything", partial(stability.everything, cases)),
         (docs / "blocks" / "adder_graph.md", "adder_chains", adder_chain_rows),
         (docs / "blocks" / "gradient.md", "segments", segments),
         (docs / "blocks" / "engine.md", "pipeline", pipeline),
@@ -192,6 +201,7 @@ def pages() -> dict[Path, str]:
     figures = (docs / "figures.md").read_text(encoding="utf-8")
     found[docs / "robustness.svg"] = robustness(figures) + "\n"
     found[docs / "digits.svg"] = findings.digits_plot(digits(SEED)).draw() + "\n"
+    found[docs / "stability.svg"] = margins(cases)
     found[docs / "networks.svg"] = network(load_scene(DEMO)) + "\n"
     found[docs / "area.svg"] = area(with_network_cells(clocks(SEED))) + "\n"
     found[docs / "activations" / "engine.svg"] = draw_tanh_words(tanh_words(SEED)) + "\n"
