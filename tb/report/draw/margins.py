@@ -24,8 +24,14 @@ def margins(table: Table) -> str:
     title = f"{holding} of {len(found)} cases keep their bound"
     body = [
         text((6, 18), title, 13, font_weight="bold"),
-        text((6, 36), "number: cases that count what must not happen; disc: a case with a bound above"),
-        text((6, 51), "0, its figure as a part of the bound; 1 is the bound, less: a millionth or less"),
+        text(
+            (6, 36),
+            "number: cases that count what must not happen; disc: a case with a bound above",
+        ),
+        text(
+            (6, 51),
+            "0, its figure as a part of the bound; 1 is the bound, less: a millionth or less",
+        ),
         text((ZERO, TOP - 12), "must be 0", text_anchor="middle"),
     ]
     for power in range(round(log10(LEAST)), 1):

@@ -135,8 +135,8 @@ def nodes(
         "mm wide. One network in floating point for both outputs with early stopping, of "
         f"{starts} starts the best on the validation rows, trained by scaled conjugate gradients "
         "as in the thesis; sensors 1 and 2, then 3 and 4 too. Thesis: the least error that its "
-        "section 3.8.3 prints for so many sensors, on 76 rows, of which those with 13 g are not in its "
-        "Appendix 2; it names no unit.",
+        "section 3.8.3 prints for so many sensors, on 76 rows, of which those with 13 g are not in "
+        "its Appendix 2; it names no unit.",
     )
 
 

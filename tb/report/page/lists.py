@@ -32,9 +32,12 @@ from tb.report.measure.adder_chains import adder_chains
 from tb.report.measure.clocks import clocks, clocks_per_frame
 from tb.report.measure.costs import with_network_cells
 from tb.report.measure.digits import digits
+from tb.report.measure.left_out import left_out
 from tb.report.measure.recorded import SEED, read
+from tb.report.measure.sensors_dropped import EACH, IN_ORDER
 from tb.report.measure.table import Cell, Table
 from tb.report.measure.tanh_words import tanh_words
+from tb.report.page import left_out as leaving
 from tb.report.page import stability
 from tb.report.page.markers import put, write
 
@@ -178,7 +181,8 @@ def _middle(text: str) -> float:
 def pages() -> dict[Path, str]:
     """Every file that this command writes, as it must be."""
     docs = ROOT / "docs"
-    cases = read("stability")
+    cases, dropped, nodes = (read(n) for n in ("stability", "sensors_dropped", "hidden_nodes"))
+    scenes_left_out = left_out(SEED)
     sections: list[tuple[Path, str, Callable[[], str]]] = [
         (ROOT / "README.md", "errors", errors),
         (ROOT / "README.md", "cost", cost),
@@ -186,6 +190,11 @@ def pages() -> dict[Path, str]:
         (docs / "figures.md", "disturbance", disturbed),
         (docs / "figures.md", "digits", digits_rows),
         (docs / "scenes.md", "scenes", scenes),
+        (docs / "left-out.md", "headline", partial(leaving.headline, scenes_left_out, dropped)),
+        (docs / "left-out.md", "scenes", partial(leaving.scene_rows, scenes_left_out)),
+        (docs / "left-out.md", "each", partial(leaving.sensor_rows, dropped, EACH)),
+        (docs / "left-out.md", "order", partial(leaving.sensor_rows, dropped, IN_ORDER)),
+        (docs / "left-out.md", "nodes", partial(leaving.nodes_rows, nodes)),
         (docs / "stability.md", "headline", partial(stability.headline, cases)),
         (docs / "stability.md", "nearest", partial(stability.nearest, cases)),
         (docs / "stability.md", "kinds", partial(stability.kinds, cases)),
@@ -202,6 +211,8 @@ def pages() -> dict[Path, str]:
     found[docs / "robustness.svg"] = robustness(figures) + "\n"
     found[docs / "digits.svg"] = findings.digits_plot(digits(SEED)).draw() + "\n"
     found[docs / "stability.svg"] = margins(cases)
+    found[docs / "sensors-dropped.svg"] = leaving.sensors_plot(dropped).draw() + "\n"
+    found[docs / "hidden-nodes.svg"] = leaving.nodes_plot(nodes).draw() + "\n"
     found[docs / "networks.svg"] = network(load_scene(DEMO)) + "\n"
     found[docs / "area.svg"] = area(with_network_cells(clocks(SEED))) + "\n"
     found[docs / "activations" / "engine.svg"] = draw_tanh_words(tanh_words(SEED)) + "\n"
