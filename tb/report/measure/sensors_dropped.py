@@ -34,7 +34,7 @@ NODES = range(4, 26)
 PRINTED = {2: (6, 0.00027), 3: (20, 0.000266), 4: (5, 0.000284)}
 ONE_WIDTH = 0.225
 THESIS_OUTPUTS = ("load", "position")
-THESIS_STARTS, THESIS_SPLITS = 5, 3
+THESIS_STARTS, THESIS_SPLITS = 3, 3
 
 
 def sensors_dropped(seed: int) -> Table:
