@@ -81,7 +81,7 @@ def sensors_plot(dropped: Table) -> Plot:
 
 
 def nodes_rows(nodes: Table) -> str:
-    """Errors of two, three and four sensors beside the thesis', over all numbers of hidden nodes."""
+    """Errors of two, three and four sensors, over all hidden nodes, beside the thesis'."""
     heads = ["sensors", "thesis: best hidden nodes", "its least error", "ours with as many"]
     heads += ["ours, 4 to 25 hidden nodes", "ours on test rows, 4 to 25"]
     lines = [_row(heads), f"|{'---|' * len(heads)}"]
