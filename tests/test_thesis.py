@@ -277,7 +277,9 @@ def test_slices_are_half_of_what_takes_more() -> None:
 def test_every_activation_stands_beside_the_printed_gates() -> None:
     found = {}
     for line in thesis.cells().splitlines()[2:]:
-        name, gates, luts, _, multipliers, *_ = (cell.strip() for cell in line.strip("| ").split("|"))
+        name, gates, luts, _, multipliers, *_ = (
+            cell.strip() for cell in line.strip("| ").split("|")
+        )
         found[name] = (gates, int(luts), int(multipliers))
     gates = {"gradient": "44,000", "lut": "74,000", "pade": "33,000", "polynomial": "28,000"}
     assert {name: row[0] for name, row in found.items()} == gates

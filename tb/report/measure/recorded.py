@@ -2,10 +2,11 @@
 
     make figures TABLE=honest RECORD=1
 
-measures one and records it. What trains for long the report and its tests take as recorded: such a
-record names the code and the data that it is of, and of others it is stale, which a test tells.
-What is recorded for pages holds the run times of one machine, which the record names; a test
-compares the rest of each table with what is measured.
+measures one and records it. A record names the code and the data that it is of: of others it is
+stale, which a test tells. What trains for long the report and its tests take as recorded.
+``stability`` is quick, and recorded since another processor has other last bits, and its page shows
+every figure: test_stability.py measures it anew. What is recorded for pages holds the run times of
+one machine, which the record names; a test compares the rest of each table with what is measured.
 """
 
 from __future__ import annotations
@@ -18,8 +19,9 @@ from golden.files import read_json, write_json
 from golden.fingerprint import ROOT, fingerprint, sources
 from golden.machine import facts
 from golden.physics import swing_data
+from golden.rig import sensors_needed
 from golden.scene.reference import NUMBERS
-from tb.report.measure import convergence, honest, past, store
+from tb.report.measure import convergence, honest, past, sensors_dropped, stability, store
 from tb.report.measure.table import Table
 
 # By name, where they stand and what they hang on beside what trains.
@@ -28,6 +30,9 @@ RECORDED = {
     "robustness": (honest,),
     "past": (past, swing_data, window),
     "convergence": (convergence,),
+    "sensors_dropped": (sensors_dropped, sensors_needed),
+    "hidden_nodes": (sensors_dropped, sensors_needed),
+    "stability": (stability,),
 }
 # With run times in every report.
 TIMED = ("series", "plate", "swing", "swing_damping", "training")
@@ -41,7 +46,7 @@ def state(name: str) -> str:
 
     The printed figures that others are compared with train nothing.
     """
-    own = [Path(str(module.__file__)) for module in RECORDED[name]]
+    own = [file for module in RECORDED[name] for file in _files(Path(str(module.__file__)))]
     data = sorted(path for path in (ROOT / "golden" / "data").iterdir() if path != NUMBERS)
     return fingerprint([*sources("golden/training"), *own, *data])
 
@@ -76,6 +81,11 @@ def machine() -> str:
     if len(found) > 1:
         raise ValueError(f"tables for pages: got {sorted(found)}, expected one processor")
     return str(found.pop())
+
+
+def _files(module: Path) -> list[Path]:
+    """A module's file; of a package all of them."""
+    return sorted(module.parent.glob("*.py")) if module.name == "__init__.py" else [module]
 
 
 def _path(name: str) -> Path:

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import re
 import sys
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from golden.activation.segments import GRADIENT, INTERCEPT, UPPER
@@ -23,16 +25,20 @@ from hdl.synth.timing import read_timing, timing_path
 from tb.commands import CLOSING, COMMANDS
 from tb.report.draw import findings
 from tb.report.draw.area import area
+from tb.report.draw.margins import margins
 from tb.report.draw.network import network
 from tb.report.draw.tanh_words import tanh_words as draw_tanh_words
 from tb.report.measure.adder_chains import adder_chains
 from tb.report.measure.clocks import clocks
 from tb.report.measure.costs import with_network_cells
 from tb.report.measure.digits import digits
-from tb.report.measure.recorded import SEED
+from tb.report.measure.left_out import left_out
+from tb.report.measure.recorded import SEED, read
+from tb.report.measure.sensors_dropped import EACH, IN_ORDER
 from tb.report.measure.table import Cell, Table
 from tb.report.measure.tanh_words import tanh_words
-from tb.report.page import run_time
+from tb.report.page import left_out as leaving
+from tb.report.page import run_time, stability
 from tb.report.page.markers import put, write
 from tb.report.side_by_side import side_by_side
 
@@ -210,7 +216,9 @@ def _middle(text: str) -> float:
 def pages() -> dict[Path, str]:
     """Every file that this command writes, as it must be."""
     docs = ROOT / "docs"
-    sections = [
+    cases, dropped, nodes = (read(n) for n in ("stability", "sensors_dropped", "hidden_nodes"))
+    scenes_left_out = left_out(SEED)
+    sections: list[tuple[Path, str, Callable[[], str]]] = [
         (ROOT / "README.md", "side_by_side", demo),
         (ROOT / "README.md", "unseen", unseen),
         (ROOT / "README.md", "cost", cost),
@@ -218,6 +226,15 @@ def pages() -> dict[Path, str]:
         (docs / "figures.md", "disturbance", disturbed),
         (docs / "figures.md", "digits", digits_rows),
         (docs / "scenes.md", "scenes", scenes),
+        (docs / "left-out.md", "headline", partial(leaving.headline, scenes_left_out, dropped)),
+        (docs / "left-out.md", "scenes", partial(leaving.scene_rows, scenes_left_out)),
+        (docs / "left-out.md", "each", partial(leaving.sensor_rows, dropped, EACH)),
+        (docs / "left-out.md", "order", partial(leaving.sensor_rows, dropped, IN_ORDER)),
+        (docs / "left-out.md", "nodes", partial(leaving.nodes_rows, nodes)),
+        (docs / "stability.md", "headline", partial(stability.headline, cases)),
+        (docs / "stability.md", "nearest", partial(stability.nearest, cases)),
+        (docs / "stability.md", "kinds", partial(stability.kinds, cases)),
+        (docs / "stability.md", "everything", partial(stability.everything, cases)),
         (docs / "blocks" / "adder_graph.md", "adder_chains", adder_chain_rows),
         (docs / "blocks" / "gradient.md", "segments", segments),
         (docs / "blocks" / "engine.md", "pipeline", pipeline),
@@ -229,6 +246,9 @@ def pages() -> dict[Path, str]:
     figures = (docs / "figures.md").read_text(encoding="utf-8")
     found[docs / "robustness.svg"] = robustness(figures) + "\n"
     found[docs / "digits.svg"] = findings.digits_plot(digits(SEED)).draw() + "\n"
+    found[docs / "stability.svg"] = margins(cases)
+    found[docs / "sensors-dropped.svg"] = leaving.sensors_plot(dropped).draw() + "\n"
+    found[docs / "hidden-nodes.svg"] = leaving.nodes_plot(nodes).draw() + "\n"
     found[docs / "networks.svg"] = network(load_scene(SHOWN)) + "\n"
     networks = with_network_cells(clocks(SEED))
     found[docs / "area.svg"] = area(networks) + "\n"
