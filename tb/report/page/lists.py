@@ -100,7 +100,7 @@ def unseen() -> str:
 
     Figures that were measured elsewhere are those of the pages that show them.
     """
-    scene = load_scene(DEMO)
+    scene = load_scene("digit")
     held_out = dict(zip(scene.outputs, held_out_means(scene) or [], strict=True))
     width, shape = (_row("figures", "honest", "loads", output)[0] for output in ("width", "shape"))
     silent = _row("limits", "The digit at 2 mV", "width", "no")[0]
