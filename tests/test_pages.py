@@ -80,7 +80,7 @@ def test_what_is_recorded_stands_in_the_datasheets() -> None:
 
 def test_the_readme_says_what_held_out_does_not() -> None:
     """Beside the digit's errors; its figures are those of figures.md, limits.md and the scene."""
-    scene = load_scene(lists.DEMO)
+    scene = load_scene("digit")
     text = " ".join(lists.unseen().split())
     rows = recorded.read("honest").rows
     for output in ("width", "shape"):
