@@ -114,9 +114,7 @@ class Plot:
             axes.set_xscale("log")
             _label(axes.xaxis)
         if "y" in self.linear:
-            # Where all err alike they would stand on the upper edge.
-            highest = max(y for points in self.groups.values() for _, y in points)
-            axes.set_ylim(0, max(axes.get_ylim()[1], 1.02 * highest))
+            axes.set_ylim(bottom=0)
         else:
             axes.set_yscale("log")
             _label(axes.yaxis)
