@@ -103,14 +103,6 @@ def test_the_readme_says_what_held_out_does_not() -> None:
     assert held_out_means(scene) is not None
 
 
-def test_every_target_of_the_makefile_is_a_command_that_is_listed() -> None:
-    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
-    phony = set(makefile.split(".PHONY:")[1].splitlines()[0].split())
-    listed = set(re.findall(r"`make (\w+)", lists.commands()))
-    # They serve other targets.
-    assert listed == phony - {"help", "tools", "browser", "ready"}
-
-
 def test_every_shipped_scene_is_listed() -> None:
     listed = re.findall(r"^\| `([\w-]+)` \|", lists.scenes(), re.M)
     assert listed == sorted(path.name for path in SCENES.iterdir() if path.name != "comparison")
