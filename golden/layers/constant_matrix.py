@@ -181,7 +181,7 @@ class ConstantMatrix(Block):
         return _borders(self)
 
     def beside(self, row: int, at: int) -> Codes:
-        """Frames whose result of a row is below ``at``, and frames whose result is not, close to it.
+        """Frames whose result of a row is just below ``at``, and others whose result is not.
 
         Always the same for the same row, so that a bench that drives them meets the border as
         closely as ``borders`` says.
@@ -229,7 +229,7 @@ class ConstantMatrix(Block):
 def _borders(matrix: ConstantMatrix) -> tuple[Border, ...]:
     """Where each row saturates."""
     found = []
-    for i, (row, ends) in enumerate(zip(matrix.weights, matrix.ends, strict=True)):
+    for i, ends in enumerate(matrix.ends):
         least, most = (matrix.quantities(np.array(end))[f"result {i}"] for end in ends)
         for side, at in (("below", matrix.out_fmt.low), ("above", matrix.out_fmt.high + 1)):
             within, why = 1, ""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-
 from functools import lru_cache
 
 import numpy as np
@@ -85,8 +84,9 @@ class WeightedSum(Block):
     def _ends_of_terms(self, weights: ArrayLike) -> Codes:
         """What each weight adds to a sum with the least and with the largest sample."""
         column = np.asarray(weights, dtype=np.int64)[..., np.newaxis]
-        ends: Codes = (column * [self.in_fmt.low, self.in_fmt.high]) >> self.product_shift
-        return ends
+        samples: Codes = np.array([self.in_fmt.low, self.in_fmt.high], dtype=np.int64)
+        products: Codes = column * samples
+        return products >> self.product_shift
 
     def borders_of(self, quantity: str, row: Codes, bias: int, factor: int = 1) -> list[Border]:
         """Where the result of a row of weights saturates; ``factor`` multiplies its sum."""
@@ -98,7 +98,9 @@ class WeightedSum(Block):
             at = -(-end // factor)
             within, why = 1, ""
             if least < at <= most:
-                sums = start + ((row * self.beside(row, bias, at)) >> self.product_shift).sum(axis=1)
+                sums = start + ((row * self.beside(row, bias, at)) >> self.product_shift).sum(
+                    axis=1
+                )
                 within = int(max(at - sums[0], sums[1] - at + 1))
             else:
                 why = f"the {quantity} is {least} to {most}"
@@ -166,7 +168,9 @@ def _beside(layer: WeightedSum, weights: tuple[int, ...], bias: int, at: int) ->
         frame = end if frame is None else frame
         total = start + int(((row * frame) >> layer.product_shift).sum())
         if (total >= at) is not above:
-            raise ValueError(f"{layer.entity}: got a border at {at}, which no sum of {weights} meets")
+            raise ValueError(
+                f"{layer.entity}: got a border at {at}, which no sum of {weights} meets"
+            )
         found.append(frame)
     return np.array(found)
 

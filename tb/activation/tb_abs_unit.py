@@ -2,7 +2,8 @@
 
 Sweeps: every code of a 14-bit input; of a wider one a random code of each of 16384 strata, and
 the neighbourhood of zero and of both ends.
-Drives: back to back, then in random order with gaps and resets.
+Drives: back to back, then in random order with gaps and resets; besides, back to back, what it sees
+while the recorded frames run through the design.
 Checks: magnitude and sign bit for bit, and the clock in which each result appears.
 Does not prove: the wide input exhaustively (the twin is checked on all of it in tests/).
 """
@@ -10,6 +11,7 @@ Does not prove: the wide input exhaustively (the twin is checked on all of it in
 import cocotb
 
 from tb.common.bench import Bench
+from tb.common.recorded import check_recorded
 from tb.common.small import PARTS
 from tb.common.stimulus import all_codes
 from tb.common.stream import SIGNED, UNSIGNED, check_gaps_and_resets, check_stream
@@ -36,3 +38,9 @@ async def gaps_and_resets(dut):
     bench = Bench(dut)
     items = {"in_data": all_codes(bench.twin.fmt, [], bench.rng)}
     await check_gaps_and_resets(bench, items, {"in_data": SIGNED}, OUTPUTS, bench.twin.process)
+
+
+@cocotb.test()
+async def what_recorded_frames_bring(dut):
+    bench = Bench(dut)
+    await check_recorded(bench, {"in_data": SIGNED}, OUTPUTS, bench.twin.process)

@@ -2,7 +2,8 @@
 
 Sweeps: every magnitude of 13 bits; of a wider one a random one of each of 16384 strata, and two
 codes on either side of every threshold.
-Drives: back to back, then in random order with gaps and resets.
+Drives: back to back, then in random order with gaps and resets; besides, back to back, what it sees
+while the recorded frames run through the design.
 Checks: address and forwarded magnitude bit for bit, and the clock of each result.
 Does not prove: that the thresholds are the right ones (tests/test_segments.py does).
 """
@@ -12,6 +13,7 @@ import numpy as np
 
 from golden.fixed import Fix
 from tb.common.bench import Bench
+from tb.common.recorded import check_recorded
 from tb.common.small import PARTS, both_precisions
 from tb.common.stimulus import all_codes
 from tb.common.stream import UNSIGNED, check_gaps_and_resets, check_stream
@@ -48,3 +50,9 @@ async def gaps_and_resets(dut):
     bench = Bench(dut)
     items = {"in_mag": magnitudes(bench)}
     await check_gaps_and_resets(bench, items, {"in_mag": UNSIGNED}, OUTPUTS, expected(bench.twin))
+
+
+@cocotb.test()
+async def what_recorded_frames_bring(dut):
+    bench = Bench(dut)
+    await check_recorded(bench, {"in_mag": UNSIGNED}, OUTPUTS, expected(bench.twin))

@@ -1,7 +1,8 @@
 """g_memory against its twin.
 
 Sweeps: every address that the port can carry, also beyond the last word.
-Drives: each address once, then 200 in random order.
+Drives: each address once, then 200 in random order; then those that it sees while the recorded
+frames run through the design.
 Checks: the word bit for bit, in the same clock.
 Does not prove: that the contents are the right ones (tests/test_segments.py does).
 """
@@ -10,6 +11,7 @@ import cocotb
 
 from tb.common.bench import Bench
 from tb.common.memory import check_memory
+from tb.common.recorded import recorded
 from tb.common.small import PARTS
 
 CASES = PARTS
@@ -20,4 +22,5 @@ FAULTS = [
 
 @cocotb.test()
 async def every_address(dut):
-    await check_memory(Bench(dut))
+    bench = Bench(dut)
+    await check_memory(bench, *recorded(bench))

@@ -2,7 +2,8 @@
 
 Sweeps: for every segment of the neuron 1000 random magnitudes of the segment and its two ends, and
 magnitudes on either side of 100 places where the result changes.
-Drives: back to back, then in random order with gaps and resets.
+Drives: back to back, then in random order with gaps and resets; besides, back to back, what it sees
+while the recorded frames run through the design.
 Checks: the result bit for bit, and its clock.
 Does not prove: combinations of magnitude and constants that no segment of the scene can meet.
 """
@@ -12,6 +13,7 @@ import numpy as np
 
 from golden.activation.gradient import Gradient
 from tb.common.bench import Bench
+from tb.common.recorded import check_recorded
 from tb.common.small import PARTS
 from tb.common.stream import UNSIGNED, check_gaps_and_resets, check_stream
 
@@ -56,3 +58,9 @@ async def gaps_and_resets(dut):
     bench = Bench(dut)
     items = operands(bench)
     await check_gaps_and_resets(bench, items, INPUTS, OUTPUTS, bench.twin.process)
+
+
+@cocotb.test()
+async def what_recorded_frames_bring(dut):
+    bench = Bench(dut)
+    await check_recorded(bench, INPUTS, OUTPUTS, bench.twin.process)

@@ -2,7 +2,8 @@
 
 Sweeps: every code of a 14-bit input; of a wider one a random code of each of 16384 strata; two
 codes on either side of every threshold, of zero and of both ends, with either sign.
-Drives: back to back, then in random order with gaps and resets.
+Drives: back to back, then in random order with gaps and resets; besides, back to back, what it sees
+while the recorded frames run through the design.
 Checks: the activation bit for bit, and its clock.
 Does not prove: how close the scheme is to tanh (tests/test_gradient.py measures that).
 """
@@ -10,6 +11,7 @@ Does not prove: how close the scheme is to tanh (tests/test_gradient.py measures
 import cocotb
 
 from tb.common.bench import Bench
+from tb.common.recorded import check_recorded
 from tb.common.small import FOLDED
 from tb.common.stimulus import all_codes
 from tb.common.stream import SIGNED, check_gaps_and_resets, check_stream
@@ -39,3 +41,9 @@ async def gaps_and_resets(dut):
     bench = Bench(dut)
     items = {"in_data": codes(bench)}
     await check_gaps_and_resets(bench, items, INPUTS, OUTPUTS, bench.twin.process)
+
+
+@cocotb.test()
+async def what_recorded_frames_bring(dut):
+    bench = Bench(dut)
+    await check_recorded(bench, INPUTS, OUTPUTS, bench.twin.process)

@@ -1,7 +1,8 @@
 """sign_retriever against its twin.
 
 Sweeps: every magnitude of 13 bits with either sign: all 16384 inputs.
-Drives: back to back, then in random order with gaps and resets.
+Drives: back to back, then in random order with gaps and resets; besides, back to back, what it sees
+while the recorded frames run through the design.
 Checks: the signed code bit for bit, and its clock.
 Does not prove: other output formats than the scene's.
 """
@@ -10,6 +11,7 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
+from tb.common.recorded import check_recorded
 from tb.common.small import PARTS
 from tb.common.stream import SIGNED, UNSIGNED, check_gaps_and_resets, check_stream
 
@@ -40,3 +42,9 @@ async def gaps_and_resets(dut):
     bench = Bench(dut)
     items = operands(bench)
     await check_gaps_and_resets(bench, items, INPUTS, OUTPUTS, bench.twin.process)
+
+
+@cocotb.test()
+async def what_recorded_frames_bring(dut):
+    bench = Bench(dut)
+    await check_recorded(bench, INPUTS, OUTPUTS, bench.twin.process)

@@ -1,7 +1,8 @@
 """input_controller against its twin.
 
 Sweeps: 4000 samples in frames of the right length, shorter and longer ones, mixed at random.
-Drives: back to back and with gaps; then the same with resets at random clocks.
+Drives: back to back and with gaps; then the same with resets at random clocks; besides, the
+recorded frames as close as the design takes them.
 Checks: address, accumulate, preset, capture, valid and frame_error, each in its clock, and that
 none of them is high in any other clock.
 Does not prove: frames longer than three times the right length.
@@ -12,6 +13,7 @@ import numpy as np
 
 from tb.common.bench import Bench
 from tb.common.framing import random_lengths, scan
+from tb.common.recorded import recorded_frames
 from tb.common.small import FOLDED, both_precisions
 from tb.common.stimulus import random_resets, spread
 
@@ -22,6 +24,7 @@ FAULTS = [
     (r"if \(rst == 1\) begin", "if (0) begin"),
 ]
 
+RECORDED = 1000
 OUTPUTS = ["addr", "preset", "accumulate", "capture", "out_valid", "frame_error"]
 
 
@@ -30,6 +33,14 @@ async def check(bench, gap, resets):
     drive = spread(bench.rng, {"in_last": last}, "in_valid", gap, tail=6)
     if resets:
         drive["rst"] = random_resets(bench.rng, len(drive["in_valid"]), every=50)
+    frames = await check_frames(bench, drive)
+    assert np.any(frames.error), "no wrong frame was driven"
+    assert np.any(frames.done), "no good frame was driven"
+    bench.finish(at_least=2000)
+
+
+async def check_frames(bench, drive):
+    """Play samples; compare every output, and return what the twin decides."""
     recording = await bench.play(drive, OUTPUTS)
     rows, frames = scan(bench.twin, recording)
     accepted = rows[frames.accept]
@@ -56,14 +67,28 @@ async def check(bench, gap, resets):
     ]:
         alive = cause[recording.undisturbed(cause, cause + delay - 1)]
         bench.compare(f"clocks of {port}", recording.rows(port), alive + delay)
-    assert np.any(frames.error), "no wrong frame was driven"
-    assert np.any(frames.done), "no good frame was driven"
-    bench.finish(at_least=2000)
+    return frames
 
 
 @cocotb.test()
 async def back_to_back(dut):
     await check(Bench(dut), gap=0.0, resets=False)
+
+
+@cocotb.test()
+async def recorded(dut):
+    """The recorded frames, as close as the design takes them."""
+    bench = Bench(dut)
+    inputs, count = bench.twin.inputs, len(recorded_frames(bench, most=RECORDED))
+    place = np.tile(np.arange(inputs), count)
+    pause = (place == 0) * (bench.design.core.interval - inputs)
+    last = (place == inputs - 1).astype(np.int64)
+    drive = spread(bench.rng, {"in_last": last}, "in_valid", gap=0.0, tail=6, pause=pause)
+    frames = await check_frames(bench, drive)
+    bench.facts["recorded"] = int(frames.done.sum())
+    assert frames.done.sum() == count, "a recorded frame was refused"
+    # The address of each sample; the flags of each frame.
+    bench.finish(at_least=count * (inputs + 2))
 
 
 @cocotb.test()

@@ -1,7 +1,8 @@
 """input_integral against its twin.
 
 Sweeps: corner frames (rails, alternating rails, zeros, one sensor alone), the frames
-that drive each sum to its ends and to either side of where it saturates, and 300 random frames.
+that drive each sum to its ends and to either side of where it saturates, 300 random frames, and
+the recorded ones, as they come to it.
 Drives: samples with address and controls as CONTROLLER 1 makes them, back to back and with gaps.
 Checks: the held sums of all nodes bit for bit, from the clock after ``capture`` to the next one.
 Does not prove: controls in an order that CONTROLLER 1 never makes.
@@ -12,6 +13,7 @@ import numpy as np
 
 from tb.common.bench import Bench
 from tb.common.frames import captured_rows, node_timeline
+from tb.common.recorded import recorded
 from tb.common.small import PARTS
 from tb.common.stimulus import border_frames, corner_frames, extreme_frames, rounding_frames
 
@@ -28,7 +30,8 @@ def stimuli(bench):
     ends = extreme_frames(fmt, twin.weights)
     borders, _ = border_frames(bench.rng, twin, twin.weights, twin.biases)
     rounding, _ = rounding_frames(bench.rng, twin, twin.weights, twin.biases)
-    return [(np.concatenate([corner_frames(fmt, twin.inputs), ends, borders, rounding, random]),)]
+    corners = corner_frames(fmt, twin.inputs)
+    return [(np.concatenate([corners, ends, borders, rounding, random, *recorded(bench)]),)]
 
 
 @cocotb.test()

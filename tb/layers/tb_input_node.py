@@ -2,7 +2,8 @@
 
 Sweeps: with the weights of every node that the design has, corner frames (rails, alternating rails,
 zeros, one sensor alone), the frames that drive the sum to its ends, and frames on either side of
-where it saturates, and where it rounds to another result; 500 random frames, each with weights and
+where it saturates, and where it rounds to another result, and the recorded frames, as they come to
+the layer; 500 random frames, each with weights and
 a bias of its own; each end of a weight and of the bias alone. With weights whose sums are just all
 that the accumulator holds, as many samples as that takes, the same borders and both ends.
 Drives: samples and weights with the controls as CONTROLLER 1 makes them, back to back and with
@@ -18,6 +19,7 @@ import numpy as np
 from golden.layers.input_integral import InputIntegral
 from tb.common.bench import Bench
 from tb.common.frames import captured_rows, node_timeline
+from tb.common.recorded import recorded
 from tb.common.small import PARTS
 from tb.common.stimulus import border_frames, corner_frames, extreme_frames, rounding_frames
 
@@ -32,6 +34,8 @@ FAULTS = [
     (r"kept < \(-131072\)", "kept < (-131073)"),
 ]
 RANDOM = 500
+# Sums of recorded frames, each with the weights of each node.
+RECORDED = 1000
 
 
 def random_coefficients(bench, inputs):
@@ -81,6 +85,10 @@ def of_layer(bench, layer):
         frames = np.concatenate([corner_frames(fmt, inputs), extreme_frames(fmt, [row])])
         count = len(frames)
         parts.append((frames, np.tile(row, (count, 1)), np.full(count, bias)))
+    (recordings,) = recorded(bench, layer, most=max(1, RECORDED // layer.hidden))
+    node = np.repeat(np.arange(layer.hidden), len(recordings))
+    rows, biases = np.array(layer.weights)[node], np.array(layer.biases)[node]
+    parts.append((np.tile(recordings, (layer.hidden, 1)), rows, biases))
     parts.append(marked(bench, layer.weights, layer.biases, count=5))
     parts.append(end_coefficients(bench, inputs))
     return joined(parts)
@@ -147,7 +155,8 @@ def stimuli(bench):
 async def frames(dut):
     bench = Bench(dut)
     fmt = bench.twin.coeff_fmt
-    for driven, weights, biases in stimuli(bench):
+    planned = stimuli(bench)
+    for driven, weights, biases in planned:
         others = bench.rng.integers(fmt.low, fmt.high + 1, weights.shape)
         others[:, 0] = biases
         items = {"in_data": driven, "weight": weights, "bias": others}
@@ -167,4 +176,4 @@ async def frames(dut):
             for rows in (held, np.append(held[1:] - 1, recording.clocks - 1)):
                 got = recording.signed("out_data", rows)
                 bench.compare("out_data", got, expected, frame=seen)
-    bench.finish(at_least=4 * RANDOM)
+    bench.finish(at_least=4 * sum(len(driven) for driven, _, _ in planned))

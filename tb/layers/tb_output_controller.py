@@ -2,7 +2,8 @@
 
 Sweeps: 500 frames.
 Drives: one ``in_valid`` per frame, as close as the outputs allow and with random distances; then
-with resets at random clocks, which end a frame.
+with resets at random clocks, which end a frame; besides, as the recorded frames bring them, as
+close as the design takes those.
 Checks: address, valid and last in every clock.
 Does not prove: an ``in_valid`` while rows are still being stepped through, which CONTROLLER 1
 prevents.
@@ -13,6 +14,7 @@ import numpy as np
 
 from golden.border import State
 from tb.common.bench import Bench
+from tb.common.recorded import recorded_frames
 from tb.common.small import FOLDED
 from tb.common.stimulus import LONG_IDLE, random_resets
 
@@ -20,6 +22,8 @@ CASES = FOLDED
 FAULTS = [
     (r"\((\d+) - 1\)", r"(\1)"),
 ]
+
+RECORDED = 1000
 
 
 async def check(bench, gap, resets):
@@ -36,6 +40,12 @@ async def check(bench, gap, resets):
         drive["rst"] = random_resets(bench.rng, len(valid), every=40)
         # Nothing enters during a reset: the flag that would drive it is cleared.
         drive["in_valid"] = valid & ~drive["rst"] & 1
+    await check_frames(bench, drive, resets)
+    bench.finish(at_least=500)
+
+
+async def check_frames(bench, drive, resets=False):
+    outputs = bench.twin.outputs
     recording = await bench.play(drive, ["addr", "out_valid", "out_last"])
     entered = recording.rows("in_valid")
     rows = entered[:, np.newaxis] + np.arange(outputs)
@@ -50,12 +60,24 @@ async def check(bench, gap, resets):
         bench.visit(State("reset in a row", range(1, outputs)), addr[met])
     last = expected_rows[addr == outputs - 1]
     bench.compare("clocks of out_last", recording.rows("out_last"), last)
-    bench.finish(at_least=500)
 
 
 @cocotb.test()
 async def back_to_back(dut):
     await check(Bench(dut), gap=0.0, resets=False)
+
+
+@cocotb.test()
+async def recorded(dut):
+    """The recorded frames, as close as the design takes them."""
+    bench = Bench(dut)
+    count, interval = len(recorded_frames(bench, most=RECORDED)), bench.design.core.interval
+    valid = np.zeros(count * interval + LONG_IDLE, dtype=np.int64)
+    valid[1 : count * interval : interval] = 1
+    await check_frames(bench, {"in_valid": valid})
+    bench.facts["recorded"] = count
+    # The address and the clock of each row, and the clock of each last one.
+    bench.finish(at_least=count * (2 * bench.twin.outputs + 1))
 
 
 @cocotb.test()

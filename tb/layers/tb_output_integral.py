@@ -3,7 +3,8 @@
 Sweeps: corner frames of activations (rails, alternating rails, zeros, one node alone), those
 that drive each sum to its ends and to either side of where it saturates, and 1000 random ones,
 each with every output row.
-Drives: rows as CONTROLLER 2 makes them, back to back, then with gaps and resets.
+Drives: rows as CONTROLLER 2 makes them, back to back, then with gaps and resets; besides, back
+to back, what it sees while the recorded frames run through the design.
 Checks: every output and its ``last`` bit for bit, and its clock.
 Does not prove: a row address beyond the last output.
 """
@@ -12,6 +13,7 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
+from tb.common.recorded import check_recorded, recorded
 from tb.common.small import FOLDED
 from tb.common.stimulus import border_frames, corner_frames, extreme_frames, rounding_frames
 from tb.common.stream import SIGNED, UNSIGNED, check_stream
@@ -27,6 +29,8 @@ FAULTS = [
     (r"(delay2_taps\[0\]) <= 0", r"\1 <= in_valid"),
 ]
 
+OUTPUTS = {"out_data": SIGNED, "out_last": UNSIGNED}
+
 
 def rows_of(twin, frames):
     """Each output row, its ``last``, and the activations, for every frame of these."""
@@ -35,25 +39,23 @@ def rows_of(twin, frames):
     return rows, last, *np.repeat(frames, twin.outputs, axis=0).T
 
 
-async def check(bench, operands, gap, resets):
-    twin = bench.twin
+def ports_in(twin):
+    ports = {"in_addr": UNSIGNED, "in_last": UNSIGNED}
+    return ports | {f"in_r_{j}": SIGNED for j in range(twin.hidden)}
 
-    def expected(addr, last, *activations):
-        frames = np.stack(activations, axis=-1)
-        results = twin.process(frames)
+
+def expected(twin):
+    def of_rows(addr, last, *activations):
+        results = twin.process(np.stack(activations, axis=-1))
         return results[np.arange(len(addr)), addr], last
 
-    inputs = {"in_addr": UNSIGNED, "in_last": UNSIGNED}
-    inputs |= {f"in_r_{j}": SIGNED for j in range(twin.hidden)}
-    await check_stream(
-        bench,
-        dict(zip(inputs, operands, strict=True)),
-        inputs,
-        {"out_data": SIGNED, "out_last": UNSIGNED},
-        expected,
-        gap=gap,
-        resets=resets,
-    )
+    return of_rows
+
+
+async def check(bench, operands, gap, resets):
+    twin, inputs = bench.twin, ports_in(bench.twin)
+    items = dict(zip(inputs, operands, strict=True))
+    await check_stream(bench, items, inputs, OUTPUTS, expected(twin), gap=gap, resets=resets)
     bench.finish(at_least=len(operands[0]) // twin.outputs)
 
 
@@ -74,6 +76,14 @@ async def back_to_back(dut):
     bench = Bench(dut)
     (operands,) = stimuli(bench)
     await check(bench, operands, gap=0.0, resets=False)
+
+
+@cocotb.test()
+async def what_recorded_frames_bring(dut):
+    bench = Bench(dut)
+    (frames,) = recorded(bench)
+    operands = rows_of(bench.twin, frames)
+    await check_recorded(bench, ports_in(bench.twin), OUTPUTS, expected(bench.twin), operands)
 
 
 @cocotb.test()

@@ -1,0 +1,72 @@
+"""What a block inside a design sees while frames run through the design, from the twins alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from golden.activation.activation_block import ActivationBlock
+from golden.block import Block, around
+from golden.fixed import Codes
+from golden.networks.network import Network
+
+
+def seen(design: Network, part: Block, frames: Codes) -> tuple[Codes, ...]:
+    """The inputs of a block's ``process``, in the order in which the twins compute them.
+
+    Parameters
+    ----------
+    design : Network
+    part : Block
+        One that ``compute`` of the design, or of an activation in it, hands its inputs to.
+    frames : Codes, shape (frames, inputs)
+        Sample codes, as ``design.process`` takes them.
+
+    Returns
+    -------
+    tuple of Codes
+        One for each input, all of one length. Where several networks or neurons have the same
+        block, what each of them sees follows on the one before.
+
+    Raises
+    ------
+    ValueError
+        When the twins never compute the block on its own.
+    """
+    # An activation answers from a table of all its results; only its parts see single codes.
+    activations = [b for b in around(design, part) if isinstance(b, ActivationBlock)]
+    calls: list[tuple[Codes, ...]] = []
+    for activation in activations:
+        (codes,) = seen(design, activation, frames)
+        calls += _calls(part, partial(activation.compute, codes))
+    if not activations:
+        calls += _calls(part, partial(design.process, frames))
+    if not calls:
+        raise ValueError(f"{part.entity}: {design.entity} does not compute it on its own")
+    return tuple(np.concatenate(column) for column in zip(*calls, strict=True))
+
+
+def _calls(part: Block, compute: Callable[[], object]) -> list[tuple[Codes, ...]]:
+    """What ``process`` of a block is called with in the course of a computation."""
+    found: list[tuple[Codes, ...]] = []
+    kind: Any = type(part)
+    process = kind.process
+
+    def noting(block: Any, *inputs: Codes) -> Any:
+        if block == part:
+            found.append(tuple(np.broadcast_arrays(*inputs)))
+        return process(block, *inputs)
+
+    own = "process" in vars(kind)
+    kind.process = noting
+    try:
+        compute()
+    finally:
+        if own:
+            kind.process = process
+        else:
+            del kind.process
+    return found

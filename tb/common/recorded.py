@@ -1,0 +1,58 @@
+"""What a block sees while the recorded frames of its scene run through the design."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from golden.block import Block
+from golden.fixed import Codes
+from golden.seen import seen
+from tb.common.bench import Bench
+from tb.common.stream import check_stream
+
+# Of what it sees, evenly spaced: a quarter of an hour of frames would be simulated for hours.
+MOST_SEEN = 4000
+MOST_FRAMES = 20_000
+
+
+def recorded_frames(bench: Bench, most: int = MOST_FRAMES) -> Codes:
+    """The recorded frames that yield outputs, or as many, and the past of the first."""
+    vectors, past = bench.scene.vectors(), bench.design.past
+    frames = np.concatenate(vectors.recordings) if past else vectors.codes
+    return frames[: past + most]
+
+
+def recorded(bench: Bench, part: Block | None = None, most: int = MOST_SEEN) -> tuple[Codes, ...]:
+    """The inputs of the block under test, or of another one, as its twin takes them."""
+    found = seen(bench.design, part or bench.twin, recorded_frames(bench))
+    count = len(found[0])
+    kept = np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
+    return tuple(column[kept] for column in found)
+
+
+async def check_recorded(
+    bench: Bench,
+    inputs: dict[str, Callable[..., Codes]],
+    outputs: dict[str, Callable[..., Codes]],
+    twin: Callable[..., Any],
+    operands: tuple[Codes, ...] | None = None,
+) -> None:
+    """Play them back to back; every one of them is compared, and the clock of its result.
+
+    Parameters
+    ----------
+    inputs, outputs, twin
+        See ``check_stream``.
+    operands : tuple of int array, optional
+        In the order of ``inputs``, what stands on the ports where that is not what ``process`` of
+        the twin takes.
+    """
+    operands = recorded(bench) if operands is None else operands
+    items = dict(zip(inputs, operands, strict=True))
+    await check_stream(bench, items, inputs, outputs, twin)
+    count = len(operands[0])
+    bench.facts["recorded"] = count
+    bench.finish(at_least=(1 + len(outputs)) * count)

@@ -1,0 +1,67 @@
+"""What blocks inside a design see is what the design computes with."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from golden.activation.gradient import Gradient
+from golden.block import around, walk
+from golden.fixed import Codes
+from golden.layers.input_controller import InputController
+from golden.layers.input_integral import InputIntegral
+from golden.layers.output_integral import OutputIntegral
+from golden.networks.network import Network
+from golden.scene import Scene, load_scene
+from golden.seen import seen
+
+
+def part_of(design: Network, kind: type) -> list:
+    return [part for part in walk(design) if isinstance(part, kind)]
+
+
+def frames_of(scene: Scene) -> Codes:
+    return scene.vectors().codes
+
+
+def test_the_layers_of_a_network(small_scene: Scene) -> None:
+    design, frames = small_scene.twin(), frames_of(small_scene)
+    (first,), (last,) = part_of(design, InputIntegral), part_of(design, OutputIntegral)
+    (samples,), (activations,) = seen(design, first, frames), seen(design, last, frames)
+    assert (samples == frames).all()
+    assert (last.process(activations) == design.process(frames)).all()
+
+
+def test_a_later_network_of_a_cascade_sees_earlier_outputs(small_cascade: Scene) -> None:
+    design, frames = small_cascade.twin(), frames_of(small_cascade)
+    outputs = design.process(frames)
+    for number, layer in enumerate(part_of(design, InputIntegral)):
+        (samples,) = seen(design, layer, frames)
+        expected = np.concatenate([frames, outputs[:, :number]], axis=1)
+        assert (samples == expected).all()
+
+
+def test_parts_of_the_activations_of_the_thesis() -> None:
+    """Of every neuron that has a part, in line; no code but those of recorded frames."""
+    scene = load_scene("digit-thesis")
+    design, frames = scene.twin(), frames_of(scene)
+    (sign,) = {gradient.sign_retriever for gradient in part_of(design, Gradient)}
+    holders = [block for block in around(design, sign) if isinstance(block, Gradient)]
+    results = [gradient.process(*seen(design, gradient, frames)) for gradient in holders]
+    assert (sign.process(*seen(design, sign, frames)) == np.concatenate(results)).all()
+    for gradient in holders:
+        mag, coeff, intercept = seen(design, gradient.grad_eqn, frames)
+        (addr,) = seen(design, gradient.g_memory, frames)
+        assert (coeff == gradient.g_memory.process(addr)).all()
+        assert (intercept == gradient.i_memory.process(addr)).all()
+        assert len(mag) % len(frames) == 0
+
+
+def test_a_block_whose_inputs_are_no_numbers_is_refused(small_scene: Scene) -> None:
+    design = small_scene.twin()
+    (controller,) = part_of(design, InputController)
+    with pytest.raises(ValueError, match=r"input_controller.*does not compute it on its own"):
+        seen(design, controller, frames_of(small_scene))
+    # Nothing stays behind.
+    (layer,) = part_of(design, InputIntegral)
+    assert type(layer).process.__qualname__ == "InputIntegral.process"
