@@ -23,8 +23,8 @@ from golden.training.split import split_rows
 from tb.report.measure.table import Cell, Table
 
 SCENE = "digit"
-SPLITS = 3
-HIDDEN, STARTS = 8, 4
+SPLITS = 4
+HIDDEN, STARTS = 8, 6
 WORST = "worst"
 EACH, IN_ORDER = "one left out", "one after another"
 
