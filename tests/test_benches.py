@@ -8,8 +8,7 @@ import pytest
 from conftest import tiered
 from shared import Shared
 
-from golden.block import walk
-from golden.scene import load_scene, scene_names
+from golden.scene import load_scene
 from tb.common.collected import BENCHES, CASES, CASES_OF, blocks_of
 from tb.common.runner import Job, Outcome
 from tb.common.tools import SIMULATORS
@@ -111,9 +110,7 @@ def test_hardware_equals_twin(shared: Shared, block: str, case: str) -> None:
     check_clocks(outcomes)
 
 
-@pytest.mark.parametrize(
-    "scene", tiered(NETWORKS, [name for name in scene_names() if name not in NETWORKS])
-)
+@pytest.mark.parametrize("scene", NETWORKS)
 def test_recorded_frames_of_a_scene(shared: Shared, scene: str) -> None:
     """The whole network of a shipped scene, in both simulators."""
     top = load_scene(scene).twin().entity
@@ -121,29 +118,6 @@ def test_recorded_frames_of_a_scene(shared: Shared, scene: str) -> None:
     assert len(outcomes) == len(SIMULATORS)
     check(outcomes)
     check_clocks(outcomes)
-
-
-def own_entities() -> dict[str, set[str]]:
-    """Entities of each shipped scene, below the network, whose twin no scene before it holds."""
-    seen = set()
-    found: dict[str, set[str]] = {}
-    for scene in scene_names():
-        top = load_scene(scene).twin()
-        new = {part.entity: part for part in walk(top) if part is not top and part not in seen}
-        seen |= set(new.values())
-        found[scene] = set(new)
-    return found
-
-
-@pytest.mark.all_only
-@pytest.mark.parametrize("scene", scene_names())
-def test_all_constants_of_a_scene(shared: Shared, scene: str) -> None:
-    """Every entity of every shipped scene once; an equal one is the same hardware."""
-    own = own_entities()[scene]
-    outcomes = shared.run([j for s in SIMULATORS for j in shared.jobs(scene, s) if j.entity in own])
-    assert {o.job.entity for o in outcomes} == own
-    if own:
-        check(outcomes)
 
 
 @pytest.mark.all_only

@@ -45,6 +45,16 @@ from tb.report.side_by_side import side_by_side
 COMMAND = "python -m tb.report.page.lists"
 # The networks that the pages show.
 SHOWN = "digit"
+# What was wished for, the page that shows it and the picture of that page.
+WISHES = (
+    (
+        "report error against run time",
+        "error-against-run-time.md",
+        "error-against-run-time/networks.svg",
+    ),
+    ("check numerical stability on stiff and extreme cases", "stability.md", "stability.svg"),
+    ("leave out what a given scene does not need", "left-out.md", "sensors-dropped.svg"),
+)
 DISTURBED = ("digit", "digit-single", "digit-thesis", "swing-multiple")
 
 
@@ -213,6 +223,17 @@ def _middle(text: str) -> float:
     return sum(ends) / len(ends)
 
 
+def wishes(found: dict[Path, str]) -> str:
+    """What tactus was asked to show, each with the headline and the picture of its page."""
+    lines = ["| asked for | found | in a picture |", "|---|---|---|"]
+    for wish, page, picture in WISHES:
+        headline = re.search(r"\*\*(.+?)\*\*", found[ROOT / "docs" / page], re.S)
+        assert headline, page
+        text = " ".join(headline[1].split())
+        lines.append(f"| [{wish}](docs/{page}) | {text} | ![{wish}](docs/{picture}) |")
+    return "\n".join(lines)
+
+
 def pages() -> dict[Path, str]:
     """Every file that this command writes, as it must be."""
     docs = ROOT / "docs"
@@ -253,6 +274,8 @@ def pages() -> dict[Path, str]:
     networks = with_network_cells(clocks(SEED))
     found[docs / "area.svg"] = area(networks) + "\n"
     found |= run_time.pages(networks, COMMAND)
+    readme = ROOT / "README.md"
+    found[readme] = put(readme, found[readme], wishes(found), COMMAND, "wishes")
     found[docs / "activations" / "engine.svg"] = draw_tanh_words(tanh_words(SEED)) + "\n"
     return found
 
