@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from conftest import tiered
 from shared import Shared
 
 from golden.scene import load_scene
