@@ -46,8 +46,9 @@ def timed() -> dict[str, float]:
 
 
 def record(times: Mapping[str, float]) -> None:
-    """Keep how long tests take; ``make test ALL=1 RECORD=1``."""
-    write_json(SECONDS, {name: round(s, 1) for name, s in times.items()}, sort_keys=True)
+    """Keep how long tests take, beside those that were not run: ``make test ALL=1 RECORD=1``."""
+    now = {name: round(seconds, 1) for name, seconds in times.items()}
+    write_json(SECONDS, {**timed(), **now}, sort_keys=True)
 
 
 def draw(

@@ -73,7 +73,7 @@ async def recorded(dut):
     bench = Bench(dut)
     count, interval = len(recorded_frames(bench, most=RECORDED)), bench.design.core.interval
     valid = np.zeros(count * interval + LONG_IDLE, dtype=np.int64)
-    valid[1 : count * interval : interval] = 1
+    valid[1 + interval * np.arange(count)] = 1
     await check_frames(bench, {"in_valid": valid})
     bench.facts["recorded"] = count
     # The address and the clock of each row, and the clock of each last one.
