@@ -306,8 +306,8 @@ COMMANDS = (
     Command(
         "lean",
         "Prints what the hardware of a scene leaves out, and what that saves; BESIDE= names other "
-        "scenes to compare it with.",
-        (SCENE, option("BESIDE", "other")),
+        "scenes to compare it with, and RECORD=1 records it for docs/left-out.md.",
+        (SCENE, option("BESIDE", "other"), RECORD),
         "hdl.synth.lean",
     ),
     Command(

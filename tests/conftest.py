@@ -45,6 +45,19 @@ def pytest_configure(config: pytest.Config) -> None:
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 
+def by_scene(items: list[pytest.Item]) -> list[list[pytest.Item]]:
+    """The tests of each case or scene together, since the first of them makes its exports.
+
+    A worker that had one of them alone would wait while another worker exports.
+    """
+    groups: dict[str, list[pytest.Item]] = {}
+    for item in items:
+        parameters = item.callspec.params if hasattr(item, "callspec") else {}
+        name = parameters.get("case") or parameters.get("scene") or item.nodeid
+        groups.setdefault(name, []).append(item)
+    return list(groups.values())
+
+
 def long_first(items: list[pytest.Item], workers: int) -> list[pytest.Item]:
     """The same tests, each worker's share beginning with its part of those that take long.
 
@@ -52,11 +65,12 @@ def long_first(items: list[pytest.Item], workers: int) -> list[pytest.Item]:
     another's end, so what is left last is short.
     """
     modules = {name: [i for i in items if i.path.stem == name] for name in LONG}
-    benches = modules.pop("test_benches")
+    benches = by_scene(modules.pop("test_benches"))
     short = [item for item in items if item.path.stem not in LONG]
     found: list[pytest.Item] = []
     for worker in range(workers):
-        found += benches[worker::workers]
+        for scene in benches[worker::workers]:
+            found += scene
         # What a module makes first is made by one.
         for module in list(modules.values())[worker::workers]:
             found += module

@@ -129,6 +129,7 @@ def drawn_scene(seed: int, folder: Path) -> tuple[Scene, Block]:
             scene = case.scene(folder, f"drawn{seed}")
             return scene, scene.twin()
 
+
 def plan(subject: Subject) -> None:
     """Run each test of a bench up to its first play, or to its end where it has none to make."""
     tests = vars(BENCHES[subject.twin.block]).values()

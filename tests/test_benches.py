@@ -5,11 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from conftest import tiered
 from shared import Shared
 
-from golden.block import walk
-from golden.scene import load_scene, scene_names
+from golden.scene import load_scene
 from tb.common.collected import BENCHES, CASES, CASES_OF, blocks_of
 from tb.common.runner import Job, Outcome
 from tb.common.tools import SIMULATORS
@@ -38,6 +36,14 @@ LEFT = (
     *("huge", "huge-parallel", "logic-huge", "block-ram-huge"),
     *("reload-uart", "wide-uart", "plain-uart"),
 )
+
+
+# Each bench with each case that it names. Those of one case stand together: they share exports.
+PAIRS = [
+    pytest.param(block, case, marks=[pytest.mark.all_only] if case in LEFT else [])
+    for case in sorted(CASES, key=lambda name: name in LEFT)
+    for block in sorted(blocks_of(case))
+]
 
 
 def one_of_each(jobs: list[Job]) -> list[Job]:
@@ -91,22 +97,19 @@ def test_every_bench_has_a_case_in_every_run() -> None:
     )
 
 
-@pytest.mark.parametrize("case", tiered([name for name in CASES if name not in LEFT], LEFT))
-def test_hardware_equals_twin(shared: Shared, case: str) -> None:
-    """The blocks whose benches name the case, in both simulators."""
-    blocks = blocks_of(case)
+@pytest.mark.parametrize(("block", "case"), PAIRS)
+def test_hardware_equals_twin(shared: Shared, block: str, case: str) -> None:
+    """A block in a case that its bench names, in both simulators."""
     jobs = [
-        job for s in SIMULATORS for job in one_of_each(shared.jobs(case, s)) if job.block in blocks
+        job for s in SIMULATORS for job in one_of_each(shared.jobs(case, s)) if job.block == block
     ]
     outcomes = shared.run(jobs)
+    assert len(outcomes) == len(SIMULATORS), f"tb_{block}.py: CASES: {case} has no {block}"
     check(outcomes)
     check_clocks(outcomes)
-    assert {o.job.block for o in outcomes} == blocks
 
 
-@pytest.mark.parametrize(
-    "scene", tiered(NETWORKS, [name for name in scene_names() if name not in NETWORKS])
-)
+@pytest.mark.parametrize("scene", NETWORKS)
 def test_recorded_frames_of_a_scene(shared: Shared, scene: str) -> None:
     """The whole network of a shipped scene, in both simulators."""
     top = load_scene(scene).twin().entity
@@ -114,29 +117,6 @@ def test_recorded_frames_of_a_scene(shared: Shared, scene: str) -> None:
     assert len(outcomes) == len(SIMULATORS)
     check(outcomes)
     check_clocks(outcomes)
-
-
-def own_entities() -> dict[str, set[str]]:
-    """Entities of each shipped scene, below the network, whose twin no scene before it holds."""
-    seen = set()
-    found: dict[str, set[str]] = {}
-    for scene in scene_names():
-        top = load_scene(scene).twin()
-        new = {part.entity: part for part in walk(top) if part is not top and part not in seen}
-        seen |= set(new.values())
-        found[scene] = set(new)
-    return found
-
-
-@pytest.mark.all_only
-@pytest.mark.parametrize("scene", scene_names())
-def test_all_constants_of_a_scene(shared: Shared, scene: str) -> None:
-    """Every entity of every shipped scene once; an equal one is the same hardware."""
-    own = own_entities()[scene]
-    outcomes = shared.run([j for s in SIMULATORS for j in shared.jobs(scene, s) if j.entity in own])
-    assert {o.job.entity for o in outcomes} == own
-    if own:
-        check(outcomes)
 
 
 @pytest.mark.all_only

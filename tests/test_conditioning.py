@@ -7,7 +7,13 @@ import math
 import numpy as np
 import pytest
 
-from golden.physics.conditioning import CUTOFF, Conditioning, ReflectiveSensor, rc_cutoff
+from golden.physics.conditioning import (
+    CUTOFF,
+    Conditioning,
+    LowPass,
+    ReflectiveSensor,
+    rc_cutoff,
+)
 from golden.precision import SIGNAL
 
 TIME = np.arange(20_000) / 200
@@ -69,6 +75,29 @@ def test_noise_is_seeded_and_of_the_level_asked_for() -> None:
     assert first.std() == pytest.approx(1e-3, rel=0.03)
 
 
+def test_a_step_settles_as_the_low_pass_says() -> None:
+    filtered = LowPass()
+    step = filtered.passed(np.r_[0.0, np.ones(2000)])
+    assert step[0] == 0
+    for part in (0.5, 0.1, 0.01, 0.001):
+        at = round(filtered.settling(part) * filtered.rate)
+        assert 1 - step[at] == pytest.approx(part, rel=0.02)
+    assert filtered.settling(1) == 0
+    assert (filtered.passed(np.full(50, 0.7)) == 0.7).all()
+
+
+def test_the_low_pass_is_first_order_and_leaves_the_noise_that_it_says() -> None:
+    filtered = LowPass(cutoff=25.0, rate=1000.0)
+    time = np.arange(20_000) / 1000
+    for hertz in (2.5, 25.0):
+        passed = filtered.passed(np.sin(2 * math.pi * hertz * time))[10_000:]
+        expected = 1 / math.sqrt(1 + (hertz / 25) ** 2)
+        assert np.sqrt(2 * (passed**2).mean()) == pytest.approx(expected, rel=2e-3)
+    # White noise: the sum of the squares of the impulse response.
+    impulse = filtered.passed(np.r_[0.0, 1.0, np.zeros(5000)])
+    assert math.sqrt((impulse**2).sum()) == pytest.approx(filtered.noise_left, rel=1e-9)
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [
@@ -79,6 +108,11 @@ def test_noise_is_seeded_and_of_the_level_asked_for() -> None:
         (lambda: Conditioning(1).amplify([np.inf], 0), "volts: got inf"),
         (lambda: Conditioning(1).amplify([], 0), r"volts: got shape \(0,\), expected \(n,\)"),
         (lambda: rc_cutoff(0, 1), "resistance: got 0"),
+        (lambda: LowPass(cutoff=0), "cutoff: got 0, expected 1e-06 to "),
+        (lambda: LowPass(rate=50), "cutoff: got 25"),
+        (lambda: LowPass().passed([]), r"volts: got shape \(0,\), expected \(n,\)"),
+        (lambda: LowPass().passed([0, np.nan]), "volts: got nan"),
+        (lambda: LowPass().settling(0), "part: got 0"),
     ],
 )
 def test_what_lies_outside_the_model_is_refused(call, message: str) -> None:

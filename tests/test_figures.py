@@ -20,9 +20,9 @@ from golden.physics.swing import LIGHT, METHODS, STRONG, STRONG_DAMPING
 from golden.physics.swing_data import NOISE
 from tb.report.measure.motions import RUNS
 from tb.report.measure.rbf import classes, printed_figures
+from tb.report.measure.recorded import TIMED
 from tb.report.measure.recordings import FORMS, NOISES
 from tb.report.measure.registry import TABLES
-from tb.report.measure.steps import TIMED
 from tb.report.measure.table import Table
 
 ROOT = Path(__file__).parents[1]
@@ -185,52 +185,11 @@ def test_the_recordings_are_as_hard_as_the_thesis_found_them(tables) -> None:
             assert shows(text, error, SEARCHED), (output, shown, errors)
 
 
-def test_the_work_of_the_page_is_that_measured(tables) -> None:
-    """To three digits; a method that does not reach the error has no figure."""
-    page = section("physics", "Error against run time")
-    lines = {
-        "plain": "plain, 30 degrees",
-        "strongly damped": "damped at 1000 1/s",
-        "179.9 degrees": "undamped, 179.9 degrees",
-    }
-    found: dict[tuple[str, str], int] = {}
-    for case, method, evaluations, error in columns(
-        tables, "swing", "case", "method", "evaluations", "error rad"
-    ):
-        if error is not None and error <= 1e-9:
-            found.setdefault((case, method), evaluations)
-    for case, line in lines.items():
-        for method, cell in zip(METHODS, cells(page, line), strict=True):
-            assert bool(cell) == ((case, method) in found), (case, method)
-            if cell:
-                work = cell.partition(", ")[0]
-                assert shows(work, found[case, method], SEARCHED, digits=3), (case, method)
-
-
 def test_no_method_is_next_to_the_error_that_the_page_asks_for(tables) -> None:
     """Or rounding would decide which tolerance is the first to reach it: errors near it differ by
     2 % at most between processors."""
     for error in columns(tables, "swing", "error rad"):
         assert error[0] is None or not 0.9e-9 < error[0] < 1.1e-9
-
-
-def test_the_plate_of_the_page_is_that_measured(tables) -> None:
-    page = section("physics", "Error against run time")
-    names = ("point", "method", "terms, nodes", "error")
-    lines = {
-        ("series", 30): ("30 terms",),
-        ("series", 1000): ("1000 terms",),
-        ("series", 10_000): ("10,000 terms",),
-        ("grid", 39**2): ("grid, 40 x 40 cells",),
-        ("grid", 79**2): ("grid, 80 x 80 cells",),
-    }
-    found: dict[tuple[str, int], list[float]] = {}
-    for _, method, size, error in columns(tables, "plate", *names):
-        found.setdefault((method, size), []).append(error)
-    for key, line in lines.items():
-        for text, error in zip(cells(page, *line)[:2], found[key], strict=True):
-            # Both are parts of the limit: what rounding moves is a part of that.
-            assert shows(text, error, ROUNDING) or abs(float(text) - error) < 1e-14
 
 
 def test_the_sensors_of_the_page_are_those_fitted(tables) -> None:

@@ -1,9 +1,8 @@
-"""Tables activations and iterations: complete, and what docs/figures.md says of them."""
+"""Tables activations and iterations: complete, and what follows from them."""
 
 from __future__ import annotations
 
 import pytest
-from pages import ROUNDING, cells, section, shows
 from shared import Shared
 
 from golden.activation.pade import GATE, ITERATIONS, RHO
@@ -99,25 +98,6 @@ def test_the_default_is_the_rho_that_settles_first_up_to_the_gate(steps: Table) 
     means = {count: mean for rho, count, _, mean, _ in rows if rho == RHO}
     assert means[ITERATIONS] < 0.6 * means[24]
     assert means[64] > 0.9 * means[ITERATIONS]
-
-
-def test_the_page_shows_where_each_rho_reaches_the_step(steps: Table) -> None:
-    page = section("figures", "iterations")
-    names = ("rho", "stable below |q|", "iterations", "mean %", "largest units", "arithmetic")
-    rows = [row for row in columns(steps, *names) if row[-1] == "exact"]
-    for rho in activations.RHOS:
-        own = [row for row in rows if row[0] == rho]
-        stable = own[0][1]
-        if stable < GATE:
-            continue
-        there = [(str(n), mean) for _, _, n, mean, largest, _ in own if largest < 22]
-        below, count, mean = cells(page, f"{rho:g}")
-        assert shows(below, stable, ROUNDING)
-        if there:
-            assert count == there[0][0]
-            assert shows(mean, there[0][1], ROUNDING)
-        else:
-            assert (count, mean) == ("more than 64", "")
 
 
 def test_a_small_rho_is_the_faster_where_it_settles(steps: Table) -> None:

@@ -1,4 +1,4 @@
-"""Table clocks: every scene, its clocks, and what docs/figures.md says of them."""
+"""Table clocks: every scene, its clocks, and what README.md says of them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import re
 from pathlib import Path
 
 import pytest
-from pages import ROUNDING, cells, section, shows
 from shared import Shared
 
 from golden.errors import scene_errors
@@ -57,19 +56,6 @@ def test_samples_and_outputs_take_a_clock_each(name: str, beside: int) -> None:
     """A cascade's frame has slots for its earlier outputs; in parallel all come at once."""
     design = load_scene(name).twin()
     assert clocks_per_frame(design) == design.latency + beside - 1
-
-
-def test_the_page_shows_the_clocks(table: Table) -> None:
-    page = section("figures", "clocks")
-    names = ("precision", "worst output", "largest %", "clocks a frame", "interval clocks")
-    found = {name: by_scene(table, name) for name in names}
-    exact = ("digit", "digit-hybrid", "digit-single", "digit-multiple")
-    for scene in (*exact, "digit-thesis", "digit-single-thesis"):
-        precision, output, largest, *clocks = (found[name][scene] for name in names)
-        shown = cells(page, scene)
-        assert shown[:2] == [precision, output]
-        assert shows(shown[2], largest, ROUNDING)
-        assert shown[3:] == [str(count) for count in clocks]
 
 
 def test_an_instrument_waits_for_its_sensors(table: Table) -> None:

@@ -1,4 +1,4 @@
-"""Table training: what is the same on every call, and what docs/figures.md says of it."""
+"""Table training: what is the same on every call, and what the pages say of it."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def test_the_first_network_of_both_cascades_is_the_same(table: Table) -> None:
 
 def test_the_page_shows_where_they_end(table: Table) -> None:
     """Ranges: a last bit turns a descent to another minimum."""
-    page = section("figures", "training")
+    page = section("error-against-run-time", "Optimisers")
     for method in training.STEPS:
         shown, *cell = cells(page, method)
         evaluations = max(row[2] for row in rows_of(table, method))

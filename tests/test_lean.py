@@ -4,18 +4,25 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 import sys
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from golden.cli import CommandError
+from golden.files import write_json
 from golden.networks.mlp import Mlp
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_names
 from hdl.export.exporter import MANIFEST, export
 from hdl.synth import lean
+from hdl.synth.budget import budget_path
+from hdl.synth.timing import read_timing, timing_path
 from tb.common.cases import FRONT_END, VISUALISATION, random_mlp, write_scene
+from tb.report.measure import left_out
 
 
 def exported(scene: Scene, folder: Path) -> tuple[set[str], str]:
@@ -125,6 +132,49 @@ def test_a_slot_that_nobody_reads(tmp_path: Path) -> None:
         assert scene.twin().scan_sequencer.slots == slots
         _, text = exported(scene, tmp_path)
         assert f"slot < {slots}" in text
+
+
+RECORDED = [name for name in scene_names() if left_out.recorded_cells(load_scene(name))]
+
+
+def test_what_the_demos_scene_saves_is_recorded() -> None:
+    assert "digit" in RECORDED
+
+
+@pytest.mark.parametrize("name", RECORDED)
+def test_what_a_scene_saves_is_recorded_of_its_hardware(name: str) -> None:
+    scene = load_scene(name)
+    assert not lean.is_stale(scene), f"run: make lean SCENE={name} RECORD=1"
+    found = lean.read_lean(lean.lean_path(scene.path))
+    assert found.lean["LUT"] <= found.whole["LUT"]
+
+
+def test_a_record_of_other_hardware_is_stale(tmp_path: Path) -> None:
+    shipped = load_scene("digit-reload")
+    path = tmp_path / "digit-reload.toml"
+    for made in (budget_path, timing_path):
+        shutil.copy(made(shipped.path), made(path))
+    scene = replace(shipped, path=path)
+    lean.record(scene)
+    assert not lean.is_stale(scene)
+    timing, _ = read_timing(timing_path(path))
+    write_json(timing_path(path), {"verilog": "another", "timing": asdict(timing)})
+    assert lean.is_stale(scene)
+
+
+def test_a_scene_without_a_budget_is_not_recorded(tmp_path: Path) -> None:
+    path = write_scene(tmp_path, "mine", "exact", [random_mlp((2, 2, 1), 1.0, 1)])
+    with pytest.raises(CommandError, match=r"mine\.toml: no recorded budget; make synth RECORD=1"):
+        lean.record(load_scene(str(path)))
+    assert not lean.lean_path(path).exists()
+
+
+def test_words_are_counted_as_often_as_they_stand_there() -> None:
+    """What hybrid says that it leaves out is what it has less than the whole."""
+    scene = load_scene("digit-hybrid")
+    texts = re.findall(r"(\d+) ROM words of segments", " ".join(scene.twin().left_out()))
+    missing = left_out.words(scene.twin(lean=False)) - left_out.words(scene.twin())
+    assert missing == sum(map(int, texts)) > 0
 
 
 def test_the_savings_are_those_of_two_builds(tmp_path: Path, monkeypatch, capsys) -> None:

@@ -209,3 +209,10 @@ def test_a_quote_without_its_other_is_one_message(tmp_path: Path) -> None:
         result = make(tmp_path, f"VENV={sys.prefix}", target, f"{name}=it's", PYTHONPATH=str(ROOT))
         assert result.returncode == 2
         assert f"error: {name}=it's: No closing quotation" in result.stderr
+
+
+def test_a_sample_reaches_the_tests(tmp_path: Path) -> None:
+    log = environment(tmp_path)
+    result = make(tmp_path, "test", VENV=str(tmp_path / "venv"), SAMPLE="1; 2", RECORD="1")
+    assert result.returncode == 0, result.stderr
+    assert calls(log) == [["tests/chosen.py", "--sample=1; 2", "--record", "--tests="]]

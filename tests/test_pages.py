@@ -5,11 +5,21 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
-from pages import same_picture
+from pages import TRAINED, same_picture, shows
 
 from golden.cli import CommandError
+from golden.errors import held_out_means, held_out_rows
 from golden.fingerprint import ROOT
+from golden.physics.beam import Beam
+from golden.physics.bound import least_deviations, slopes_by_codes
+from golden.physics.digit_data import RECORDED, SENSORS
+from golden.physics.strain_sensor import COLUMNS, fit_sensors
+from golden.scene import load_scene
+from golden.table import read_table
+from golden.training.split import split_of
+from tb.report.measure import recorded
 from tb.report.page import lists, sign_off
 from tb.report.page.markers import END, begin, put
 
@@ -66,6 +76,31 @@ def test_a_picture_is_the_same_where_nobody_sees_a_difference(other: str, same: 
 def test_what_is_recorded_stands_in_the_datasheets() -> None:
     for page, text in sign_off.pages().items():
         assert page.read_text(encoding="utf-8") == text, f"{page}: run: {sign_off.COMMAND}"
+
+
+def test_the_readme_says_what_held_out_does_not() -> None:
+    """Beside the digit's errors; its figures are those of figures.md, limits.md and the scene."""
+    scene = load_scene("digit")
+    text = " ".join(lists.unseen().split())
+    rows = recorded.read("honest").rows
+    for output in ("width", "shape"):
+        error = next(row[2] for row in rows if row[:2] == ["loads", output])
+        found = re.search(rf"{output} (?:that errs )?by (\d+ to \d+) %", text)
+        assert found, output
+        # Another machine may measure what lies beyond either end: test_figures_honest.py.
+        assert shows(found[1], error, TRAINED), output
+    table = read_table(RECORDED, [*SENSORS, *COLUMNS])
+    loads = table[:, len(SENSORS) :]
+    noise = np.full(len(SENSORS), 0.002)
+    least = least_deviations(slopes_by_codes(fit_sensors(table, Beam()), loads), noise)
+    silent = int(np.isinf(least[:, COLUMNS.index("width")]).sum())
+    assert f"at {silent} of {len(table)} placements no sensor feels the width" in text
+    split = split_of(scene)
+    trained = {tuple(row) for row in loads[split.training][:, [0, 2, 3]]}
+    assert {tuple(row) for row in loads[split.test][:, [0, 2, 3]]} <= trained
+    # Trained on with all rows: of the networks that are shipped none is held out.
+    assert held_out_rows(scene) is None
+    assert held_out_means(scene) is not None
 
 
 def test_every_shipped_scene_is_listed() -> None:

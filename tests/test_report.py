@@ -25,8 +25,8 @@ from tb.report.draw.plots import Plot
 from tb.report.measure import store
 from tb.report.measure.clocks import clocks_per_frame
 from tb.report.measure.engines import engines
+from tb.report.measure.recorded import TIMED
 from tb.report.measure.registry import TABLES
-from tb.report.measure.steps import TIMED
 from tb.report.measure.table import Cell, Table
 from tb.report.page import build
 from tb.report.page.content import content

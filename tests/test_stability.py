@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from pages import ROUNDING, SEARCHED
 from shared import Shared
 
 from golden.activation.abs_unit import AbsUnit
@@ -20,10 +21,16 @@ from golden.networks.designs import DESIGNS
 from golden.physics.plate import Plate
 from golden.scene import scene_names
 from golden.visualisation.power_fold import PowerFold
+from tb.report.draw.margins import LEFT, RIGHT, margins
+from tb.report.measure import recorded
 from tb.report.measure.stability import activations, networks, physics, table, visualisation
 from tb.report.measure.stability.case import Row, accepted, largest
+from tb.report.measure.stability.margins import Case, closest
 from tb.report.measure.table import Table
+from tb.report.page import stability as page
 
+# Below this an error is what is left of last bits.
+UNSEEN = 1e-9
 WINDOWS = ("swing-window", "swing-window-cascade")
 # What must be there: a model, and words that a case of it holds.
 NAMED = [
@@ -63,7 +70,7 @@ NAMED = [
 
 @pytest.fixture(scope="module")
 def found(shared: Shared) -> Table:
-    return shared.tables()["stability"]
+    return shared.recorded("stability", anew=True)
 
 
 def test_the_columns(found: Table) -> None:
@@ -84,6 +91,51 @@ def test_every_case_holds(found: Table) -> None:
 def test_no_figure_stands_twice(found: Table) -> None:
     keys = [tuple(row[:4]) for row in found.rows]
     assert len(set(keys)) == len(keys)
+
+
+def test_the_page_shows_what_is_measured(found: Table) -> None:
+    """From the record: last bits, and with them the errors of integrators, differ elsewhere."""
+    shown = recorded.read("stability").rows
+    again = "make figures TABLE=stability RECORD=1, then make pages"
+    assert [row[:4] for row in shown] == [row[:4] for row in found.rows], f"run: {again}"
+    for before, now in zip(shown, found.rows, strict=True):
+        assert before[5] == pytest.approx(now[5], rel=ROUNDING), f"{now}; run: {again}"
+        pair = [float(row[4]) for row in (before, now)]
+        assert max(pair) < UNSEEN or min(pair) >= (1 - SEARCHED) * max(pair), f"{now}; run: {again}"
+
+
+def test_every_kind_of_case_says_what_would_break_it(found: Table) -> None:
+    assert {str(row[2]) for row in found.rows} == set(page.BREAKS)
+
+
+def made(*pairs: tuple[str, float, float]) -> list[Case]:
+    return [Case(model, "a", "be exact", "y", value, bound, True) for model, value, bound in pairs]
+
+
+def test_the_closest_are_those_with_the_largest_part_of_their_bound() -> None:
+    some = made(("far", 1, 10), ("near", 6, 10), ("near", 5, 10), ("at", 10, 10), ("none", 0, 0))
+    assert [case.model for case in closest(some, 5)] == ["near", "far"]
+    assert [page.margin(case) for case in some] == [
+        *("10 times", "1.67 times", "2 times", "reached", "must be 0"),
+    ]
+
+
+def test_the_headline_counts_what_holds_and_what_does_not() -> None:
+    columns = ["model", "case", "must", "figure", "value", "bound", "holds"]
+    rows = [["x", "a", "b", "y", 1.0, 2.0, "yes"], ["x", "c", "b", "y", None, 2.0, "no"]]
+    broken = Table("stability", columns, rows, "")
+    assert "**1 of 2 hold.**" in page.headline(broken)
+    assert "1 of 2 cases keep their bound" in margins(broken)
+
+
+def test_a_disc_stands_at_its_part_of_the_bound() -> None:
+    columns = ["model", "case", "must", "figure", "value", "bound", "holds"]
+    rows = [["x", "a", "b", "y", value, 1.0, "yes"] for value in (1.0, 1e-3, 1e-6, 0.0)]
+    rows.append(["x", "d", "b", "y", 0, 0, "yes"])
+    text = margins(Table("stability", columns, rows, ""))
+    found = sorted(float(x) for x in re.findall(r'<circle cx="([\d.]+)"', text))
+    assert found == pytest.approx([LEFT, (LEFT + RIGHT) / 2, RIGHT])
+    assert ">1</text>" in text
 
 
 @pytest.mark.parametrize("value", [2.0, float("nan"), float("inf")])

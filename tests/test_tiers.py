@@ -5,8 +5,11 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
+from conftest import long_first
 
 from tb.common.collected import ROOT
 
@@ -37,3 +40,25 @@ def test_all_of_it_runs_what_is_left() -> None:
     result = run(*LEFT, "--all", "-n", "1")
     assert result.returncode == 0, result.stdout
     assert "1 passed" in result.stdout
+
+
+@pytest.mark.parametrize("workers", [1, 2, 3])
+def test_each_worker_begins_with_benches_and_has_all_of_a_case(workers: int) -> None:
+    def item(file: str, **parameters: str) -> SimpleNamespace:
+        called = SimpleNamespace(params=parameters)
+        return SimpleNamespace(path=Path(f"{file}.py"), callspec=called, nodeid=str(parameters))
+
+    cases = [f"case {n}" for n in range(6)]
+    benches = [item("test_benches", block=b, case=c) for c in cases for b in ("abs_unit", "lut")]
+    again = [item("test_benches", case=c) for c in cases]
+    others = [item("test_lut", n=str(n)) for n in range(60)]
+    items = [*others, *benches, *again]
+    ordered = long_first(items, workers)
+    assert sorted(map(id, ordered)) == sorted(map(id, items))
+    size = len(items) // workers
+    shares = [ordered[n * size : (n + 1) * size] for n in range(workers)]
+    found = [[i for i in share if i.path.stem == "test_benches"] for share in shares]
+    assert sum(map(len, found)) == len(benches) + len(again)
+    for share, mine in zip(shares, found, strict=True):
+        assert share[: len(mine)] == mine
+        assert len(mine) == 3 * len({i.callspec.params["case"] for i in mine})

@@ -1,4 +1,7 @@
-"""``python -m golden.engine SCENE``: the program of a scene's engine, a line for every step."""
+"""``python -m golden.engine SCENE``: the program of a scene's engine, a line for every step.
+
+Of a network without a program, whose products are adders, a line for every adder.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +11,9 @@ import sys
 from golden.block import walk
 from golden.cli import CommandError, run, would
 from golden.engine.listing import listing
+from golden.layers.constant_matrix import ConstantMatrix
+from golden.layers.listing import listing as adders
+from golden.networks.adder_graph import AdderGraph
 from golden.networks.engine import Engine
 from golden.scene import load_scene
 
@@ -16,11 +22,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="make listing", description=__doc__)
     parser.add_argument("scene")
     scene = load_scene(parser.parse_args().scene)
-    engines = [block for block in walk(scene.twin()) if isinstance(block, Engine)]
+    blocks = list(walk(scene.twin()))
+    matrices = [block for block in blocks if isinstance(block, ConstantMatrix)]
+    if matrices:
+        print("\n\n".join("\n".join(adders(matrix)) for matrix in matrices))
+        return
+    engines = [block for block in blocks if isinstance(block, Engine)]
     if not engines:
         raise CommandError(
             f"{scene.path}: hardware.design: got {scene.design}, which has no program, expected "
-            f"{Engine.block}"
+            f"{Engine.block} or {AdderGraph.block}"
         )
     (engine,) = engines
     would(f"print the program of {engine.entity}")

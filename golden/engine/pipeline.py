@@ -86,7 +86,10 @@ class Pipeline:
 
     @property
     def padding(self) -> int:
-        """Words without effect behind the last one, which are read until the program stands."""
+        """Words without effect behind the last one, in the memory of a program.
+
+        One more is read until the program stands, and has no effect whatever it holds.
+        """
         return 2 + self.memory_registers
 
     @property

@@ -1,4 +1,4 @@
-"""From a deflection to a code: the sensors and their conditioning, thesis section 6.4."""
+"""From a deflection to a code: sensors and their conditioning, thesis sections 3.6 and 6.4."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ from golden.precision import SIGNAL
 
 RESISTANCE, CAPACITANCE = 560e3, 4.7e-6  # ohm, F: the DC remover of section 6.4.2
 CUTOFF = 0.06  # Hz, as the thesis rounds 1 / (2 pi R C)
+LOW_PASS = 25.0  # Hz, behind each gauge of the digit: section 3.6
+SCAN_RATE = 15_625.0  # complete scans of the digit's sensors a second: section 5.3
 
 
 @dataclass(frozen=True)
@@ -129,6 +131,82 @@ class Conditioning:
         Arguments and errors as ``amplify``; rounding and saturation as ``Fix.quantise``.
         """
         return SIGNAL.quantise(self.amplify(volts, rest))
+
+
+@dataclass(frozen=True)
+class LowPass:
+    """The filter behind the amplifier of each gauge of the digit.
+
+    First order, which is ours: thesis section 3.6 prints the cut-off alone, and a picture.
+
+    Parameters
+    ----------
+    cutoff : float
+        Hz, 1e-6 to below half of the rate.
+    rate : float
+        Samples per second, 1e-3 to 1e9; by default the scans of the four sensors.
+
+    Raises
+    ------
+    ValueError
+        For a value outside its range.
+    """
+
+    cutoff: float = LOW_PASS
+    rate: float = SCAN_RATE
+
+    def __post_init__(self) -> None:
+        checked(rate=(self.rate, 1e-3, 1e9))
+        checked(cutoff=(self.cutoff, 1e-6, 0.499 * self.rate))
+
+    def passed(self, volts: ArrayLike) -> Real:
+        """Filtered readings in V, settled at the first of them before it.
+
+        The bilinear image of omega / (s + omega) with its cut-off in place
+        (``scipy.signal.butter``).
+
+        Parameters
+        ----------
+        volts : array_like of float, shape (n,)
+            n of 1 or more.
+
+        Raises
+        ------
+        ValueError
+            For NaN, infinity or another shape.
+        """
+        most = float(np.finfo(np.float64).max)
+        (v,) = checked(volts=(volts, -most, most))
+        if v.ndim != 1 or not v.size:
+            raise ValueError(f"volts: got shape {v.shape}, expected (n,) with n of 1 or more")
+        b, a = signal.butter(1, self.cutoff, fs=self.rate)
+        found, _ = signal.lfilter(b, a, v - v[0], zi=[0.0])
+        return np.asarray(v[0] + found)
+
+    def settling(self, part: float) -> float:
+        """Seconds from a step until this part of it is left: -ln(part) / (2 pi cutoff).
+
+        Parameters
+        ----------
+        part : float
+            1e-300 to 1.
+
+        Raises
+        ------
+        ValueError
+            For a part outside its range, NaN included.
+        """
+        checked(part=(part, 1e-300, 1))
+        return -math.log(part) / (2 * math.pi * self.cutoff)
+
+    @property
+    def noise_left(self) -> float:
+        """Standard deviation that is left of white noise, as a part of it.
+
+        With k = tan(pi cutoff / rate) the variance is k / (1 + k) of what it was.
+        """
+        k = math.tan(math.pi * self.cutoff / self.rate)
+        return math.sqrt(k / (1 + k))
 
 
 def rc_cutoff(resistance: float = RESISTANCE, capacitance: float = CAPACITANCE) -> float:

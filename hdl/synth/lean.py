@@ -1,28 +1,101 @@
 """``python -m hdl.synth.lean SCENE``: what a scene leaves out, and what that saves.
 
 The scene is built twice: whole, with every segment of every activation and every hidden node, and
-as it is. Those of ``--beside`` are built as they are, to compare with.
+as it is. Those of ``--beside`` are built as they are, to compare with. ``--record`` keeps the cells
+of both beside the scene, for docs/left-out.md.
 """
 
 from __future__ import annotations
 
 import argparse
+from dataclasses import asdict, dataclass
+from pathlib import Path
 
-from golden.cli import words, would
+from golden.cli import CommandError, words, would
+from golden.files import read_json, write_json
 from golden.progress import Progress
-from golden.scene import load_scene
+from golden.scene import Scene, load_scene
 from hdl.export.repeatable import run_repeatable
 from hdl.synth.activations import cells
+from hdl.synth.budget import budget_path, read_budget
 from hdl.synth.cells import FAMILIES
 from hdl.synth.netlist import KINDS
+from hdl.synth.timing import read_timing, timing_path
 
 FAMILY = "xc2v"
+
+
+@dataclass(frozen=True)
+class Lean:
+    """Cells of a scene whole and as it is, as ``--record`` found them.
+
+    Attributes
+    ----------
+    verilog : str
+        The digest of the scene's Verilog as ``make synth`` recorded it; of another the record is
+        stale.
+    whole, lean : dict
+        By kind of cell, in FAMILY.
+    """
+
+    verilog: str
+    whole: dict[str, int]
+    lean: dict[str, int]
+
+
+def lean_path(scene: Path) -> Path:
+    """Where the record of a scene stands: beside it."""
+    return scene.with_suffix(".lean.json")
+
+
+def read_lean(path: Path) -> Lean:
+    """What was recorded.
+
+    Raises
+    ------
+    FileNotFoundError, CommandError, ValueError
+        When nothing was recorded, or something else stands there.
+    """
+    return read_json(
+        path, "recorded cells; make lean RECORD=1 records them", make=lambda found: Lean(**found)
+    )
+
+
+def is_stale(scene: Scene) -> bool:
+    """Whether the record of a scene is of other hardware than ``make synth`` recorded last."""
+    found = read_lean(lean_path(scene.path))
+    return (found.verilog, found.lean) != _synthesised(scene)
+
+
+def record(scene: Scene) -> Path:
+    """Keep the cells of a scene beside it: whole, and as ``make synth`` recorded them.
+
+    Raises
+    ------
+    CommandError
+        When ``make synth`` has recorded nothing.
+    """
+    if not timing_path(scene.path).is_file() or not budget_path(scene.path).is_file():
+        raise CommandError(f"{scene.path}: no recorded budget; make synth RECORD=1 records it")
+    verilog, lean = _synthesised(scene)
+    design = scene.twin(lean=False)
+    whole = lean if design == scene.twin() else cells(design, FAMILY)
+    path = lean_path(scene.path)
+    write_json(path, asdict(Lean(verilog, {kind: whole[kind] for kind in KINDS}, lean)))
+    return path
+
+
+def _synthesised(scene: Scene) -> tuple[str, dict[str, int]]:
+    """The digest and the cells that ``make synth`` recorded."""
+    top = read_budget(budget_path(scene.path))[FAMILY][scene.twin().entity]
+    return read_timing(timing_path(scene.path))[1], {kind: top[kind] for kind in KINDS}
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="make lean", description=__doc__)
     parser.add_argument("scene")
     parser.add_argument("--beside", default="", help="scenes, quoted as for a shell")
+    parser.add_argument("--record", action="store_true", help="keep the cells beside the scene")
     arguments = parser.parse_args()
     names = [arguments.scene, *words("BESIDE", arguments.beside)]
     scenes = [load_scene(name) for name in names]
@@ -31,6 +104,15 @@ def main() -> None:
     print(f"scene {first.name} leaves out:")
     for text in first.twin().left_out():
         print(f"  {text}")
+    if arguments.record:
+        print(f"wrote {record(first)}")
+        return
+    compare(scenes)
+
+
+def compare(scenes: list[Scene]) -> None:
+    """Print the cells of the first scene whole and as it is, and of the others as they are."""
+    first = scenes[0]
     rows: list[tuple[str, dict[str, int]]] = []
     with Progress("synthesising", 1 + len(scenes), "designs") as progress:
         whole = cells(first.twin(lean=False), FAMILY)

@@ -16,7 +16,7 @@ from golden.instruments.uart_instrument import UartInstrument
 from golden.scene import Scene
 from hdl.export.exporter import ORDER
 from tb.common.runner import ROOT, export
-from tb.common.simulate import Run, analyse, commands, machine
+from tb.common.simulate import Ghdl, analyse
 from tb.common.tools import check_simulator, language
 from tb.monitor.inside_simulator import CONFIGURATION
 from tb.monitor.placements import nearest_row, samples_of
@@ -97,19 +97,20 @@ class SimulatedBoard:
             )
         )
         sources = (*(files / name for name in (files / ORDER).read_text().split()), top)
-        run = Run(
-            SIMULATOR,
-            TOP,
-            "tb.monitor.inside_simulator",
-            sources,
-            folder,
-            folder,
-            False,
-        )
         analyse(sources, folder)
-        build, simulate = commands(run)
-        # Before an image is there, memories hold nothing, which would be told in every clock.
-        simulate = [word.replace("disable-at-0", "disable") for word in simulate]
+        environment = {k: v for k, v in os.environ.items() if not k.startswith("COCOTB")}
+        simulator = Ghdl(
+            TOP,
+            folder,
+            module="tb.monitor.inside_simulator",
+            sim_build=folder,
+            # Before an image is there, memories hold nothing, which would be told in every clock.
+            sim_args=["--ieee-asserts=disable"],
+            extra_env=environment | {"PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1"},
+            log=folder / "log.txt",
+        )
+        simulator.set_env()
+        build, simulate = simulator.build_command()
         built = subprocess.run(build, cwd=folder, capture_output=True, text=True, check=False)
         if built.returncode:
             raise RuntimeError(built.stderr)
@@ -127,21 +128,11 @@ class SimulatedBoard:
             "line": board,
             "orders": orders,
         }
-        environment = {k: v for k, v in os.environ.items() if not k.startswith("COCOTB")}
-        environment |= machine() | {
-            CONFIGURATION: json.dumps(configuration),
-            "COCOTB_TOPLEVEL": run.entity,
-            "COCOTB_TEST_MODULES": run.module,
-            "COCOTB_RESULTS_FILE": str(folder / "results.xml"),
-            "TOPLEVEL_LANG": tongue,
-            "PYTHONPATH": str(ROOT),
-            "OPENBLAS_NUM_THREADS": "1",
-        }
-        with (folder / "log.txt").open("w") as log:
+        with simulator.log.open("w") as log:
             self._process = subprocess.Popen(
                 simulate,
                 cwd=folder,
-                env=environment,
+                env=simulator.env | {CONFIGURATION: json.dumps(configuration)},
                 pass_fds=(board, orders),
                 stdin=subprocess.DEVNULL,
                 stdout=log,

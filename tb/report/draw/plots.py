@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from tb.report.draw.looks import Look, nth
-from tb.report.draw.svg import PLOT_INCHES, style, svg
+from tb.report.draw.plot import plotted
+from tb.report.draw.svg import PAGE_INCHES, PLOT_INCHES, style, svg
 
 Points = Sequence[tuple[float, float]]
 # A ratio of the ends of an axis below which powers of ten alone are too few numbers.
@@ -75,45 +77,85 @@ class Plot:
         """The plot as an ``<svg>`` element."""
         with style():
             figure = Figure(figsize=PLOT_INCHES, layout="constrained")
-            axes = figure.add_subplot()
-            for i, (label, points) in enumerate(self.groups.items()):
-                look = self.looks.get(label) or nth(i)
-                axes.plot(
-                    [x for x, _ in points],
-                    [y if "y" in self.linear else max(y, self.floor) for _, y in points],
-                    marker=look.marker,
-                    color=look.colour,
-                    markerfacecolor=None if look.filled else "white",
-                    linestyle=_LINES[i // 2 % len(_LINES)] if self.joined else "none",
-                    label=label,
-                )
-            for i, (label, height) in enumerate(self.levels.items()):
-                axes.axhline(height, color="black", linewidth=0.8, linestyle=_LINES[1 + i % 3])
-                axes.annotate(
-                    label,
-                    (1, height),
-                    xycoords=("axes fraction", "data"),
-                    xytext=(0, 2),
-                    textcoords="offset points",
-                    ha="right",
-                    fontsize=8,
-                )
-            if "x" in self.linear:
-                axes.locator_params(axis="x", nbins=TICKS)
-            else:
-                axes.set_xscale("log")
-                _label(axes.xaxis)
-            if "y" in self.linear:
-                axes.set_ylim(bottom=0)
-            else:
-                axes.set_yscale("log")
-                _label(axes.yaxis)
-            axes.set_xlabel(self.across)
-            axes.set_ylabel(self.up)
+            self.fill(figure.add_subplot(), list(self.groups))
             if len(self.groups) > 1:
                 columns = 2 if len(self.groups) > 3 else len(self.groups)
                 figure.legend(loc="outside lower center", ncols=columns)
             return svg(figure, self.name)
+
+    def fill(self, axes: Axes, labels: Sequence[str]) -> None:
+        """Draw it into axes; a group looks as its place among the labels has it."""
+        for label, points in self.groups.items():
+            i = labels.index(label)
+            look = self.looks.get(label) or nth(i)
+            axes.plot(
+                [x for x, _ in points],
+                [y if "y" in self.linear else max(y, self.floor) for _, y in points],
+                marker=look.marker,
+                color=look.colour,
+                markerfacecolor=None if look.filled else "white",
+                linestyle=_LINES[i // 2 % len(_LINES)] if self.joined else "none",
+                label=label,
+            )
+        for i, (label, height) in enumerate(self.levels.items()):
+            axes.axhline(height, color="black", linewidth=0.8, linestyle=_LINES[1 + i % 3])
+            axes.annotate(
+                label,
+                (1, height),
+                xycoords=("axes fraction", "data"),
+                xytext=(0, 2),
+                textcoords="offset points",
+                ha="right",
+                fontsize=8,
+            )
+        if "x" in self.linear:
+            axes.locator_params(axis="x", nbins=TICKS)
+        else:
+            axes.set_xscale("log")
+            _label(axes.xaxis)
+        if "y" in self.linear:
+            axes.set_ylim(bottom=0)
+        else:
+            axes.set_yscale("log")
+            _label(axes.yaxis)
+        axes.set_xlabel(self.across)
+        axes.set_ylabel(self.up)
+
+
+def side_by_side(name: str, title: str, plots: Sequence[Plot], columns: int = 4) -> str:
+    """Plots beside each other in one ``<svg>`` element, as wide as a page, with one legend.
+
+    Parameters
+    ----------
+    name : str
+        See ``tb.report.draw.svg.svg``.
+    title : str
+        For readers who do not see the picture.
+    plots : sequence of Plot
+        A label looks alike in all of them.
+    columns : int
+        Of the legend.
+    """
+    labels = list(dict.fromkeys(label for plot in plots for label in plot.groups))
+    with style():
+        figure = Figure(figsize=PAGE_INCHES, layout="constrained")
+        places = figure.subplots(1, len(plots), squeeze=False)[0]
+        for plot, axes in zip(plots, places, strict=True):
+            plot.fill(axes, labels)
+            axes.set_title(plot.title, fontsize=10)
+        handles = {
+            label: handle
+            for axes in places
+            for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
+        }
+        if len(labels) > 1:
+            figure.legend(
+                [handles[label] for label in labels],
+                labels,
+                loc="outside lower center",
+                ncols=min(columns, len(labels)),
+            )
+        return plotted(figure, name, title)
 
 
 def _label(axis: Axis) -> None:

@@ -13,6 +13,8 @@ from matplotlib.figure import Figure
 
 # As wide as a phone shows without shrinking the letters; a desktop sets two side by side.
 PLOT_INCHES = (4.6, 3.4)
+# Of plots beside each other in a page of docs.
+PAGE_INCHES = (9.2, 4.2)
 _STYLE: dict[Any, Any] = {
     # Without a salt the ids are random; letters stay letters, so that a reader can search them.
     "svg.hashsalt": "tactus",

@@ -21,7 +21,7 @@ from golden.fingerprint import ROOT, fingerprint, sources
 from golden.machine import facts, versions
 from golden.table import suggest
 from tb.report.measure import recorded
-from tb.report.measure.registry import TABLES
+from tb.report.measure.registry import ASKED, TABLES
 
 
 def main() -> None:
@@ -32,11 +32,12 @@ def main() -> None:
     parser.add_argument("--record", action="store_true")
     arguments = parser.parse_args()
     names = arguments.tables or list(TABLES)
+    known = TABLES | ASKED
     for name in names:
-        if name not in TABLES:
+        if name not in known:
             raise CommandError(
-                f"TABLE={name}: no such table, expected one of {', '.join(TABLES)}"
-                f"{suggest(name, list(TABLES))}"
+                f"TABLE={name}: no such table, expected one of {', '.join(known)}"
+                f"{suggest(name, list(known))}"
             )
     if arguments.record:
         refuse_others(names, arguments.seed)
@@ -51,7 +52,7 @@ def main() -> None:
         }
         times: dict[str, Any] = {}
         for name in names:
-            table = TABLES[name](arguments.seed)
+            table = known[name](arguments.seed)
             if table.timed:
                 times[name] = table.as_data()
             again = table.without_times()
@@ -68,11 +69,12 @@ def main() -> None:
 
 def refuse_others(names: list[str], seed: int) -> None:
     """Refuse to record what is measured for every report, or with another seed."""
-    others = [name for name in names if name not in recorded.RECORDED]
+    kept = (*recorded.RECORDED, *recorded.FOR_PAGES)
+    others = [name for name in names if name not in kept]
     if others:
         raise CommandError(
             f"TABLE={others[0]}: is measured for every report, expected one of "
-            f"{', '.join(recorded.RECORDED)} with RECORD=1"
+            f"{', '.join(kept)} with RECORD=1"
         )
     if seed != recorded.SEED:
         raise CommandError(f"SEED={seed}: expected {recorded.SEED} with RECORD=1")

@@ -9,7 +9,7 @@ from typing import Any
 from golden.activation.schemes import SCHEMES
 from golden.block import walk
 from golden.networks.network import Network
-from golden.scene import Scene
+from golden.scene import Scene, thesis_table
 from hdl.synth.budget import Cells, budget_path, by_block, read_budget
 from hdl.synth.cells import DEPTH, FAMILIES, flat_name
 from hdl.synth.netlist import KINDS
@@ -102,6 +102,26 @@ def with_network_cells(table: Table) -> Table:
     }
     note = "Cells of the design in one piece, as recorded by make synth."
     return _joined(table, lambda row: found.get(str(row[0])), note)
+
+
+def with_network_times(table: Table) -> Table:
+    """The table of clocks with microseconds: at the thesis' clock, and at the one reached."""
+    board = float(thesis_table("board")["clock_mhz"])
+    reached = {
+        scene.name: read_timing(timing_path(scene.path))[0].clock_mhz
+        for scene in scenes()
+        if timing_path(scene.path).is_file()
+    }
+    at, first = table.columns.index("clocks a frame"), table.columns.index("scene")
+    rows: list[list[Cell]] = []
+    for row in table.rows:
+        count, mhz = row[at], reached.get(str(row[first]))
+        if not isinstance(count, int):
+            raise ValueError(f"table {table.name}: clocks a frame: got {count!r}, expected a count")
+        rows.append([*row, count / board, mhz, None if mhz is None else count / mhz])
+    columns = [*table.columns, f"us at {board:g} MHz", "ECP5 MHz", "us on an ECP5"]
+    note = "ECP5 MHz is the clock that make synth recorded, placed and routed."
+    return Table(table.name, columns, rows, f"{table.note} {note}", table.timed)
 
 
 def _joined(

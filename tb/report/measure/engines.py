@@ -7,18 +7,33 @@ import dataclasses
 import numpy as np
 
 from golden.errors import scene_errors
-from golden.scene import Scene
+from golden.scene import Scene, load_scene
 from tb.common.myhdl_simulation import simulate
-from tb.common.runner import plan, run_job
+from tb.common.runner import Job, Outcome, plan, run_job
 from tb.common.tools import SIMULATORS, version
 from tb.report.measure.table import Cell, Table
 from tb.report.measure.timing import timed
+from tb.sign_off.netlist import NETLISTS_RUN_IN, on_cells
 
 MANY = 1_000_000
+# Of the table that is recorded: the default scene, and the family that its cells are counted for.
+SCENE, FAMILY = "digit", "virtex-2"
 
 
-def engines(scene: Scene) -> Table:
+def simulators(_: int) -> Table:
+    """Every engine and the netlist on the frames of the default scene."""
+    found = engines(load_scene(SCENE), netlist=True)
+    return dataclasses.replace(found, name="simulators")
+
+
+def engines(scene: Scene, netlist: bool = False) -> Table:
     """Float, bit-true numpy, MyHDL, Icarus and GHDL on the scene's recorded frames.
+
+    Parameters
+    ----------
+    scene : Scene
+    netlist : bool
+        Whether the cells of a Virtex-II that it is mapped to are simulated, too.
 
     Raises
     ------
@@ -48,15 +63,20 @@ def engines(scene: Scene) -> Table:
     if not np.array_equal(results, twin):
         raise RuntimeError(f"{design.entity}: MyHDL and the twin differ")
     add("MyHDL", "bit-true", len(codes), seconds, twin.size)
+
+    def play(name: str, job: Job) -> None:
+        outcome = _passed(name, job)
+        facts = outcome.facts
+        add(f"{name}, cocotb", "bit-true", facts["frames"], facts["seconds"], outcome.compared)
+
     for simulator in reversed(SIMULATORS):
         jobs = plan(scene, [simulator], design.block)
         (job,) = (j for j in jobs if j.entity == design.entity)
-        outcome = run_job(dataclasses.replace(job, test="recorded"))
-        if not outcome.passed:
-            raise RuntimeError(f"{design.entity}, {simulator}: {outcome.complaint()}")
-        name = f"{version(simulator).split(' (')[0]}, cocotb"
-        facts = outcome.facts
-        add(name, "bit-true", facts["frames"], facts["seconds"], outcome.compared)
+        job = dataclasses.replace(job, test="recorded")
+        name = version(simulator).split(" (")[0]
+        play(name, job)
+        if netlist and simulator == NETLISTS_RUN_IN:
+            play(f"{FAMILY} netlist, {name}", on_cells(job, FAMILY))
     return Table(
         "engines",
         [
@@ -74,3 +94,10 @@ def engines(scene: Scene) -> Table:
         "GHDL and Icarus give; any difference fails the report.",
         timed=["seconds", "frames a second"],
     )
+
+
+def _passed(name: str, job: Job) -> Outcome:
+    outcome = run_job(job)
+    if not outcome.passed:
+        raise RuntimeError(f"{job.entity}, {name}: {outcome.complaint()}")
+    return outcome

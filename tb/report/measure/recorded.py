@@ -1,9 +1,12 @@
-"""Tables that train for long: the report and its tests take them as recorded.
+"""Tables that are recorded: those that train for long, and those that pages show.
 
     make figures TABLE=honest RECORD=1
 
 measures one and records it. A record names the code and the data that it is of: of others it is
-stale, which a test tells.
+stale, which a test tells. What trains for long the report and its tests take as recorded.
+``stability`` is quick, and recorded since another processor has other last bits, and its page shows
+every figure: test_stability.py measures it anew. What is recorded for pages holds the run times of
+one machine, which the record names; a test compares the rest of each table with what is measured.
 """
 
 from __future__ import annotations
@@ -14,20 +17,38 @@ from typing import Any
 from golden import window
 from golden.files import read_json, write_json
 from golden.fingerprint import ROOT, fingerprint, sources
+from golden.machine import facts
 from golden.physics import swing_data
-from tb.report.measure import honest, past, store
+from golden.rig import sensors_needed
+from golden.scene.reference import NUMBERS
+from tb.report.measure import convergence, honest, past, sensors_dropped, stability, store
 from tb.report.measure.table import Table
 
 # By name, where they stand and what they hang on beside what trains.
-RECORDED = {"honest": (honest,), "robustness": (honest,), "past": (past, swing_data, window)}
+RECORDED = {
+    "honest": (honest,),
+    "robustness": (honest,),
+    "past": (past, swing_data, window),
+    "convergence": (convergence,),
+    "sensors_dropped": (sensors_dropped, sensors_needed),
+    "hidden_nodes": (sensors_dropped, sensors_needed),
+    "stability": (stability,),
+}
+# With run times in every report.
+TIMED = ("series", "plate", "swing", "swing_damping", "training")
+FOR_PAGES = (*TIMED, "iterations", "simulators")
 FOLDER = Path(__file__).parent / "records"
 SEED = 1
 
 
 def state(name: str) -> str:
-    """A digest of what a table's figures hang on: what trains, and what is trained on."""
-    own = [Path(str(module.__file__)) for module in RECORDED[name]]
-    return fingerprint([*sources("golden/training"), *own, ROOT / "golden" / "data"])
+    """A digest of what a table's figures hang on: what trains, and what is trained on.
+
+    The printed figures that others are compared with train nothing.
+    """
+    own = [file for module in RECORDED[name] for file in _files(Path(str(module.__file__)))]
+    data = sorted(path for path in (ROOT / "golden" / "data").iterdir() if path != NUMBERS)
+    return fingerprint([*sources("golden/training"), *own, *data])
 
 
 def read(name: str) -> Table:
@@ -43,8 +64,28 @@ def is_stale(name: str) -> bool:
 def write(table: Table) -> Path:
     """Record a table that was measured with SEED."""
     path = _path(table.name)
-    write_json(path, {"state": state(table.name), "table": store.packed(table)})
+    known = {"machine": facts()} if table.name in FOR_PAGES else {"state": state(table.name)}
+    write_json(path, {**known, "table": store.packed(table)})
     return path
+
+
+def machine() -> str:
+    """The processor on which every table for pages was recorded.
+
+    Raises
+    ------
+    ValueError
+        When they are of several: record all of them on one.
+    """
+    found = {_found(name)["machine"]["processor"] for name in FOR_PAGES}
+    if len(found) > 1:
+        raise ValueError(f"tables for pages: got {sorted(found)}, expected one processor")
+    return str(found.pop())
+
+
+def _files(module: Path) -> list[Path]:
+    """A module's file; of a package all of them."""
+    return sorted(module.parent.glob("*.py")) if module.name == "__init__.py" else [module]
 
 
 def _path(name: str) -> Path:

@@ -16,9 +16,6 @@ from tb.report.measure.registry import TABLES
 from tb.report.measure.store import Progress, keep, kept, once, packed, unpacked
 from tb.report.measure.table import Table
 
-# Tables with run times have the machine for themselves.
-TIMED = ("series", "plate", "swing", "swing_damping", "training")
-
 
 def measuring(*rooms: str) -> list[Path]:
     """The sources of some rooms without those that only draw and write the report."""
@@ -30,7 +27,8 @@ def measured(tell: Progress, names: Collection[str] = tuple(TABLES)) -> dict[str
     state = fingerprint(
         [*measuring("golden", "tb/report"), ROOT / "golden" / "data"], str(recorded.SEED)
     )
-    together = [n for n in names if n not in TIMED and kept(n, state) is None]
+    # Tables with run times have the machine for themselves.
+    together = [n for n in names if n not in recorded.TIMED and kept(n, state) is None]
     answers: dict[str, Any] = {}
     if together:
         pool = Parallel(n_jobs=-1, return_as="generator_unordered")

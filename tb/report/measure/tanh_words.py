@@ -25,14 +25,15 @@ def tanh_words(_: int) -> Table:
     floors = tanh_floors(Fraction(1, 1 << HIDDEN.frac), len(q) // 2 + 1, FRAC)
     exact = np.where(q < 0, -floors[np.abs(q)], floors[np.abs(q)])
     unit = 1 << (FRAC - SIGNAL.frac)
-    nearest = np.minimum((floors[:-1] + unit // 2) // unit, SIGNAL.high)
+    magnitude = (floors[np.abs(q)] + unit // 2) // unit
+    nearest = np.minimum(np.where(q < 0, -magnitude, magnitude), SIGNAL.high)
     drop = RESULT.frac - SIGNAL.frac
     rows: list[list[Cell]] = []
     for width in WIDTHS:
         for end in TABLE_ENDS:
             found = tanh_codes(fitted(width, end), q)
             largest = np.abs((found << (FRAC - RESULT.frac)) - exact).max() / unit
-            rounded = np.minimum((found[q >= 0] + (1 << (drop - 1))) >> drop, SIGNAL.high)
+            rounded = np.minimum((found + (1 << (drop - 1))) >> drop, SIGNAL.high)
             wrong = 100 * float(np.mean(rounded != nearest))
             words = len(fitted(width, end).slopes)
             chosen = "yes" if ENDS.get(width) == end else "no"

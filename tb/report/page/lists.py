@@ -9,13 +9,15 @@ from __future__ import annotations
 
 import re
 import sys
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from golden.activation.segments import GRADIENT, INTERCEPT, UPPER
-from golden.cli import run, would
+from golden.cli import CommandError, run, would
 from golden.disturbance import Disturbance
 from golden.engine.pipeline import Pipeline
-from golden.errors import disturbed_errors
+from golden.errors import disturbed_errors, held_out_means
 from golden.fingerprint import ROOT
 from golden.scene import DEFAULT_SCENES, load_scene, scene_names
 from hdl.synth.budget import budget_path, read_budget
@@ -23,21 +25,36 @@ from hdl.synth.timing import read_timing, timing_path
 from tb.commands import CLOSING, COMMANDS
 from tb.report.draw import findings
 from tb.report.draw.area import area
+from tb.report.draw.margins import margins
 from tb.report.draw.network import network
 from tb.report.draw.tanh_words import tanh_words as draw_tanh_words
 from tb.report.measure.adder_chains import adder_chains
 from tb.report.measure.clocks import clocks
 from tb.report.measure.costs import with_network_cells
 from tb.report.measure.digits import digits
-from tb.report.measure.recorded import SEED
+from tb.report.measure.left_out import left_out
+from tb.report.measure.recorded import SEED, read
+from tb.report.measure.sensors_dropped import EACH, IN_ORDER
 from tb.report.measure.table import Cell, Table
 from tb.report.measure.tanh_words import tanh_words
+from tb.report.page import left_out as leaving
+from tb.report.page import run_time, stability
 from tb.report.page.markers import put, write
 from tb.report.side_by_side import side_by_side
 
 COMMAND = "python -m tb.report.page.lists"
 # The networks that the pages show.
 SHOWN = "digit"
+# What was wished for, the page that shows it and the picture of that page.
+WISHES = (
+    (
+        "report error against run time",
+        "error-against-run-time.md",
+        "error-against-run-time/networks.svg",
+    ),
+    ("check numerical stability on stiff and extreme cases", "stability.md", "stability.svg"),
+    ("leave out what a given scene does not need", "left-out.md", "sensors-dropped.svg"),
+)
 DISTURBED = ("digit", "digit-single", "digit-thesis", "swing-multiple")
 
 
@@ -89,6 +106,31 @@ def demo() -> str:
     """The table with which the demo ends, but for what was compared."""
     lines = side_by_side([load_scene(name) for name in DEFAULT_SCENES])
     return "\n".join(f"    {line}".rstrip() for line in lines)
+
+
+def unseen() -> str:
+    """What *held out* does not say: a load that was never trained, and what networks trained on.
+
+    Figures that were measured elsewhere are those of the pages that show them.
+    """
+    scene = load_scene(SHOWN)
+    held_out = dict(zip(scene.outputs, held_out_means(scene) or [], strict=True))
+    width, shape = (_row("figures", "honest", "loads", output)[0] for output in ("width", "shape"))
+    silent = _row("limits", "The digit at 2 mV", "width", "no")[0]
+    return "\n".join(
+        [
+            f"- A load that was never trained gets a width that errs by {width} %, and a shape by",
+            f"  {shape} % ([honest](docs/figures.md#honest)), where *held out* shows "
+            f"{held_out['width']:.2f} and {held_out['shape']:.2f}:",
+            "  other rows with the same loads were trained.",
+            f"- The reason: at {silent} of {len(scene.vectors().codes)} placements no sensor feels "
+            "the width, so the networks have",
+            "  learnt which loads exist, and not their widths ([limits](docs/limits.md)).",
+            "- The thesis trained on half of its rows. The networks of `digit` were trained on",
+            "  with all rows after *held out* was measured: *float* and *bit-true* are of rows",
+            "  that they know.",
+        ]
+    )
 
 
 def cost() -> str:
@@ -162,21 +204,58 @@ def _table(table: Table) -> str:
     return "\n".join(lines)
 
 
+def _row(page: str, heading: str, *start: str) -> list[str]:
+    """The further cells of the line of a page's table that begins with these."""
+    text = (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8")
+    below = text.partition(f"\n## {heading}\n")[2].partition("\n## ")[0]
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in below.splitlines()]
+    found = [row[len(start) :] for row in rows if row[: len(start)] == list(start)]
+    if len(found) != 1:
+        raise CommandError(
+            f"docs/{page}.md: {heading}: got {len(found)} lines that begin with "
+            f"{', '.join(start)}, expected one"
+        )
+    return found[0]
+
+
 def _middle(text: str) -> float:
     ends = [float(end) for end in text.split(" to ")]
     return sum(ends) / len(ends)
 
 
+def wishes(found: dict[Path, str]) -> str:
+    """What tactus was asked to show, each with the headline and the picture of its page."""
+    lines = ["| asked for | found | in a picture |", "|---|---|---|"]
+    for wish, page, picture in WISHES:
+        headline = re.search(r"\*\*(.+?)\*\*", found[ROOT / "docs" / page], re.S)
+        assert headline, page
+        text = " ".join(headline[1].split())
+        lines.append(f"| [{wish}](docs/{page}) | {text} | ![{wish}](docs/{picture}) |")
+    return "\n".join(lines)
+
+
 def pages() -> dict[Path, str]:
     """Every file that this command writes, as it must be."""
     docs = ROOT / "docs"
-    sections = [
+    cases, dropped, nodes = (read(n) for n in ("stability", "sensors_dropped", "hidden_nodes"))
+    scenes_left_out = left_out(SEED)
+    sections: list[tuple[Path, str, Callable[[], str]]] = [
         (ROOT / "README.md", "side_by_side", demo),
+        (ROOT / "README.md", "unseen", unseen),
         (ROOT / "README.md", "cost", cost),
         (docs / "README.md", "commands", commands),
         (docs / "figures.md", "disturbance", disturbed),
         (docs / "figures.md", "digits", digits_rows),
         (docs / "scenes.md", "scenes", scenes),
+        (docs / "left-out.md", "headline", partial(leaving.headline, scenes_left_out, dropped)),
+        (docs / "left-out.md", "scenes", partial(leaving.scene_rows, scenes_left_out)),
+        (docs / "left-out.md", "each", partial(leaving.sensor_rows, dropped, EACH)),
+        (docs / "left-out.md", "order", partial(leaving.sensor_rows, dropped, IN_ORDER)),
+        (docs / "left-out.md", "nodes", partial(leaving.nodes_rows, nodes)),
+        (docs / "stability.md", "headline", partial(stability.headline, cases)),
+        (docs / "stability.md", "nearest", partial(stability.nearest, cases)),
+        (docs / "stability.md", "kinds", partial(stability.kinds, cases)),
+        (docs / "stability.md", "everything", partial(stability.everything, cases)),
         (docs / "blocks" / "adder_graph.md", "adder_chains", adder_chain_rows),
         (docs / "blocks" / "gradient.md", "segments", segments),
         (docs / "blocks" / "engine.md", "pipeline", pipeline),
@@ -188,8 +267,15 @@ def pages() -> dict[Path, str]:
     figures = (docs / "figures.md").read_text(encoding="utf-8")
     found[docs / "robustness.svg"] = robustness(figures) + "\n"
     found[docs / "digits.svg"] = findings.digits_plot(digits(SEED)).draw() + "\n"
+    found[docs / "stability.svg"] = margins(cases)
+    found[docs / "sensors-dropped.svg"] = leaving.sensors_plot(dropped).draw() + "\n"
+    found[docs / "hidden-nodes.svg"] = leaving.nodes_plot(nodes).draw() + "\n"
     found[docs / "networks.svg"] = network(load_scene(SHOWN)) + "\n"
-    found[docs / "area.svg"] = area(with_network_cells(clocks(SEED))) + "\n"
+    networks = with_network_cells(clocks(SEED))
+    found[docs / "area.svg"] = area(networks) + "\n"
+    found |= run_time.pages(networks, COMMAND)
+    readme = ROOT / "README.md"
+    found[readme] = put(readme, found[readme], wishes(found), COMMAND, "wishes")
     found[docs / "activations" / "engine.svg"] = draw_tanh_words(tanh_words(SEED)) + "\n"
     return found
 

@@ -7,6 +7,8 @@ from collections.abc import Callable, Sequence
 from golden.physics.gauge_rig import load_rig
 from golden.scene import Scene
 from tb.report.draw import area, findings, tanh_words
+from tb.report.draw.along import widths_plot
+from tb.report.draw.convergence import convergence_plot
 from tb.report.draw.past import past_plots
 from tb.report.draw.plots import Plot
 from tb.report.measure.activation_errors import thesis_figure
@@ -44,7 +46,9 @@ def sections(scene: Scene, state: str, draw: Draw, tell: Progress) -> list[Secti
         *findings.activation_plots(activations),
         findings.iterations_plot(tables, thesis_figure("pade")),
         *findings.network_plots(networks),
+        widths_plot(tables["widths"]),
         *findings.training_plots(tables),
+        convergence_plot(tables["convergence"]),
         findings.robustness_plot(tables["robustness"]),
         findings.digits_plot(tables["digits"]),
         *findings.swing_plots(tables),

@@ -1,0 +1,47 @@
+"""The adders of a constant matrix as a person reads them."""
+
+from __future__ import annotations
+
+from golden.layers.constant_matrix import ConstantMatrix
+from golden.layers.shift_add import Constant, Input, ShiftAdd
+
+
+def listing(matrix: ConstantMatrix) -> list[str]:
+    """A heading, and a line for every node of the graph and for every result.
+
+    ``is`` is in whole numbers, with shifts and ``~`` as Python has them. ``cut`` counts the places
+    of a node's exact sum, or of a result's, that it has not.
+    """
+    rows = [("node", "cut", "is")]
+    for number, cut in enumerate(matrix.graph.lows):
+        rows.append((f"n{number}", str(cut), _text(matrix.graph, number)))
+    for i, row in enumerate(matrix.graph.rows):
+        drop = matrix.drop(row)
+        node = f"{'~' if row.minus else ''}n{row.node}"
+        moved = f"{node} {'>>' if drop >= 0 else '<<'} {abs(drop)}"
+        rows.append((f"out_data_{i}", str(matrix.out_shift), moved))
+    name, cut = (max(map(len, column)) for column in list(zip(*rows, strict=True))[:2])
+    low, high = matrix.out_fmt.low, matrix.out_fmt.high
+    return [
+        f"{matrix.entity}: no result needs places below {matrix.place}; out_data is {low} to "
+        f"{high} and saturates",
+        *(f"{a:{name}}  {b:>{cut}}  {c}" for a, b, c in rows),
+    ]
+
+
+def _text(graph: ShiftAdd, number: int) -> str:
+    node = graph.nodes[number]
+    if isinstance(node, Input):
+        return f"in_data_{node.number}"
+    if isinstance(node, Constant):
+        return str(node.value)
+    step = graph.step(number)
+    low = f"(n{node.low} >> {step.low_cut})" if step.low_cut else f"n{node.low}"
+    high = f"n{node.high}"
+    if step.high_cut:
+        high = f"({high} >> {step.high_cut})"
+    elif step.move:
+        high = f"({high} << {step.move})"
+    if node.low_sign < 0:
+        return f"{high} - {low}"
+    return f"{low} {'+' if node.high_sign > 0 else '-'} {high}"

@@ -1,0 +1,103 @@
+"""Errors of several networks along the beam in one picture, and errors for each width."""
+
+from __future__ import annotations
+
+from matplotlib.figure import Figure
+
+from tb.report.draw.findings import groups, number, rows_of
+from tb.report.draw.looks import nth
+from tb.report.draw.plot import plotted
+from tb.report.draw.plots import Plot
+from tb.report.draw.svg import style
+from tb.report.measure.table import Table
+
+INCHES = (7.2, 5.6)
+PLACE, MEAN, LEAST, MOST = "mm from the tip", "mean %", "least %", "largest %"
+
+
+def name_of(arithmetic: str) -> str:
+    """File name of the picture, without suffix."""
+    return f"along_{arithmetic.replace('-', '_').replace(' ', '_')}"
+
+
+def along_beam(table: Table, arithmetic: str) -> str:
+    """A panel for each output: of each network the mean error as a line in a band.
+
+    The band reaches from the least error at a position to the largest.
+
+    Parameters
+    ----------
+    table : Table
+        ``along_beam``.
+    arithmetic : str
+        Which of its rows.
+    """
+    rows = rows_of(table, arithmetic=arithmetic)
+    outputs = list(dict.fromkeys(str(row["output"]) for row in rows))
+    networks = list(dict.fromkeys(str(row["network"]) for row in rows))
+    with style():
+        figure = Figure(figsize=INCHES, layout="constrained")
+        panels = figure.subplots(2, 2, sharex=True)
+        for output, axes in zip(outputs, panels.flat, strict=True):
+            for i, network in enumerate(networks):
+                own = rows_of(table, arithmetic=arithmetic, output=output, network=network)
+                place, mean, least, most = (
+                    [number(row, column) for row in own] for column in (PLACE, MEAN, LEAST, MOST)
+                )
+                look = nth(i)
+                axes.fill_between(place, least, most, color=look.colour, alpha=0.18, linewidth=0)
+                axes.plot(
+                    place, mean, color=look.colour, marker=look.marker, markersize=3, label=network
+                )
+            axes.set_ylim(bottom=0)
+            axes.set_title(output, fontsize=10)
+            axes.set_ylabel("error %")
+        for axes in panels[1]:
+            axes.set_xlabel(PLACE)
+        handles, labels = panels[0, 0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=len(networks))
+        title = f"Error along the beam, {arithmetic}: {', '.join(networks)}; mean and spread"
+        return plotted(figure, name_of(arithmetic), title)
+
+
+def along_sentence(table: Table, arithmetic: str) -> str:
+    """Where each output's least mean error is found, and its largest single error."""
+    least, largest = [], []
+    for output in dict.fromkeys(row["output"] for row in rows_of(table, arithmetic=arithmetic)):
+        rows = rows_of(table, arithmetic=arithmetic, output=output)
+        places = list(dict.fromkeys(row[PLACE] for row in rows))
+        wins = [
+            min((row for row in rows if row[PLACE] == place), key=lambda row: number(row, MEAN))[
+                "network"
+            ]
+            for place in places
+        ]
+        network = max(dict.fromkeys(wins), key=wins.count)
+        least.append(f"{network} for {output} ({wins.count(network)} of {len(places)})")
+        worst = max(rows, key=lambda row: number(row, MOST))
+        largest.append(f"{number(worst, MOST):.1f} % of {output} ({worst['network']})")
+    return (
+        f"The least mean error has at most of the positions {', '.join(least)}; the largest single "
+        f"errors are {', '.join(largest)}."
+    )
+
+
+def widths_plot(table: Table) -> Plot:
+    """Error of the width, in percent of it, against the width."""
+    rows = rows_of(table)
+    found = groups(rows, lambda row: str(row["network"]), "width mm", "mean %")
+    told = [
+        f"{network} by {points[0][1]:.1f} % of {points[0][0]:g} mm and by {points[-1][1]:.1f} % of "
+        f"{points[-1][0]:g} mm"
+        for network, points in found.items()
+    ]
+    return Plot(
+        "widths",
+        "Error of the width against the width",
+        "width of the load, mm",
+        "mean error, % of that width",
+        found,
+        f"In the mean the networks err, {'; '.join(told)}.",
+        [table.name],
+        linear="x",
+    )

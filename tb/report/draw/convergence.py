@@ -1,0 +1,38 @@
+"""Training against validation error on the way down, from the table ``convergence``."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+from tb.report.draw.findings import number, rows_of
+from tb.report.draw.plots import Plot
+from tb.report.measure.table import Table
+
+TRAINING, VALIDATION = "training %", "validation %"
+
+
+def convergence_plot(table: Table) -> Plot:
+    """Both errors of each network against the evaluations."""
+    found: dict[str, list[tuple[float, float]]] = {}
+    told = []
+    for network in dict.fromkeys(row["network"] for row in rows_of(table)):
+        rows = rows_of(table, network=network)
+        for column in (TRAINING, VALIDATION):
+            found[f"{network}, {column.removesuffix(' %')}"] = [
+                (number(row, "evaluations"), number(row, column)) for row in rows
+            ]
+        rises = sum(number(b, VALIDATION) > number(a, VALIDATION) for a, b in pairwise(rows))
+        ratio = number(rows[-1], VALIDATION) / number(rows[-1], TRAINING)
+        told.append(
+            f"that of {network} {rises} times between {len(rows)} looks, and it ends at "
+            f"{ratio:.1f} times the training error"
+        )
+    return Plot(
+        "convergence",
+        "Training and validation error on the way down",
+        "evaluations of the error",
+        "root mean square error %",
+        found,
+        f"The training error falls all the way; the validation error rises, {'; '.join(told)}.",
+        [table.name],
+    )

@@ -1,0 +1,80 @@
+"""What every shipped scene leaves out: blocks, cells, clocks and words of memory."""
+
+from __future__ import annotations
+
+from golden.activation.bipartite import Bipartite
+from golden.activation.bipartite_pair import BipartitePair
+from golden.activation.lut import Lut
+from golden.activation.precise import Precise
+from golden.activation.rom import Rom
+from golden.block import Block, walk
+from golden.engine.program_ram import ProgramRam
+from golden.engine.program_words import ProgramWords
+from golden.scene import Scene, load_scene, scene_names
+from hdl.synth.lean import FAMILY, Lean, lean_path, read_lean
+from hdl.synth.netlist import KINDS
+from tb.report.measure.clocks import clocks_per_frame
+from tb.report.measure.table import Cell, Table
+
+WHOLE, LEAN = "whole", "as it is"
+
+
+def words(block: Block) -> int:
+    """Words of all programs and tables of a block and its parts, each as often as it is there."""
+    return _words(block) + sum(map(words, block.parts()))
+
+
+def _words(part: Block) -> int:
+    if isinstance(part, ProgramWords):
+        return len(part.table) + len(part.words)
+    if isinstance(part, ProgramRam):
+        return 1 << part.addr_width
+    if isinstance(part, Rom | Lut):
+        return len(part.words)
+    if isinstance(part, Precise):
+        return part.words
+    if isinstance(part, BipartitePair):
+        return _words(part.activation)
+    if isinstance(part, Bipartite):
+        return len(part.bases) + len(part.corrections)
+    return 0
+
+
+def recorded_cells(scene: Scene) -> Lean | None:
+    """What ``make lean RECORD=1`` found of a scene; nothing where it has found nothing yet."""
+    path = lean_path(scene.path)
+    return read_lean(path) if path.is_file() else None
+
+
+def left_out(_: int) -> Table:
+    """Every shipped scene whole, with every segment, node and bit, and as it is."""
+    rows: list[list[Cell]] = []
+    for name in sorted(scene_names()):
+        scene = load_scene(name)
+        whole, lean = scene.twin(lean=False), scene.twin()
+        found = recorded_cells(scene)
+        cells: list[Cell] = []
+        for kind in KINDS:
+            cells += [None, None] if found is None else [found.whole[kind], found.lean[kind]]
+        rows.append(
+            [
+                name,
+                scene.design,
+                len({part.block for part in walk(lean)}),
+                *cells,
+                clocks_per_frame(whole),
+                clocks_per_frame(lean),
+                words(whole),
+                words(lean),
+            ]
+        )
+    kinds = [*KINDS, "clocks a frame", "words"]
+    return Table(
+        "left_out",
+        ["scene", "design", "blocks", *(f"{k}, {how}" for k in kinds for how in (WHOLE, LEAN))],
+        rows,
+        f"Whole: every segment of every activation, every hidden node, every bit of a sum; as it "
+        f"is: what the scene's hardware holds. Cells: Yosys, synth_xilinx -family {FAMILY}, as "
+        "make lean RECORD=1 recorded them. Words: of programs and of the tables of activations and "
+        "of exp.",
+    )

@@ -1,0 +1,189 @@
+"""What the thesis prints of the digit's networks, beside the same measure of ours."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from golden.disturbance import Disturbance
+from golden.errors import NOISE, disturbed_rows
+from golden.metrics import summarise
+from golden.networks.mlp import Real
+from golden.precision import SIGNAL
+from golden.scene import Scene, load_scene, thesis_table
+from golden.units import FULL_SCALE, POSITION_MM, WIDTH_MM
+from tb.report.measure.table import Cell, Table
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A network of the thesis and the scenes that have it.
+
+    Attributes
+    ----------
+    name : str
+        As tables and plots have it.
+    alike : str
+        The scene in the thesis' own arithmetic with its own activation; empty where there is none.
+    today : str
+        The scene in ``exact`` precision; empty where there is none.
+    hardware : str
+        Table of the printed figures of the hardware; empty where none was built.
+    in_float : str
+        Table of the printed figures in floating point, section 3.12.1; empty where there is none.
+    """
+
+    name: str
+    alike: str
+    today: str
+    hardware: str = ""
+    in_float: str = ""
+
+
+PARALLEL = [
+    Pair("2:6:2, gradient", "digit-parallel", "", "parallel_2_6_2.gradient"),
+    *(
+        Pair(f"2:6:2, {name}", f"comparison/digit-parallel-{name}", "", f"parallel_2_6_2.{name}")
+        for name in ("polynomial", "pade", "lut")
+    ),
+]
+SINGLE = Pair(
+    "single", "digit-single-thesis", "digit-single", "digit.hybrid", "float_networks.single"
+)
+MULTIPLE = Pair("multiple", "", "digit-multiple", "", "float_networks.multiple")
+CASCADE_A = Pair(
+    "cascade A",
+    "comparison/digit-thesis-a",
+    "comparison/digit-a",
+    "digit.cascade_a",
+    "float_networks.cascade",
+)
+CASCADE_B = Pair("cascade B", "digit-thesis", "digit", "digit.cascade_b")
+FOUR_OUTPUTS = [SINGLE, MULTIPLE, CASCADE_A, CASCADE_B]
+PAIRS = [*PARALLEL, *FOUR_OUTPUTS]
+
+# The networks of a picture along the beam: in floating point as Figures 3.23 to 3.26 compare them,
+# and bit-true in the thesis' arithmetic as Figures 5.16 to 5.19.
+ALONG = {
+    "floating point": {"single": SINGLE.today, "multiple": MULTIPLE.today, "cascade": "digit"},
+    "bit-true": {pair.name: pair.alike for pair in (SINGLE, CASCADE_A, CASCADE_B)},
+}
+# The networks of Figure 5.24, and those of today.
+WIDTHS = {
+    "single": SINGLE.alike,
+    "cascade": CASCADE_B.alike,
+    "single, exact": SINGLE.today,
+    "cascade, exact": CASCADE_B.today,
+}
+
+
+def printed(_: int) -> Table:
+    """Largest mean errors over the positions: as printed, and of our networks."""
+    rows: list[list[Cell]] = []
+    for pair in PAIRS:
+        hardware, real = thesis_table(pair.hardware), thesis_table(pair.in_float)
+        theirs = [real.get("better_than"), hardware.get("simulation"), hardware.get("real_time")]
+        alike = largest(load_scene(pair.alike)) if pair.alike else [None] * 3
+        today = largest(load_scene(pair.today)) if pair.today else [None] * 3
+        figures = [*theirs, *alike[1:], *today]
+        for c, output in enumerate(load_scene(pair.alike or pair.today).outputs):
+            rows.append([pair.name, output, *(None if f is None else f[c] for f in figures)])
+    return Table(
+        "printed",
+        [
+            "network",
+            "output",
+            "printed, floating point %",
+            "printed, simulation %",
+            "printed, real time %",
+            "thesis arithmetic, bit-true %",
+            "with noise of 2 mV %",
+            "floating point %",
+            "exact, bit-true %",
+            "with noise of 2 mV, exact %",
+        ],
+        rows,
+        "Largest mean error over the positions (equations 3.15 and 3.16). Printed are section "
+        "3.12.1, Table 5.4 and section 5.2.2. Ours are on the recorded readings, and with noise of "
+        "2 mV added to every one of them: there is no rig, so no figure of ours is one in real "
+        "time. Thesis arithmetic is 14 bits with the gradient activation.",
+    )
+
+
+def largest(scene: Scene) -> list[list[float] | None]:
+    """Of every output in floating point, bit-true, and bit-true with noise on the readings."""
+    vectors = scene.vectors()
+    kinds = [errors_of(scene, False), errors_of(scene, True)]
+    kinds.append(disturbed_rows(scene, Disturbance(NOISE)))
+    return [[e.largest_mean for e in summarise(found, vectors.groups)] for found in kinds]
+
+
+def errors_of(scene: Scene, bit_true: bool) -> Real:
+    """Errors in percent on the recorded rows, shape (rows, outputs)."""
+    return scene.vectors().percent_errors(results_of(scene, bit_true))
+
+
+def results_of(scene: Scene, bit_true: bool) -> Real:
+    """What the networks or their hardware make of the recorded rows, shape (rows, outputs)."""
+    vectors = scene.vectors()
+    if not bit_true:
+        return scene.process_real(vectors.inputs)
+    return np.asarray(SIGNAL.to_real(scene.twin().core.process(vectors.codes)))
+
+
+def along_beam(_: int) -> Table:
+    """Mean, least and largest error at each position, of the networks that the thesis compares."""
+    rows: list[list[Cell]] = []
+    for kind, names in ALONG.items():
+        for network, name in names.items():
+            scene = load_scene(name)
+            errors, groups = errors_of(scene, kind == "bit-true"), scene.vectors().groups
+            for c, output in enumerate(scene.outputs):
+                for place in np.unique(groups):
+                    here = errors[groups == place, c]
+                    tip = float(place) / FULL_SCALE * POSITION_MM
+                    spread = map(float, (here.mean(), here.min(), here.max()))
+                    rows.append([kind, network, scene.name, output, tip, len(here), *spread])
+    return Table(
+        "along_beam",
+        [
+            *("arithmetic", "network", "scene", "output", "mm from the tip", "rows"),
+            *("mean %", "least %", "largest %"),
+        ],
+        rows,
+        "Errors (equation 3.16) of the recorded rows at each position: in floating point as "
+        "Figures 3.23 to 3.26 compare networks, bit-true in the thesis' arithmetic as Figures 5.16 "
+        "to 5.19.",
+    )
+
+
+def widths(_: int) -> Table:
+    """Mean error of the width for loads of each width, in percent of that width."""
+    rows: list[list[Cell]] = []
+    for network, name in WIDTHS.items():
+        scene = load_scene(name)
+        c, vectors = scene.outputs.index("width"), scene.vectors()
+        targets = vectors.targets[:, c]
+        found = np.abs(results_of(scene, True)[:, c] - targets)
+        for width in np.unique(targets):
+            here = found[targets == width]
+            mm = WIDTH_MM / FULL_SCALE
+            rows.append(
+                [
+                    network,
+                    scene.name,
+                    float(width) * mm,
+                    len(here),
+                    float(here.mean()) * mm,
+                    float(100 * here.mean() / width),
+                    float(100 * here.max() / width),
+                ]
+            )
+    return Table(
+        "widths",
+        ["network", "scene", "width mm", "rows", "mean mm", "mean %", "largest %"],
+        rows,
+        "Bit-true errors of the width in percent of the actual width, as Figure 5.24 has them, and "
+        "not of the beam's full scale as everywhere else.",
+    )

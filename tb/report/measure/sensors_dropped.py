@@ -1,0 +1,162 @@
+"""Which sensors a scene does not need, and how many hidden nodes go with how many sensors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from golden.networks.mlp import Real
+from golden.rig.sensors_needed import (
+    Effort,
+    Recording,
+    Step,
+    held_out,
+    one_after_another,
+    recording_of,
+    splits_of,
+    without_each,
+)
+from golden.scene import Scene, load_scene
+from golden.training.split import split_rows
+from tb.report.measure.table import Cell, Table
+
+SCENE = "digit"
+SPLITS = 4
+HIDDEN, STARTS = 8, 6
+WORST = "worst"
+EACH, IN_ORDER = "one left out", "one after another"
+
+# Section 3.8.3 of the thesis: one network for load and position, loads of one width. The sensors of
+# each case, the hidden nodes that the thesis found best for it, and the error that it prints.
+NODES = range(4, 26)
+PRINTED = {2: (6, 0.00027), 3: (20, 0.000266), 4: (5, 0.000284)}
+ONE_WIDTH = 0.225
+THESIS_OUTPUTS = ("load", "position")
+THESIS_STARTS, THESIS_SPLITS = 3, 3
+
+
+def sensors_dropped(seed: int) -> Table:
+    """Errors of scene digit without each of its sensors, and with fewer and fewer of them."""
+    return dropped(load_scene(SCENE), seed)
+
+
+def dropped(scene: Scene, seed: int, effort: Effort | None = None, splits: int = SPLITS) -> Table:
+    """Errors of a scene's outputs without each of its sensors, and with fewer and fewer of them.
+
+    Parameters
+    ----------
+    scene : Scene
+    seed : int
+        Of the first split; further ones count on from it.
+    effort : Effort, optional
+        The scene's disturbance with HIDDEN nodes and STARTS, where none is given.
+    splits : int
+    """
+    effort = effort or Effort(HIDDEN, STARTS, disturbance=scene.training.disturbance)
+    recording = recording_of(scene)
+    parts = splits_of(scene, range(seed, seed + splits))
+    each = without_each(recording, parts, effort, seed)
+    order = one_after_another(recording, parts, effort, seed, each)
+    rows: list[list[Cell]] = []
+    for way, steps in ((EACH, each), (IN_ORDER, order[1:])):
+        rows += [row for step in steps for row in _rows(way, step, recording)]
+    noise = effort.disturbance.noise
+    return Table(
+        "sensors_dropped",
+        ["way", "left out", "sensors", "kept", "output", "mean %", "least %", "most %"],
+        rows,
+        f"Mean errors of scene {scene.name} on the test rows of {splits} splits "
+        f'(training.split = "{scene.training.split}", seeds {seed} to {seed + splits - 1}): their '
+        "mean, the least and the most of a split; worst: the output that errs most. Networks in "
+        "floating point that see the sensors alone, one for each output, each with "
+        f"{effort.hidden} hidden nodes, the best of {effort.starts} starts by the validation rows, "
+        f"trained and measured with noise of {noise:g} on every reading, in its unit. One after "
+        "another: the sensor is left out without which the worst output errs least on the "
+        "validation rows, then the next of those that are left.",
+    )
+
+
+def _rows(way: str, step: Step, recording: Recording) -> list[list[Cell]]:
+    means = step.errors.mean
+    columns = {
+        **{name: means[:, c] for c, name in enumerate(recording.outputs)},
+        WORST: means.max(axis=1),
+    }
+    return [
+        [way, step.dropped or "none", len(step.kept), " ".join(step.kept), name, *_range(found)]
+        for name, found in columns.items()
+    ]
+
+
+def _range(found: Real) -> list[Cell]:
+    return [float(found.mean()), float(found.min()), float(found.max())]
+
+
+def hidden_nodes(seed: int) -> Table:
+    """The errors of figure 3.13: two, three and four sensors, 4 to 25 hidden nodes."""
+    return nodes(seed)
+
+
+def nodes(
+    seed: int,
+    counts: Sequence[int] = NODES,
+    starts: int = THESIS_STARTS,
+    splits: int = THESIS_SPLITS,
+) -> Table:
+    """Mean squared errors with each number of hidden nodes, beside the thesis' least.
+
+    Parameters
+    ----------
+    seed : int
+        Of the first split; further ones count on from it.
+    counts : sequence of int
+        Hidden nodes.
+    starts, splits : int
+    """
+    recording = _thesis_recording()
+    parts = [split_rows(len(recording.readings), s) for s in range(seed, seed + splits)]
+    rows: list[list[Cell]] = []
+    for sensors, (best, printed) in PRINTED.items():
+        for hidden in counts:
+            effort = Effort(hidden, starts, together=True, optimiser="scg")
+            found = held_out(recording, parts, recording.names[:sensors], effort, seed)
+            cells = [*_range(_squares(found.validation)), *_range(_squares(found.rms))]
+            rows.append([sensors, hidden, *cells, printed if hidden == best else None])
+    ends = [f"{part} {end}" for part in ("validation", "test") for end in ("mean", "least", "most")]
+    return Table(
+        "hidden_nodes",
+        ["sensors", "hidden", *ends, "thesis"],
+        rows,
+        "Mean squared errors of load and position as signals, whose range is -1 to 1: the mean, "
+        f"the least and the most of {splits} random splits in 50, 25 and 25 % (seeds {seed} to "
+        f"{seed + splits - 1}) of the {len(recording.readings)} rows of {SCENE} whose load is 12.7 "
+        "mm wide. One network in floating point for both outputs with early stopping, of "
+        f"{starts} starts the best on the validation rows, trained by scaled conjugate gradients "
+        "as in the thesis; sensors 1 and 2, then 3 and 4 too. Thesis: the least error that its "
+        "section 3.8.3 prints for so many sensors, on 76 rows, of which those with 13 g are not in "
+        "its Appendix 2; it names no unit.",
+    )
+
+
+def _squares(rms: Real) -> Real:
+    """Mean squared errors of each split, of percent a part."""
+    squares: Real = ((rms / 100) ** 2).mean(axis=1)
+    return squares
+
+
+def _thesis_recording() -> Recording:
+    """Rows of one width, and errors that count as they are."""
+    scene = load_scene(SCENE)
+    whole = recording_of(scene)
+    rows = np.flatnonzero(whole.targets[:, whole.outputs.index("width")] == ONE_WIDTH)
+    columns = [whole.outputs.index(name) for name in THESIS_OUTPUTS]
+    targets = whole.targets[rows][:, columns]
+    return replace(
+        whole,
+        readings=whole.readings[rows],
+        targets=targets,
+        scale=np.ones_like(targets),
+        outputs=THESIS_OUTPUTS,
+    )

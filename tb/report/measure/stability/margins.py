@@ -1,0 +1,72 @@
+"""How far the figures of the table are from their bounds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from tb.report.measure.table import Cell, Table
+
+# A figure so near to its bound is one that must come to it: a saturated code is the largest code.
+REACHED = 0.999
+
+
+@dataclass(frozen=True)
+class Case:
+    """A row of the table, read.
+
+    Attributes
+    ----------
+    model, case, must, figure : str
+    value, bound : float
+    holds : bool
+    """
+
+    model: str
+    case: str
+    must: str
+    figure: str
+    value: float
+    bound: float
+    holds: bool
+
+    @property
+    def part(self) -> float | None:
+        """The figure as a part of its bound; None where nothing but 0 holds."""
+        return self.value / self.bound if self.bound else None
+
+    @property
+    def reached(self) -> bool:
+        """Whether the figure is as large as its bound lets it be."""
+        return self.part is not None and self.part >= REACHED
+
+
+def cases(table: Table) -> list[Case]:
+    """The rows of table ``stability``; a value that is not finite is infinite."""
+    return [_case(list(row)) for row in table.rows]
+
+
+def nearest_first(found: list[Case]) -> list[Case]:
+    """Those that hang on a bound above 0, without those that reach it, the nearest first."""
+    hanging = [case for case in found if case.part is not None and not case.reached]
+    return sorted(hanging, key=lambda case: -(case.part or 0.0))
+
+
+def closest(found: list[Case], count: int) -> list[Case]:
+    """The nearest, one of each model and figure."""
+    chosen: dict[tuple[str, str], Case] = {}
+    for case in nearest_first(found):
+        chosen.setdefault((case.model, case.figure), case)
+    return list(chosen.values())[:count]
+
+
+def _case(row: list[Cell]) -> Case:
+    model, case, must, figure, value, bound, holds = row
+    return Case(
+        str(model),
+        str(case),
+        str(must),
+        str(figure),
+        float("inf") if value is None else float(value),
+        float(bound or 0),
+        holds == "yes",
+    )

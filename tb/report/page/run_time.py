@@ -1,0 +1,508 @@
+"""docs/error-against-run-time.md: its pictures, its tables, and the reason for every default.
+
+Errors, clocks and cells are computed; run times are those that are recorded, of one machine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from golden.activation.pade import ITERATIONS, RHO
+from golden.errors import held_out_means
+from golden.fingerprint import ROOT
+from golden.physics.plate import TERMS
+from golden.physics.swing import LIGHT, METHODS, STRONG, STRONG_DAMPING, TOLERANCE
+from golden.precision import EXACT
+from golden.scene import load_scene, thesis_table
+from golden.scene.schema import KEYS
+from tb.report.draw import run_time as draw
+from tb.report.draw.findings import Row, number, rows_of
+from tb.report.draw.run_time import CASES, SCAN_CLOCKS, WORST, network_rows, rounded
+from tb.report.measure import recorded
+from tb.report.measure.activations import activations
+from tb.report.measure.costs import with_activation_cells, with_network_times
+from tb.report.measure.engines import SCENE
+from tb.report.measure.physics import DAMPING_TOLERANCE
+from tb.report.measure.recorded import SEED
+from tb.report.measure.table import Table
+from tb.report.page.markers import put
+
+NAME = "error-against-run-time"
+PAGE, FOLDER = ROOT / "docs" / f"{NAME}.md", ROOT / "docs" / NAME
+# The networks of the default scene folded as the thesis folds, in its arithmetic; and on an engine
+# in the other arrangements.
+FOLDED, REBUILT = "digit-hybrid", "digit-thesis"
+SINGLE, MULTIPLE = "digit-single-engine", "digit-multiple"
+# What an answer of the swing is asked to be off by, and one of the plate.
+SWING_ERROR, PLATE_ERROR = 1e-9, 1e-6
+# Seconds at which the optimisers are compared.
+EARLY, LATE = 0.01, 1.0
+SHOWS = {
+    "float": "what the trained network errs before anything is rounded",
+    "bit-true, numpy, repeated": "the same in a long run, for sweeps, noise and training",
+    "bit-true": "every code that the hardware gives, and so its error: the twin",
+    "MyHDL": "that the source does so clock by clock, and no signal leaves its bounds",
+    "Icarus": "that the exported Verilog does what the twin says, bit for bit",
+    "virtex-2 netlist": "that the cells to which it is mapped do so as well",
+    "GHDL": "that the exported VHDL does so, in a simulator of another language",
+}
+
+
+def pages(networks: Table, command: str) -> dict[Path, str]:
+    """The page and its pictures.
+
+    Parameters
+    ----------
+    networks : Table
+        See ``tb.report.measure.costs.with_network_cells``.
+    command : str
+        What writes them: it stands in the markers.
+    """
+    tables = {name: recorded.read(name) for name in recorded.FOR_PAGES}
+    tables["clocks"] = with_network_times(networks)
+    tables["activations"] = with_activation_cells(activations(SEED))
+    text = PAGE.read_text(encoding="utf-8")
+    for section, write in SECTIONS.items():
+        text = put(PAGE, text, "\n".join(write(tables)), command, section)
+    found = {FOLDER / f"{name}.svg": make(tables[of]) + "\n" for name, (of, make) in DRAWN.items()}
+    return {PAGE: text, **found}
+
+
+Tables = dict[str, Table]
+
+
+def headline(tables: Tables) -> Iterator[str]:
+    """The default beside the best that the thesis prints."""
+    scene = load_scene(SCENE)
+    default, rebuilt = _network(tables, SCENE), _network(tables, REBUILT)
+    held = held_out_means(scene) or []
+    printed = draw.printed_errors()
+    best = min(printed, key=lambda name: printed[name])
+    clock = float(thesis_table("board")["clock_mhz"])
+    yield (
+        f"**The default network, scene `{SCENE}`, errs by {_error(default)} % in "
+        f"{_us(default, clock)} µs; the thesis' best by {printed[best]:.2f} %, within a scan of "
+        f"{SCAN_CLOCKS / clock:g} µs.** "
+        f"That is the mean at the worst position of the worst output ({default['worst output']}), "
+        f"bit-true, as recorded, over rows that trained it too; on rows that were held out its "
+        f"outputs err by {min(held):.2f} to {max(held):.2f} % in the mean. The "
+        f"{_count(default)} clocks are {_us(default, clock)} µs at the {clock:g} MHz of the "
+        f"thesis' board and {rounded(number(default, 'us on an ECP5'))} µs at the "
+        f"{number(default, 'ECP5 MHz'):g} MHz that an ECP5 reaches. The thesis' cascade rebuilt in "
+        f"its own arithmetic (`{REBUILT}`) errs by {_error(rebuilt)} % in {_us(rebuilt, clock)} µs."
+    )
+
+
+def defaults(tables: Tables) -> Iterator[str]:
+    """Every default, and the reason that the plot gives."""
+    default, folded = _network(tables, SCENE), _network(tables, FOLDED)
+    rebuilt, single = _network(tables, REBUILT), _network(tables, SINGLE)
+    multiple = _network(tables, MULTIPLE)
+    precise = _activation(tables, EXACT.activation, "exact")
+    gradient = _activation(tables, "gradient", "thesis")
+    optimiser = str(KEYS["training"]["optimiser"][1])
+    (other,) = {str(row["method"]) for row in _descents(tables)} - {optimiser}
+    light, strong = (
+        _reached(tables, case, method)
+        for case, method in (("plain", LIGHT), ("strongly damped", STRONG))
+    )
+    slow = _reached(tables, "strongly damped", LIGHT)
+    near, exact = plate_row(tables, TERMS), plate_row(tables, 10 * TERMS)
+    settled = settled_after(tables)
+    series = max(rows_of(tables["series"]), key=lambda row: number(row, "terms"))
+    twin, icarus = _rate(tables, "bit-true, numpy"), _rate(tables, "Icarus")
+    yield "| choice | default | why |"
+    yield "|---|---|---|"
+    yield (
+        f"| [design](#networks) | `{default['design']}` | {_count(default)} of the "
+        f"{SCAN_CLOCKS:,} clocks of a scan are enough. The same networks folded as the thesis "
+        f"folds (`{FOLDED}`) take {_count(folded)} and err by {_error(folded)} %, but need "
+        f"{number(folded, 'LUT'):,.0f} LUTs and {number(folded, 'multiplier'):.0f} multipliers "
+        f"instead of {number(default, 'LUT'):.0f} and {number(default, 'multiplier'):.0f}. |"
+    )
+    yield (
+        f"| [arrangement](#networks) | `{default['arrangement']}` | {_error(default)} % instead of "
+        f"{_error(single)} % from one network and {_error(multiple)} % from independent ones, on "
+        f"the same engine in {_count(default)}, {_count(single)} and {_count(multiple)} clocks. |"
+    )
+    yield (
+        f"| [precision](#networks) | `{default['precision']}` | Folded alike, a cascade errs by "
+        f"{_error(folded)} % in `exact` and by {_error(rebuilt)} % in the thesis' 14 bits, in "
+        f"{_count(folded)} and {_count(rebuilt)} clocks. |"
+    )
+    yield (
+        f"| [activation](#activations) | `{EXACT.activation}` | Within {_units(precise)} of 2^-13 "
+        f"in {number(precise, 'latency clocks'):.0f} clocks and {number(precise, 'LUT'):.0f} LUTs; "
+        f"`gradient`, which the thesis chose, errs by {_units(gradient)} in "
+        f"{number(gradient, 'latency clocks'):.0f} clocks and {number(gradient, 'LUT'):.0f} LUTs. |"
+    )
+    yield (
+        f"| [rho and iterations of Pade](#activations) | {RHO:g} and {ITERATIONS} | No rho settles "
+        f"up to the gate with fewer iterations than {RHO:g} with its {settled[RHO]:.0f}, and with "
+        f"{ITERATIONS} the mean error halves. |"
+    )
+    yield (
+        f"| [optimiser](#optimisers) | `{optimiser}` | After {LATE:g} s of processor time its best "
+        f"start errs by {rounded(best_error(tables, optimiser, LATE))} %, that of `{other}` by "
+        f"{rounded(best_error(tables, other, LATE))} %. |"
+    )
+    yield (
+        f"| [swing](#swing) | {LIGHT}, tolerance {rounded(TOLERANCE)} | It takes the least time to "
+        f"{_small(SWING_ERROR)} rad plain ({rounded(number(light, 'ms'))} ms) and from 179.9 "
+        f"degrees ({rounded(number(_reached(tables, '179.9 degrees', LIGHT), 'ms'))} ms). |"
+    )
+    yield (
+        f"| [swing, overdamped](#swing) | {STRONG} | Damped at 1000 1/s it takes "
+        f"{rounded(number(strong, 'ms'))} ms to the same error, {LIGHT} "
+        f"{rounded(number(slow, 'ms'))} ms: stability bounds its steps. From a damping rate of "
+        f"{STRONG_DAMPING:g} natural frequencies on. |"
+    )
+    yield (
+        f"| [plate](#plate) | {TERMS:,} terms | {rounded(number(near, 'error'))} of the deflection "
+        f"at the load, where it is worst, in {rounded(number(near, 'ms'))} ms; ten times the terms "
+        f"take {rounded(number(exact, 'ms') / number(near, 'ms'))} times as long. |"
+    )
+    yield (
+        f"| [load profile](#load-profile) | equation 3.18, or the closed form of 3.17 | The sum of "
+        f"equation 3.17 still errs by {rounded(number(series, 'error / d'))} of the load after "
+        f"{number(series, 'terms'):,.0f} terms and {rounded(number(series, 'ms') / 1e3)} s. |"
+    )
+    yield (
+        f"| [simulator](#simulators) | the twin for figures, Icarus and GHDL for proof | The twin "
+        f"is {rounded(twin / icarus)} times as fast as Icarus and gives the same codes. |"
+    )
+
+
+def networks(tables: Tables) -> Iterator[str]:
+    """The picture, its sentence and the table."""
+    clock = float(thesis_table("board")["clock_mhz"])
+    rows = network_rows(tables["clocks"])
+    default, folded = _network(tables, SCENE), _network(tables, FOLDED)
+    whole = [row for row in rows if row["outputs"] == 4]
+    quick = min(whole, key=lambda row: (number(row, CLOCKS), number(row, WORST)))
+    yield _picture("networks", "Error against clocks and microseconds, for every network")
+    yield ""
+    yield (
+        f"The cascade errs least, {_error(default)} %, in {_count(default)} clocks on one "
+        f"multiplier (`{SCENE}`) and in {_count(folded)} folded over its nodes (`{FOLDED}`); "
+        f"`{quick['scene']}` is the quickest, {_count(quick)} clocks, and errs by "
+        f"{_error(quick)} %."
+    )
+    yield ""
+    heads = (
+        *("scene", "design", "arrangement", "activation", "worst output", "error %", "clocks"),
+        *("between frames", f"µs at {clock:g} MHz", "MHz on an ECP5", "µs there"),
+        *("LUTs", "multipliers"),
+    )
+    yield f"| {' | '.join(heads)} |"
+    yield f"|{'---|' * len(heads)}"
+    for row in rows:
+        mhz = number(row, "ECP5 MHz")
+        cells = [
+            f"`{str(row['scene']).removeprefix('comparison/')}`",
+            draw.form(row),
+            str(row["arrangement"]),
+            f"{row['activation']}, {row['precision']}",
+            f"{row['worst output']} of {row['outputs']}",
+            _error(row),
+            _count(row),
+            f"{number(row, 'interval clocks'):,.0f}",
+            _us(row, clock) if mhz >= clock else "",
+            f"{mhz:.1f}",
+            f"{number(row, 'us on an ECP5'):.2f}",
+            f"{number(row, 'LUT'):,.0f}",
+            f"{number(row, 'multiplier'):.0f}",
+        ]
+        yield f"| {' | '.join(cells)} |"
+
+
+def schemes(tables: Tables) -> Iterator[str]:
+    """The pictures of activations, and their sentences."""
+    rows = draw.activation_rows(tables["activations"])
+    by_error = sorted(rows, key=lambda row: number(row, "largest units"))
+    best = by_error[0]
+    precise = _activation(tables, EXACT.activation, "exact")
+    thesis = [row for row in rows if row["arithmetic"] == "thesis"]
+    closest = min(thesis, key=lambda row: number(row, "largest units"))
+    others = [number(row, "largest units") for row in thesis if row is not closest]
+    yield _picture("activations", "Largest error of every activation against clocks and LUTs")
+    yield ""
+    yield (
+        f"`{best['scheme']}` errs least, {_units(best)} in {_clocks(best)}, and needs "
+        "no multiplier but memory, so only `adder_graph` takes it; "
+        f"`{precise['scheme']}` stays within {_units(precise)} in {_clocks(precise)} on one "
+        f"multiplier. Of the thesis' schemes in its 14 bits `{closest['scheme']}` comes to "
+        f"{_units(closest)} in {_clocks(closest)}, the others are {min(others):.0f} units "
+        "off and more."
+    )
+    yield ""
+    yield _picture("pade", "Error of the Pade regression against its iterations")
+    yield ""
+    floor = min(number(row, "largest units") for row in _pade(tables))
+    settled = settled_after(tables)
+    first = min(settled, key=lambda rho: (settled[rho], rho))
+    yield (
+        f"In `exact` precision, over every code, the largest error comes down to {floor:.0f} "
+        f"units, the step at the gate, with the fewest iterations for rho {first:g}."
+    )
+    yield ""
+    yield "| rho | stable below abs(q) | iterations until then | mean error there, % |"
+    yield "|---|---|---|---|"
+    for rho in draw.SETTLING:
+        rows = [row for row in _pade(tables) if row["rho"] == rho]
+        there = [row for row in rows if number(row, "iterations") == settled.get(rho)]
+        most = max(number(row, "iterations") for row in rows)
+        count, mean = f"more than {most:.0f}", ""
+        if there:
+            count, mean = f"{settled[rho]:.0f}", f"{number(there[0], 'mean %'):.3f}"
+        yield f"| {rho:g} | {number(rows[0], 'stable below |q|'):.3f} | {count} | {mean} |"
+
+
+def optimisers(tables: Tables) -> Iterator[str]:
+    """The picture of training, and its sentence."""
+    methods = list(dict.fromkeys(str(row["method"]) for row in _descents(tables)))
+    yield _picture("training", "Validation error against processor time")
+    yield ""
+    told = [
+        f"`{method}` errs by {rounded(best_error(tables, method, EARLY))} % after {EARLY:g} s, "
+        f"{rounded(best_error(tables, method, LATE))} % after {LATE:g} s and "
+        f"{rounded(best_error(tables, method, float('inf')))} % at the end"
+        for method in methods
+    ]
+    yield f"The best of three starts with {'; that with '.join(told)}."
+
+
+def swing(tables: Tables) -> Iterator[str]:
+    """The pictures of the swing, their sentences, and the work for one error."""
+    yield _picture("swing", "Error of six integrators against run time, on three swings")
+    yield ""
+    best = [
+        f"{method} {where} ({rounded(number(row, 'ms'))} ms)"
+        for case, where in CASES.items()
+        for method, row in [quickest(tables, case)]
+    ]
+    yield f"An error of {_small(SWING_ERROR)} rad takes the least time with {', '.join(best)}."
+    yield ""
+    yield f"| swing, evaluations and ms to {_small(SWING_ERROR)} rad | {' | '.join(METHODS)} |"
+    yield f"|---|{'---|' * len(METHODS)}"
+    for case, where in CASES.items():
+        cells = []
+        for method in METHODS:
+            row = _reached(tables, case, method)
+            work = rounded(number(row, "evaluations"), 3) if row else ""
+            cells.append(f"{work}, {rounded(number(row, 'ms'))}" if row else "")
+        yield f"| {where} | {' | '.join(cells)} |"
+    yield ""
+    yield _picture("damping", "Run time and error of both default integrators against damping")
+    yield ""
+    rows = rows_of(tables["swing_damping"])
+    ratio = "rate / natural frequency"
+    both = {
+        number(row, ratio): (row, other)
+        for row in rows
+        for other in rows
+        if (row["method"], other["method"]) == (LIGHT, STRONG) and row[ratio] == other[ratio]
+    }
+    solved = {rate: row for rate, (row, _) in both.items() if row["ms"]}
+    worst = max(solved.values(), key=lambda row: number(row, "error rad"))
+    last = max(solved)
+    slow, fast = both[last]
+    kept = [number(row, "error rad") for rate, (_, row) in both.items() if rate >= STRONG_DAMPING]
+    yield (
+        f"Asked for {_small(DAMPING_TOLERANCE)} rad, {LIGHT} errs by "
+        f"{rounded(number(worst, 'error rad'))} at {number(worst, ratio):g} natural frequencies, "
+        f"and at {last:g} takes {rounded(number(slow, 'ms') / number(fast, 'ms'))} times as long "
+        f"as {STRONG}, which errs by {rounded(max(kept))} at most from {STRONG_DAMPING:g} on."
+    )
+
+
+def plate(tables: Tables) -> Iterator[str]:
+    """The picture of the plate, its sentence and its table."""
+    grids = rows_of(tables["plate"], method="grid", point="at the load")
+    finest = min(grids, key=lambda row: number(row, "error"))
+    series = plate_row(tables, TERMS)
+    beside = rows_of(tables["plate"], method="series", point="beside it", error=0.0)
+    exact = rounded(min(number(row, "terms, nodes") for row in beside), 6)
+    yield _picture("plate", "Error of the plate's deflection against terms and run time")
+    yield ""
+    yield (
+        f"At the load {TERMS:,} terms err by {rounded(number(series, 'error'))} in "
+        f"{rounded(number(series, 'ms'))} ms, the finest grid by "
+        f"{rounded(number(finest, 'error'))} in {rounded(number(finest, 'ms'))} ms; beside the "
+        f"load the sum is exact to the last digit from {exact} terms on, which is drawn at 1e-17."
+    )
+
+
+def profile(tables: Tables) -> Iterator[str]:
+    """The picture of equation 3.17, and its sentence."""
+    ends = {number(row, "terms"): row for row in rows_of(tables["series"]) if row["case"] == "A, B"}
+    last, before = (ends[count] for count in sorted(ends)[:-3:-1])
+    yield _picture("profile", "Error of equation 3.17 against terms and run time")
+    yield ""
+    gain = number(before, "error / d") / number(last, "error / d")
+    longer = number(last, "ms") / number(before, "ms")
+    yield (
+        f"The last tenfold of the terms makes the error {rounded(gain)} times smaller and takes "
+        f"{rounded(longer)} times as long: {rounded(number(last, 'error / d'))} of the load costs "
+        f"{rounded(number(last, 'ms') / 1e3)} s."
+    )
+
+
+def simulators(tables: Tables) -> Iterator[str]:
+    """The picture of the simulators, its sentence and its table."""
+    rows = sorted(rows_of(tables["simulators"]), key=lambda row: -number(row, RATE))
+    errors = {rounded(number(row, "mean error %, worst output"), 3) for row in rows}
+    twin = _rate(tables, "bit-true, numpy")
+    yield _picture("simulators", "Frames a second of the default network in every engine")
+    yield ""
+    same = " and ".join(sorted(errors))
+    yield (
+        f"All of them err by {same} % in the mean for the worst output, and all but the first give "
+        f"the same codes; the slowest takes {rounded(twin / number(rows[-1], RATE))} times as long "
+        "as the twin."
+    )
+    yield ""
+    yield "| what computes | frames a second | times as long as the twin | what it shows |"
+    yield "|---|---|---|---|"
+    for row in rows:
+        name, rate = str(row["engine"]), number(row, RATE)
+        shows = next(text for start, text in SHOWS.items() if name.startswith(start))
+        yield f"| {name} | {rounded(rate)} | {rounded(twin / rate)} | {shows} |"
+
+
+def machine(_: Tables) -> Iterator[str]:
+    """Where the run times are from."""
+    yield f"Run times are those of one machine, {recorded.machine()}."
+
+
+CLOCKS, RATE = "clocks a frame", "frames a second"
+SECTIONS: dict[str, Callable[[Tables], Iterator[str]]] = {
+    "headline": headline,
+    "machine": machine,
+    "defaults": defaults,
+    "networks": networks,
+    "activations": schemes,
+    "optimisers": optimisers,
+    "swing": swing,
+    "plate": plate,
+    "profile": profile,
+    "simulators": simulators,
+}
+# By the picture's name the table that it is drawn from, and what draws it.
+DRAWN: dict[str, tuple[str, Callable[[Table], str]]] = {
+    "networks": ("clocks", draw.networks),
+    "activations": ("activations", draw.activations),
+    "pade": ("iterations", draw.pade),
+    "training": ("training", draw.training),
+    "swing": ("swing", draw.swing),
+    "damping": ("swing_damping", draw.damping),
+    "plate": ("plate", draw.plate),
+    "profile": ("series", draw.profile),
+    "simulators": ("simulators", draw.simulators),
+}
+
+
+def _picture(name: str, title: str) -> str:
+    return f"![{title}]({NAME}/{name}.svg)"
+
+
+def _network(tables: Tables, scene: str) -> Row:
+    (found,) = (
+        row
+        for row in rows_of(tables["clocks"])
+        if str(row["scene"]).removeprefix("comparison/") == scene
+    )
+    return found
+
+
+def _error(row: Row) -> str:
+    return f"{number(row, WORST):.2f}"
+
+
+def _count(row: Row) -> str:
+    return f"{number(row, CLOCKS):,.0f}"
+
+
+def _us(row: Row, clock: float) -> str:
+    return f"{number(row, f'us at {clock:g} MHz'):.2f}"
+
+
+def _activation(tables: Tables, scheme: str, arithmetic: str) -> Row:
+    (found,) = rows_of(tables["activations"], scheme=scheme, arithmetic=arithmetic)
+    return found
+
+
+def _units(row: Row) -> str:
+    value = number(row, "largest units")
+    units = f"{value:.0f}" if value >= 100 else rounded(value)
+    return f"{units} unit" if units == "1" else f"{units} units"
+
+
+def _clocks(row: Row) -> str:
+    return f"{number(row, 'latency clocks'):.0f} clocks"
+
+
+def _pade(tables: Tables) -> list[Row]:
+    return [
+        row
+        for row in rows_of(tables["iterations"], arithmetic="exact")
+        if row["rho"] in draw.SETTLING
+    ]
+
+
+def settled_after(tables: Tables) -> dict[float, float]:
+    """By rho after how many iterations the largest error is the least that any reaches."""
+    rows = _pade(tables)
+    floor = min(number(row, "largest units") for row in rows)
+    found: dict[float, float] = {}
+    for row in rows:
+        if number(row, "largest units") <= 1.001 * floor:
+            found.setdefault(number(row, "rho"), number(row, "iterations"))
+    return found
+
+
+def _descents(tables: Tables) -> list[Row]:
+    return rows_of(tables["training"], output="all")
+
+
+def best_error(tables: Tables, method: str, seconds: float) -> float:
+    """The least validation error that a start has come to by then."""
+    return min(
+        number(row, "validation %")
+        for row in _descents(tables)
+        if row["method"] == method and number(row, "CPU s") <= seconds
+    )
+
+
+def _reached(tables: Tables, case: str, method: str) -> Row:
+    """The run with the least time that comes to the error; empty where none does."""
+    rows = [
+        row
+        for row in rows_of(tables["swing"], case=case, method=method)
+        if row["error rad"] is not None and number(row, "error rad") <= SWING_ERROR
+    ]
+    return min(rows, key=lambda row: number(row, "evaluations"), default={})
+
+
+def quickest(tables: Tables, case: str) -> tuple[str, Row]:
+    found = {method: row for method in METHODS if (row := _reached(tables, case, method))}
+    return min(found.items(), key=lambda item: number(item[1], "ms"))
+
+
+def plate_row(tables: Tables, terms: int) -> Row:
+    (found,) = (
+        row
+        for row in rows_of(tables["plate"], method="series", point="at the load")
+        if row["terms, nodes"] == terms
+    )
+    return found
+
+
+def _rate(tables: Tables, engine: str) -> float:
+    found = [row for row in rows_of(tables["simulators"]) if str(row["engine"]).startswith(engine)]
+    return number(found[0], RATE)
+
+
+def _small(value: float) -> str:
+    return rounded(value, 1)

@@ -1,0 +1,124 @@
+"""What stands in docs/stability.md: stiff and extreme cases, margins, what would break them."""
+
+from __future__ import annotations
+
+from tb.report.measure.stability.margins import Case, cases, closest
+from tb.report.measure.table import Table
+
+CLOSEST = 5
+# By what must happen: which change would make a figure exceed its bound.
+BREAKS = {
+    "refuse them": "a check of arguments that is left out",
+    "refuse it": "a check of arguments that is left out",
+    "stop at the rails": "a conversion that wraps, or that keeps codes beyond the format",
+    "count them": "a conversion that clips without counting",
+    "count what it clips": "a conversion that clips without counting",
+    "refuse two, take the others": "a controller that does not count the samples of a frame",
+    "equal exact integers": "an accumulator that is a bit too narrow, or a sum that wraps where it "
+    "must saturate",
+    "err by no more than rounding can cause": "a result that wraps, a lost sign, a format or "
+    "a table that is some bits coarser",
+    "refuse them: the sum would wrap": "weights that are taken although a sum leaves its format",
+    "keep inside its accumulator": "one bit less of the accumulator, or one weight more than it "
+    "was built for",
+    "give the largest code: saturate, not wrap": "an ABS that wraps: two's complement has no 8192 "
+    "in 14 bits",
+    "be exact": "an ABS that inverts the bits and adds no 1",
+    "give the negative of the largest code's result": "a sign that is lost, or an ABS that wraps",
+    "give the largest code beyond the gate": "no gate: Pade's regression diverges there",
+    "keep the sign": "a sign retriever that is left out",
+    "stay in the format": "a regression that wraps before it is saturated",
+    "stay in -1 to 1": "the gate left out",
+    "diverge without saturation": "nothing in the hardware: it shows that the gate is needed",
+    "keep the bound of every quotient": "a power or a table of exp with fewer fraction bits",
+    "not exceed the load": "a profile that rounds up at its top",
+    "saturate where t^6 does": "a power that wraps, or one that keeps fewer bits from step to step",
+    "never fall": "a power that wraps",
+    "equal exact integers, saturated": "a divider that does not stop at a width of 0",
+    "be flat": "an exponential that does not reach 0",
+    "be d at the centre, 0 beside it": "a power that overflows to NaN",
+    "keep the bound of the terms left out": "hyperbolic functions that overflow to NaN",
+    "give way as 1 / D": "a stiffness that enters a sum and is not a factor of it",
+    "give way as 1 / (E I)": "a stiffness that enters a sum and is not a factor of it",
+    "not move": "a series whose terms do not vanish at the edge",
+    "obey w(p, q) = w(q, p)": "a series that loses its small terms beside large ones",
+    "creep down, never rise": "an explicit integrator: at this damping its steps overshoot",
+    "press less than twice its weight": "an integrator that overshoots: forces hang on its speed",
+    "follow Jacobi's closed form": "a looser tolerance of the integrator",
+    "pull no more than its energy allows": "an integrator that gains energy",
+    "stay upright": "a looser tolerance: the smallest push grows by a factor of e each 1 / omega",
+    "stay at rest": "an equation with a constant force in it",
+    "keep its energy": "a looser tolerance, or more periods: the drift grows with their number",
+}
+
+
+def headline(table: Table) -> str:
+    """How many cases hold, and how many of these have no margin because they need none."""
+    found = cases(table)
+    holding = sum(case.holds for case in found)
+    exact = sum(case.part is None for case in found)
+    reached = [case for case in found if case.reached]
+    which = ", ".join(dict.fromkeys(f"`{case.model}` ({case.figure})" for case in reached))
+    return (
+        f"**{holding} of {len(found)} hold.**\n\n"
+        f"{exact} of the cases count something that must not happen at all: a code that is off, an "
+        "argument that is\naccepted, a sign that is wrong. They hold if the count is 0. "
+        f"{len(reached)} cases come to their bound and must: the\nbound is the largest code there "
+        "is, the bits that the sum was given, or all the energy that there is. They are\n"
+        f"of {which}. The other {len(found) - exact - len(reached)} have a margin."
+    )
+
+
+def nearest(table: Table) -> str:
+    """The cases that are closest to their bound, one of each model and figure."""
+    lines = [
+        "| model | case | figure | measured | bound | margin | what would break it |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for case in closest(cases(table), CLOSEST):
+        lines.append(_row(case.model, case.case, *_figures(case), BREAKS[case.must]))
+    return "\n".join(lines)
+
+
+def kinds(table: Table) -> str:
+    """What must happen, in how many cases, and what would break it."""
+    found: dict[str, list[Case]] = {}
+    for case in cases(table):
+        found.setdefault(case.must, []).append(case)
+    lines = ["| what must happen | of | cases | what would break it |", "|---|---|---|---|"]
+    for must, alike in found.items():
+        models = list(dict.fromkeys(case.model for case in alike))
+        named = ", ".join(models) if len(models) <= 3 else f"{len(models)} models"
+        lines.append(_row(must, named, str(len(alike)), BREAKS[must]))
+    return "\n".join(lines)
+
+
+def everything(table: Table) -> str:
+    """Every case as measured."""
+    lines = [
+        "| model | case | must | figure | measured | bound | margin |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for case in cases(table):
+        lines.append(_row(case.model, case.case, case.must, *_figures(case)))
+    return "\n".join(lines)
+
+
+def _figures(case: Case) -> tuple[str, str, str, str]:
+    return case.figure, f"{case.value:.4g}", f"{case.bound:.4g}", margin(case)
+
+
+def margin(case: Case) -> str:
+    """How many times the figure goes into its bound."""
+    if case.part is None:
+        return "must be 0"
+    if case.reached:
+        return "reached"
+    if case.part < 1e-3:
+        return "over 1000 times"
+    return f"{1 / case.part:.3g} times"
+
+
+def _row(*cells: str) -> str:
+    # A bar within a cell would end it.
+    return f"| {' | '.join(cell.replace('|', '&#124;') for cell in cells)} |"

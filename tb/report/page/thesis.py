@@ -1,0 +1,231 @@
+"""``python -m tb.report.page.thesis``: what the thesis prints, beside what is measured here.
+
+Rewrites what stands between its markers in ``docs/thesis.md``, ``docs/physics.md`` and
+``docs/activations.md``, and the pictures in ``docs/thesis``; the rest of a page is left alone.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from golden.block import walk
+from golden.cli import run
+from golden.fingerprint import ROOT
+from golden.scene import load_scene, thesis_table
+from hdl.synth.budget import budget_path, read_budget
+from tb.report.draw import along, rigs
+from tb.report.draw.convergence import convergence_plot
+from tb.report.measure import recorded
+from tb.report.measure.camera import camera
+from tb.report.measure.low_pass import low_pass
+from tb.report.measure.printed import ALONG, PARALLEL, along_beam, printed, widths
+from tb.report.measure.recorded import SEED
+from tb.report.measure.table import Cell, Table
+from tb.report.page.markers import put, write
+
+COMMAND = "python -m tb.report.page.thesis"
+DOCS = ROOT / "docs"
+PICTURES = DOCS / "thesis"
+# Table of the printed figures, scene of the same form, and scene on an engine.
+RESOURCES = {
+    "2:6:2, gradient": ("parallel_2_6_2.gradient", "digit-parallel", ""),
+    **{
+        f"2:6:2, {name}": (f"parallel_2_6_2.{name}", f"comparison/digit-parallel-{name}", "")
+        for name in ("polynomial", "pade", "lut")
+    },
+    "digit, single": ("digit.hybrid", "digit-single-thesis", "comparison/digit-single-engine"),
+    "digit, cascade": ("digit.cascade_b", "digit-thesis", "digit"),
+    **{f"swing, {n}": (f"swing.{n}", "", f"swing-{n}") for n in ("single", "multiple", "cascade")},
+}
+
+
+def errors() -> str:
+    """Table ``printed``, and how many figures of ours are below the printed ones."""
+    table = printed(SEED)
+    heads = [
+        *("network", "output", "printed, float", "bit-true", "real time"),
+        *("ours, 14 bits", "14 bits, 2 mV", "ours, float", "18 bits", "18 bits, 2 mV"),
+    ]
+    told = [_below(table, *compared) for compared in COMPARED]
+    steps = [after - before for _, before, after in _pairs(table, *MEASURED)]
+    return (
+        f"{_table(heads, table.rows)}\n\nOf our errors {'; '.join(told)}. From its simulation to "
+        f"real time the thesis' figures change by {min(steps):+.2f} to {max(steps):+.2f}."
+    )
+
+
+# What is printed, what of ours stands beside it, and how a sentence says so.
+COMPARED = [
+    (
+        "printed, simulation %",
+        "thesis arithmetic, bit-true %",
+        "in 14 bits are below its simulation",
+    ),
+    (
+        "printed, real time %",
+        "with noise of 2 mV %",
+        "in 14 bits with noise of 2 mV are below its real time",
+    ),
+    ("printed, floating point %", "floating point %", "in floating point are below its own"),
+]
+MEASURED = ("printed, simulation %", "printed, real time %")
+
+
+def _pairs(table: Table, one: str, other: str) -> list[tuple[str, float, float]]:
+    """What a row is about and its figures in both columns, of rows that have both."""
+    a, b = (list(table.columns).index(name) for name in (one, other))
+    return [
+        (
+            f"the {row[1]} of {str(row[0]).replace(', ', ' with ')}",
+            float(str(row[a])),
+            float(str(row[b])),
+        )
+        for row in table.rows
+        if row[a] is not None and row[b] is not None
+    ]
+
+
+def _below(table: Table, theirs: str, ours: str, text: str) -> str:
+    pairs = _pairs(table, theirs, ours)
+    above = [what for what, limit, own in pairs if own >= limit]
+    but = f", all but {', '.join(above)}" if above else ""
+    return f"{len(pairs) - len(above)} of {len(pairs)} {text}{but}"
+
+
+def resources() -> str:
+    """Printed slices, LUTs, multipliers and gates, beside the shares that our scenes take."""
+    heads = [
+        *("network", "printed slices %", "LUTs %", "multipliers %", "gates"),
+        *("same form", "slices %, at least", "LUTs %", "multipliers %"),
+        *("engine", "slices %, at least", "LUTs %", "multipliers %"),
+    ]
+    rows: list[list[Cell]] = []
+    for name, (key, same, engine) in RESOURCES.items():
+        figures = thesis_table(key)
+        kinds = ("slices_percent", "luts_percent", "mult18x18_percent", "gates")
+        rows.append([name, *(figures[kind] for kind in kinds), *_shares(same), *_shares(engine)])
+    return _table(heads, rows, 1)
+
+
+def _shares(name: str) -> list[Cell]:
+    """Scene, and its percent of slices, LUTs and multipliers of the thesis' device."""
+    if not name:
+        return [None] * 4
+    scene, device = load_scene(name), thesis_table("board")
+    top = read_budget(budget_path(scene.path))["xc2v"][scene.twin().entity]
+    # A slice has two of each, so it takes half of the larger number of them at the least.
+    slices = -(-max(top["LUT"], top["flip-flop"]) // 2)
+    shares = [
+        slices / device["slices"],
+        top["LUT"] / device["luts4"],
+        top["multiplier"] / device["mult18x18"],
+    ]
+    return [scene.path.stem, *(round(100 * share, 1) for share in shares)]
+
+
+def cells() -> str:
+    """Printed gates of each activation of the thesis, and the cells of ours as recorded."""
+    kinds = ("LUT", "flip-flop", "multiplier", "block RAM")
+    rows: list[list[Cell]] = []
+    for pair in PARALLEL:
+        scene = load_scene(pair.alike)
+        budget = read_budget(budget_path(scene.path))["xc2v"]
+        own = [budget[part.entity] for part in walk(scene.twin()) if part.block == scene.activation]
+        largest = max(own, key=lambda found: found["LUT"])
+        gates = thesis_table(f"activation.{scene.activation}")["gate_count"]
+        rows.append([scene.activation, gates, *(largest[kind] for kind in kinds)])
+    return _table(["scheme", "printed gates", *kinds], rows)
+
+
+def lengths() -> str:
+    """Table ``camera``, and which printed figures lie below the cameras' error."""
+    table = camera(SEED)
+    heads = [name.replace("swing-", "") for name in table.columns]
+    named = [name for name in table.columns if name.startswith("printed")]
+    rows = [[row[0], f"{row[1]}", *row[2:]] for row in table.rows]
+    below = [
+        f"{row[0]} by {name.removeprefix('printed ').removesuffix(' mm')}"
+        for row in table.rows
+        for name in named
+        if float(str(row[list(table.columns).index(name)])) < float(str(row[1]))
+    ]
+    return (
+        f"{_table(heads, rows)}\n\nOf the printed errors these are below what the cameras "
+        f"can tell: {', '.join(below)}."
+    )
+
+
+def settling() -> str:
+    """Table ``low_pass``, and its note."""
+    table = low_pass(SEED)
+    return f"{_table(table.columns, table.rows, 1)}\n\n{table.note}"
+
+
+def _table(heads: Sequence[str], rows: Sequence[Sequence[Cell]], digits: int = 2) -> str:
+    lines = [f"| {' | '.join(heads)} |", f"|{'---|' * len(heads)}"]
+    for row in rows:
+        lines.append(f"| {' | '.join(_shown(cell, digits) for cell in row)} |")
+    return "\n".join(lines)
+
+
+def _shown(cell: Cell, digits: int) -> str:
+    if cell is None:
+        return ""
+    if isinstance(cell, float):
+        return f"{cell:.{digits}f}"
+    return f"{cell:,}" if isinstance(cell, int) else cell
+
+
+def drawn() -> dict[str, tuple[str, str]]:
+    """By name each picture and the sentence under it."""
+    beam, width = along_beam(SEED), along.widths_plot(widths(SEED))
+    training = convergence_plot(recorded.read("convergence"))
+    sagging, swinging = rigs.deflections(), rigs.forces()
+    found = {
+        along.name_of(kind): (along.along_beam(beam, kind), along.along_sentence(beam, kind))
+        for kind in ALONG
+    }
+    return found | {
+        "widths": (width.draw(), width.sentence),
+        "convergence": (training.draw(), training.sentence),
+        "gauges": (rigs.gauges(), rigs.gauges_sentence()),
+        "deflections": (rigs.deflections_drawn(sagging), rigs.deflections_sentence(sagging)),
+        "forces": (rigs.forces_drawn(swinging), rigs.forces_sentence(swinging)),
+    }
+
+
+def pages() -> dict[Path, str]:
+    """Every file that this command writes, as it must be."""
+    pictures = drawn()
+    sections: list[tuple[str, str, Callable[[], str]]] = [
+        ("thesis", "errors", errors),
+        ("thesis", "resources", resources),
+        ("activations", "cells", cells),
+        ("physics", "low-pass", settling),
+        ("physics", "camera", lengths),
+    ]
+    found: dict[Path, str] = {}
+    for page, section, text in sections:
+        path = DOCS / f"{page}.md"
+        before = found.get(path) or path.read_text(encoding="utf-8")
+        found[path] = put(path, before, text(), COMMAND, section)
+    for name, (svg, sentence) in pictures.items():
+        path = DOCS / f"{'physics' if name in ON_PHYSICS else 'thesis'}.md"
+        found[path] = put(path, found[path], sentence, COMMAND, name)
+        found[PICTURES / f"{name}.svg"] = svg + "\n"
+    return found
+
+
+# Pictures whose sentence stands in docs/physics.md; the others' is in docs/thesis.md.
+ON_PHYSICS = ("deflections", "forces")
+
+
+def main() -> None:
+    PICTURES.mkdir(exist_ok=True)
+    write(pages())
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))

@@ -1,0 +1,166 @@
+"""Which sensors an output needs: found by training without them, on rows that took no part."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from golden.disturbance import Disturbance
+from golden.rig.sensors_needed import (
+    Effort,
+    Recording,
+    held_out,
+    one_after_another,
+    recording_of,
+    splits_of,
+    without_each,
+)
+from golden.scene import load_scene
+from golden.training.split import Split, split_rows
+from tb.report.measure import recorded, sensors_dropped
+from tb.report.measure.table import Table
+from tb.report.page import left_out as page
+
+QUICK = Effort(hidden=3, starts=2, steps=60, patience=20)
+ROWS = 120
+
+
+def made(*sensors: str) -> Recording:
+    """Sensors a and b, a copy of a, or noise; y follows both a and b, z follows b alone."""
+    rng = np.random.default_rng(5)
+    a, b, noise = rng.uniform(-1, 1, (3, ROWS))
+    columns = {"a": a, "b": b, "copy": 2 * a + 1, "noise": noise}
+    targets = np.column_stack([np.tanh(a) + 0.5 * b, 0.8 * b])
+    readings = np.column_stack([columns[name] for name in sensors])
+    return Recording(readings, targets, np.ones_like(targets), sensors, ("y", "z"))
+
+
+@pytest.fixture(scope="module")
+def splits() -> list[Split]:
+    return [split_rows(ROWS, seed) for seed in (1, 2)]
+
+
+def test_a_sensor_of_noise_is_not_needed_and_the_others_are(splits: list[Split]) -> None:
+    whole, *without = without_each(made("a", "b", "noise"), splits, QUICK)
+    assert [step.dropped for step in (whole, *without)] == ["", "a", "b", "noise"]
+    means = {step.dropped: step.errors.mean.mean(axis=0) for step in (whole, *without)}
+    assert (means["noise"] < 2).all()
+    assert (means[""] < 2).all()
+    # z does not follow a.
+    assert means["a"][0] > 20
+    assert means["a"][1] < 2
+    assert (means["b"] > 10).all()
+
+
+def test_what_tells_least_goes_first(splits: list[Split]) -> None:
+    steps = one_after_another(made("noise", "a", "b"), splits, QUICK)
+    assert [step.dropped for step in steps][:2] == ["", "noise"]
+    assert [len(step.kept) for step in steps] == [3, 2, 1]
+    assert steps[1].kept == ("a", "b")
+
+
+def test_of_two_that_tell_the_same_one_is_needed(splits: list[Split]) -> None:
+    recording = made("a", "b", "copy")
+    each = without_each(recording, splits, QUICK)
+    alone = {step.dropped: step.errors.mean.max() for step in each}
+    assert max(alone["a"], alone["copy"]) < 2
+    order = one_after_another(recording, splits, QUICK, known=each)
+    assert order[1].dropped in ("a", "copy")
+    # It is what was trained before, not trained again.
+    assert any(order[1] is step for step in each)
+    assert order[2].errors.mean.max() > 20
+
+
+def test_what_was_trained_before_is_what_would_be_found(splits: list[Split]) -> None:
+    recording = made("a", "b")
+    known = without_each(recording, splits[:1], QUICK)
+    for step, other in zip(
+        one_after_another(recording, splits[:1], QUICK, known=known),
+        one_after_another(recording, splits[:1], QUICK),
+        strict=True,
+    ):
+        assert step.kept == other.kept
+        np.testing.assert_array_equal(step.errors.mean, other.errors.mean)
+
+
+def test_a_past_sample_goes_with_its_sensor() -> None:
+    recording = replace(made("a", "b", "noise"), sensors=("a", "b", "a"))
+    assert recording.names == ("a", "b")
+    assert recording.columns(["a"]).tolist() == [0, 2]
+
+
+@pytest.mark.parametrize(("kept", "got"), [([], "no sensor"), (["a", "c"], "c")])
+def test_sensors_that_are_not_there_are_refused(splits, kept: list[str], got: str) -> None:
+    with pytest.raises(ValueError, match=f"kept: got {got}, expected some of a, b"):
+        held_out(made("a", "b"), splits, kept, QUICK)
+
+
+def test_the_last_sensor_is_not_left_out(splits: list[Split]) -> None:
+    assert [step.kept for step in without_each(made("b"), splits[:1], QUICK)] == [("b",)]
+
+
+def test_noise_on_the_readings_is_noise_in_the_errors(splits: list[Split]) -> None:
+    recording, noisy = made("a", "b"), replace(QUICK, disturbance=Disturbance(noise=0.2))
+    recorded_errors = held_out(recording, splits[:1], ("a", "b"), QUICK)
+    errors = held_out(recording, splits[:1], ("a", "b"), noisy)
+    assert (errors.mean > 4 * recorded_errors.mean).all()
+    again = held_out(recording, splits[:1], ("a", "b"), noisy)
+    np.testing.assert_array_equal(errors.mean, again.mean)
+
+
+def test_a_scene_gives_its_recording_and_its_splits() -> None:
+    scene = load_scene("digit")
+    recording = recording_of(scene)
+    assert recording.names == scene.sensors
+    np.testing.assert_allclose(recording.readings, scene.vectors().inputs)
+    first, second = splits_of(scene, (1, 2))
+    assert sorted(np.concatenate(list(vars(first).values()))) == list(range(len(recording.scale)))
+    assert set(first.test) != set(second.test)
+    past = recording_of(load_scene("swing-window"))
+    assert len(past.sensors) == past.readings.shape[1] > len(past.names)
+
+
+@pytest.fixture(scope="module")
+def dropped() -> Table:
+    return recorded.read("sensors_dropped")
+
+
+def test_the_table_has_every_sensor_left_out_and_every_number_of_sensors() -> None:
+    quick = Effort(hidden=2, starts=1, steps=5)
+    scene = load_scene("digit")
+    table = sensors_dropped.dropped(scene, 1, quick, splits=1)
+    steps = {(row[0], row[1], row[2]) for row in table.rows}
+    each = [(sensors_dropped.EACH, name, 3) for name in scene.sensors]
+    assert {*each, (sensors_dropped.EACH, "none", 4)} < steps
+    assert {count for way, _, count in steps if way == sensors_dropped.IN_ORDER} == {1, 2, 3}
+    outputs = [*scene.outputs, sensors_dropped.WORST]
+    assert len(table.rows) == len(steps) * len(outputs)
+
+
+def test_the_record_is_that_table(dropped: Table) -> None:
+    count = len(load_scene("digit").sensors)
+    assert len(dropped.rows) == (1 + count + count - 1) * (len(load_scene("digit").outputs) + 1)
+    for row in dropped.rows:
+        assert row[6] <= row[5] <= row[7]
+
+
+def test_a_table_has_the_printed_errors_at_their_hidden_nodes() -> None:
+    table = sensors_dropped.nodes(1, counts=(4, 6), starts=1, splits=1)
+    printed = {(row[0], row[1]): row[-1] for row in table.rows}
+    assert len(printed) == 6
+    assert printed[(2, 6)] == 0.00027
+    assert [key for key, figure in printed.items() if figure] == [(2, 6)]
+
+
+def test_the_headline_names_the_fewest_sensors_that_do(dropped: Table) -> None:
+    """Made of rows in which two sensors are as good as three, and one is not."""
+    columns, worst = list(dropped.columns), sensors_dropped.WORST
+    each, order = sensors_dropped.EACH, sensors_dropped.IN_ORDER
+    rows = [
+        [each, "none", 3, "a b c", worst, 2.0, 1.0, 3.0],
+        [order, "c", 2, "a b", worst, 2.2, 1.5, 3.0],
+        [order, "b", 1, "a", worst, 9.0, 8.0, 10.0],
+    ]
+    assert page.fewest(Table("sensors_dropped", columns, rows, "")) == ("a", "b")
