@@ -20,6 +20,7 @@ from golden.scene import DEFAULT_SCENES, FOLDER, Scene, scene_names
 from hdl.boards.record import record_path
 from hdl.boards.variants import variants_path
 from hdl.synth.budget import budget_path
+from hdl.synth.lean import lean_path
 from hdl.synth.timing import timing_path
 from tb.commands import BY_NAME, CLOSING, COMMANDS, WIDTH, Command
 from tb.common.cases import random_mlp, write_scene
@@ -281,6 +282,7 @@ def test_no_stray_files_beside_the_scenes() -> None:
             expected |= {path, provenance_path(path)}
     for scene, _ in recorded():
         expected |= {budget_path(scene.path), timing_path(scene.path)}
+    expected |= {path for scene in scenes() if (path := lean_path(scene.path)).exists()}
     for scene, name in product(scenes(), board_names()):
         board = load_board(name)
         found = (record_path(scene, board), variants_path(scene, board))

@@ -25,6 +25,7 @@ def main() -> None:
     blocks = list(walk(scene.twin()))
     matrices = [block for block in blocks if isinstance(block, ConstantMatrix)]
     if matrices:
+        would(f"print the adders of {len(matrices)} matrices")
         print("\n\n".join("\n".join(adders(matrix)) for matrix in matrices))
         return
     engines = [block for block in blocks if isinstance(block, Engine)]

@@ -114,7 +114,7 @@ class Errors:
 
 
 @dataclass(frozen=True)
-class Step:
+class Removal:
     """One sensor less.
 
     Attributes
@@ -188,10 +188,10 @@ def held_out(
 
 def without_each(
     recording: Recording, splits: Sequence[Split], effort: Effort, seed: int = 1
-) -> list[Step]:
+) -> list[Removal]:
     """All sensors, then all but one, for each of them; see ``held_out``."""
     names = recording.names
-    steps = [Step("", names, held_out(recording, splits, names, effort, seed))]
+    steps = [Removal("", names, held_out(recording, splits, names, effort, seed))]
     if len(names) > 1:
         steps += [_without(recording, splits, names, name, effort, seed) for name in names]
     return steps
@@ -202,8 +202,8 @@ def one_after_another(
     splits: Sequence[Split],
     effort: Effort,
     seed: int = 1,
-    known: Sequence[Step] = (),
-) -> list[Step]:
+    known: Sequence[Removal] = (),
+) -> list[Removal]:
     """All sensors, then one less each time: the one without which the worst output errs least.
 
     What is left out is decided by the validation rows, the mean over the splits.
@@ -212,12 +212,12 @@ def one_after_another(
     ----------
     recording, splits, effort, seed
         See ``held_out``.
-    known : sequence of Step
+    known : sequence of Removal
         What ``without_each`` found for the same, which is then not trained again.
     """
     found = {step.kept: step for step in known}
     names = recording.names
-    first = found.get(names) or Step("", names, held_out(recording, splits, names, effort, seed))
+    first = found.get(names) or Removal("", names, held_out(recording, splits, names, effort, seed))
     steps = [first]
     while len(steps[-1].kept) > 1:
         kept = steps[-1].kept
@@ -237,9 +237,9 @@ def _without(
     name: str,
     effort: Effort,
     seed: int,
-) -> Step:
+) -> Removal:
     kept = tuple(other for other in names if other != name)
-    return Step(name, kept, held_out(recording, splits, kept, effort, seed))
+    return Removal(name, kept, held_out(recording, splits, kept, effort, seed))
 
 
 def _chunks(found: list[Real], size: int) -> Iterator[list[Real]]:

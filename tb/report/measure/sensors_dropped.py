@@ -11,7 +11,7 @@ from golden.networks.mlp import Real
 from golden.rig.sensors_needed import (
     Effort,
     Recording,
-    Step,
+    Removal,
     held_out,
     one_after_another,
     recording_of,
@@ -78,7 +78,7 @@ def dropped(scene: Scene, seed: int, effort: Effort | None = None, splits: int =
     )
 
 
-def _rows(way: str, step: Step, recording: Recording) -> list[list[Cell]]:
+def _rows(way: str, step: Removal, recording: Recording) -> list[list[Cell]]:
     means = step.errors.mean
     columns = {
         **{name: means[:, c] for c, name in enumerate(recording.outputs)},

@@ -144,7 +144,7 @@ def lengths() -> str:
     table = camera(SEED)
     heads = [name.replace("swing-", "") for name in table.columns]
     named = [name for name in table.columns if name.startswith("printed")]
-    rows = [[row[0], f"{row[1]}", *row[2:]] for row in table.rows]
+    rows = [[f"way in {row[0]}", f"{row[1]}", *row[2:]] for row in table.rows]
     below = [
         f"{row[0]} by {name.removeprefix('printed ').removesuffix(' mm')}"
         for row in table.rows
