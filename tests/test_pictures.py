@@ -405,7 +405,7 @@ AREA = (
 
 
 def a_table_of_designs() -> Table:
-    """Engines that lie on each other, one of two outputs, one not recorded, one slower than scans."""
+    """Engines which lie on each other, one with two outputs, one not recorded, one too slow."""
     rows = [
         ["digit", "appendix2", 4, "engine", 0.5, 300, 300, 137, 1],
         ["comparison/other", "appendix2", 4, "engine", 0.5, 305, 305, 137, 1],
