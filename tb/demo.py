@@ -3,9 +3,9 @@
 Every block of a scene is simulated under GHDL and Icarus against its twin on the exported files;
 then the errors on the recorded vectors are printed beside the clocks and the simulators' speed.
 Without a scene these are the default ones, and a table has them side by side. Of entities of one
-block that differ in constants alone one is simulated by itself, and all within their networks;
-``--full`` simulates each. Benches whose inputs have not changed since they passed are not run
-again, also where an earlier demo was interrupted.
+block that differ in constants alone one is simulated by itself, and all within their networks; see
+``tb.common.results.chosen``. ``--full`` simulates each. Benches whose inputs have not changed since
+they passed are not run again, also where an earlier demo was interrupted.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from golden.scene import DEFAULT_SCENES, Scene, thesis_figures
 from golden.scene.ranges import ranges
 from golden.scene.vectors import warn_outside
 from golden.training.split import unused_text
-from tb.common.results import left_text, simulate
+from tb.common.results import left_texts, simulate
 from tb.common.runner import ready_scene
 from tb.common.tools import SIMULATORS, language, simulator_versions
 from tb.report.page.build import build_report
@@ -137,7 +137,7 @@ def report(scene: Scene, results: dict[str, Any]) -> str:
         *(f"left out                  {text}" for text in scene.twin().left_out()),
         "",
         "frames a second, simulated: "
-        + ", ".join(f"{s} {f['frames'] / f['seconds']:,.0f}" for s, f in facts.items())
+        + ", ".join(f"{s} {f['frames'] / f['seconds']:,.3g}" for s, f in facts.items())
         + f", numpy twin {twin_speed(scene):,.0f}",
     ]
     return "\n".join(lines)
@@ -158,8 +158,7 @@ def bench_table(scene: Scene, results: dict[str, Any]) -> str:
         f"{results['benches']} benches ({kept}), {results['failed']} failed, "
         f"{results['compared']} values compared bit for bit"
     )
-    if results["left"]:
-        lines.append(left_text(results["left"]))
+    lines += [line for text in left_texts(results) for line in textwrap.wrap(text, 100)]
     return "\n".join(lines)
 
 

@@ -5,6 +5,7 @@ entities a demo takes.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -128,6 +129,26 @@ def test_one_entity_of_each_block_and_every_network_is_chosen(small_cascade: Sce
     by_simulator = [[j.entity for j in asked if j.simulator == s] for s in SIMULATORS]
     assert by_simulator[0] == by_simulator[1]
     assert len(asked) < len(planned)
+
+
+def test_what_stands_between_networks_and_the_top_plays_recorded_frames() -> None:
+    scene = load_scene("thesis")
+    planned = [Job(scene, p.entity, p.block, p.area, (), "ghdl") for p in walk(scene.twin())]
+    tests = {job.entity: job.test for job in results.chosen(planned)}
+    assert {entity for entity, test in tests.items() if test} == {"cascade", "readout"}
+    assert tests["instrument"] == tests["hybrid_0"] == tests["hybrid_3"] == ""
+    assert not any(job.test for job in results.chosen(planned, full=True))
+
+
+def test_recorded_frames_alone_do_not_stand_for_a_whole_bench(benches: Benches) -> None:
+    job, now = benches.planned[0], results.state(benches.scene)
+    fewer = replace(job, test="recorded")
+    results._run_and_keep(now, fewer)
+    assert results._kept(fewer, now)
+    assert results._kept(job, now) is None
+    results._run_and_keep(now, job)
+    assert results._kept(fewer, now)
+    assert results._kept(job, now)
 
 
 def test_what_is_left_is_counted_and_run_when_all_is_asked_for(benches: Benches) -> None:

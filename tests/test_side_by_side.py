@@ -31,7 +31,7 @@ def found(scene: Scene, **others: Any) -> dict[str, Any]:
     """What the benches might have found."""
     facts = {"clocks_per_frame": 12345, "interval": 54321, "frames": 10, "seconds": 2.0}
     blocks = {"abs_unit": {simulator: [1, 70] for simulator in SIMULATORS}}
-    results = {"benches": 9, "kept": 0, "left": 0, "failed": 0, "compared": 987654}
+    results = {"benches": 9, "kept": 0, "left": 0, "recorded": [], "failed": 0, "compared": 987654}
     own = {"facts": dict.fromkeys(SIMULATORS, facts), "blocks": blocks}
     return results | own | others
 
@@ -134,5 +134,7 @@ def test_with_a_scene_it_takes_that_one(desk: Desk, ran: list[tuple[str, bool]])
 
 
 def test_what_is_left_to_full_is_said(scenes: list[Scene]) -> None:
+    between = demo.bench_table(scenes[0], found(scenes[0], recorded=["cascade", "readout"]))
+    assert "Of cascade and readout" in between
     assert "FULL=1" in demo.bench_table(scenes[0], found(scenes[0], left=5))
     assert "FULL=1" not in demo.bench_table(scenes[0], found(scenes[0]))

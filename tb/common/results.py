@@ -8,6 +8,7 @@ within the networks that they are parts of, unless all are asked for.
 from __future__ import annotations
 
 from collections import defaultdict
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -32,26 +33,46 @@ def state(scene: Scene) -> str:
 
 
 def chosen(planned: list[Job], full: bool = False) -> list[Job]:
-    """Under each simulator every whole network and one entity of each other block.
+    """Under each simulator every network and one entity of each other block; all with ``full``.
 
-    That is the first of ``planned``. With ``full`` all of them.
+    That one is the first of ``planned``. A network that holds others and is inside the scene's top,
+    as a cascade in an instrument, plays the recorded frames alone: its parts and what is around it
+    are simulated whole, and each of its clocks takes as long as theirs together.
     """
     if full or not planned:
         return planned
-    networks = {p.entity for p in walk(planned[0].scene.twin()) if isinstance(p, Network)}
+    top = planned[0].scene.twin()
+    networks = {part.entity: part for part in walk(top) if isinstance(part, Network)}
+    between = {
+        entity
+        for entity, network in networks.items()
+        if entity != top.entity and sum(isinstance(part, Network) for part in walk(network)) > 1
+    }
     first: dict[tuple[str, str], Job] = {}
     for job in planned:
         first.setdefault((job.simulator, job.block), job)
     ones = {job.folder for job in first.values()}
-    return [job for job in planned if job.entity in networks or job.folder in ones]
+    return [
+        replace(job, test="recorded") if job.entity in between else job
+        for job in planned
+        if job.entity in networks or job.folder in ones
+    ]
 
 
-def left_text(left: int) -> str:
-    """What became of the entities that are not chosen."""
-    return (
-        f"{left} more benches are left to FULL=1: their entities differ from one above in "
-        "constants alone, and are simulated within their networks"
-    )
+def left_texts(results: dict[str, Any]) -> list[str]:
+    """What became of the entities, and of the tests, that are not chosen."""
+    texts = []
+    if results["left"]:
+        texts.append(
+            f"{results['left']} more benches are left to FULL=1: their entities differ from one "
+            "above in constants alone, and are simulated within their networks."
+        )
+    if results["recorded"]:
+        texts.append(
+            f"Of {' and '.join(results['recorded'])}, which stand between networks and the top, "
+            "recorded frames are played alone; FULL=1 plays all of their benches."
+        )
+    return texts
 
 
 def stored_results(scene: Scene) -> dict[str, Any] | None:
@@ -63,12 +84,11 @@ def stored_results(scene: Scene) -> dict[str, Any] | None:
         return None
     now = state(scene)
     planned = [job for s in SIMULATORS for job in jobs(scene, s)]
-    kept = {job.folder: outcome for job in planned if (outcome := _kept(job, now))}
     for full in (True, False):
         asked = chosen(planned, full)
-        if all(job.folder in kept for job in asked):
-            found = [kept[job.folder] for job in asked]
-            return _results(scene, found, len(found), len(planned) - len(asked))
+        found = [outcome for job in asked if (outcome := _kept(job, now))]
+        if len(found) == len(asked):
+            return _results(scene, found, len(found), asked, planned)
     return None
 
 
@@ -89,16 +109,18 @@ def simulate(scene: Scene, full: bool = False) -> dict[str, Any]:
 
         ran = run_jobs(missing, listen, work=partial(_run_and_keep, now))
     found = kept | {outcome.job.folder: outcome for outcome in ran}
-    outcomes = [found[job.folder] for job in asked]
-    return _results(scene, outcomes, len(kept), len(planned) - len(asked))
+    return _results(scene, [found[job.folder] for job in asked], len(kept), asked, planned)
 
 
-def _results(scene: Scene, outcomes: list[Outcome], kept: int, left: int) -> dict[str, Any]:
+def _results(
+    scene: Scene, outcomes: list[Outcome], kept: int, asked: list[Job], planned: list[Job]
+) -> dict[str, Any]:
     top = scene.twin().entity
     return {
         "benches": len(outcomes),
         "kept": kept,
-        "left": left,
+        "left": len(planned) - len(asked),
+        "recorded": sorted({job.entity for job in asked if job.test}),
         "failed": sum(not o.passed for o in outcomes),
         "compared": sum(o.compared for o in outcomes),
         "blocks": _by_block(outcomes),
@@ -116,6 +138,7 @@ def _run_and_keep(now: str, job: Job) -> Outcome:
     if outcome.passed:
         found = {
             "state": now,
+            "test": job.test,
             "compared": outcome.compared,
             "seconds": outcome.seconds,
             "facts": outcome.facts,
@@ -125,9 +148,11 @@ def _run_and_keep(now: str, job: Job) -> Outcome:
 
 
 def _kept(job: Job, now: str) -> Outcome | None:
-    """What the bench found, if it passed in this state."""
+    """What the bench found, if it passed in this state with all that is asked of it."""
     found = read_kept(_record(job))
     if not isinstance(found, dict) or found.get("state") != now:
+        return None
+    if found["test"] not in ("", job.test):
         return None
     return Outcome(job, True, found["compared"], found["seconds"], found["facts"])
 

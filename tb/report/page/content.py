@@ -9,7 +9,7 @@ from golden.fingerprint import fingerprint, sources
 from golden.network_files.network_file import provenance_path
 from golden.networks.network import Network
 from golden.scene import Scene
-from tb.common.results import left_text, stored_results
+from tb.common.results import left_texts, stored_results
 from tb.common.tools import SIMULATORS, version
 from tb.report.draw.outcome import along_plot, disturbance_plots, predicted_plots
 from tb.report.draw.past import past_plots
@@ -170,8 +170,7 @@ def _verified(scene: Scene) -> Section:
         f"{results['benches']} benches, {results['failed']} failed, {results['compared']:,} values "
         "compared bit for bit."
     ]
-    if results["left"]:
-        said.append(f"{left_text(results['left'])}.")
+    said += left_texts(results)
     return Section("verified", "Verified", text=said, folded=[table])
 
 
