@@ -7,7 +7,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from conftest import tiered
 from shared import Shared
 
 from golden.cli import CommandError
@@ -65,7 +64,7 @@ def test_every_property_can_fail(export: Callable[[str, str], Job], block: str) 
         assert all(item.refuted_by for item in items)
 
 
-@pytest.mark.parametrize("block", tiered(QUICK, [b for b in PROOFS if b not in QUICK]))
+@pytest.mark.parametrize("block", QUICK)
 def test_proved_and_refuted(export: Callable[[str, str], Job], tmp_path: Path, block: str) -> None:
     for job in entities(block, export):
         for item in properties_of(job):
