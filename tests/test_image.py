@@ -97,6 +97,26 @@ def test_an_image_for_other_hardware_fails_its_check(hardware: Engine, sizes: Si
     assert hardware.image_loader.judge(other.to_bytes()) is None
 
 
+@pytest.mark.parametrize("more", [1, *(1 << bit for bit in range(9, 18))])
+def test_more_words_than_there_are_are_refused(hardware: Engine, more: int) -> None:
+    """By a header whose low bits name the words that come, or one, with a check that matches."""
+    loader, image = hardware.image_loader, hardware.loaded
+    assert image is not None
+    words = image.words[:1] if more == 1 else image.words
+    header, start = (image.inputs - 2) << 18, image.sizes.check_start
+    body = b"".join(word.to_bytes(5, "big") for word in reversed(words))
+    count = 512 if more == 1 else len(words) - 1 + more
+    for named, good in ((len(words) - 1, True), (count, False)):
+        data = (header | named).to_bytes(5, "big") + body
+        data += crc_hqx(data, start).to_bytes(2, "big")
+        last = np.arange(len(data)) == len(data) - 1
+        idle = np.zeros(len(data), dtype=bool)
+        loading = loader.process(~idle, list(data), last, idle, idle)
+        assert (loader.judge(data) is not None) == good
+        assert len(loading.good) == good
+        assert loading.write.sum() == (len(words) if good else 0)
+
+
 @pytest.mark.parametrize(
     ("keys", "faults"),
     [

@@ -55,6 +55,9 @@ class ImageLoader(Block):
 
     Notes
     -----
+    An image is good if its header names no more words than the memory has, if just these words and
+    the check come, and if the check is right. Behind any other header nothing is written.
+
     The check is CRC-16 with the polynomial x^16 + x^12 + x^5 + 1, the highest bit of a byte first,
     nothing inverted or reflected: Python's ``binascii.crc_hqx``.
     """
@@ -84,7 +87,7 @@ class ImageLoader(Block):
                 Unsigned(self.operand_addr_width),
                 "operand_addr_width",
             ),
-            given("image_error", "the image before was cut, or failed its check"),
+            given("image_error", "the image before was not a good one"),
         )
 
     @property
@@ -148,23 +151,29 @@ class ImageLoader(Block):
             return None
         header = self._word(received, 0)
         words = self._length(header)
-        whole = len(received) == (1 + words) * WORD_BYTES + CHECK_BYTES
+        whole = self._fits(words) and len(received) == (1 + words) * WORD_BYTES + CHECK_BYTES
         if not whole or crc_hqx(received, self.check_start):
             return None
         before_last = (header >> BEFORE_LAST[0]) % (1 << self.operand_addr_width)
         starts = range(words * WORD_BYTES, 0, -WORD_BYTES)
         return before_last, [self._word(received, start) for start in starts]
 
-    def _length(self, header: int) -> int:
-        return (header >> LAST_ADDR[0]) % (1 << self.program_addr_width) + 1
+    @staticmethod
+    def _length(header: int) -> int:
+        low, bits = LAST_ADDR
+        return (header >> low) % (1 << bits) + 1
+
+    def _fits(self, words: int) -> bool:
+        return words <= 1 << self.program_addr_width
 
     def _place(self, received: bytearray) -> int | None:
         """The address of the word that is complete now, if one is."""
         number, rest = divmod(len(received), WORD_BYTES)
         if rest or number < 2:
             return None
-        place = self._length(self._word(received, 0)) + 1 - number
-        return place if place >= 0 else None
+        words = self._length(self._word(received, 0))
+        place = words + 1 - number
+        return place if self._fits(words) and place >= 0 else None
 
     @staticmethod
     def _word(received: bytes | bytearray, start: int) -> int:

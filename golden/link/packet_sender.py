@@ -95,7 +95,7 @@ class PacketSender(Block):
     def ports(self) -> tuple[Port, ...]:
         told = (
             taken("frame_error", "a frame is refused, for this clock"),
-            taken("image_error", "the image before was cut, or failed its check"),
+            taken("image_error", "the image before was not a good one"),
             taken("line_error", "a byte without a stop bit came, for this clock"),
         )
         drawn = (

@@ -49,7 +49,7 @@ LOAD_PORTS = (
     taken("load_data", "the byte", Unsigned(8)),
     taken("load_last", "it is the last of the image"),
     given("load_ready", "a byte is taken in this clock; not while a frame is computed"),
-    given("image_error", "the image before was cut, or failed its check"),
+    given("image_error", "the image before was not a good one"),
 )
 
 

@@ -52,13 +52,16 @@ def image_loader(
     -----
     Words come from the last to the first, so the address tells when all of them have come. Then
     the bytes of the check follow, and with the last of them everything must be right at once: the
-    check, the number of bytes, and ``load_last``. Reset forgets the image.
+    check, the number of bytes, and ``load_last``. Behind a header that names more words than the
+    memory has, every byte is one too many. Reset forgets the image.
     """
     final_place = WORD_BYTES - 1
     held_width = 8 * final_place - (8 * WORD_BYTES - WORD_WIDTH)
     addr_low, samples_low = LAST_ADDR[0], BEFORE_LAST[0]
     addr_top = addr_low + spec.program_addr_width
     samples_top = samples_low + spec.operand_addr_width
+    count_top = addr_low + LAST_ADDR[1]
+    words = 1 << spec.program_addr_width
     start = spec.check_start
     # The highest bits of a word's first byte are not used.
     held = unsigned(held_width)
@@ -67,8 +70,11 @@ def image_loader(
     addr = Signal(modbv(0, min=0, max=1 << spec.program_addr_width))
     samples = unsigned(spec.operand_addr_width)
     check, following = Signal(intbv(start, min=0, max=1 << 16)), unsigned(16)
-    accept, full, good, whole, failed = (flag() for _ in range(5))
-    # Header, words, check; and what comes behind a check that was not the end.
+    # The whole count of the header: its low bits alone would let more words look like fewer.
+    named = unsigned(LAST_ADDR[1])
+    accept, full, fits, good, whole, failed = (flag() for _ in range(6))
+    # Neither: the header comes. headed alone: words. Both: the check. ended alone: bytes that no
+    # good image has, behind a header that does not fit or a check that was not the end.
     headed, ended = flag(), flag()
 
     @always_comb
@@ -82,6 +88,14 @@ def image_loader(
     @always_comb
     def look():
         full.next = place == final_place
+
+    @always_comb
+    def measure():
+        named.next = gathered[count_top:addr_low]
+
+    @always_comb
+    def compare():
+        fits.next = named < words
 
     # The bytes of the check are those that it was before them.
     @always_comb
@@ -102,7 +116,8 @@ def image_loader(
                 if ended:
                     headed.next = False
                 elif not headed:
-                    headed.next = True
+                    headed.next = fits
+                    ended.next = not fits
                 elif addr == 0:
                     ended.next = True
 
@@ -149,6 +164,8 @@ def image_loader(
         take,
         gather,
         look,
+        measure,
+        compare,
         judge,
         check_byte(check, load_data, following),
         step,

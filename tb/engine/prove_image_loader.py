@@ -1,9 +1,10 @@
 """What is proved of image_loader, whatever bytes come.
 
-Words are counted here as the header names them, and the check is computed bit by bit.
+Words are counted here as the whole count of the header names them, and the check is computed bit by
+bit.
 """
 
-from golden.engine.image import WORD_BYTES
+from golden.engine.image import LAST_ADDR, WORD_BYTES
 from golden.engine.program import WORD_WIDTH
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import check_byte
@@ -12,6 +13,7 @@ from tb.sign_off.watch import check_byte
 def properties(twin):
     addr, samples = twin.program_addr_width, twin.operand_addr_width
     last_part = WORD_BYTES - 1
+    low, bits = LAST_ADDR
     watch = f"""
         wire byte_taken = load_valid && !busy;
         // Whole words of this image so far, the header among them, and bytes of the next.
@@ -27,9 +29,10 @@ def properties(twin):
             sum = sum_before;
             {check_byte("load_data")}
         end
-        wire [15:0] named = header[{addr - 1}:0] + 1;
-        wire inside = count != 0 && count <= named;
-        wire ends_good = count != 0 && count == named + 1 && part == 1 && sum == 0;
+        wire [{bits}:0] named = header[{low + bits - 1}:{low}] + 1;
+        wire fits = named <= {1 << addr};
+        wire inside = count != 0 && fits && count <= named;
+        wire ends_good = count != 0 && fits && count == named + 1 && part == 1 && sum == 0;
         always @(posedge clk) begin
             if (byte_taken) begin
                 before <= together;
@@ -59,19 +62,19 @@ def properties(twin):
         # The header, the words, the check, and too much.
         "count != 0 || (!headed && !ended)",
         f"!inside || (headed && !ended && addr == ((named - count) & {(1 << addr) - 1}))",
-        "count == 0 || count != named + 1 || (headed && ended)",
-        "count == 0 || count <= named + 1 || (!headed && ended)",
+        "count == 0 || !fits || count != named + 1 || (headed && ended)",
+        "count == 0 || (fits && count <= named + 1) || (!headed && ended)",
         "held == before[27:0]",
-        f"count == 0 || count > named + 1 || samples == header[{17 + samples}:18]",
+        f"count == 0 || !fits || count > named + 1 || samples == header[{17 + samples}:18]",
     )
     # Both may be anything, but the same.
     same = {"Before the first byte something is held.": "after_reset || held == before[27:0]"}
     return [
         Property(
             name="good images only",
-            sentence="halt ends with the last byte of an image that has all of its words, no byte "
-            "more, and the right check, and begins with the first byte of the next; no other "
-            "image ends it, and image_error says so.",
+            sentence="halt ends with the last byte of an image that names no more words than the "
+            "memory has, has all of them, no byte more, and the right check, and begins with the "
+            "first byte of the next; no other image ends it, and image_error says so.",
             states=("halt == (byte_taken || !image_is_good)", "image_error == image_failed"),
             watch=watch,
             helps=helps,
@@ -81,6 +84,7 @@ def properties(twin):
                 (r"check\[8-1:0\] == 0\)", "1'b1)"),
                 (r"headed && ended && \(place == 1\)", "headed && ended"),
                 (r"whole <= \(load_last && good\)", "whole <= good"),
+                (r"fits = \(named < 512\)", "fits = 1'b1"),
                 (r"accept \|\| \(!whole\)", "!whole"),
             ),
             clocks=14,
@@ -88,7 +92,8 @@ def properties(twin):
         Property(
             name="words in order",
             sentence="Each word that the header names is written once, with its last byte, from "
-            "the last address to address 0; nothing else is, and nothing while busy.",
+            "the last address to address 0, unless it names more than the memory has; nothing else "
+            "is, and nothing while busy.",
             states=(
                 f"write == (byte_taken && inside && part == {last_part})",
                 f"!write || write_addr == ((named - count) & {(1 << addr) - 1})",
@@ -102,6 +107,7 @@ def properties(twin):
             refuted_by=(
                 (r"addr <= gathered\[9-1:0\]", "addr <= gathered[10-1:1]"),
                 (r"full && headed && \(!ended\)", "full && (!ended)"),
+                (r"fits = \(named < 512\)", "fits = (named[17:10] == 0)"),
                 (r"load_valid && \(!busy\)", "load_valid"),
                 (r"held <= gathered\[28-1:0\]", "held <= {gathered[27:1], 1'b0}"),
             ),

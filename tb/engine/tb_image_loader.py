@@ -1,7 +1,9 @@
 """image_loader against its twin.
 
 Sweeps: images of random words: of one word, of a few, and of as many as the memory holds; cut at
-each of their last bytes and at random, with bytes behind, with one bit changed, for other hardware.
+each of their last bytes and at random, with bytes behind, with one bit changed, for other hardware;
+wrong ones whose check is computed to match: headers that name more words than the memory has, words
+that are missing, a word too many; and wrong bytes of the check that fit each other.
 Drives: good and wrong images in random order, bytes with gaps and without, ``busy`` at random: a
 byte stands until it is taken; then the same with resets at random clocks.
 Checks: load_ready, halt and image_error in every clock; each word, its address and its clock; the
@@ -10,10 +12,12 @@ other.
 Does not prove: that every change of an image is found; no check of 16 bits can.
 """
 
+from binascii import crc_hqx
+
 import cocotb
 import numpy as np
 
-from golden.engine.image import Image, Sizes
+from golden.engine.image import CHECK_BYTES, LAST_ADDR, WORD_BYTES, Image, Sizes
 from golden.engine.program import WORD_WIDTH
 from golden.networks.engine import Engine
 from tb.common.bench import RESET_CLOCKS, Bench
@@ -26,7 +30,13 @@ FAULTS = [
     (r"accept = \(load_valid && \(!busy\)\)", "accept = load_valid"),
     (r"&& \(place == 1\)", ""),
     (r"good = \(headed && ended", "good = (ended"),
+    (r"check\[8-1:0\] == 0\)", "1'b1)"),
+    (r"good = \(headed && ended", "good = (headed"),
     (r"&& headed && \(!ended\)", "&& headed"),
+    # Every header fits; of the count only the lowest bits are looked at; the next word is a header.
+    (r"fits = \(named < \d+\)", "fits = 1'b1"),
+    (r"fits = \(named < ", "fits = (named[9:0] < "),
+    (r"ended <= \(!fits\)", "ended <= 1'b0"),
     (r"\(addr - 1\)", "(addr + 1)"),
     (r"failed <= \(!good\)", "failed <= failed | (!good)"),
     (r"halt = \(accept \|\| ", "halt = ("),
@@ -38,6 +48,38 @@ def random_image(bench, words):
     sizes, rng = bench.around(Engine)[0].loaded.sizes, bench.rng
     inputs = int(rng.integers(1, sizes.operand_words))
     return Image(sizes, inputs, tuple(rng.integers(0, 1 << WORD_WIDTH, words).tolist()))
+
+
+def with_check(sizes, sent):
+    """What is sent, and the check that matches it."""
+    return sent + crc_hqx(sent, sizes.check_start).to_bytes(CHECK_BYTES, "big")
+
+
+def naming(sizes, image, words):
+    """An image whose header names another number of words; its check matches."""
+    count = ((1 << LAST_ADDR[1]) - 1) << LAST_ADDR[0]
+    header = int.from_bytes(image[:WORD_BYTES], "big") & ~count | (words - 1) << LAST_ADDR[0]
+    sent = header.to_bytes(WORD_BYTES, "big") + image[WORD_BYTES:-CHECK_BYTES]
+    return with_check(sizes, sent)
+
+
+def matching(bench, words):
+    """Images of so many words that are wrong, though their check or a part of it is right."""
+    sizes = bench.around(Engine)[0].loaded.sizes
+    most, image = sizes.program_words, random_image(bench, words).to_bytes()
+    sent = image[:-CHECK_BYTES]
+    # One word more than the memory has; more by the memory's size; and more by each power of two.
+    # The low bits of the larger counts name just the words that come.
+    found = [naming(sizes, image, count) for count in (most + 1, most + words)]
+    found += [naming(sizes, image, words + (1 << bit)) for bit in range(LAST_ADDR[1])]
+    # What follows the header that does not fit is a good image, but for its place.
+    found.append(with_check(sizes, found[0][:WORD_BYTES] + sent))
+    # A word is missing; one is too many.
+    found += [naming(sizes, image, words + 1), with_check(sizes, sent + bytes(WORD_BYTES))]
+    # The first byte of the check is wrong, and the last is right behind it.
+    changed = sent + bytes([image[-CHECK_BYTES] ^ int(bench.rng.integers(1, 256))])
+    found.append(changed + bytes([crc_hqx(changed, sizes.check_start) >> 8]))
+    return found
 
 
 def streams(bench):
@@ -57,6 +99,7 @@ def streams(bench):
         wrong.append(bytes(changed))
     other = Sizes(2 * sizes.program_words, sizes.operand_words, sizes.segment_width)
     wrong.append(Image(other, 3, (1, 2, 3)).to_bytes())
+    wrong += [*matching(bench, 1), *matching(bench, 3)]
     found = [(data, True) for data in 4 * whole] + [(data, False) for data in wrong]
     order = rng.permutation(len(found))
     full = (random_image(bench, sizes.program_words).to_bytes(), True)
