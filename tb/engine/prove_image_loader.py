@@ -29,10 +29,10 @@ def properties(twin):
             sum = sum_before;
             {check_byte("load_data")}
         end
-        wire [{bits}:0] named = header[{low + bits - 1}:{low}] + 1;
-        wire fits = named <= {1 << addr};
-        wire inside = count != 0 && fits && count <= named;
-        wire ends_good = count != 0 && fits && count == named + 1 && part == 1 && sum == 0;
+        wire [{bits}:0] words = header[{low + bits - 1}:{low}] + 1;
+        wire room = words <= {1 << addr};
+        wire inside = count != 0 && room && count <= words;
+        wire ends_good = count != 0 && room && count == words + 1 && part == 1 && sum == 0;
         always @(posedge clk) begin
             if (byte_taken) begin
                 before <= together;
@@ -61,11 +61,11 @@ def properties(twin):
         f"part <= {last_part} && count <= 1000",
         # The header, the words, the check, and too much.
         "count != 0 || (!headed && !ended)",
-        f"!inside || (headed && !ended && addr == ((named - count) & {(1 << addr) - 1}))",
-        "count == 0 || !fits || count != named + 1 || (headed && ended)",
-        "count == 0 || (fits && count <= named + 1) || (!headed && ended)",
+        f"!inside || (headed && !ended && addr == ((words - count) & {(1 << addr) - 1}))",
+        "count == 0 || !room || count != words + 1 || (headed && ended)",
+        "count == 0 || (room && count <= words + 1) || (!headed && ended)",
         "held == before[27:0]",
-        f"count == 0 || !fits || count > named + 1 || samples == header[{17 + samples}:18]",
+        f"count == 0 || !room || count > words + 1 || samples == header[{17 + samples}:18]",
     )
     # Both may be anything, but the same.
     same = {"Before the first byte something is held.": "after_reset || held == before[27:0]"}
@@ -96,7 +96,7 @@ def properties(twin):
             "is, and nothing while busy.",
             states=(
                 f"write == (byte_taken && inside && part == {last_part})",
-                f"!write || write_addr == ((named - count) & {(1 << addr) - 1})",
+                f"!write || write_addr == ((words - count) & {(1 << addr) - 1})",
                 f"!write || word == together[{WORD_WIDTH - 1}:0]",
                 "!busy || !(write || load_ready)",
             ),
