@@ -131,12 +131,13 @@ def test_one_entity_of_each_block_and_every_network_is_chosen(small_cascade: Sce
     assert len(asked) < len(planned)
 
 
-def test_what_stands_between_networks_and_the_top_plays_recorded_frames() -> None:
+def test_what_is_around_networks_plays_recorded_frames() -> None:
     scene = load_scene("thesis")
     planned = [Job(scene, p.entity, p.block, p.area, (), "ghdl") for p in walk(scene.twin())]
     tests = {job.entity: job.test for job in results.chosen(planned)}
-    assert {entity for entity, test in tests.items() if test} == {"cascade", "readout"}
-    assert tests["instrument"] == tests["hybrid_0"] == tests["hybrid_3"] == ""
+    fewer = {entity for entity, test in tests.items() if test}
+    assert fewer == {"cascade", "readout", "instrument"}
+    assert tests["hybrid_0"] == tests["hybrid_3"] == ""
     assert not any(job.test for job in results.chosen(planned, full=True))
 
 

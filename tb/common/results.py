@@ -35,25 +35,25 @@ def state(scene: Scene) -> str:
 def chosen(planned: list[Job], full: bool = False) -> list[Job]:
     """Under each simulator every network and one entity of each other block; all with ``full``.
 
-    That one is the first of ``planned``. A network that holds others and is inside the scene's top,
-    as a cascade in an instrument, plays the recorded frames alone: its parts and what is around it
-    are simulated whole, and each of its clocks takes as long as theirs together.
+    That one is the first of ``planned``. What is around networks, as a cascade or an instrument,
+    plays the recorded frames alone: its parts are simulated whole, and each of its clocks takes as
+    long as theirs together.
     """
     if full or not planned:
         return planned
-    top = planned[0].scene.twin()
-    networks = {part.entity: part for part in walk(top) if isinstance(part, Network)}
-    between = {
+    parts = walk(planned[0].scene.twin())
+    networks = {part.entity: part for part in parts if isinstance(part, Network)}
+    around = {
         entity
         for entity, network in networks.items()
-        if entity != top.entity and sum(isinstance(part, Network) for part in walk(network)) > 1
+        if sum(isinstance(part, Network) for part in walk(network)) > 1
     }
     first: dict[tuple[str, str], Job] = {}
     for job in planned:
         first.setdefault((job.simulator, job.block), job)
     ones = {job.folder for job in first.values()}
     return [
-        replace(job, test="recorded") if job.entity in between else job
+        replace(job, test="recorded") if job.entity in around else job
         for job in planned
         if job.entity in networks or job.folder in ones
     ]
@@ -69,8 +69,8 @@ def left_texts(results: dict[str, Any]) -> list[str]:
         )
     if results["recorded"]:
         texts.append(
-            f"Of {' and '.join(results['recorded'])}, which stand between networks and the top, "
-            "recorded frames are played alone; FULL=1 plays all of their benches."
+            f"To {' and '.join(results['recorded'])}, which are around networks, recorded frames "
+            "are played alone; FULL=1 plays all of their benches."
         )
     return texts
 
