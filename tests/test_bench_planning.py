@@ -82,9 +82,9 @@ def planned(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def ends(port: Port) -> tuple[int, int]:
-    """The least and the largest value that a port carries."""
+    """The least and the largest number that fits a port; benches drive bits or signed numbers."""
     most = 1 << (port.width or 1)
-    return (-most // 2, most // 2 - 1) if port.signed else (0, most - 1)
+    return (-most // 2 if port.signed else 0, most - 1)
 
 
 def plan(subject: Subject) -> None:

@@ -3,10 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
-from pathlib import Path
 
 import numpy as np
 
@@ -69,8 +65,7 @@ def engines(scene: Scene, netlist: bool = False) -> Table:
     add("MyHDL", "bit-true", len(codes), seconds, twin.size)
 
     def play(name: str, job: Job) -> None:
-        with _beside(job) as own:
-            outcome = _passed(name, own)
+        outcome = _passed(name, job)
         facts = outcome.facts
         add(f"{name}, cocotb", "bit-true", facts["frames"], facts["seconds"], outcome.compared)
 
@@ -99,17 +94,6 @@ def engines(scene: Scene, netlist: bool = False) -> Table:
         "GHDL and Icarus give; any difference fails the report.",
         timed=["seconds", "frames a second"],
     )
-
-
-@contextmanager
-def _beside(job: Job) -> Iterator[Job]:
-    """The same job on the same files in a folder of its own, so that a kept result stays."""
-    with tempfile.TemporaryDirectory() as folder:
-        own = dataclasses.replace(job, build=Path(folder))
-        for link, files in ((own.hdl_folder, job.hdl_folder), (own.library, job.library)):
-            link.parent.mkdir(parents=True, exist_ok=True)
-            link.symlink_to(files.resolve(), target_is_directory=True)
-        yield own
 
 
 def _passed(name: str, job: Job) -> Outcome:
