@@ -76,9 +76,12 @@ def matching(bench, words):
     found.append(with_check(sizes, found[0][:WORD_BYTES] + sent))
     # A word is missing; one is too many.
     found += [naming(sizes, image, words + 1), with_check(sizes, sent + bytes(WORD_BYTES))]
-    # The first byte of the check is wrong, and the last is right behind it.
-    changed = sent + bytes([image[-CHECK_BYTES] ^ int(bench.rng.integers(1, 256))])
-    found.append(changed + bytes([crc_hqx(changed, sizes.check_start) >> 8]))
+    # The first byte of the check is wrong, and the last is right behind it: of what is left of the
+    # check each bit alone is not 0.
+    left = [crc_hqx(bytes([wrong]), 0) & 0xFF for wrong in range(256)]
+    for bit in range(8):
+        changed = sent + bytes([image[-CHECK_BYTES] ^ left.index(1 << bit)])
+        found.append(changed + bytes([crc_hqx(changed, sizes.check_start) >> 8]))
     return found
 
 
