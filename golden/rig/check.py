@@ -31,26 +31,31 @@ from golden.training.split import split_of
 
 def before_training(scene: Scene, build: Path) -> list[Finding]:
     """Everything that a search needs."""
-    return [
+    return _once(
         *data(scene),
         *networks_writable(scene),
         *build_writable(scene, build),
         *design(scene, trained=False),
-    ]
+    )
 
 
 def everything(scene: Scene, build: Path) -> list[Finding]:
     """Everything about a scene but the tools."""
     networks = networks_there(scene)
     missing = any(finding.verdict != OK for finding in networks)
-    return [
+    return _once(
         Finding(OK, str(scene.path), _summary(scene)),
         *data(scene),
         *networks_writable(scene),
         *networks,
         *build_writable(scene, build),
         *design(scene, trained=not missing),
-    ]
+    )
+
+
+def _once(*findings: Finding) -> list[Finding]:
+    """Without those that two functions found."""
+    return list(dict.fromkeys(findings))
 
 
 def _summary(scene: Scene) -> str:
@@ -77,11 +82,13 @@ def data(scene: Scene) -> list[Finding]:
         # Of a row or two anything is constant.
         findings += [] if faults(findings) else _constant(scene, rows)
         if not faults(findings):
+            scene = scaled(scene)
+            findings += _converter(scene)
             border = len(rows.inputs) - split_of(scene).count
             if border:
                 text = f"{border} rows share samples with rows of another part and are in none"
                 findings.append(Finding(OK, "training.split", text))
-            findings += _columns(scaled(scene), rows)
+            findings += _columns(scene, rows)
     return findings
 
 
@@ -104,6 +111,16 @@ def _columns(scene: Scene, rows: Recorded) -> list[Finding]:
         findings += readings.interpolated(path, rows.sensors)
     findings += readings.twins(path, [*scene.sensors, *scene.outputs], own)
     return findings
+
+
+def _converter(scene: Scene) -> list[Finding]:
+    """What the codes of the scene's converter stand for: its data sheet leaves no choice."""
+    if not (scene.front_end and scene.front_end.converter):
+        return []
+    scale = scene.scales(scene.sensors)[0]
+    low, high = scale.offset - scale.factor, scale.offset + scale.factor
+    text = f"reads each sensor from {low:g} to below {high:g}"
+    return [Finding(OK, f"front_end.converter {scene.front_end.converter}", text)]
 
 
 def _constant(scene: Scene, rows: Recorded) -> list[Finding]:

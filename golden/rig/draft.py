@@ -70,7 +70,8 @@ full_scale = {{ {pairs} }}
 """
 SCALE = """\
 # Readings or targets leave -1 to 1, which the hardware's numbers hold: factor and offset of each
-# column follow from the rows that train.
+# column follow from the rows that train; those of sensors from the data sheet of a converter, where
+# a section [front_end] names one.
 scale = "auto"
 """
 READ_BY = """\
