@@ -18,7 +18,7 @@ from shared import Shared
 
 from golden.boards import Board, board_names, load_board
 from golden.boards.board import FOLDER
-from golden.cli import CommandError
+from golden.cli import BETWEEN, CommandError
 from golden.scene import Scene, load_scene
 from hdl.boards import bitstream
 from hdl.boards.bitstream import Report, build, sources
@@ -207,6 +207,14 @@ def test_a_scene_without_what_a_board_needs_is_refused(tmp_path: Path) -> None:
         scene = scene_with(tmp_path, 25.0, sections)
         with pytest.raises(CommandError, match=rf"tiny\.toml: {message}"):
             sources(scene, scene.twin(), board)
+    # All of it at once, the clock too, which no PLL makes.
+    scene = scene_with(tmp_path, 3.0, "")
+    with pytest.raises(CommandError) as refused:
+        sources(scene, scene.twin(), board)
+    first, second, third = str(refused.value).split(BETWEEN)
+    assert "front_end.converter: got none" in first
+    assert "uart: got none" in second
+    assert "hardware.clock_mhz: got 3, no PLL" in third
     scene = scene_with(tmp_path, 25.0)
     pins = {name: pin for name, pin in board.pins.items() if name != "tx"}
     with pytest.raises(CommandError, match=r"ulx3s\.toml: pins.tx: missing, expected a pin"):
@@ -232,7 +240,7 @@ def test_the_command(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
     """A bitstream, from the store the second time; one that is too slow, or does not fit."""
     scene_with(desk.folder, 12.0)
     desk.refuses("bitstream", "tiny.toml", "icebraker", says="'icebraker'.*'icebreaker'?")
-    desk.refuses("bitstream", "mine.toml", "ulx3s", says="front_end.converter: got none, expected")
+    desk.refuses("bitstream", "mine.toml", "ulx3s", says="converter: got none", faults=2)
     words = ("tiny.toml", "ulx3s", "--device=LFE5U-86F")
     desk.refuses("bitstream", *words, says="DEVICE=LFE5U-86F: .*LFE5U-85F, .*mean 'LFE5U-85F'?")
     assert desk.call("bitstream", "tiny.toml", "icebreaker") == (0, "")

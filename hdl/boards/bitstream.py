@@ -11,9 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from golden.boards import Board, Pin
-from golden.cli import CommandError
+from golden.cli import BETWEEN, CommandError
 from golden.fingerprint import fingerprint
 from golden.networks.network import Network
+from golden.rig.finding import Finding, faults, told
 from golden.scene import Scene
 from hdl.boards.families import FAMILIES, NETLIST, Family
 from hdl.boards.pll import clock_for
@@ -72,11 +73,17 @@ def sources(scene: Scene, design: Network, board: Board) -> Sources:
     Raises
     ------
     CommandError
-        When the design's ports are no wires of the board, or there is no such clock.
+        When the design's ports are no wires of the board, or there is no such clock; both together
+        where both are so.
     """
-    clock = clock_for(board, scene.clock_mhz)
+    found: list[Finding] = []
     used = {OSCILLATOR: Pin(board.clock_pin, "oscillator")}
-    used |= {name: board.pins[name] for name in outside(scene, design, board)}
+    with told(found):
+        used |= {name: board.pins[name] for name in outside(scene, design, board)}
+    with told(found):
+        clock = clock_for(board, scene.clock_mhz)
+    if found:
+        raise CommandError(BETWEEN.join(faults(found)))
     pins = FAMILIES[board.family].pins(board, used | board.high)
     return Sources(wrapper(scene, design, board, clock), pins, clock.mhz, clock.pll)
 
