@@ -193,6 +193,14 @@ def test_typed_placements() -> None:
         (["sim", ""], "TO=: missing, expected a .csv file"),
         (["sim", "a.csv", "--labels=no.csv"], "no.csv: no such file"),
         (["sim", "a.csv", "--labels=bad.csv"], "bad.csv:2: column 'load': got 'x', expected a num"),
+        (
+            ["sim", "a.csv", "--labels=name.csv"],
+            "name.csv: column 'lode': got no output of .*",
+        ),
+        (["twin", "a.csv", "--labels=name.csv"], ", since a .*; did you mean 'load'?"),
+        (["sim", "a.csv", "--labels=twice.csv"], "twice.csv: column 'sensor1': got a sensor of "),
+        (["x", "a.csv", "--labels=twice.csv"], "twice.csv: column 'sensor1': got a sensor of "),
+        (["x", "a.csv", "--labels=none.csv"], "none.csv: column 2 has no name, expected that of"),
         (["sim", "bad.csv"], "bad.csv: is there already"),
         (["sim", "a.csv", "--frames=0"], "FRAMES=0: expected a whole number, 1 to"),
     ],
@@ -207,10 +215,12 @@ def test_what_record_refuses(
     monkeypatch.chdir(tmp_path)
     Path("bad.csv").write_text("load\nx\n")
     Path("twice.csv").write_text("sensor1\n1\n")
+    Path("name.csv").write_text("lode\n1\n")
+    Path("none.csv").write_text("load,\n1,1\n")
     monkeypatch.setattr("sys.argv", ["record", "digit-board", *words])
     assert run(recording.main) == 2
     said = capfd.readouterr().err
-    assert message in said
+    assert re.search(re.escape(message).replace(r"\.\*", ".*"), said), said
     assert said.count("\n") == 1
     assert not Path("a.csv").exists()
 
