@@ -181,6 +181,12 @@ def test_an_argument_is_refused(desk: Desk, words: str, message: str) -> None:
     desk.refuses(command, "mine.toml", *others, says=message)
 
 
+@pytest.mark.parametrize("scene", ["swing-window", "swing-window-cascade"])
+def test_what_keeps_the_past_is_no_part_of_an_image(desk: Desk, scene: str) -> None:
+    says = f"{scene}.toml: data.window: got past samples, expected none for an image"
+    desk.refuses("image", scene, "--hardware=digit-reload", says=says)
+
+
 def test_a_table_is_refused(desk: Desk) -> None:
     desk.refuses("figures", "netwroks", says="TABLE=netwroks: no such table, .* did you mean")
     desk.refuses("figures", "--seed=-1", says="SEED=-1: expected a whole number")
