@@ -108,6 +108,7 @@ TABLE: dict[str, dict[str, str]] = {
         'design = "hybrid"\npipeline = "deep"': "hardware.pipeline: got 'deep' with design",
         'design = "hybrid"\nsegment_width = 7': "hardware.segment_width: got 7 with design",
         'design = "hybrid"\nclocks = 5': "hardware.clocks: got 5 with design 'hybrid', expected",
+        'design = "hybrid"\nclocks = 0': f"hardware.clocks: got 0, {NUMBER} above 0, or no such",
         'design = "hybrid"\nreload = true': "hardware.reload: got True with design 'hybrid'",
         'design = "hybrid"\nreload = "yes"': "hardware.reload: got 'yes', expected true or false",
         'design = "hybrid"\nprogram_words = 8': "hardware.program_words: got 8 without reload",
@@ -183,6 +184,7 @@ TABLE: dict[str, dict[str, str]] = {
         "[front_end]\nsample_at = 1e-9\n[training]": "front_end: scan_sequencer: got sample_",
         "[front_end]\nreference = 5\n[training]": "front_end.reference: got 5 without a converter",
         "[front_end]\nreference = -1\n[training]": f"front_end.reference: got -1, {NUMBER} above",
+        "[front_end]\nreference = 0\n[training]": f"front_end.reference: got 0, {NUMBER} above 0",
         "[front_end]\nreference = inf\n[training]": f"reference: got inf, {NUMBER} above 0",
         '[front_end]\nreference = "5"\n[training]': f"front_end.reference: got '5', {NUMBER}",
         "[visualisation]\nload = 5\n[training]": f"visualisation.load: got 5, {TEXT}",
@@ -202,6 +204,12 @@ ENGINE: dict[str, str] = {
     "segment_width = -1": "segment_width: got -1, expected one of 7, 8, 9",
     "segment_width = 1000000000000": "segment_width: got 1000000000000, expected one of 7, 8, 9",
     "clocks = 1": "hardware.clocks: got 1, expected 53 or more, which multiplier 'dsp' takes",
+    **{
+        f"{key} = 0": f"hardware.{key}: got 0, expected a number above 0, or no such key"
+        for key in ("clocks", "segment_width", "adders_per_clock")
+    },
+    "reload = true\nprogram_words = 0": "hardware.program_words: got 0, expected a number above 0",
+    "reload = true\noperand_words = 0": "hardware.operand_words: got 0, expected a number above 0",
     "clocks = -1": "hardware.clocks: got -1, expected 53 or more",
     'pipeline = "deep"\nmultiplier = "serial"': "hardware.pipeline: got 'deep' with multiplier",
     "[front_end]\ncounter_width = 3": "front_end: instrument: got counter_width=3, a scan of 8",

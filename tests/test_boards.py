@@ -79,6 +79,10 @@ def test_a_board_of_a_user_is_a_file(tmp_path: Path) -> None:
         ('"ecp5"', '"ecp6"', "device.family: got 'ecp6', expected one of ecp5, ice40.*'ecp5'"),
         ('"LFE5U-45F"', '"LFE5U-45"', "device.names: got 'LFE5U-45', expected of LFE5U-12F"),
         ("speed = 6", 'speed = "6"', "device.speed: got '6', expected a whole number"),
+        ("speed = 6", "speed = 99", "device.speed: got 99 for LFE5U-.*, expected 6 or 7 or 8"),
+        ("speed = 6", "speed = 0", "device.speed: got 0 for LFE5U-.*, expected 6 or 7 or 8"),
+        ("speed = 6", "speed = -6", "device.speed: got -6 for LFE5U-.*, expected 6 or 7 or 8"),
+        ('"LFE5U-45F"', '"LFE5UM5G-45F"', "device.speed: got 6 for LFE5UM5G-45F, expected 8"),
         ('"CABGA381"', '"CABGA 381"', "device: package: got 'CABGA 381', expected text of let"),
         ("mhz = 25.0", "mhz = 0", "clock.mhz: got 0.0, expected above 0"),
         ("[clock]", "[clocks]", "key 'clocks' is not known"),
@@ -100,6 +104,14 @@ def test_a_board_that_cannot_be_is_refused(
     path = tmp_path / "mine.toml"
     path.write_text(text.replace(old, new, 1))
     with pytest.raises(ValueError, match=rf"^{re.escape(str(path))}: {message}"):
+        load_board(str(path))
+
+
+def test_a_family_without_speed_grades_gets_none(tmp_path: Path) -> None:
+    text = (FOLDER / "icebreaker.toml").read_text()
+    path = tmp_path / "mine.toml"
+    path.write_text(text.replace("[device]\n", "[device]\nspeed = 6\n", 1))
+    with pytest.raises(ValueError, match=r"mine.toml: device.speed: got 6 .*, expected no such ke"):
         load_board(str(path))
 
 

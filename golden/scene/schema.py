@@ -83,6 +83,12 @@ KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
 }
 # Sections without which a scene has no such thing; of the others the defaults stand.
 OPTIONAL = ("front_end", "visualisation", "uart")
+# Keys whose 0 stands for a key that is left out, and is no number that can be asked for.
+NOT_ZERO = {
+    *(("hardware", key) for key in ("segment_width", "clocks", "adders_per_clock")),
+    *(("hardware", key) for key in ("program_words", "operand_words")),
+    ("front_end", "reference"),
+}
 CHOICES = {
     ("network", "arrangement"): ARRANGEMENTS,
     ("hardware", "design"): tuple(DESIGNS),
@@ -145,6 +151,10 @@ def _value(given: dict[str, Any], section: str, key: str, path: Path) -> Any:
         value = float(value)
     if not _is(value, kind):
         raise ValueError(f"{path}: {section}.{key}: got {value!r}, expected {_kind(kind)}")
+    if (section, key) in NOT_ZERO and key in given and value == 0:
+        raise ValueError(
+            f"{path}: {section}.{key}: got {value:g}, expected a number above 0, or no such key"
+        )
     choices = CHOICES.get((section, key))
     if choices and key in given and value not in choices:
         raise ValueError(
