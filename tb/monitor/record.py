@@ -191,6 +191,44 @@ def record(
     return np.sqrt(np.mean(spreads, axis=0)) if spreads else np.zeros(len(sensors))
 
 
+def asked(prompt: str) -> str:
+    """What is typed behind the prompt.
+
+    Raises
+    ------
+    EOFError
+        When the input has ended, or there is none.
+    """
+    if sys.stdin is None:
+        raise EOFError
+    return input(prompt)
+
+
+def check_rows(csv: GrowingCsv, listed: int, interrupted: bool) -> None:
+    """Refuse a recording that is shorter than was asked for.
+
+    Parameters
+    ----------
+    csv : GrowingCsv
+    listed : int
+        How many placements ``LABELS=`` has; 0 where they are typed.
+    interrupted : bool
+        By Ctrl-C: whoever does that has enough.
+
+    Raises
+    ------
+    CommandError
+    """
+    if not csv.rows:
+        why = "interrupted" if interrupted else "the input ended"
+        raise CommandError(f"TO={csv.path}: not written: {why} before the first placement")
+    if csv.rows < listed and not interrupted:
+        raise CommandError(
+            f"TO={csv.path}: got {csv.rows} placements, expected {listed}, those of LABELS=: the "
+            "input ended before the others"
+        )
+
+
 def simulated_ask(
     simulated: Simulated, placements: Sequence[Placement], outputs: Sequence[str]
 ) -> Callable[[str], str]:
@@ -231,7 +269,8 @@ def main() -> None:
         open_line(arguments.port, arguments.baud, board) as line,
         GrowingCsv(to, [*board.scene.sensors, *outputs]) as csv,
     ):
-        ask: Callable[[str], str] = input
+        ask: Callable[[str], str] = asked
+        interrupted = False
         if placements is None:
             source = typed(outputs, ask, print)
         else:
@@ -242,14 +281,20 @@ def main() -> None:
             spread = record(line, board, source, csv, arguments.frames, print)
         except KeyboardInterrupt:
             print()
+            interrupted = True
             spread = np.zeros(len(board.scene.sensors))
-        print(f"wrote {to}, {csv.rows} placements")
+        finally:
+            if not csv.rows:
+                to.unlink()
+        if csv.rows:
+            print(f"wrote {to}, {csv.rows} placements")
         if spread.any():
             worst = int(spread.argmax())
             print(
                 f"noise of a reading: {spread[worst]:.2g} at most ({board.scene.sensors[worst]}): "
                 f"of the mean of {arguments.frames} {spread[worst] / arguments.frames**0.5:.2g}"
             )
+        check_rows(csv, len(placements or ()), interrupted)
 
 
 if __name__ == "__main__":
