@@ -117,7 +117,8 @@ class Command:
         A word that looks like an option is still the word that was given: then ``--`` stands
         between the options and the words.
         """
-        options, words = [], []
+        options: list[str] = []
+        words: list[str] = []
         for argument in self.arguments:
             (options if argument.option else words).extend(argument.words(given))
         words += self.last

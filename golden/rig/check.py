@@ -23,6 +23,7 @@ from golden.rig import readings
 from golden.rig.csv_file import read_csv_file
 from golden.rig.finding import FAULT, NOTE, OK, WARNING, Finding, fault, faults, told
 from golden.scene import Scene, scene_names
+from golden.scene.saturation import saturating
 from golden.scene.scale import on_readings, signals
 from golden.scene.vectors import Recorded, read_recorded
 from golden.training.scaling import scaled
@@ -181,7 +182,7 @@ def build_writable(scene: Scene, build: Path) -> list[Finding]:
 def design(scene: Scene, trained: bool) -> list[Finding]:
     """The hardware: of the networks where they are there, else of the least and the largest."""
     if trained:
-        return _built(scene, "")
+        return [*_built(scene, ""), *_saturating(scene)]
     unknown: list[Finding] = []
     with told(unknown):
         scene = scaled(scene)
@@ -208,6 +209,14 @@ def _built(scene: Scene, before: str) -> list[Finding]:
         findings.append(Finding(OK, f"hardware.design {scene.design}", f"{before}{facts}"))
     if scene.front_end:
         findings.append(Finding(OK, "front_end", scene.front_end.describe()))
+    return findings
+
+
+def _saturating(scene: Scene) -> list[Finding]:
+    """Outputs that the networks drive beyond the codes."""
+    findings: list[Finding] = []
+    with told(findings):
+        findings += [Finding(WARNING, str(scene.path), text) for text in saturating(scene)]
     return findings
 
 

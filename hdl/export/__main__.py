@@ -17,6 +17,7 @@ from golden.files import writing
 from golden.fingerprint import fingerprint, sources
 from golden.scene import DEFAULT_SCENES, Scene, load_scene
 from golden.scene.ranges import ranges
+from golden.scene.saturation import warn_saturating
 from golden.scene.vectors import warn_outside
 from hdl.export.exporter import ORDER, export
 from hdl.export.hierarchy import LANGUAGES
@@ -41,6 +42,7 @@ def main() -> None:
 def export_scene(scene: Scene, language: str, folder: Path) -> None:
     """Export a scene unless it is there already, and print what it is."""
     warn_outside(scene)
+    warn_saturating(scene)
     design = scene.twin()
     stamp = folder.parent / f".{language}.stamp"
     inputs = [*sources("golden", "hdl"), *scene.files]
