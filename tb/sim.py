@@ -13,8 +13,8 @@ from collections.abc import Callable
 
 from golden.block import walk
 from golden.cli import MOST_SEED, CommandError, run, whole, would
-from golden.progress import Progress
-from tb.common.runner import FRAMES, SEED, Outcome, plan, run_jobs
+from golden.progress import Progress, stage
+from tb.common.runner import FRAMES, SEED, Job, Outcome, plan, run_job, run_jobs
 from tb.common.tools import SIMULATORS, check_simulator
 from tb.common.where import places
 from tb.sign_off.netlist import CELLS, NETLISTS_RUN_IN, chosen, mapped, on_cells_of
@@ -72,24 +72,29 @@ def main() -> int:
         entities = {p.entity for p in walk(design) if arguments.block in (None, p.block)}
         count += len(mapped(design, entities, families or simulators))
     would(f"export, then run {count} benches on {', '.join(families or simulators)}")
-    jobs = []
+    jobs: list[Job] = []
     for place in found:
-        planned = plan(
-            place.scene,
-            simulators,
-            arguments.block,
-            arguments.seed,
-            arguments.waves,
-            frames=arguments.frames,
-        )
-        jobs += on_cells_of(place.scene.twin(), planned, families) if families else planned
+        with stage(f"{place.scene.name}: exporting, and compiling"):
+            planned = plan(
+                place.scene,
+                simulators,
+                arguments.block,
+                arguments.seed,
+                arguments.waves,
+                frames=arguments.frames,
+            )
+            jobs += on_cells_of(place.scene.twin(), planned, families) if families else planned
     with Progress("simulating", len(jobs), "benches") as progress:
 
         def listen(outcome: Outcome) -> None:
             tell(outcome, progress.say)
             progress.step()
 
-        outcomes = run_jobs(jobs, listen)
+        def work(job: Job) -> Outcome:
+            with progress.running(f"{job.entity} on {job.runs_on}"):
+                return run_job(job)
+
+        outcomes = run_jobs(jobs, listen, work=work)
     if arguments.waves:
         for outcome in outcomes:
             for wave in sorted(outcome.job.folder.rglob("*.[fg][sh][tw]")):

@@ -6,7 +6,9 @@ import hashlib
 import json
 import re
 import subprocess
-from dataclasses import replace
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -21,7 +23,7 @@ from golden.boards.board import FOLDER
 from golden.cli import BETWEEN, CommandError
 from golden.scene import Scene, load_scene
 from hdl.boards import bitstream
-from hdl.boards.bitstream import Report, build, sources
+from hdl.boards.bitstream import Report, Sources, build, sources
 from hdl.boards.families import FAMILIES, ice40_netlist
 from hdl.boards.pll import clock_for
 from hdl.boards.record import read_record, record_path, state
@@ -430,3 +432,33 @@ def test_a_wrong_cell_of_a_board_is_seen(tmp_path: Path) -> None:
         return netlist.replace(f"16'h{names[0]}", f"16'h{int(names[0], 16) ^ 0xFFFF:04x}", 1)
 
     assert play(scene, load_board("icebreaker"), voltages, tmp_path, wrong).differ > 0
+
+
+def test_each_stage_of_a_bitstream_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also that a second placer is tried, where the first does not meet the clock."""
+    board = load_board("ulx3s")
+    told: list[str] = []
+
+    @contextmanager
+    def running(what: str) -> Iterator[None]:
+        told.append(what)
+        yield
+        told.append("ended")
+
+    def packed(_: str, words: list[str], folder: Path) -> str:
+        (folder / words[-1]).write_bytes(b"packed")
+        return ""
+
+    slow = Report(10.0, 25.0, {}, {})
+    monkeypatch.setattr(bitstream, "_placed", lambda *_: slow)
+    monkeypatch.setattr(bitstream, "run_tool", packed)
+    monkeypatch.setattr(
+        bitstream, "stored", lambda work, *_: work(tmp_path) | {"report": asdict(slow)}
+    )
+    family = replace(FAMILIES["ecp5"], synthesise=lambda _: None)
+    monkeypatch.setitem(bitstream.FAMILIES, "ecp5", family)
+    made = Sources("", "", Fraction(25), False)
+    with pytest.raises(CommandError, match="10 MHz reached, 25 MHz needed"):
+        build(tmp_path, made, board, running)
+    stages = ("synthesis", *(f"placing and routing with {p}" for p in family.placers), "packing")
+    assert told == [text for name in stages for text in (name, "ended")]

@@ -5,6 +5,8 @@ from __future__ import annotations
 import base64
 import json
 import re
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict, dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -22,6 +24,8 @@ from hdl.boards.wrapper import OSCILLATOR, TOP, outside, wrapper
 from hdl.synth.tools import run_tool, stored
 
 SEED = 1
+# Called with what a tool does, and entered while it does so.
+Running = Callable[[str], AbstractContextManager[None]]
 WRAPPER = f"{TOP}.v"
 USED = re.compile(r"Info:\s+(\w+):\s*(\d+)/\s*(\d+)")
 FAULT = re.compile(r"^ERROR: (.+)$", re.M)
@@ -88,8 +92,20 @@ def sources(scene: Scene, design: Network, board: Board) -> Sources:
     return Sources(wrapper(scene, design, board, clock), pins, clock.mhz, clock.pll)
 
 
-def build(verilog: Path, made: Sources, board: Board) -> tuple[bytes, Report]:
+def build(
+    verilog: Path,
+    made: Sources,
+    board: Board,
+    running: Running = lambda _: nullcontext(),
+) -> tuple[bytes, Report]:
     """The bitstream for a folder of Verilog, in which the wrapper is written, and what it takes.
+
+    Parameters
+    ----------
+    verilog : Path
+    made : Sources
+    board : Board
+    running : Running
 
     Raises
     ------
@@ -100,7 +116,7 @@ def build(verilog: Path, made: Sources, board: Board) -> tuple[bytes, Report]:
     (verilog / WRAPPER).write_text(made.verilog, encoding="utf-8")
 
     def work(folder: Path) -> dict[str, Any]:
-        return _build(folder, made, board, family)
+        return _build(folder, made, board, family, running)
 
     scripts = fingerprint(sorted(Path(__file__).parent.glob("*.py")))
     facts = (board.device, board.package, made.pins, str(made.clock_mhz), str(SEED), scripts)
@@ -136,15 +152,24 @@ def cells(verilog: Path, made: Sources, board: Board) -> str:
     return netlist
 
 
-def _build(folder: Path, made: Sources, board: Board, family: Family) -> dict[str, Any]:
-    family.synthesise(folder)
+def _build(
+    folder: Path,
+    made: Sources,
+    board: Board,
+    family: Family,
+    running: Running,
+) -> dict[str, Any]:
+    with running("synthesis"):
+        family.synthesise(folder)
     (folder / family.pins_name).write_text(made.pins, encoding="utf-8")
     for placer in family.placers:
-        report = _placed(folder, made, board, family, placer)
+        with running(f"placing and routing with {placer}"):
+            report = _placed(folder, made, board, family, placer)
         if report.clock_mhz >= report.needed_mhz:
             break
     name = f"bitstream{family.suffix}"
-    run_tool(family.packer, [*family.packing, "placed", name], folder)
+    with running("packing"):
+        run_tool(family.packer, [*family.packing, "placed", name], folder)
     packed = base64.b64encode((folder / name).read_bytes()).decode()
     return {"report": asdict(report), "bitstream": packed}
 

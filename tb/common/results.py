@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +16,7 @@ from golden.block import walk
 from golden.files import read_kept, write_kept
 from golden.fingerprint import fingerprint, sources
 from golden.networks.network import Network
-from golden.progress import Progress
+from golden.progress import Progress, stage
 from golden.scene import Scene
 from hdl.export.exporter import MANIFEST
 from tb.common.runner import BUILD, Job, Outcome, jobs, plan, run_job, run_jobs
@@ -94,9 +93,10 @@ def stored_results(scene: Scene) -> dict[str, Any] | None:
 
 def simulate(scene: Scene, full: bool = False) -> dict[str, Any]:
     """Run the benches that are chosen, but for those that have passed and are unchanged since."""
-    planned = plan(scene, SIMULATORS)
-    asked = chosen(planned, full)
-    now = state(scene)
+    with stage(f"{scene.name}: exporting VHDL and Verilog, and compiling"):
+        planned = plan(scene, SIMULATORS)
+        asked = chosen(planned, full)
+        now = state(scene)
     kept = {job.folder: outcome for job in asked if (outcome := _kept(job, now))}
     missing = [job for job in asked if job.folder not in kept]
     with Progress(f"{scene.name}: simulating", len(missing), "benches") as progress:
@@ -105,9 +105,13 @@ def simulate(scene: Scene, full: bool = False) -> dict[str, Any]:
             """Only failures get lines of their own."""
             if not outcome.passed:
                 tell(outcome, progress.say)
-            progress.step(outcome.job.entity)
+            progress.step()
 
-        ran = run_jobs(missing, listen, work=partial(_run_and_keep, now))
+        def work(job: Job) -> Outcome:
+            with progress.running(f"{job.entity} on {job.runs_on}"):
+                return _run_and_keep(now, job)
+
+        ran = run_jobs(missing, listen, work=work)
     found = kept | {outcome.job.folder: outcome for outcome in ran}
     return _results(scene, [found[job.folder] for job in asked], len(kept), asked, planned)
 
