@@ -12,8 +12,11 @@ from pathlib import Path
 
 from golden.progress import stage
 
-# Colours and bars are for a terminal that pip does not always have.
+# Colours and bars are for a terminal that pip does not always have. Pip compiles on one core what is
+# compiled here on all of them.
 PIP = ("-m", "pip", "--disable-pip-version-check", "--no-color", "install", "--progress-bar=off")
+PIP += ("--no-compile", "-e", ".[dev]")
+COMPILE = ("-m", "compileall", "-qq", "-j", "0")
 
 
 def main() -> int:
@@ -24,7 +27,11 @@ def main() -> int:
         return made.returncode
     with stage(f"installing into {venv} what pyproject.toml names"):
         python = str(Path(venv) / "bin" / "python")
-        return subprocess.run([python, *PIP, "-e", ".[dev]"], check=False).returncode
+        installed = subprocess.run([python, *PIP], check=False).returncode
+        if installed == 0:
+            # Of some packages a file is for another Python, and nobody imports it.
+            subprocess.run([python, *COMPILE, str(Path(venv) / "lib")], check=False)
+        return installed
 
 
 if __name__ == "__main__":

@@ -138,8 +138,8 @@ def test_with_a_scene_it_takes_that_one(desk: Desk, ran: list[tuple[str, bool]])
 
 
 def test_what_is_left_to_full_is_said(scenes: list[Scene]) -> None:
-    between = demo.bench_table(scenes[0], found(scenes[0], recorded=["cascade", "readout"]))
-    assert "Of cascade and readout" in between
+    around = demo.bench_table(scenes[0], found(scenes[0], recorded=["cascade", "readout"]))
+    assert "To cascade and readout" in " ".join(around.split())
     assert "FULL=1" in demo.bench_table(scenes[0], found(scenes[0], left=5))
     assert "FULL=1" not in demo.bench_table(scenes[0], found(scenes[0]))
 
