@@ -49,8 +49,9 @@ class SmoothMap:
     @cached_property
     def _plane(self) -> Real:
         """b0 and b; of least size where inputs hang together."""
-        found: Real = np.linalg.lstsq(self._with_one(self.inputs), self.values, rcond=SAME)[0]
-        return found
+        return np.asarray(
+            np.linalg.lstsq(self._with_one(self.inputs), self.values, rcond=SAME)[0], np.float64
+        )
 
     @cached_property
     def _rest(self) -> RBFInterpolator:

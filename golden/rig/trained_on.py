@@ -149,7 +149,8 @@ def hardware_outputs(scene: Scene, readings: Real) -> Real:
 def code_steps(scene: Scene) -> Real:
     """The standard deviation of each input within one code, in the unit of its sensor."""
     factors = np.array([scale.factor for scale in scene.scales(scene.inputs)])
-    return np.ldexp(factors, -SIGNAL.frac) / math.sqrt(12)
+    steps: Real = factors / (2**SIGNAL.frac * math.sqrt(12))
+    return steps
 
 
 def trained_on(scene: Scene) -> tuple[TrainedOn, str]:
