@@ -79,7 +79,7 @@ class Spoilt:
 def rail(touches: Real, rng: np.random.Generator) -> Real:
     """What the five sensors of the tutorial's rail read for touches of a force at a place."""
     at = np.array([0.1, 0.3, 0.5, 0.7, 0.9])
-    plain = touches[:, :1] * np.exp(-(((touches[:, 1:] - at) / 0.302) ** 2))
+    plain = touches[:, :1] * np.exp(-(((touches[:, 1:] - at) / 0.3) ** 2))
     found: Real = (plain + rng.normal(0, 0.002, plain.shape)).round(4)
     return found
 
