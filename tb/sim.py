@@ -9,30 +9,18 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable
 
 from golden.block import walk
 from golden.cli import MOST_SEED, CommandError, run, whole, would
 from golden.progress import Progress
-from tb.common.runner import FRAMES, SEED, Outcome, plan, run_jobs
+from tb.common.kept import run_and_keep
+from tb.common.runner import FRAMES, SEED, Outcome, plan, run_jobs, tell
 from tb.common.tools import SIMULATORS, check_simulator
 from tb.common.where import places
 from tb.sign_off.netlist import CELLS, NETLISTS_RUN_IN, chosen, mapped, on_cells_of
 from tb.sign_off.netlist_record import record
 
 MOST_FRAMES = 1_000_000
-
-
-def tell(outcome: Outcome, say: Callable[[str], None]) -> None:
-    """One line per finished bench, and what went wrong."""
-    job = outcome.job
-    verdict = "pass" if outcome.passed else "FAIL"
-    say(
-        f"{verdict}  {job.runs_on:8}  {job.entity:28} "
-        f"{outcome.compared:8} compared  {outcome.seconds:6.1f} s"
-    )
-    if not outcome.passed:
-        say(f"      {outcome.complaint()}\n      log: {outcome.log}")
 
 
 def conclude(outcomes: list[Outcome]) -> int:
@@ -89,7 +77,7 @@ def main() -> int:
             tell(outcome, progress.say)
             progress.step()
 
-        outcomes = run_jobs(jobs, listen)
+        outcomes = run_jobs(jobs, listen, work=run_and_keep)
     if arguments.waves:
         for outcome in outcomes:
             for wave in sorted(outcome.job.folder.rglob("*.[fg][sh][tw]")):

@@ -1,7 +1,8 @@
 """What benches are about to drive, for scenes drawn at random over what a scene may choose.
 
-Nothing is simulated: each test of each bench runs up to its first play. What it would drive fits
-its ports; where its stimuli are a function, the twin takes them all and every border is met.
+Nothing is simulated for a plan: each test of each bench runs up to its first play. What it would
+drive fits its ports; where its stimuli are a function, the twin takes them all and every border is
+met. Of some scenes the benches are run whole, which ALL=1 does.
 """
 
 from __future__ import annotations
@@ -14,22 +15,25 @@ import numpy as np
 import pytest
 from cocotb._decorators import TestGenerator
 from conftest import tiered
+from drawn import drawn_scene
 
 from golden.activation.schemes import SCHEMES
 from golden.block import Block, walk
 from golden.networks.designs import DESIGNS
 from golden.port import Port
+from golden.precision import PRECISIONS
 from golden.scene import Scene
-from golden.window import Window
+from golden.sensing.converter_parts import PARTS
 from tb.common.bench import Bench
-from tb.common.cases import FRONT_END, VISUALISATION, Case
 from tb.common.collected import BENCHES
 from tb.common.coverage import Coverage, missing
+from tb.common.runner import plan as plan_jobs
+from tb.common.runner import run_jobs
+from tb.common.tools import SIMULATORS
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
-EVERY_RUN, MORE = 4, 200
-SPREADS = (0.001, 0.05, 0.5, 1.0, 4.0, 20.0, 100.0)
+EVERY_RUN, MORE, WHOLE = 4, 200, 20
 
 
 class PlannedError(Exception):
@@ -71,63 +75,16 @@ async def played(bench: Bench, drive: dict[str, np.ndarray], watch: list[str]) -
     raise PlannedError
 
 
-@pytest.fixture(autouse=True)
-def outside_a_simulator(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture
+def planned(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Bench, "__init__", prepared)
     monkeypatch.setattr(Bench, "play", played)
 
 
 def ends(port: Port) -> tuple[int, int]:
-    """The least and the largest value that a port carries."""
+    """The least and the largest number that fits a port; benches drive bits or signed numbers."""
     most = 1 << (port.width or 1)
-    return (-most // 2, most // 2 - 1) if port.signed else (0, most - 1)
-
-
-def drawn_case(rng: np.random.Generator, large: bool) -> Case:
-    """A case of any design, arrangement, activation, precision and surroundings."""
-    design = str(rng.choice([*DESIGNS]))
-    kind = DESIGNS[design]
-    arrangement = str(rng.choice(kind.arrangements))
-    # Small ones more often: large ones take longer.
-    most = 9 if large else 4
-    inputs = int(rng.integers(1, most))
-    hidden = rng.choice([1, 2, 3, 4, 6, 9, 24][:most], 4).tolist()
-    drawn = bool(rng.random() < 0.3)
-    outputs = 4 if drawn else int(rng.integers(1, 7))
-    count = 4 if drawn else int(rng.integers(2, 5))
-    shapes = {
-        "single": [(inputs, hidden[0], outputs)],
-        "multiple": [(inputs, nodes, 1) for nodes in hidden[:count]],
-        "cascade": [(inputs + i, nodes, 1) for i, nodes in enumerate(hidden[:count])],
-    }[arrangement]
-    sections = VISUALISATION + "stop = 0.9\nstep = 0.3\n" if drawn else ""
-    if rng.random() < 0.3:
-        sections += f"{FRONT_END}counter_width = {rng.integers(8, 14)}\n"
-    window = None
-    if rng.random() < 0.2:
-        window = Window(((0, 2),) * (inputs // 2) + ((0,),) * (inputs % 2))
-    return Case(
-        shapes,
-        str(rng.choice(kind.precisions)),
-        spread=float(rng.choice(SPREADS)),
-        activation=str(rng.choice(kind.known_activations or [*SCHEMES])),
-        arrangement=arrangement,
-        seed=int(rng.integers(1000)),
-        design=design,
-        sections=sections,
-        hardware=str(rng.choice(["", "lean = false"])),
-        window=window,
-    )
-
-
-def drawn_scene(seed: int, folder: Path) -> tuple[Scene, Block]:
-    """The first of the cases of a seed that a scene can be; others are refused by name."""
-    rng = np.random.default_rng(seed)
-    while True:
-        case = drawn_case(rng, large=seed >= EVERY_RUN)
-        with suppress(ValueError, RuntimeError):
-            scene = case.scene(folder, f"drawn{seed}")
-            return scene, scene.twin()
+    return (-most // 2 if port.signed else 0, most - 1)
 
 
 def plan(subject: Subject) -> None:
@@ -152,10 +109,41 @@ def check(subject: Subject) -> None:
 
 
 @pytest.mark.parametrize("seed", tiered(range(EVERY_RUN), range(EVERY_RUN, MORE)))
-def test_the_benches_of_a_drawn_scene_have_a_plan(tmp_path: Path, seed: int) -> None:
-    scene, design = drawn_scene(seed, tmp_path)
+def test_the_benches_of_a_drawn_scene_have_a_plan(planned: None, tmp_path: Path, seed: int) -> None:
+    scene = drawn_scene(seed, tmp_path, large=seed >= EVERY_RUN)
+    design = scene.twin(lean=seed % 3 > 0)
     # One entity of each block.
     for twin in {part.block: part for part in walk(design)}.values():
         subject = Subject(scene, design, twin, seed)
         check(subject)
         plan(subject)
+
+
+@pytest.mark.all_only
+@pytest.mark.parametrize("seed", range(WHOLE))
+def test_the_benches_of_a_drawn_scene_are_green(tmp_path: Path, seed: int) -> None:
+    """One entity of each block, in both simulators."""
+    scene = drawn_scene(seed, tmp_path, large=False)
+    for simulator in SIMULATORS:
+        entities = {job.block: job for job in plan_jobs(scene, [simulator], build=tmp_path)}
+        outcomes = run_jobs([*entities.values()], lambda _: None, 1)
+        assert {outcome.job.block for outcome in outcomes} == {p.block for p in walk(scene.twin())}
+        assert [o.complaint() for o in outcomes if not o.passed] == []
+        assert all(outcome.compared for outcome in outcomes)
+
+
+def test_every_choice_is_drawn(tmp_path: Path) -> None:
+    """What a scene may choose comes up in the scenes that are drawn."""
+    scenes = [drawn_scene(seed, tmp_path, large=False) for seed in range(MORE)]
+    assert {scene.design for scene in scenes} == set(DESIGNS)
+    assert {scene.activation for scene in scenes} == set(SCHEMES)
+    assert {scene.arrangement for scene in scenes} == {"single", "multiple", "cascade"}
+    assert {scene.precision.name for scene in scenes} == set(PRECISIONS)
+    assert {scene.interface for scene in scenes} == {"stream", "axi_stream"}
+    converters = {scene.front_end.converter for scene in scenes if scene.front_end}
+    assert converters >= {"", *PARTS}
+    assert {bool(scene.uart) for scene in scenes} == {True, False}
+    assert {bool(scene.visualisation) for scene in scenes} == {True, False}
+    assert {scene.window.plain for scene in scenes} == {True, False}
+    chosen = {key for scene in scenes for key in scene.design_options}
+    assert chosen >= {"segment_width", "pipeline", "multiplier", "reload", "adders_per_clock"}

@@ -19,7 +19,7 @@ from tb.common.runner import Job, run_job
 from tb.sign_off.coverage import KIND, named_by
 from tb.sign_off.current import of_this_verilog
 from tb.sign_off.record import read_record
-from tb.sign_off.source import bench_modules, verilog
+from tb.sign_off.source import verilog
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
@@ -57,14 +57,6 @@ def test_another_border_is_another_source(shared: Shared, monkeypatch) -> None:
     before = named_by(job.twin)
     monkeypatch.setattr(AbsUnit, "borders", property(lambda _: (Border("another", "code", 3),)))
     assert named_by(job.twin) != before
-
-
-def test_the_bench_and_what_it_imports_are_part_of_what_is_kept() -> None:
-    read = {name for name, code in bench_modules("activation", "pade").items() if code}
-    common = {f"tb.common.{name}" for name in ("bench", "stream", "stimulus", "coverage")}
-    assert {"tb.activation.tb_pade", *common} <= read
-    assert "tb.activation.tb_lut" not in read
-    assert bench_modules("instruments", "readout")["tb.common.readout"], "imported by name"
 
 
 class Counter(Block):

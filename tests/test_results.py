@@ -4,6 +4,7 @@ entities a demo takes.
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -14,9 +15,11 @@ import pytest
 from golden.block import walk
 from golden.networks.network import Network
 from golden.scene import Scene, load_scene
-from tb.common import results
+from tb.common import code, kept, results
 from tb.common.runner import Job, Outcome
 from tb.common.tools import SIMULATORS
+
+FILE = "exported"
 
 
 class Benches:
@@ -28,22 +31,23 @@ class Benches:
         self.red: set[str] = set()
         self.stop_before = ""
         self.planned = [
-            Job(scene, part.entity, part.block, part.area, (), simulator, build=folder)
+            Job(scene, part.entity, part.block, part.area, (FILE,), simulator, build=folder)
             for simulator in SIMULATORS
             for part in walk(scene.twin())
         ]
-        for name in ("vhdl", "verilog"):
-            (folder / scene.name / name).mkdir(parents=True)
-            (folder / scene.name / name / results.MANIFEST).touch()
+        for folder in {job.hdl_folder for job in self.planned}:
+            folder.mkdir(parents=True)
+            (folder / FILE).write_text("as exported")
+        self.current = True
         fakes: dict[str, Any] = {
-            "BUILD": folder,
+            "is_current": lambda *_: self.current,
             "plan": lambda *_: self.planned,
             "jobs": lambda _, simulator: [j for j in self.planned if j.simulator == simulator],
-            "run_job": self.run,
             "run_jobs": self.one_by_one,
         }
         for name, fake in fakes.items():
             monkeypatch.setattr(results, name, fake)
+        monkeypatch.setattr(kept, "run_job", self.run)
 
     def one_by_one(
         self, jobs: list[Job], tell: Callable[[Outcome], None], work: Callable[[Job], Outcome]
@@ -60,6 +64,11 @@ class Benches:
     def simulate(self, full: bool = True) -> dict[str, Any]:
         self.ran = []
         return results.simulate(load_scene(str(self.scene.path)), full)
+
+    def forget(self, job: Job) -> None:
+        """What is kept of a job is cut, as on a full disk."""
+        path = kept._path(job)
+        path.write_bytes(path.read_bytes()[:20])
 
 
 @pytest.fixture
@@ -89,8 +98,7 @@ def test_an_interrupted_demo_goes_on(benches: Benches) -> None:
 
 def test_a_change_runs_all_and_a_damaged_record_its_own(benches: Benches) -> None:
     benches.simulate()
-    record = benches.planned[3].folder / "outcome.json"
-    record.write_bytes(record.read_bytes()[:20])
+    benches.forget(benches.planned[3])
     benches.simulate()
     assert benches.ran == [f"{benches.planned[3].simulator} {benches.planned[3].entity}"]
     lines = benches.scene.data_path.read_text().splitlines()
@@ -131,24 +139,64 @@ def test_one_entity_of_each_block_and_every_network_is_chosen(small_cascade: Sce
     assert len(asked) < len(planned)
 
 
-def test_what_stands_between_networks_and_the_top_plays_recorded_frames() -> None:
+def test_what_is_around_networks_plays_recorded_frames() -> None:
     scene = load_scene("thesis")
     planned = [Job(scene, p.entity, p.block, p.area, (), "ghdl") for p in walk(scene.twin())]
     tests = {job.entity: job.test for job in results.chosen(planned)}
-    assert {entity for entity, test in tests.items() if test} == {"cascade", "readout"}
-    assert tests["instrument"] == tests["hybrid_0"] == tests["hybrid_3"] == ""
+    fewer = {entity for entity, test in tests.items() if test}
+    assert fewer == {"cascade", "readout", "instrument"}
+    assert tests["hybrid_0"] == tests["hybrid_3"] == ""
     assert not any(job.test for job in results.chosen(planned, full=True))
 
 
 def test_recorded_frames_alone_do_not_stand_for_a_whole_bench(benches: Benches) -> None:
-    job, now = benches.planned[0], results.state(benches.scene)
+    job = benches.planned[0]
     fewer = replace(job, test="recorded")
-    results._run_and_keep(now, fewer)
-    assert results._kept(fewer, now)
-    assert results._kept(job, now) is None
-    results._run_and_keep(now, job)
-    assert results._kept(fewer, now)
-    assert results._kept(job, now)
+    kept.run_and_keep(fewer)
+    assert kept.kept(fewer)
+    assert kept.kept(job) is None
+    kept.run_and_keep(job)
+    assert kept.kept(replace(job, test="another"))
+    assert kept.kept(job)
+
+
+def test_what_enters_a_bench_runs_it_again_and_what_does_not_does_not(
+    benches: Benches, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    job = benches.planned[0]
+    kept.run_and_keep(job)
+    others = [replace(job, seed=2), replace(job, frames=7), replace(job, simulator="icarus")]
+    assert not any(kept.kept(other) for other in others)
+    assert kept.kept(job)
+    (job.hdl_folder / FILE).write_text("as exported anew")
+    assert kept.kept(job) is None
+    (job.hdl_folder / FILE).write_text("as exported")
+    assert kept.kept(job)
+    monkeypatch.setattr(code, "twins", lambda: "another twin")
+    assert kept.kept(job) is None
+
+
+def test_words_are_no_part_of_what_a_bench_does() -> None:
+    said = ast.parse('"""A page."""\n# A word.\ndef f(x):\n    """Says."""\n    return  x + 1\n')
+    done = ast.parse('""""""\n\ndef f(x):\n    """"""\n    return x + 1\n')
+    other = ast.parse('""""""\n\ndef f(x):\n    """"""\n    return x + 2\n')
+    assert code._code(said) == code._code(done) != code._code(other)
+
+
+def test_a_bench_is_what_it_imports() -> None:
+    read = {name for name, text in code.bench_modules("activation", "pade").items() if text}
+    common = {f"tb.common.{name}" for name in ("bench", "stream", "stimulus", "coverage")}
+    assert {"tb.activation.tb_pade", *common} <= read
+    assert not {name for name in read if name.startswith(("tb.report", "tb.sign_off"))}
+    assert "tb.activation.tb_lut" not in read
+    assert code.bench_modules("instruments", "readout")["tb.common.readout"], "imported by name"
+
+
+def test_what_would_be_exported_otherwise_is_no_result(benches: Benches) -> None:
+    benches.simulate()
+    assert results.stored_results(benches.scene)
+    benches.current = False
+    assert results.stored_results(benches.scene) is None
 
 
 def test_what_is_left_is_counted_and_run_when_all_is_asked_for(benches: Benches) -> None:
@@ -169,6 +217,5 @@ def test_what_is_left_is_counted_and_run_when_all_is_asked_for(benches: Benches)
 def test_of_what_is_left_a_failure_hides_nothing(benches: Benches) -> None:
     """All entities of the choice must have passed, whatever others did."""
     benches.simulate()
-    job = results.chosen(benches.planned)[0]
-    (job.folder / "outcome.json").unlink()
+    benches.forget(results.chosen(benches.planned)[0])
     assert results.stored_results(benches.scene) is None

@@ -7,20 +7,16 @@ Without a scene the default scenes are exported. The same scene gives the same b
 from __future__ import annotations
 
 import argparse
-import platform
 from pathlib import Path
 
-import myhdl
-
 from golden.cli import would
-from golden.files import writing
-from golden.fingerprint import fingerprint, sources
 from golden.scene import DEFAULT_SCENES, Scene, load_scene
 from golden.scene.ranges import ranges
 from golden.scene.vectors import warn_outside
 from hdl.export.exporter import ORDER, export
 from hdl.export.hierarchy import LANGUAGES
 from hdl.export.repeatable import run_repeatable
+from hdl.export.stamp import is_current, write_stamp
 
 
 def main() -> None:
@@ -42,13 +38,9 @@ def export_scene(scene: Scene, language: str, folder: Path) -> None:
     """Export a scene unless it is there already, and print what it is."""
     warn_outside(scene)
     design = scene.twin()
-    stamp = folder.parent / f".{language}.stamp"
-    inputs = [*sources("golden", "hdl"), *scene.files]
-    versions = (myhdl.__version__, platform.python_version())
-    if not _is_current(stamp, folder, inputs, versions):
+    if not is_current(scene, folder):
         export(scene, language, folder)
-        with writing(stamp):
-            stamp.write_text(_state(folder, inputs, versions), encoding="utf-8")
+        write_stamp(scene, folder)
     count = len((folder / ORDER).read_text().split())
     print(f"{count} files in {folder}, top {design.entity}, compile order in {folder / ORDER}")
     for fact in design.core.facts():
@@ -57,19 +49,6 @@ def export_scene(scene: Scene, language: str, folder: Path) -> None:
         print(f"front_end: {scene.front_end.describe()}")
     for line in ranges(scene):
         print(line)
-
-
-def _state(folder: Path, inputs: list[Path], versions: tuple[str, ...]) -> str:
-    """What went in and what came out: a change of either asks for a new export."""
-    return fingerprint([*inputs, folder], *versions)
-
-
-def _is_current(stamp: Path, folder: Path, inputs: list[Path], versions: tuple[str, ...]) -> bool:
-    return (
-        stamp.is_file()
-        and folder.is_dir()
-        and stamp.read_text(encoding="utf-8", errors="replace") == _state(folder, inputs, versions)
-    )
 
 
 if __name__ == "__main__":

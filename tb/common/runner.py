@@ -120,6 +120,18 @@ class Outcome:
         return marked[0].strip() if marked else "no message"
 
 
+def tell(outcome: Outcome, say: Callable[[str], None]) -> None:
+    """One line per finished bench, and what went wrong."""
+    job = outcome.job
+    verdict = "pass" if outcome.passed else "FAIL"
+    say(
+        f"{verdict}  {job.runs_on:8}  {job.entity:28} "
+        f"{outcome.compared:8} compared  {outcome.seconds:6.1f} s"
+    )
+    if not outcome.passed:
+        say(f"      {outcome.complaint()}\n      log: {outcome.log}")
+
+
 def ready_scene(name: str) -> Scene:
     """The scene of that name, once simulators and recorded vectors are known to be there.
 

@@ -18,15 +18,13 @@ from typing import Any
 
 from golden.block import walk
 from golden.cli import CommandError, would
-from golden.files import read_kept, write_kept
-from golden.fingerprint import fingerprint, sources
 from golden.progress import Progress
 from golden.scene import load_scene
-from tb.common.runner import BUILD, Job, Outcome, jobs, prepare, run_job, run_jobs
-from tb.common.tools import version
+from tb.common.kept import run_kept
+from tb.common.runner import BUILD, Job, Outcome, jobs, prepare, run_jobs
 from tb.sign_off.netlist import ALL, FAMILIES, NETLISTS_RUN_IN, ROUTED, chosen, on_cells
 from tb.sign_off.record import write_record
-from tb.sign_off.source import EVERY, bench, source, verilog
+from tb.sign_off.source import EVERY, source, verilog
 from tb.sign_off.subject import chosen_blocks, subject
 from tb.sign_off.unknown import UNKNOWN, Netlist
 from tb.sign_off.unknown_proof import clocks_to_prove
@@ -44,29 +42,12 @@ SCENES = (
 )
 # By block: the tests of its bench that are played, as a regular expression; of others, all.
 PLAYED = {"engine": "(recorded|images_one_after_the_other)", "uart_instrument": "(recorded)"}
-STORE = BUILD / "netlist"
 Tell = Callable[[Outcome, Callable[[str], None]], None]
 
 
 def played(job: Job) -> Job:
     """The job with the tests of its bench that are played on a netlist."""
     return replace(job, test=PLAYED.get(job.block, ""))
-
-
-def run_kept(job: Job) -> Outcome:
-    """Run a bench on a netlist, unless it has passed on the same one."""
-    files = [job.hdl_folder / name for name in job.files]
-    files += [*sources("golden"), *job.scene.files]
-    facts = (job.entity, job.test, str(job.seed), str(job.frames), version(job.simulator))
-    path = STORE / f"{fingerprint(files, *facts, bench(job.area, job.block))}.json"
-    found = read_kept(path)
-    if isinstance(found, dict):
-        return Outcome(job, True, found["compared"], found["seconds"], found["facts"])
-    outcome = run_job(job)
-    if outcome.passed:
-        kept = {name: getattr(outcome, name) for name in ("compared", "seconds", "facts")}
-        write_kept(path, kept)
-    return outcome
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,73 @@
+"""What a bench does, as text that only a change of what is done changes.
+
+Comments, docstrings and layout are no part of it, and of ``tb`` only what the bench imports is. So
+a change of a page, of the report, or of another bench runs no bench again.
+"""
+
+from __future__ import annotations
+
+import ast
+from functools import cache
+
+from golden.fingerprint import ROOT, fingerprint, sources
+
+# What these say is in the exported files.
+ELSEWHERE = ("tb.common.cases", "tb.common.small")
+NAMES = ("CASES", "FAULTS")
+
+
+def bench_code(area: str, block: str) -> str:
+    """A digest of a bench, of what it imports from ``tb``, and of the twins."""
+    modules = bench_modules(area, block)
+    return fingerprint([], twins(), *(f"{name} {modules[name]}" for name in sorted(modules)))
+
+
+def bench_modules(area: str, block: str) -> dict[str, str]:
+    """The code of a bench and of what it imports from ``tb``, by module."""
+    found: dict[str, str] = {}
+    waiting = [f"tb.{area}.tb_{block}"]
+    while waiting:
+        name = waiting.pop()
+        if name not in found:
+            found[name], imported = _module(name)
+            waiting += imported
+    return found
+
+
+@cache
+def twins() -> str:
+    """A digest of all of ``golden``: a scene, which every bench loads, finds designs by itself."""
+    return fingerprint([], *(_code(ast.parse(f.read_text("utf-8"))) for f in sources("golden")))
+
+
+@cache
+def _module(name: str) -> tuple[str, list[str]]:
+    """The code of a module of ``tb``, and what it imports; of any other module nothing."""
+    path = ROOT.joinpath(*name.split(".")).with_suffix(".py")
+    if not name.startswith("tb.") or name in ELSEWHERE or not path.exists():
+        return "", []
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    imported = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            # Of a package, its modules are imported by name.
+            imported += [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
+    return _code(tree), imported
+
+
+def _code(tree: ast.Module) -> str:
+    """What is done, and what is not said about it."""
+    kept = [node for node in tree.body if not _named(node)]
+    for node in ast.walk(tree):
+        if isinstance(node, (ast.Module, ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
+            first = node.body[0] if node.body else None
+            if isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant):
+                first.value.value = ""
+    return "\n".join(map(ast.unparse, kept))
+
+
+def _named(node: ast.stmt) -> bool:
+    """Whether it is what a bench says of its cases and faults."""
+    return isinstance(node, ast.Assign) and any(
+        isinstance(target, ast.Name) and target.id in NAMES for target in node.targets
+    )

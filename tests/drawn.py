@@ -1,0 +1,117 @@
+"""Scenes drawn at random over what a scene may choose, with small random networks."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+
+from golden.activation.schemes import SCHEMES
+from golden.networks.designs import DESIGNS
+from golden.scene import Scene
+from golden.sensing.converter_parts import PARTS
+from golden.window import Window
+from tb.common.cases import FRONT_END, VISUALISATION, Case
+
+# Weights from tiny to the limits of what a network may hold.
+SPREADS = (0.001, 0.05, 0.5, 1.0, 4.0, 20.0, 100.0)
+ACTIVATION_OPTIONS = {
+    "pade": ["{}", "{ rho = 1.5, iterations = 3 }", "{ rho = 1.5, iterations = 11 }"],
+    "precise": ["{}", '{ coefficients = "block_ram" }'],
+    "bipartite": ["{}", '{ memory = "logic" }'],
+}
+
+
+def drawn_scene(seed: int, folder: Path, large: bool) -> Scene:
+    """The first of the cases of a seed that a scene can be; others are refused by name.
+
+    ``large`` draws of networks to 8:24:6, which take longer; else they have to 3 inputs and 4
+    hidden nodes.
+    """
+    rng = np.random.default_rng(seed)
+    while True:
+        case = drawn_case(rng, large)
+        with suppress(ValueError, RuntimeError):
+            scene = case.scene(folder, f"drawn{seed}")
+            scene.twin()
+            return scene
+
+
+def drawn_case(rng: np.random.Generator, large: bool) -> Case:
+    """A case of any design, arrangement, activation, precision and surroundings."""
+    design = str(rng.choice([*DESIGNS]))
+    kind = DESIGNS[design]
+    arrangement = str(rng.choice(kind.arrangements))
+    activation = str(rng.choice(kind.known_activations or [*SCHEMES]))
+    shown = bool(rng.random() < 0.3)
+    shapes = drawn_shapes(rng, arrangement, large, shown)
+    surroundings, clock = drawn_surroundings(rng, shown)
+    inputs = shapes[0][0]
+    window = None
+    if rng.random() < 0.2:
+        window = Window(((0, 2),) * (inputs // 2) + ((0,),) * (inputs % 2))
+    return Case(
+        shapes,
+        str(rng.choice(kind.precisions)),
+        spread=float(rng.choice(SPREADS)),
+        activation=activation,
+        options=str(rng.choice(ACTIVATION_OPTIONS.get(activation, ["{}"]))),
+        arrangement=arrangement,
+        seed=int(rng.integers(1000)),
+        design=design,
+        sections=surroundings,
+        interface="axi_stream" if not surroundings and rng.random() < 0.3 else "stream",
+        hardware="\n".join([*drawn_hardware(rng, design), *clock]),
+        window=window,
+    )
+
+
+def drawn_shapes(
+    rng: np.random.Generator, arrangement: str, large: bool, shown: bool
+) -> list[tuple[int, int, int]]:
+    """Inputs, hidden nodes and outputs of each network; a profile takes four outputs."""
+    most = 9 if large else 4
+    inputs = int(rng.integers(1, most))
+    hidden = rng.choice([1, 2, 3, 4, 6, 9, 24][:most], 4).tolist()
+    outputs = 4 if shown else int(rng.integers(1, 7))
+    count = 4 if shown else int(rng.integers(2, 5))
+    return {
+        "single": [(inputs, hidden[0], outputs)],
+        "multiple": [(inputs, nodes, 1) for nodes in hidden[:count]],
+        "cascade": [(inputs + i, nodes, 1) for i, nodes in enumerate(hidden[:count])],
+    }[arrangement]
+
+
+def drawn_hardware(rng: np.random.Generator, design: str) -> list[str]:
+    """Keys of a design's own."""
+    lines = []
+    if design == "adder_graph" and rng.random() < 0.5:
+        lines.append(f"adders_per_clock = {rng.integers(1, 4)}")
+    if design == "engine":
+        for key, values in (
+            ("segment_width", [6, 7, 8]),
+            ("pipeline", ['"deep"', '"short"']),
+            ("multiplier", ['"serial"', '"dsp"']),
+            ("reload", ["true"]),
+        ):
+            if rng.random() < 0.3:
+                lines.append(f"{key} = {rng.choice(values)}")
+    return lines
+
+
+def drawn_surroundings(rng: np.random.Generator, shown: bool) -> tuple[str, list[str]]:
+    """Sections around the networks, and the clock that they need."""
+    sections = VISUALISATION + "stop = 0.9\nstep = 0.3\n" if shown else ""
+    around = str(rng.choice(["nothing", "scan", "converter", "line"], p=[0.55, 0.15, 0.15, 0.15]))
+    if around == "nothing":
+        return sections, []
+    if around == "scan":
+        return f"{sections}{FRONT_END}counter_width = {rng.integers(4, 14)}\n", []
+    if shown and rng.random() < 0.5:
+        sections += 'analogue = "pulse_density"\n'
+    sections += f'{FRONT_END}converter = "{rng.choice([*PARTS])}"\n'
+    sections += f"counter_width = {rng.integers(7, 13)}\n"
+    if around == "line":
+        sections += "\n[uart]\n" + str(rng.choice(["", "baud = 57_600\n"]))
+    return sections, [f"clock_mhz = {rng.choice([4.0, 5.0, 12.0])}"]
