@@ -32,7 +32,7 @@ RECORDED = {
     "convergence": (convergence,),
     "sensors_dropped": (sensors_dropped, sensors_needed),
     "hidden_nodes": (sensors_dropped, sensors_needed),
-    "outside": (outside, smooth_map, trained_on),
+    "outside": (outside, honest, smooth_map, trained_on),
     "stability": (stability,),
 }
 # With run times in every report.
