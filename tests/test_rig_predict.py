@@ -209,6 +209,18 @@ def test_sensors_and_outputs_that_never_move_do_no_harm() -> None:
     assert known.distances(readings[:1], states[:1])[0] < 1 < known.distances(moved, states[:1])[0]
 
 
+def test_rounding_to_codes_alone_is_not_outside() -> None:
+    """Of readings that a plane explains to the last bit nothing else is left."""
+    states = drawn(60, 1)
+    step, readings = 1e-3, states @ np.array([[1.0, 0.5, 0.0], [0.0, 0.5, 1.0]])
+    parts = readings[:30], states[:30], readings[30:], states[30:]
+    ends = states.min(axis=0), states.max(axis=0)
+    known = learnt(("a", "b"), *parts, np.full(3, step / np.sqrt(12)), ends)
+    rounded = np.round(readings / step) * step
+    assert known.distances(rounded, states).max() < 1
+    assert known.distances(rounded + np.array([0, 10 * step, 0]), states).min() > 1
+
+
 def test_stretches_are_counted() -> None:
     assert stretches_of(np.array([7, 3, 4, 5, 9, 8])) == 2
     assert stretches_of(np.array([1])) == 1

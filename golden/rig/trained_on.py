@@ -130,6 +130,8 @@ def learnt(
     whitening: Real = np.linalg.inv(np.linalg.cholesky(second))
     held = np.sort(_lengths(residual, whitening))
     limit = held[min(count, math.ceil((1 - FALSE_ALARMS) * (count + 1))) - 1]
+    # Where the map leaves nothing, no farther than rounding to codes alone may be.
+    limit = max(limit, math.sqrt(3) * np.linalg.norm(whitening * least))
     known_by = count if stretches is None else stretches
     return TrainedOn(outputs, low, high, states, whitening, float(limit), count, known_by)
 
