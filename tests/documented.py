@@ -37,6 +37,7 @@ STAND_INS = {
     ("BLOCK", "relu"): "precise",
     ("BLOCK", "rowwise"): "hybrid",
     ("TESTS", "tests/test_relu.py"): "tests/test_precise.py",
+    ("LABELS", "placements.csv"): "labels.csv",
     ("CSV", "path/to/readings.csv"): "tutorial/readings.csv",
     ("CSV", "path/to/new.csv"): "tutorial/new.csv",
     ("CSV", "all.csv"): "new.csv",
@@ -133,5 +134,6 @@ def lay_out(folder: Path) -> None:
     outputs = ["load", "position", "width", "shape"]
     table = read_table(ROOT / "golden" / "data" / "appendix2.csv", sensors + outputs)
     write_table(folder / "placements.csv", sensors + outputs, table, 4)
+    write_table(folder / "labels.csv", outputs, table[:, 4:], 4)
     write_table(folder / "readings.csv", [*sensors, *outputs[:2]], table[:, :6], 4)
     write_table(folder / "new.csv", sensors, np.asarray(table[:, :4]), 4)

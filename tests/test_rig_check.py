@@ -26,7 +26,7 @@ NAMES = ["x0", "x1", "x2", "y0", "y1"]
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
     """A cascade of two networks on the engine, trained, nothing wrong with it."""
-    mlps = [random_mlp((3 + i, 4, 1), 0.5, i) for i in range(2)]
+    mlps = [random_mlp((3 + i, 4, 1), 0.5, i + 1) for i in range(2)]
     path = write_scene(
         tmp_path, "rig", "exact", mlps, "cascade", "precise", "{}", rows=60, design="engine"
     )
