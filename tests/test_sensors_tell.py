@@ -50,6 +50,13 @@ def test_a_channel_of_noise_is_named_and_no_other(tmp_path: Path, seed: int) -> 
     assert f"take it out of data.sensors in {scene.path}" in warned["dead"]
 
 
+def test_the_page_shows_what_is_said_of_it(tmp_path: Path) -> None:
+    scene = rail(tmp_path, s6=noise(1))
+    (said,) = [str(finding) for finding in findings(scene) if finding.subject == "s6"]
+    page = (ROOT / "docs" / "tutorial.md").read_text(encoding="utf-8")
+    assert f"\n{said.replace(str(scene.path), 'path/to/rig.toml')}\n" in page
+
+
 def with_noise(scene: Scene, seed: int) -> Telling:
     recording = recording_of(scene)
     more = Recording(
