@@ -19,7 +19,7 @@ from golden.files import check_writable
 from golden.network_files.network_file import check_targets, write_network
 from golden.networks.mlp import Mlp
 from golden.precision import SIGNAL
-from golden.rig import readings
+from golden.rig import readings, sensors_tell
 from golden.rig.csv_file import read_csv_file
 from golden.rig.finding import FAULT, NOTE, OK, WARNING, Finding, fault, faults, told
 from golden.scene import Scene, scene_names
@@ -44,9 +44,11 @@ def everything(scene: Scene, build: Path) -> list[Finding]:
     """Everything about a scene but the tools."""
     networks = networks_there(scene)
     missing = any(finding.verdict != OK for finding in networks)
+    shown = data(scene)
     return _once(
         Finding(OK, str(scene.path), _summary(scene)),
-        *data(scene),
+        *shown,
+        *([] if faults(shown) else sensors_tell.findings(scaled(scene))),
         *networks_writable(scene),
         *networks,
         *build_writable(scene, build),
