@@ -12,10 +12,10 @@ from pathlib import Path
 
 from golden.progress import stage
 
-# Colours and bars are for a terminal that pip does not always have. Pip compiles on one core what is
-# compiled here on all of them.
+# Colours and bars are for a terminal that pip does not always have.
 PIP = ("-m", "pip", "--disable-pip-version-check", "--no-color", "install", "--progress-bar=off")
-PIP += ("--no-compile", "-e", ".[dev]")
+# Pip compiles on one core what is compiled here on all of them.
+WHAT = ("--no-compile", "-e", ".[dev]")
 COMPILE = ("-m", "compileall", "-qq", "-j", "0")
 
 
@@ -27,7 +27,7 @@ def main() -> int:
         return made.returncode
     with stage(f"installing into {venv} what pyproject.toml names"):
         python = str(Path(venv) / "bin" / "python")
-        installed = subprocess.run([python, *PIP], check=False).returncode
+        installed = subprocess.run([python, *PIP, *WHAT], check=False).returncode
         if installed == 0:
             # Of some packages a file is for another Python, and nobody imports it.
             subprocess.run([python, *COMPILE, str(Path(venv) / "lib")], check=False)
