@@ -72,6 +72,7 @@ TABLES: dict[str, Callable[[int], Table]] = {
     "bound_along": bounds.bound_along,
     "gauge_places": gauges.gauge_places,
     "recalibration": recalibration.recalibration,
+    "recalibration_noise": recalibration.recalibration_noise,
     "plate": physics.plate,
     "swing": physics.swing,
     "swing_damping": physics.swing_damping,
