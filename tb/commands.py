@@ -227,8 +227,16 @@ COMMANDS = (
     Command(
         "recalibrate",
         "Finds gain and offset of each sensor from readings at known placements, and writes a "
-        "corrected copy of the scene; without CSV= it prints the placements that tell most.",
-        (SCENE, word("CSV", "placements.csv", default=""), word("TO", "folder", default="")),
+        "corrected copy of the scene where that surely helps; without CSV= it prints the "
+        "placements that tell most. NOISE= is that of a reading, DRIFT= the gain and the offset "
+        "that are expected.",
+        (
+            SCENE,
+            word("CSV", "placements.csv", default=""),
+            word("TO", "folder", default=""),
+            option("NOISE", "0.002"),
+            option("DRIFT", "0.05,0.02"),
+        ),
         "golden.recalibration",
     ),
     Command(
