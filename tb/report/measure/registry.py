@@ -73,11 +73,8 @@ TABLES: dict[str, Callable[[int], Table]] = {
     "bound_along": bounds.bound_along,
     "gauge_places": gauges.gauge_places,
     "recalibration": recalibration.recalibration,
-<<<<<<< HEAD
     "outside": outside.outside,
-=======
     "recalibration_noise": recalibration.recalibration_noise,
->>>>>>> recal
     "plate": physics.plate,
     "swing": physics.swing,
     "swing_damping": physics.swing_damping,
