@@ -91,9 +91,7 @@ ready:
 	{ $(call install,$$missing); } || exit 2; \
 	"$$PYTHON" -c "import sys; sys.exit(not (3, 11) <= sys.version_info[:2] < (3, 14))" || \
 		{ echo "error: $$PYTHON is $$("$$PYTHON" -V), expected Python 3.11 to 3.13; set PYTHON=" >&2; exit 2; }; \
-	printf 'setting up %s\n' "$$VENV"; \
-	"$$PYTHON" -m venv -- "$$VENV"; \
-	$(RUN) -m pip install --quiet --disable-pip-version-check -e ".[dev]"; \
+	"$$PYTHON" -m tb.set_up "$$VENV"; \
 	missing=; \
 	test -n "$$($(RUN) -m find_libpython)" || \
 		missing="libpython$$($(RUN) -c 'import sys; print("%d.%d" % sys.version_info[:2])')"; \
@@ -108,7 +106,7 @@ if [ -n "$(1)" ]; then \
 	command -v apt-get >/dev/null || \
 		{ echo "error: not installed:$(1); install with your system's package manager" >&2; exit 2; }; \
 	echo "installing$(1)"; \
-	$$as apt-get update -qq && \
-	$$as env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $(1) >/dev/null; \
+	$$as apt-get update -q && \
+	$$as env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends $(1); \
 fi
 endef

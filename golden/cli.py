@@ -16,6 +16,8 @@ from contextlib import contextmanager, suppress
 DISK = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS}
 # Of random numbers, for every generator there is.
 MOST_SEED = (1 << 32) - 1
+# Between the complaints of one exception: each is printed as an error of its own.
+BETWEEN = "\nerror: "
 ROOMS = ("golden", "hdl", "tb", "__main__")
 REPORT = (
     "This is a fault in tactus and not in what it was given. Please report the lines above, with "

@@ -112,11 +112,19 @@ class Command:
         return " ".join(["make", self.name, *(argument.usage for argument in ordered)])
 
     def words(self, given: Mapping[str, str]) -> list[str]:
-        """What follows ``python`` where the variables ``given`` are given."""
-        found = ["-m", self.module]
+        """What follows ``python`` where the variables ``given`` are given.
+
+        A word that looks like an option is still the word that was given: then ``--`` stands
+        between the options and the words.
+        """
+        options: list[str] = []
+        words: list[str] = []
         for argument in self.arguments:
-            found += argument.words(given)
-        return [*found, *self.last]
+            (options if argument.option else words).extend(argument.words(given))
+        words += self.last
+        if any(word.startswith("-") for word in words):
+            words.insert(0, "--")
+        return ["-m", self.module, *options, *words]
 
 
 SCENE = word("SCENE", default="digit")
@@ -219,8 +227,16 @@ COMMANDS = (
     Command(
         "recalibrate",
         "Finds gain and offset of each sensor from readings at known placements, and writes a "
-        "corrected copy of the scene; without CSV= it prints the placements that tell most.",
-        (SCENE, word("CSV", "placements.csv", default=""), word("TO", "folder", default="")),
+        "corrected copy of the scene where that surely helps; without CSV= it prints the "
+        "placements that tell most. NOISE= is that of a reading, DRIFT= the gain and the offset "
+        "that are expected.",
+        (
+            SCENE,
+            word("CSV", "placements.csv", default=""),
+            word("TO", "folder", default=""),
+            option("NOISE", "0.002"),
+            option("DRIFT", "0.05,0.02"),
+        ),
         "golden.recalibration",
     ),
     Command(

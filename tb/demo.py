@@ -30,6 +30,7 @@ from golden.errors import (
 )
 from golden.machine import closing
 from golden.metrics import millimetres
+from golden.progress import stage
 from golden.scene import DEFAULT_SCENES, Scene, thesis_figures
 from golden.scene.ranges import ranges
 from golden.scene.vectors import warn_outside
@@ -171,7 +172,8 @@ def main() -> int:
     arguments = parser.parse_args()
     started = time.perf_counter()
     names = DEFAULT_SCENES if arguments.scene is None else (arguments.scene,)
-    scenes = [ready_scene(name) for name in names]
+    with stage(f"demo: reading {' and '.join(names)}"):
+        scenes = [ready_scene(name) for name in names]
     would(f"simulate, export and report {' and '.join(scene.name for scene in scenes)}")
     results = {}
     for scene in scenes:
@@ -181,11 +183,14 @@ def main() -> int:
     if any(found["failed"] for found in results.values()):
         return 1
     for scene in scenes:
-        print(report(scene, results[scene.name]))
+        with stage(f"{scene.name}: measuring errors and speed"):
+            text = report(scene, results[scene.name])
+        print(text)
         for simulator in SIMULATORS:
             print(f"{language(simulator):8} in build/{scene.name}/{language(simulator)}")
         # What is the project's own takes longer than all else, and would be the same in each.
-        build_report(scene, arguments.full, own=len(scenes) == 1)
+        with stage(f"{scene.name}: writing the report"):
+            build_report(scene, arguments.full, own=len(scenes) == 1)
     if len(scenes) > 1:
         if not arguments.full:
             print("the project's own tables: make report, or FULL=1")

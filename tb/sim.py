@@ -12,9 +12,9 @@ import sys
 
 from golden.block import walk
 from golden.cli import MOST_SEED, CommandError, run, whole, would
-from golden.progress import Progress
+from golden.progress import Progress, stage
 from tb.common.kept import run_and_keep
-from tb.common.runner import FRAMES, SEED, Outcome, plan, run_jobs, tell
+from tb.common.runner import FRAMES, SEED, Job, Outcome, plan, run_jobs, tell
 from tb.common.tools import SIMULATORS, check_simulator
 from tb.common.where import places
 from tb.sign_off.netlist import CELLS, NETLISTS_RUN_IN, chosen, mapped, on_cells_of
@@ -60,24 +60,29 @@ def main() -> int:
         entities = {p.entity for p in walk(design) if arguments.block in (None, p.block)}
         count += len(mapped(design, entities, families or simulators))
     would(f"export, then run {count} benches on {', '.join(families or simulators)}")
-    jobs = []
+    jobs: list[Job] = []
     for place in found:
-        planned = plan(
-            place.scene,
-            simulators,
-            arguments.block,
-            arguments.seed,
-            arguments.waves,
-            frames=arguments.frames,
-        )
-        jobs += on_cells_of(place.scene.twin(), planned, families) if families else planned
+        with stage(f"{place.scene.name}: exporting, and compiling"):
+            planned = plan(
+                place.scene,
+                simulators,
+                arguments.block,
+                arguments.seed,
+                arguments.waves,
+                frames=arguments.frames,
+            )
+            jobs += on_cells_of(place.scene.twin(), planned, families) if families else planned
     with Progress("simulating", len(jobs), "benches") as progress:
 
         def listen(outcome: Outcome) -> None:
             tell(outcome, progress.say)
             progress.step()
 
-        outcomes = run_jobs(jobs, listen, work=run_and_keep)
+        def work(job: Job) -> Outcome:
+            with progress.running(f"{job.entity} on {job.runs_on}"):
+                return run_and_keep(job)
+
+        outcomes = run_jobs(jobs, listen, work=work)
     if arguments.waves:
         for outcome in outcomes:
             for wave in sorted(outcome.job.folder.rglob("*.[fg][sh][tw]")):

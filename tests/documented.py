@@ -37,6 +37,7 @@ STAND_INS = {
     ("BLOCK", "relu"): "precise",
     ("BLOCK", "rowwise"): "hybrid",
     ("TESTS", "tests/test_relu.py"): "tests/test_precise.py",
+    ("LABELS", "placements.csv"): "labels.csv",
     ("CSV", "path/to/readings.csv"): "tutorial/readings.csv",
     ("CSV", "path/to/new.csv"): "tutorial/new.csv",
     ("CSV", "all.csv"): "new.csv",
@@ -132,6 +133,9 @@ def lay_out(folder: Path) -> None:
     sensors = [f"sensor{n}" for n in range(1, 5)]
     outputs = ["load", "position", "width", "shape"]
     table = read_table(ROOT / "golden" / "data" / "appendix2.csv", sensors + outputs)
-    write_table(folder / "placements.csv", sensors + outputs, table, 4)
+    # Of sensors that have drifted: of others nothing is written.
+    drifted = table * [0.95, 1, 0.95, 1, 1, 1, 1, 1]
+    write_table(folder / "placements.csv", sensors + outputs, drifted, 4)
+    write_table(folder / "labels.csv", outputs, table[:, 4:], 4)
     write_table(folder / "readings.csv", [*sensors, *outputs[:2]], table[:, :6], 4)
     write_table(folder / "new.csv", sensors, np.asarray(table[:, :4]), 4)

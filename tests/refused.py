@@ -63,16 +63,16 @@ class Desk:
             line for line in said.splitlines(keepends=True) if not line.startswith("warning: ")
         )
 
-    def refuses(self, command: str, *words: str, says: str = "") -> None:
-        """A command refuses in one line, in which ``says`` stands, and leaves the folder as it was.
+    def refuses(self, command: str, *words: str, says: str = "", faults: int = 1) -> None:
+        """A command refuses, and leaves the folder as it was: a line for each fault.
 
-        Of ``says``, ``.*`` is any text.
+        ``says`` stands in the first; of it, ``.*`` is any text.
         """
         before = fingerprint([self.folder])
         code, said = self.call(command, *words)
         assert "Traceback" not in said, said
         assert code == 2, said
         lines = [line for line in said.splitlines() if not line.startswith("usage: ")]
-        assert len(lines) == 1, said
+        assert len(lines) == faults, said
         assert re.search(re.escape(says).replace(r"\.\*", ".*"), lines[0]), lines[0]
         assert fingerprint([self.folder]) == before

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from refused import COMMANDS, Desk
 
+from tb.commands import BY_NAME
 from tb.common.cases import random_mlp, write_scene
 from tb.common.runner import BUILD
 
@@ -151,7 +152,7 @@ def crowded(desk: Desk) -> Desk:
 
 @pytest.mark.parametrize(("name", "message"), NAMES.items(), ids=lambda text: ascii(text)[:30])
 def test_a_name_is_refused(crowded: Desk, name: str, message: str) -> None:
-    crowded.refuses("listing", name, says=message)
+    crowded.refuses("listing", name, says=message, faults=7 if name == "empty.toml" else 1)
 
 
 @pytest.mark.parametrize("command", SCENES)
@@ -179,6 +180,28 @@ def test_every_command_refuses_a_scene(desk: Desk, command: str) -> None:
 def test_an_argument_is_refused(desk: Desk, words: str, message: str) -> None:
     command, *others = shlex.split(words)
     desk.refuses(command, "mine.toml", *others, says=message)
+
+
+@pytest.mark.parametrize("scene", ["swing-window", "swing-window-cascade"])
+def test_what_keeps_the_past_is_no_part_of_an_image(desk: Desk, scene: str) -> None:
+    says = f"{scene}.toml: data.window: got past samples, expected none for an image"
+    desk.refuses("image", scene, "--hardware=digit-reload", says=says)
+
+
+@pytest.mark.parametrize("name", ["--help-me", "--help", "-h", "--full", "--"])
+@pytest.mark.parametrize("command", [c for c in COMMANDS if c not in ("scene", "figures")])
+def test_a_scene_like_an_option_is_a_scene(desk: Desk, command: str, name: str) -> None:
+    """As make calls it, with what it needs beside the scene."""
+    known = BY_NAME[command]
+    given = {argument.name: argument.example for argument in known.arguments if argument.needed}
+    words = known.words(given | {"SCENE": name})[2:]
+    code, said = desk.call(command, *words[: len(words) - len(known.last)])
+    assert code == 2
+    if command == "check":
+        assert said == f"error: {name}: 1 fault, told above\n"
+    else:
+        assert said.startswith(f"error: scene {name!r}: no such scene, expected a path to a ")
+        assert said.count("\n") == 1
 
 
 def test_a_table_is_refused(desk: Desk) -> None:

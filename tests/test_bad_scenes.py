@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from refused import Desk
+
+from golden.rig.finding import faults
+from tb.check import check
 
 LONG = "1" * 400
 TEXT = "expected text"
@@ -103,6 +108,7 @@ TABLE: dict[str, dict[str, str]] = {
         'design = "hybrid"\npipeline = "deep"': "hardware.pipeline: got 'deep' with design",
         'design = "hybrid"\nsegment_width = 7': "hardware.segment_width: got 7 with design",
         'design = "hybrid"\nclocks = 5': "hardware.clocks: got 5 with design 'hybrid', expected",
+        'design = "hybrid"\nclocks = 0': f"hardware.clocks: got 0, {NUMBER} above 0, or no such",
         'design = "hybrid"\nreload = true': "hardware.reload: got True with design 'hybrid'",
         'design = "hybrid"\nreload = "yes"': "hardware.reload: got 'yes', expected true or false",
         'design = "hybrid"\nprogram_words = 8': "hardware.program_words: got 8 without reload",
@@ -176,7 +182,11 @@ TABLE: dict[str, dict[str, str]] = {
         "[front_end]\nsample_at = 0\n[training]": "front_end.sample_at: got 0.0, expected above",
         "[front_end]\nsample_at = nan\n[training]": "front_end.sample_at: got nan, expected above",
         "[front_end]\nsample_at = 1e-9\n[training]": "front_end: scan_sequencer: got sample_",
-        "[visualisation]\n[training]": "visualisation.load: got 'load', expected one of the out",
+        "[front_end]\nreference = 5\n[training]": "front_end.reference: got 5 without a converter",
+        "[front_end]\nreference = -1\n[training]": f"front_end.reference: got -1, {NUMBER} above",
+        "[front_end]\nreference = 0\n[training]": f"front_end.reference: got 0, {NUMBER} above 0",
+        "[front_end]\nreference = inf\n[training]": f"reference: got inf, {NUMBER} above 0",
+        '[front_end]\nreference = "5"\n[training]': f"front_end.reference: got '5', {NUMBER}",
         "[visualisation]\nload = 5\n[training]": f"visualisation.load: got 5, {TEXT}",
         "[data]\n[training]": "not TOML: Cannot declare",
         "x\n[training]": "not TOML: Expected '=' after a key",
@@ -194,6 +204,12 @@ ENGINE: dict[str, str] = {
     "segment_width = -1": "segment_width: got -1, expected one of 7, 8, 9",
     "segment_width = 1000000000000": "segment_width: got 1000000000000, expected one of 7, 8, 9",
     "clocks = 1": "hardware.clocks: got 1, expected 53 or more, which multiplier 'dsp' takes",
+    **{
+        f"{key} = 0": f"hardware.{key}: got 0, expected a number above 0, or no such key"
+        for key in ("clocks", "segment_width", "adders_per_clock")
+    },
+    "reload = true\nprogram_words = 0": "hardware.program_words: got 0, expected a number above 0",
+    "reload = true\noperand_words = 0": "hardware.operand_words: got 0, expected a number above 0",
     "clocks = -1": "hardware.clocks: got -1, expected 53 or more",
     'pipeline = "deep"\nmultiplier = "serial"': "hardware.pipeline: got 'deep' with multiplier",
     "[front_end]\ncounter_width = 3": "front_end: instrument: got counter_width=3, a scan of 8",
@@ -205,6 +221,54 @@ ROWS = [(old, new, message) for old, rows in TABLE.items() for new, message in r
 def test_a_key_is_refused(desk: Desk, old: str, new: str, message: str) -> None:
     desk.edit(old, new)
     desk.refuses("bench", "mine.toml", says=message)
+
+
+# Of an empty file.
+MISSING = [
+    *("data.sensors: missing, expected a list", "data.outputs: missing, expected a list"),
+    *(f"{key}: missing, {TEXT}" for key in ("network.arrangement", "network.weights")),
+    *(f"{key}: missing, {TEXT}" for key in ("hardware.design", "hardware.precision")),
+    "data.file: missing, expected text, the name of a file",
+]
+SECTIONS = "[visualisation]\nload = 'y0'\nposition = 'y1'\n[uart]\nbaud = 5\n[front_end]"
+# A section of a board with its keys, and what is said of it at once.
+BOARD = {
+    SECTIONS: [
+        "front_end.converter: got none with a section [uart], expected a part",
+        "visualisation.width: got 'width', expected one of the outputs y0, y1",
+        "visualisation.shape: got 'shape', expected one of the outputs y0, y1",
+        "data.length_mm: got none of 'y1', expected that of the output which is the position",
+    ],
+    "[visualisation]": [
+        f"visualisation.{key}: got {key!r}, expected one of the outputs y0, y1"
+        for key in ("load", "position", "width", "shape")
+    ],
+    '[front_end]\nconverter = "mcp3208"\nsample_at = 2\n[uart]\nbaud = 99_000_000': [
+        "front_end.sample_at: got 2.0, expected above 0 and below 1",
+        "uart.baud: got 99000000, expected 1 to",
+    ],
+}
+
+
+def test_every_key_that_is_missing_is_named(desk: Desk) -> None:
+    (desk.folder / "mine.toml").write_text("")
+    said = desk.call("bench", "mine.toml")[1].splitlines()
+    assert len(said) == len(MISSING)
+    for line, message in zip(said, MISSING, strict=True):
+        assert f"error: mine.toml: {message}" in line
+
+
+@pytest.mark.parametrize(("keys", "messages"), BOARD.items(), ids=["all", "drawn", "line"])
+def test_the_faults_of_a_boards_scene_are_told_at_once(
+    desk: Desk, keys: str, messages: list[str]
+) -> None:
+    desk.edit("[training]", f"{keys}\n\n[training]")
+    desk.refuses("bench", "mine.toml", says=messages[0], faults=len(messages))
+    said = desk.call("bench", "mine.toml")[1].splitlines()
+    for line, message in zip(said, messages, strict=True):
+        assert f"error: mine.toml: {message}" in line
+    told = faults(check("mine.toml", Path("build")))
+    assert [f"error: {text}" for text in told] == said
 
 
 @pytest.mark.parametrize(("keys", "message"), ENGINE.items(), ids=lambda text: text[:40])

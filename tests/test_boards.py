@@ -6,7 +6,9 @@ import hashlib
 import json
 import re
 import subprocess
-from dataclasses import replace
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -18,10 +20,10 @@ from shared import Shared
 
 from golden.boards import Board, board_names, load_board
 from golden.boards.board import FOLDER
-from golden.cli import CommandError
+from golden.cli import BETWEEN, CommandError
 from golden.scene import Scene, load_scene
 from hdl.boards import bitstream
-from hdl.boards.bitstream import Report, build, sources
+from hdl.boards.bitstream import Report, Sources, build, sources
 from hdl.boards.families import FAMILIES, ice40_netlist
 from hdl.boards.pll import clock_for
 from hdl.boards.record import read_record, record_path, state
@@ -79,6 +81,10 @@ def test_a_board_of_a_user_is_a_file(tmp_path: Path) -> None:
         ('"ecp5"', '"ecp6"', "device.family: got 'ecp6', expected one of ecp5, ice40.*'ecp5'"),
         ('"LFE5U-45F"', '"LFE5U-45"', "device.names: got 'LFE5U-45', expected of LFE5U-12F"),
         ("speed = 6", 'speed = "6"', "device.speed: got '6', expected a whole number"),
+        ("speed = 6", "speed = 99", "device.speed: got 99 for LFE5U-.*, expected 6 or 7 or 8"),
+        ("speed = 6", "speed = 0", "device.speed: got 0 for LFE5U-.*, expected 6 or 7 or 8"),
+        ("speed = 6", "speed = -6", "device.speed: got -6 for LFE5U-.*, expected 6 or 7 or 8"),
+        ('"LFE5U-45F"', '"LFE5UM5G-45F"', "device.speed: got 6 for LFE5UM5G-45F, expected 8"),
         ('"CABGA381"', '"CABGA 381"', "device: package: got 'CABGA 381', expected text of let"),
         ("mhz = 25.0", "mhz = 0", "clock.mhz: got 0.0, expected above 0"),
         ("[clock]", "[clocks]", "key 'clocks' is not known"),
@@ -100,6 +106,14 @@ def test_a_board_that_cannot_be_is_refused(
     path = tmp_path / "mine.toml"
     path.write_text(text.replace(old, new, 1))
     with pytest.raises(ValueError, match=rf"^{re.escape(str(path))}: {message}"):
+        load_board(str(path))
+
+
+def test_a_family_without_speed_grades_gets_none(tmp_path: Path) -> None:
+    text = (FOLDER / "icebreaker.toml").read_text()
+    path = tmp_path / "mine.toml"
+    path.write_text(text.replace("[device]\n", "[device]\nspeed = 6\n", 1))
+    with pytest.raises(ValueError, match=r"mine.toml: device.speed: got 6 .*, expected no such ke"):
         load_board(str(path))
 
 
@@ -207,6 +221,14 @@ def test_a_scene_without_what_a_board_needs_is_refused(tmp_path: Path) -> None:
         scene = scene_with(tmp_path, 25.0, sections)
         with pytest.raises(CommandError, match=rf"tiny\.toml: {message}"):
             sources(scene, scene.twin(), board)
+    # All of it at once, the clock too, which no PLL makes.
+    scene = scene_with(tmp_path, 3.0, "")
+    with pytest.raises(CommandError) as refused:
+        sources(scene, scene.twin(), board)
+    first, second, third = str(refused.value).split(BETWEEN)
+    assert "front_end.converter: got none" in first
+    assert "uart: got none" in second
+    assert "hardware.clock_mhz: got 3, no PLL" in third
     scene = scene_with(tmp_path, 25.0)
     pins = {name: pin for name, pin in board.pins.items() if name != "tx"}
     with pytest.raises(CommandError, match=r"ulx3s\.toml: pins.tx: missing, expected a pin"):
@@ -232,7 +254,7 @@ def test_the_command(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
     """A bitstream, from the store the second time; one that is too slow, or does not fit."""
     scene_with(desk.folder, 12.0)
     desk.refuses("bitstream", "tiny.toml", "icebraker", says="'icebraker'.*'icebreaker'?")
-    desk.refuses("bitstream", "mine.toml", "ulx3s", says="front_end.converter: got none, expected")
+    desk.refuses("bitstream", "mine.toml", "ulx3s", says="converter: got none", faults=2)
     words = ("tiny.toml", "ulx3s", "--device=LFE5U-86F")
     desk.refuses("bitstream", *words, says="DEVICE=LFE5U-86F: .*LFE5U-85F, .*mean 'LFE5U-85F'?")
     assert desk.call("bitstream", "tiny.toml", "icebreaker") == (0, "")
@@ -410,3 +432,33 @@ def test_a_wrong_cell_of_a_board_is_seen(tmp_path: Path) -> None:
         return netlist.replace(f"16'h{names[0]}", f"16'h{int(names[0], 16) ^ 0xFFFF:04x}", 1)
 
     assert play(scene, load_board("icebreaker"), voltages, tmp_path, wrong).differ > 0
+
+
+def test_each_stage_of_a_bitstream_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also that a second placer is tried, where the first does not meet the clock."""
+    board = load_board("ulx3s")
+    told: list[str] = []
+
+    @contextmanager
+    def running(what: str) -> Iterator[None]:
+        told.append(what)
+        yield
+        told.append("ended")
+
+    def packed(_: str, words: list[str], folder: Path) -> str:
+        (folder / words[-1]).write_bytes(b"packed")
+        return ""
+
+    slow = Report(10.0, 25.0, {}, {})
+    monkeypatch.setattr(bitstream, "_placed", lambda *_: slow)
+    monkeypatch.setattr(bitstream, "run_tool", packed)
+    monkeypatch.setattr(
+        bitstream, "stored", lambda work, *_: work(tmp_path) | {"report": asdict(slow)}
+    )
+    family = replace(FAMILIES["ecp5"], synthesise=lambda _: None)
+    monkeypatch.setitem(bitstream.FAMILIES, "ecp5", family)
+    made = Sources("", "", Fraction(25), False)
+    with pytest.raises(CommandError, match="10 MHz reached, 25 MHz needed"):
+        build(tmp_path, made, board, running)
+    stages = ("synthesis", *(f"placing and routing with {p}" for p in family.placers), "packing")
+    assert told == [text for name in stages for text in (name, "ended")]

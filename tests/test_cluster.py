@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+import socket
+import sys
+import threading
+import tomllib
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import pytest
@@ -10,7 +16,9 @@ from test_training import open_search, searched
 
 from golden.cli import CommandError
 from golden.scene import Scene
-from golden.training.__main__ import computed_on
+from golden.training.cluster import EXTRA, computed_on
+
+ROOT = Path(__file__).parents[1]
 
 
 def test_a_dask_cluster_gives_the_same_record(small_scene: Scene, tmp_path: Path) -> None:
@@ -21,11 +29,74 @@ def test_a_dask_cluster_gives_the_same_record(small_scene: Scene, tmp_path: Path
     with cluster, Client(cluster) as client:
         with computed_on(client.scheduler.address):
             there = searched(scene, tmp_path / "there.jsonl", workers=-1)
+        worker = next(iter(client.scheduler_info()["workers"]))
+        message = f"CLUSTER={worker}: no scheduler answers: what answers there is a Worker of Dask"
+        with pytest.raises(CommandError, match=message), computed_on(worker):
+            pass
         executed = client.run(lambda dask_worker: dask_worker.state.executed_count)
     assert there == here
     assert (tmp_path / "there.jsonl").read_bytes() == (tmp_path / "here.jsonl").read_bytes()
     assert len(executed) == 2
     assert sum(executed.values()) > 0, "the cluster computed nothing"
+
+
+@contextmanager
+def listening(answer: Callable[[socket.socket], object]) -> Iterator[str]:
+    """The address of a program that listens and is no scheduler."""
+    server = socket.create_server(("127.0.0.1", 0))
+    taken: list[socket.socket] = []
+
+    def serve() -> None:
+        with suppress(OSError):
+            while True:
+                taken.append(server.accept()[0])
+                answer(taken[-1])
+
+    threading.Thread(target=serve, daemon=True).start()
+    try:
+        yield f"tcp://127.0.0.1:{server.getsockname()[1]}"
+    finally:
+        for one in (server, *taken):
+            one.close()
+
+
+@pytest.mark.parametrize(
+    ("answer", "reason"),
+    [
+        (lambda taken: None, "nothing within 1 s"),
+        (lambda taken: taken.sendall(b"HTTP/1.1 400 Bad Request\r\n\r\n"), "what .* another proto"),
+        (lambda taken: taken.sendall(bytes(4000)), "what answers there speaks another protocol"),
+        (lambda taken: taken.sendall(bytes(range(256))), "what answers there speaks another"),
+        (lambda taken: taken.close(), "(nothing within|Timed out|in <TCP)"),
+    ],
+    ids=["silent", "http", "zeros", "bytes", "closed"],
+)
+def test_what_listens_and_is_no_scheduler_is_refused_in_seconds(
+    answer: Callable[[socket.socket], object], reason: str, capfd: pytest.CaptureFixture
+) -> None:
+    """It waited for seven minutes, or tried to read a message of 3.07 EiB."""
+    with listening(answer) as address:
+        message = f"^CLUSTER={address}: no scheduler answers: {reason}.*; expected the address of a"
+        with pytest.raises(CommandError, match=message) as refused, computed_on(address, 1.0):
+            pass
+        assert "\n" not in str(refused.value)
+    said = capfd.readouterr()
+    assert (said.out, said.err) == (
+        f"CLUSTER={address}: asking for its scheduler, 1 s at most\n",
+        "",
+    )
+
+
+def test_the_extra_that_a_cluster_needs_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    message = rf"CLUSTER=tcp://a:1: Dask is not installed, .* pip install -e '\.\[{EXTRA}\]' in the"
+    with pytest.raises(CommandError, match=message), computed_on("tcp://a:1"):
+        pass
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    assert [need.partition(">")[0] for need in project["optional-dependencies"][EXTRA]] == [
+        "distributed"
+    ]
+    assert not any(need.startswith("distributed") for need in project["dependencies"])
 
 
 def test_a_cluster_that_does_not_answer() -> None:

@@ -134,17 +134,17 @@ def test_a_missing_simulator_is_named_with_its_package(tmp_path: Path) -> None:
         assert f"is not installed; on Debian: apt-get install {package}" in result.stderr
 
 
-INSTALL = "env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends"
+INSTALL = "env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends"
 
 
 @pytest.mark.parametrize(
     ("user", "sudo", "done"),
     [
-        (0, 1, ["apt-get update -qq", f"{INSTALL} ghdl-llvm iverilog"]),
+        (0, 1, ["apt-get update -q", f"{INSTALL} ghdl-llvm iverilog"]),
         (
             1000,
             0,
-            ["sudo -n true", "sudo -n apt-get update -qq", f"sudo -n {INSTALL} ghdl-llvm iverilog"],
+            ["sudo -n true", "sudo -n apt-get update -q", f"sudo -n {INSTALL} ghdl-llvm iverilog"],
         ),
         (1000, 1, ["sudo -n true"]),
     ],
@@ -152,11 +152,12 @@ INSTALL = "env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-instal
 def test_missing_tools_are_installed_or_named(tmp_path: Path, user: int, sudo: int, done) -> None:
     """As root; by sudo that asks no password; by the user, who is told what to run."""
     log = tmp_path / "log"
+    # What apt-get prints is printed: it takes a minute.
     for name, script in {
         "id": f"echo {user}",
         "sudo": f'echo "sudo $@" >> "{log}"; exit {sudo}',
         "apt-get": f'echo "apt-get $@" >> "{log}"',
-        "env": f'echo "env $@" >> "{log}"',
+        "env": f'echo "env $@" >> "{log}"; echo "Setting up ghdl-llvm"',
     }.items():
         (tmp_path / name).write_text(f"#!/bin/sh\n{script}\n")
         (tmp_path / name).chmod(0o755)
@@ -173,6 +174,7 @@ def test_missing_tools_are_installed_or_named(tmp_path: Path, user: int, sudo: i
     else:
         assert result.returncode == 0
         assert "installing ghdl-llvm iverilog" in result.stdout
+        assert sudo == 0 or "Setting up ghdl-llvm" in result.stdout
 
 
 def test_one_bench_by_its_command(tmp_path: Path) -> None:

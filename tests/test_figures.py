@@ -429,6 +429,24 @@ def test_the_recalibrations_of_the_page_are_those_measured(tables) -> None:
             assert shows(text, error, SEARCHED), line
 
 
+def test_corrections_that_would_harm_are_not_written(tables) -> None:
+    """The page shows the figures, and that none that is written harms while others would."""
+    page, rows = section("recalibration", "Where it would do harm"), tables["recalibration_noise"]
+    assert len(rows.rows) == 8
+    for noise, drift, times, *figures in rows.rows:
+        found = cells(page, f"{noise:g}", f"{drift:g}", str(times))
+        for text, figure in zip(found, figures, strict=True):
+            assert shows(text, figure, SEARCHED)
+    names = ("drift %", "times", "written", "of these worse", "worse")
+    for drift, times, written, harmful, would in columns(tables, "recalibration_noise", *names):
+        assert harmful == 0
+        if drift == 0:
+            assert written == 0
+            assert would == 5
+        elif times > 1:
+            assert written == 5
+
+
 def test_more_placements_leave_less_and_chosen_ones_no_more(tables) -> None:
     names = ("placements", "chosen", "noise mV", "mean %")
     rows = {tuple(row[:3]): row[3] for row in columns(tables, "recalibration", *names)}
@@ -437,8 +455,11 @@ def test_more_placements_leave_less_and_chosen_ones_no_more(tables) -> None:
     for noise in (0.0, 2.0):
         for few, many in ((3, 20), (4, 40)):
             assert rows[many, "telling most", noise] < rows[few, "telling most", noise]
-        for count in (3, 4, 6, 8, 10):
-            assert rows[count, "telling most", noise] < rows[count, "at random", noise]
+        few = (3, 4, 6, 8, 10)
+        chosen, drawn = (
+            sum(rows[count, how, noise] for count in few) for how in ("telling most", "at random")
+        )
+        assert chosen < drawn
     assert rows[20, "at random", 0.0] < 1.5 * own
 
 

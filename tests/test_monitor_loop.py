@@ -166,11 +166,12 @@ def test_the_page_as_it_stands_on_the_simulated_hardware(hardware: Scene, tmp_pa
     )
     counted = re.search(r"(\d+) packets, 0 missed, 0 damaged\n", said)
     assert counted
-    assert int(counted[1]) > 3
     mine = load_scene(rig)
     engine = Engine.of_several(mine.arrangement, mine.mlps())
     header, *lines = (tmp_path / "seen.csv").read_text().splitlines()
     assert header == "seconds,packet,computed,flags,sensor1,sensor2,sensor3,sensor4,load,position"
+    # How many there are hangs on the machine's speed.
+    assert len(lines) == int(counted[1]) > 0
     for line in lines:
         *_, flags = line.split(",")[:4]
         values = np.array([float(cell) for cell in line.split(",")[4:]])

@@ -67,15 +67,17 @@ def run_and_read(job: Job) -> str:
     ),
     ids=lambda fault: f"{fault[0]}-{fault[1]}",
 )
-def test_a_bit_of_a_cell_that_is_wrong_turns_the_bench_red(
+def test_a_cell_that_is_wrong_turns_the_bench_red(
     shared: Shared, tmp_path: Path, fault: tuple[str, str, str]
 ) -> None:
+    """All of its bits are inverted: a single one may be of inputs that never come together."""
     block, family, pattern = fault
     job = copied_job(on_cells(shared.subject(block), family), tmp_path)
     file = job.hdl_folder / job.files[0]
 
     def flip(found: re.Match[str]) -> str:
-        return f"{found[1]}{int(found[2], 16) ^ 1:0{len(found[2])}x}"
+        digits = len(found[2])
+        return f"{found[1]}{int(found[2], 16) ^ ((1 << 4 * digits) - 1):0{digits}x}"
 
     text, count = re.subn(pattern, flip, file.read_text(), count=1)
     assert count

@@ -3,10 +3,19 @@
 from __future__ import annotations
 
 import io
+import re
+import subprocess
+import sys
+import threading
+import time
+from contextlib import ExitStack
+from pathlib import Path
 
 import pytest
 
-from golden.progress import PAUSE, Progress, duration
+from golden import progress as module
+from golden.progress import PAUSE, Progress, duration, stage
+from tb import set_up
 
 
 class Terminal(io.StringIO):
@@ -36,9 +45,9 @@ def test_a_line_at_the_beginning_every_few_seconds_and_at_the_end() -> None:
         progress.step()
     assert stream.getvalue().splitlines() == [
         "digit: simulating: 0 of 4 benches",
-        "digit: simulating: 2 of 4 benches, about 6 s left, best 3",
+        "digit: simulating: 2 of 4 benches, about 5 s left, best 3",
         "FAIL",
-        "digit: simulating: 4 of 4 benches in 7 s",
+        "digit: simulating: 4 of 4 benches in 6 s",
     ]
 
 
@@ -62,6 +71,116 @@ def test_an_interrupted_step_leaves_the_terminal_on_a_new_line() -> None:
     with pytest.raises(KeyboardInterrupt), Progress("a", 2, "parts", stream):
         raise KeyboardInterrupt
     assert stream.getvalue().endswith("\n")
+
+
+def test_nothing_is_estimated_before_a_twentieth_is_done() -> None:
+    """The first part takes far longer than the others."""
+    stream, clock = io.StringIO(), Clock()
+    with Progress("load", 72, "candidates", stream, clock) as progress:
+        clock.now += 20
+        for _ in range(5):
+            progress.step("best 3")
+            clock.now += PAUSE
+    assert stream.getvalue().splitlines() == [
+        "load: 0 of 72 candidates",
+        "load: 1 of 72 candidates, 20 s, best 3",
+        "load: 2 of 72 candidates, 24 s, best 3",
+        "load: 3 of 72 candidates, 28 s, best 3",
+        "load: 4 of 72 candidates, about 9 min left, best 3",
+        "load: 5 of 72 candidates, about 8 min left, best 3",
+    ]
+
+
+def test_of_parts_that_differ_nothing_is_estimated_and_each_is_named() -> None:
+    stream, clock = io.StringIO(), Clock()
+    with Progress("digit on a board", 2, "steps", stream, clock, alike=False) as progress:
+        with progress.running("export"):
+            clock.now += 1
+        progress.step()
+        for name in ("synthesis", "packing"):
+            with progress.running(name):
+                clock.now += 100
+        progress.step("packed")
+    assert stream.getvalue().splitlines() == [
+        "digit on a board: 0 of 2 steps",
+        "digit on a board: 0 of 2 steps, running export",
+        "digit on a board: 1 of 2 steps, 1 s, running synthesis",
+        "digit on a board: 1 of 2 steps, 2 min, running packing",
+        "digit on a board: 2 of 2 steps in 3 min, packed",
+    ]
+
+
+def waited_for(stream: io.StringIO, pattern: str) -> None:
+    """Until the stream has such a line; a minute is far more than it takes."""
+    end = time.monotonic() + 60
+    while not re.search(pattern, stream.getvalue(), re.M):
+        assert time.monotonic() < end, stream.getvalue()
+        time.sleep(0.01)
+
+
+@pytest.fixture
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "PAUSE", 0.05)
+    monkeypatch.setattr(module, "BEAT", 0.01)
+
+
+def test_what_runs_is_named_while_nothing_ends(quick: None) -> None:
+    stream = io.StringIO()
+    with Progress("simulating", 5, "benches", stream) as progress:
+        names = ["engine", "top", "a"]
+        with ExitStack() as stack:
+            for name in names:
+                stack.enter_context(progress.running(name))
+            waited_for(stream, r"^simulating: 0 of 5 benches, running engine, top, a$")
+            stack.enter_context(progress.running("b"))
+            waited_for(stream, r", running engine, top, a and 1 more$")
+    assert not [thread for thread in threading.enumerate() if thread.name == "progress"]
+
+
+def test_a_stage_says_that_it_is_still_there(quick: None) -> None:
+    stream = io.StringIO()
+    with stage("digit: exporting", stream):
+        waited_for(stream, r"\Adigit: exporting\n(digit: exporting, 0 s\n)")
+    ended = stream.getvalue()
+    time.sleep(0.2)
+    assert stream.getvalue() == ended
+
+
+def test_nobody_waits_more_than_five_seconds_for_a_line() -> None:
+    assert module.PAUSE + module.BEAT < 5
+
+
+@pytest.mark.parametrize("fault", ["", "venv", "pip"])
+def test_setting_up_prints_what_pip_does(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture, fault: str
+) -> None:
+    """With a Python that installs nothing, but says so."""
+    python = tmp_path / "python"
+    python.write_text(
+        f"""#!/bin/sh
+[ "$2" = "{fault}" ] && exit 3
+if [ "$2" = venv ]; then mkdir -p "$4/bin"; cp "$0" "$4/bin/python"; fi
+if [ "$2" = pip ]; then echo "Collecting numpy ($*)"; fi
+"""
+    )
+    python.chmod(0o755)
+    venv = tmp_path / "my env"
+    monkeypatch.setattr(sys, "executable", str(python))
+    monkeypatch.setattr(sys, "argv", ["set_up", str(venv)])
+    assert set_up.main() == (3 if fault else 0)
+    said = capfd.readouterr().out
+    assert said.startswith(f"setting up {venv}\n")
+    if not fault:
+        assert f"installing into {venv} what pyproject.toml names\nCollecting numpy (" in said
+        assert "--quiet" not in said
+        assert said.endswith("-e .[dev])\n")
+
+
+def test_setting_up_needs_nothing_that_is_not_there_yet() -> None:
+    """A Python with its standard library alone imports it."""
+    root = Path(__file__).parents[1]
+    words = [sys.executable, "-S", "-E", "-c", "import tb.set_up"]
+    subprocess.run(words, cwd=root, check=True)
 
 
 @pytest.mark.parametrize(("seconds", "text"), [(0, "0 s"), (89, "89 s"), (90, "2 min")])

@@ -20,15 +20,21 @@ from tb.check import check, tools
 from tb.common.cases import random_mlp, write_scene
 
 ROOT = Path(__file__).parents[1]
+NAMES = ["x0", "x1", "x2", "y0", "y1"]
 
 
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
     """A cascade of two networks on the engine, trained, nothing wrong with it."""
-    mlps = [random_mlp((3 + i, 4, 1), 0.5, i) for i in range(2)]
-    return write_scene(
+    mlps = [random_mlp((3 + i, 4, 1), 0.5, i + 1) for i in range(2)]
+    path = write_scene(
         tmp_path, "rig", "exact", mlps, "cascade", "precise", "{}", rows=60, design="engine"
     )
+    table = read_table(path.with_suffix(".csv"), NAMES)
+    table[:, 3] = 0.5 + table[:, :3] @ [0.2, -0.1, 0.05]
+    table[:, 4] = 0.5 + table[:, :3] @ [-0.05, 0.1, 0.2]
+    write_table(path.with_suffix(".csv"), NAMES, table, 4)
+    return path
 
 
 def told(path: Path) -> list[Finding]:

@@ -279,6 +279,22 @@ def test_raw_units_are_scaled(tmp_path: Path) -> None:
         assert scaled(scene).vectors().codes.shape == (60, 3)
 
 
+@pytest.mark.parametrize(
+    ("unit", "decimals", "noise"),
+    [(1, 4, 0.002), (1, 2, 0.01), (1000, 4, 0.6), (4095, 0, 2), (300, 0, 1), (1e7, 0, 100)],
+)
+def test_the_noise_that_it_names_is_one_of_such_readings(
+    tmp_path: Path, unit: float, decimals: int, noise: float
+) -> None:
+    """In their unit; not below their last decimal, nor what a scene cannot have."""
+    sensors = {name: (TABLE[name] * unit).round(decimals) for name in ("s1", "s2", "s3")}
+    path = scene_of(tmp_path, **sensors).path
+    text = path.read_text()
+    assert f"\n# noise = {noise:g}\n" in text
+    path.write_text(text.replace("# noise = ", "noise = "))
+    assert load_scene(str(path)).training.disturbance.noise == noise
+
+
 def test_units_are_taken_from_the_names(tmp_path: Path) -> None:
     named = {"load [g]": FORCE, "x (mm)": PLACE, "s4 [m V]": TABLE["s1"] ** 2, "[g]": PLACE**2}
     scene = scene_of(tmp_path, "load [g],x (mm)", **named)

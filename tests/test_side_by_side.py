@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Any
 
 import pytest
 from pages import ROUNDING, shows
 from refused import Desk
 
+from golden.cli import CommandError
 from golden.errors import held_out_means, scene_errors
 from golden.scene import DEFAULT_SCENES, Scene, load_scene, thesis_table
 from hdl.synth.budget import budget_path, read_budget
 from tb import demo
+from tb.common import results
+from tb.common.runner import Job
 from tb.common.tools import SIMULATORS
 from tb.report.measure.clocks import clocks_per_frame
 from tb.report.side_by_side import KINDS, side_by_side
@@ -134,7 +138,27 @@ def test_with_a_scene_it_takes_that_one(desk: Desk, ran: list[tuple[str, bool]])
 
 
 def test_what_is_left_to_full_is_said(scenes: list[Scene]) -> None:
-    between = demo.bench_table(scenes[0], found(scenes[0], recorded=["cascade", "readout"]))
-    assert "Of cascade and readout" in between
+    around = demo.bench_table(scenes[0], found(scenes[0], recorded=["cascade", "readout"]))
+    assert "To cascade and readout" in " ".join(around.split())
     assert "FULL=1" in demo.bench_table(scenes[0], found(scenes[0], left=5))
     assert "FULL=1" not in demo.bench_table(scenes[0], found(scenes[0]))
+
+
+def test_the_demo_says_what_it_does_from_the_start(
+    desk: Desk, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
+) -> None:
+    """Before it reads a scene, and before it exports one."""
+
+    def read(name: str) -> Scene:
+        assert capfd.readouterr().out == "demo: reading mine.toml\n"
+        return load_scene(name)
+
+    def plan(*_: object) -> list[Job]:
+        assert capfd.readouterr().out == "mine: exporting VHDL and Verilog, and compiling\n"
+        raise CommandError("seen")
+
+    monkeypatch.setattr(demo, "ready_scene", read)
+    monkeypatch.setattr(results, "plan", plan)
+    monkeypatch.setattr(sys, "argv", ["demo", "mine.toml"])
+    with pytest.raises(CommandError, match="seen"):
+        demo.main()

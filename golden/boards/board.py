@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from golden.boards.devices import DEVICES
+from golden.boards.devices import DEVICES, speeds_of
 from golden.files import check_file, reading
 from golden.table import refuse_unknown, suggest
 
@@ -103,7 +103,7 @@ class Board:
     devices : tuple of str
     package : str
     speed : int
-        Grade; 0 where the family has none.
+        Grade; 0 where the file names none.
     configuration : dict
         How the device is to be configured, by the name that its pins file has for it.
     clock_pin : str
@@ -190,6 +190,13 @@ def _board(raw: dict[str, Any], path: Path, device: str) -> Board:
             raise ValueError(
                 f"{path}: device.names: got {name!r}, expected of {', '.join(DEVICES[family])}"
                 f"{suggest(name, list(DEVICES[family]))}"
+            )
+    for name in names if "speed" in raw["device"] else ():
+        speeds = speeds_of(family, name)
+        if part["speed"] not in speeds:
+            known = " or ".join(map(str, speeds)) or "no such key: the family has no speed grades"
+            raise ValueError(
+                f"{path}: device.speed: got {part['speed']} for {name}, expected {known}"
             )
     if device and device not in names:
         raise ValueError(

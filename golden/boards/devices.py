@@ -26,3 +26,11 @@ DEVICES = {
         "iCE40LP8K": "lp8k",
     },
 }
+# Speed grades that nextpnr knows: of a family, and of those devices of which only one is sold.
+SPEEDS: dict[str, tuple[int, ...]] = {"ecp5": (6, 7, 8), "ice40": ()}
+FAST, FAST_SPEEDS = "LFE5UM5G", (8,)
+
+
+def speeds_of(family: str, device: str) -> tuple[int, ...]:
+    """The speed grades of a device; none where its family has none."""
+    return FAST_SPEEDS if device.startswith(FAST) else SPEEDS[family]

@@ -1,6 +1,6 @@
 """``python -m golden.recalibration SCENE``: gain and offset of each sensor from known placements.
 
-Without placements it proposes some: those of the recording that tell most.
+Without placements it proposes some: those of the recording that lower the expected error most.
 """
 
 from __future__ import annotations
@@ -9,24 +9,43 @@ import argparse
 import hashlib
 import sys
 import warnings
-from dataclasses import replace
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 
-from golden.cli import run, would
+from golden.cli import CommandError, naming, run, would
+from golden.disturbance import MOST, Disturbance
 from golden.networks.mlp import Real
-from golden.precision import SIGNAL
-from golden.recalibration.choice import information_of, placement, proposal, refuse_unsure
-from golden.recalibration.fit import Sensitivity, fit
+from golden.recalibration.choice import (
+    MOST_PLACEMENTS,
+    REPEATS,
+    Plan,
+    placement,
+    plan,
+    proposed,
+)
+from golden.recalibration.fit import Fit, LeftOut, fit, left_out
 from golden.recalibration.folder import scene_file, write_copy
-from golden.scene import Scene, Vectors, load_scene
-from golden.scene.scale import readings
+from golden.recalibration.outlook import ENOUGH, Outlook, helps, outlook, planned
+from golden.recalibration.placements import (
+    COLUMN,
+    LEAST_FREE,
+    Placements,
+    grouped,
+    noise_of_repeats,
+    numbers_of,
+)
+from golden.recalibration.sensitivity import GAIN, OFFSET, Sensitivity
+from golden.scene import Scene, load_scene
 
-# Placements that are proposed where there are none: with fewer the error of one weighs much.
+# Placements that are proposed at least: with fewer the error of one weighs much.
 PROPOSED = 8
 
-# An error after the fit that is so many times the scene's own tells of more than gain and offset.
+# An error of a placement left out that is so many times what is expected tells of more than gain
+# and offset.
 MOST_LEFT = 3.0
 
 
@@ -35,7 +54,11 @@ def main() -> None:
     parser.add_argument("scene")
     parser.add_argument("csv", nargs="?", default="", help="readings and their known outputs")
     parser.add_argument("to", nargs="?", default="", help="folder or scene file of the copy")
+    parser.add_argument("--noise", default="", help="of a reading, in its unit")
+    parser.add_argument("--drift", default="", help="expected: GAIN,OFFSET")
     arguments = parser.parse_args()
+    noise = _numbers("NOISE", arguments.noise, 1)
+    drift = _numbers("DRIFT", arguments.drift, 2)
     scene = load_scene(arguments.scene)
     if not scene.window.plain:
         raise ValueError(
@@ -47,75 +70,252 @@ def main() -> None:
             f"{scene.path}: data.recordings: got {len(scene.data_paths)}, expected data.file: the "
             "copy of a scene has one recording"
         )
+    expected = _drift(scene, drift)
     if arguments.csv:
-        recalibrate(scene, Path(arguments.csv), scene_file(scene, arguments.to))
+        target = scene_file(scene, arguments.to)
+        recalibrate(scene, Path(arguments.csv), target, noise, expected)
     else:
-        propose(scene)
+        propose(scene, noise, expected)
 
 
-def propose(scene: Scene) -> None:
-    """Print placements that tell most of the sensors."""
+def _numbers(name: str, text: str, count: int) -> list[float]:
+    """The numbers of a variable; none where it is not given.
+
+    Raises
+    ------
+    CommandError
+    """
+    if not text:
+        return []
+    with suppress(ValueError):
+        found = [float(part) for part in text.split(",")]
+        if len(found) == count and all(0 <= one <= MOST for one in found):
+            return found
+    wanted = "a number" if count == 1 else f"{count} numbers with a comma between"
+    raise CommandError(f"{name}={text}: expected {wanted}, each from 0 to {MOST:g}")
+
+
+@dataclass(frozen=True)
+class Expected:
+    """The drift that is expected, and where that is said."""
+
+    drift: Disturbance | None
+    told: str
+
+
+def _drift(scene: Scene, given: list[float]) -> Expected:
+    """Given, or that of the scene, or what is usual.
+
+    Raises
+    ------
+    CommandError
+        For none.
+    """
+    trained = scene.training.disturbance
+    if given:
+        found, source = Disturbance(gain=given[0], offset=given[1]), "DRIFT"
+        if found.none:
+            raise CommandError("DRIFT=0,0: expected a gain or an offset above 0")
+    elif trained.gain or trained.offset:
+        found, source = trained, f"training.drift of {scene.path.name}"
+    else:
+        told = f"gains by {100 * GAIN:g} %, offsets by {100 * OFFSET:g} % of the largest reading"
+        return Expected(None, f"{told} (as is usual; DRIFT=gain,offset says another)")
+    return Expected(
+        found, f"gains by {100 * found.gain:g} %, offsets by {found.offset:g} ({source})"
+    )
+
+
+def _noise(scene: Scene, given: list[float], repeats: Real | None) -> tuple[Real | None, str]:
+    """Noise of a reading of each sensor as a signal, and where that is said: given, or estimated
+    from repeats, or that of the scene."""
+    factors = np.array([s.factor for s in scene.scales(scene.sensors)])
+    if given:
+        return given[0] / factors, f"{given[0]:g} (NOISE)"
+    if repeats is not None:
+        values = ", ".join(
+            f"{n} {one:.2g}" for n, one in zip(scene.sensors, repeats * factors, strict=True)
+        )
+        return repeats, f"{values} (estimated from repeats)"
+    trained = scene.training.disturbance.noise
+    if trained:
+        return trained / factors, f"{trained:g} (training.noise of {scene.path.name})"
+    return None, "not known"
+
+
+def propose(scene: Scene, given: list[float], expected: Expected) -> None:
+    """Print the placements that lower the expected error most."""
+    noise, told = _noise(scene, given, None)
     would(f"print placements that tell most of the sensors of scene {scene.name}")
-    recorded = Sensitivity.of(scene)
-    nothing = np.zeros((2 * len(scene.sensors),) * 2)
-    print("placements that tell most, one after the other, and what gains and offsets that are")
-    print("still unsure then add to the error of the worst output, as a part of its own:")
-    for count, (row, added) in enumerate(proposal(recorded, nothing, PROPOSED), start=1):
-        print(f"{count:3}  {added:8.2f}  {placement(scene, row)}")
-    print("read the sensors there and give the rows as CSV= with the columns of the scene")
+    recorded = Sensitivity.of(scene, np.zeros(len(scene.sensors)), expected.drift)
+    if noise is not None:
+        recorded = replace(recorded, noise=noise)
+    found = plan(recorded)
+    times, least = (found.times, len(found.placements)) if found else (1, 0)
+    print(f"drift expected: {expected.told}")
+    print(f"noise of a reading: {told}")
+    print("\nplacements, each the one that lowers the error expected over the recording most; root")
+    print("mean squares in % that are expected after a correction with it and those above it:")
+    nothing = planned(recorded, np.eye(2 * len(scene.sensors)))
+    print(f"{'':4}{_heads(scene)}")
+    print(f"{'':4}{_cells(nothing.before)}  no correction")
+    for count, one in enumerate(islice(proposed(recorded, times), max(PROPOSED, least)), start=1):
+        where = placement(scene, recorded.recorded.targets[one.row])
+        print(f"{count:3} {_cells(one.expected.after)}  {where}")
+    print(f"\n{_needed(found)}")
+    if noise is None:
+        print(
+            "The noise of a reading is not known and taken as none: give it as NOISE=, or read\n"
+            "each placement twice or more, from which it is estimated."
+        )
+    print(
+        "Read the sensors there and give the rows as CSV= with the columns of the scene, and with a"
+    )
+    print(f"column {COLUMN!r} that has the same number in all rows of one placement.")
 
 
-def recalibrate(scene: Scene, path: Path, target: Path) -> None:
-    """Fit, tell, write."""
-    placements = replace(scene, data_paths=(path,), group_by="", where={}).vectors()
-    recorded = Sensitivity.of(scene)
-    correction = fit(scene, recorded, placements)
-    samples = readings(placements.inputs, correction)
-    known = placements.with_inputs(samples)
-    try:
-        refuse_unsure(scene, recorded, information_of(scene, recorded, known), len(samples))
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from None
-    would(f"write {target}")
-    told = {
+def _heads(scene: Scene) -> str:
+    return "".join(f"{name:>12}" for name in scene.outputs)
+
+
+def _cells(values: Real) -> str:
+    return "".join(f"{value:12.2f}" for value in values)
+
+
+def _needed(found: Plan | None) -> str:
+    """How many placements make a gain sure, in a sentence."""
+    drifts = f"{100 * ENOUGH:g} of 100 drifts as they are expected"
+    if found is None:
+        return (
+            f"No {MOST_PLACEMENTS} placements read {max(REPEATS)} times are enough to correct "
+            f"{drifts} surely."
+        )
+    read = "once" if found.times == 1 else f"{found.times} times each"
+    return (
+        f"{len(found.placements)} placements that tell most, read {read}, are enough to correct "
+        f"{drifts} surely."
+    )
+
+
+def recalibrate(
+    scene: Scene, path: Path, target: Path, given: list[float], expected: Expected
+) -> None:
+    """Fit, tell, and write if it surely helps."""
+    rows = replace(scene, data_paths=(path,), group_by="", where={}).vectors()
+    with naming(path):
+        placements, place = grouped(rows, numbers_of(path, [*scene.sensors, *scene.outputs]))
+    noise, told = _noise(scene, given, noise_of_repeats(rows, placements, place))
+    if noise is None:
+        raise ValueError(
+            f"{path}: got {len(rows.codes)} readings of {len(placements)} placements, expected at "
+            f"least {LEAST_FREE} repeats, from which the noise of a reading is estimated: a column "
+            f"{COLUMN!r} says which rows are one; or give NOISE=, in the unit of the readings"
+        )
+    would(f"tell what a correction gains, and write {target} if it surely gains")
+    recorded = Sensitivity.of(scene, noise, expected.drift)
+    found = fit(recorded, placements)
+    left, ahead = left_out(recorded, placements, found), outlook(recorded, found)
+    refusal = _refusal(recorded, placements, found, left)
+    print(f"{len(placements)} placements, {len(rows.codes)} readings of each sensor")
+    print(f"drift expected: {expected.told}")
+    print(f"noise of a reading: {told}")
+    tell_left_out(scene, placements, left)
+    tell_outlook(scene, recorded, ahead)
+    _warn_unexplained(scene, placements, left)
+    if refusal:
+        raise ValueError(f"{path}: nothing written: {refusal}")
+    correction = recorded.correction(found.theta)
+    story = {
         "recalibrated_from": scene.name,
         "recalibrated_with": path.name,
         "recalibrated_with_sha256": hashlib.sha256(path.read_bytes()).hexdigest(),
-        "placements": len(samples),
+        "placements": len(placements),
+        "readings": len(rows.codes),
         "correction": {
             name: {"gain": one.factor, "offset": one.offset}
             for name, one in zip(scene.sensors, correction, strict=True)
         },
     }
-    written = write_copy(scene, correction, told, target)
-    print("signal to the networks = gain * signal of the sensor + offset")
+    written = write_copy(scene, correction, story, target)
+    print("\nsignal to the networks = gain * signal of the sensor + offset")
     for name, one in zip(scene.sensors, correction, strict=True):
         print(f"{name}: gain {one.factor:.5f}, offset {one.offset:+.5f}")
-    tell_errors(scene, load_scene(str(target)), recorded, placements)
     print("\n".join(f"wrote {file}" for file in written))
 
 
-def tell_errors(scene: Scene, copy: Scene, recorded: Sensitivity, placements: Vectors) -> None:
-    """Print the errors at the placements, bit-true, before and after."""
-    before, after = (_errors(one, placements) for one in (scene, copy))
-    print(f"\n{'output':16}{'before %':>10}{'after %':>10}{'recorded %':>12}")
-    own = _errors(scene, scene.vectors())
-    for name, *figures in zip(scene.outputs, before, after, own, strict=True):
-        first, second, third = (float(figure.mean()) for figure in figures)
-        print(f"{name:16}{first:10.2f}{second:10.2f}{third:12.2f}")
-    print(f"mean bit-true errors at the {len(placements.codes)} placements, and as recorded\n")
-    left = np.sqrt((after**2).mean(axis=1)) / recorded.error
-    if left.max() > MOST_LEFT:
+def _refusal(
+    recorded: Sensitivity,
+    placements: Placements,
+    found: Fit,
+    left: LeftOut,
+) -> str:
+    """Why a correction is not written, and what to do; empty where it surely helps."""
+    if helps(recorded, placements, found, left):
+        return ""
+    if planned(recorded, found.covariance).enough:
+        if not left.closer:
+            return (
+                "placements that are left out come out no closer with a correction that is fitted "
+                "to the others"
+            )
+        return (
+            "these placements would have shown a drift as it is expected, and show none from which "
+            "a correction surely gains"
+        )
+    return (
+        "these placements tell too little for a sure gain. "
+        f"{_needed(plan(recorded))} make recalibrate without CSV= names them"
+    )
+
+
+def tell_left_out(scene: Scene, placements: Placements, left: LeftOut) -> None:
+    """Print the errors of each placement, left out."""
+    print("\nerrors in % of each placement, as it is > with a correction fitted to all others:")
+    for number, (before, after) in enumerate(zip(left.before, left.after, strict=True), start=1):
+        errors = "".join(
+            f"{abs(one):9.2f} >{abs(other):6.2f}" for one, other in zip(before, after, strict=True)
+        )
+        print(f"{number:3} {errors}  {placement(scene, placements.targets[number - 1])}")
+
+
+def tell_outlook(scene: Scene, recorded: Sensitivity, ahead: Outlook) -> None:
+    """Print the errors that are expected over the recording, with their standard deviations."""
+    print("\nroot mean squares of errors in % that are expected over the recording, in floating")
+    print("point, each with its standard deviation; 'gain' is how likely the correction gains:")
+    print(f"{'output':16}{'uncorrected':>18}{'corrected':>18}{'recorded':>12}{'gain':>10}")
+    parts = (
+        scene.outputs,
+        ahead.before,
+        ahead.before_unsure,
+        ahead.after,
+        ahead.after_unsure,
+        recorded.error,
+        ahead.chances,
+    )
+    for name, before, before_sd, after, after_sd, own, chance in zip(*parts, strict=True):
+        print(
+            f"{name:16}{before:9.2f} +-{before_sd:6.2f}{after:9.2f} +-{after_sd:6.2f}{own:12.2f}"
+            f"{_percent(chance):>10}"
+        )
+    print(f"{'all':74}{_percent(ahead.chance):>10}")
+
+
+def _percent(chance: float) -> str:
+    return ">99 %" if chance > 0.99 else f"{100 * chance:.0f} %"
+
+
+def _warn_unexplained(scene: Scene, placements: Placements, left: LeftOut) -> None:
+    """Warn of a placement that no correction fitted to the others explains."""
+    parts = np.abs(left.after) / left.expected
+    number, output = np.unravel_index(parts.argmax(), parts.shape)
+    if parts[number, output] > MOST_LEFT:
         warnings.warn(
-            f"{scene.outputs[int(left.argmax())]} is off by {left.max():.1f} times as much as in "
-            "the recording: gain and offset do not explain these placements",
+            f"{scene.outputs[output]} of placement {number + 1} "
+            f"({placement(scene, placements.targets[number])}) is off by "
+            f"{parts[number, output]:.1f} times what gain, offset and noise explain: is it noted "
+            "rightly? Or more than gain and offset has changed",
             stacklevel=2,
         )
-
-
-def _errors(scene: Scene, vectors: Vectors) -> Real:
-    """Bit-true errors in percent, shape (outputs, rows)."""
-    return vectors.percent_errors(SIGNAL.to_real(scene.twin().core.process(vectors.codes))).T
 
 
 if __name__ == "__main__":

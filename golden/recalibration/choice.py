@@ -1,105 +1,104 @@
-"""Which placements determine a recalibration, and whether some do."""
+"""Which placements to make, how many, and how often to read them."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import islice
 
 import numpy as np
 
 from golden.networks.mlp import Real
-from golden.recalibration.fit import Sensitivity
-from golden.scene import Scene, Vectors
+from golden.recalibration.outlook import Planned, planned
+from golden.recalibration.sensitivity import Sensitivity, spread_out
+from golden.scene import Scene
 
-# What an unsure correction may add to the error of an output, as a part of its own. With more the
-# correction would be the worse part of the instrument.
-MOST_ADDED = 1.0
+# What a plan may ask for. Of one placement alone nothing can be left out.
+LEAST_PLACEMENTS, MOST_PLACEMENTS = 2, 24
+REPEATS = (1, 2, 4, 8, 16)
 
-# How many placements are proposed at most.
-MOST_PROPOSED = 12
+# Rows of the recording that are weighed against each other.
+MOST_CANDIDATES = 500
 
 
-def proposed(recorded: Sensitivity, information: Real) -> Iterator[tuple[int, Real]]:
-    """Rows of the recording in the order in which they tell most, and what is known with them.
+@dataclass(frozen=True)
+class Proposed:
+    """A placement to make.
 
-    Each is the one for which the volume of what the corrections can still be is least: the largest
-    determinant of the information (D-optimal), one after the other. No row comes again: what its
-    network errs there would count twice.
+    Attributes
+    ----------
+    row : int
+        Of the recording, from 0.
+    expected : Planned
+        What is expected with it and those before it.
+    """
+
+    row: int
+    expected: Planned
+
+
+def proposed(recorded: Sensitivity, times: int = 1) -> Iterator[Proposed]:
+    """Rows of the recording in the order in which they lower the expected error most.
+
+    Each is the one after which the mean square error that is expected over the recording, the mean
+    of all outputs, is least: ``tr(M C)`` of ``golden.recalibration.outlook``. With a placement
+    ``C`` becomes ``C - C J^T (S + J C J^T)^-1 J C``. No row comes again: what its network errs
+    there would count twice.
 
     Parameters
     ----------
     recorded : Sensitivity
-    information : float array, shape (2 sensors, 2 sensors)
-        Of the placements that there are.
-
-    Yields
-    ------
-    int, float array
-        From 0, and the information with it.
+    times : int
+        How often each placement is to be read.
     """
-    left = np.zeros(len(recorded.tells))
+    rows = spread_out(len(recorded.recorded), MOST_CANDIDATES)
+    there = recorded.recorded.at(rows)
+    spread = recorded.spread(replace(there, times=there.times * times))
+    tells = recorded.tells[rows]
+    squares = recorded.squares.mean(axis=0)
+    covariance = np.eye(tells.shape[2])
+    left = np.zeros(len(tells))
     while np.isfinite(left).any():
-        covariance = recorded.unsure(information)
-        more = np.einsum(
-            "roi,ij,rpj->rop", recorded.tells, covariance, recorded.tells, optimize=True
-        )
-        _, gained = np.linalg.slogdet(np.eye(more.shape[1]) + more)
+        reach = tells @ covariance
+        inner = np.linalg.inv(spread + reach @ tells.transpose(0, 2, 1))
+        lowered = np.einsum("roi,rop,rpj,ij->r", reach, inner, reach, squares, optimize=True)
+        part = lowered / np.sum(squares * covariance)
         # Rounded, so that of two that tell as much the first is taken on every machine.
-        row = int((gained.round(6) + left).argmax())
-        left[row] = -np.inf
-        information = information + recorded.tells[row].T @ recorded.tells[row]
-        yield row, information
+        best = int((part.round(6) + left).argmax())
+        left[best] = -np.inf
+        covariance = covariance - reach[best].T @ inner[best] @ reach[best]
+        yield Proposed(int(rows[best]), planned(recorded, covariance))
 
 
-def proposal(recorded: Sensitivity, information: Real, least: int = 1) -> list[tuple[int, float]]:
-    """Rows until every output is determined, but at least so many, and what is then added."""
-    found: list[tuple[int, float]] = []
-    for row, known in proposed(recorded, information):
-        found.append((row, float(recorded.added(recorded.unsure(known)).max())))
-        if len(found) == MOST_PROPOSED or (len(found) >= least and found[-1][1] <= MOST_ADDED):
-            break
-    return found
+@dataclass(frozen=True)
+class Plan:
+    """How many of the proposed placements make a gain sure, and how often they are to be read."""
+
+    placements: Sequence[Proposed]
+    times: int
 
 
-def information_of(scene: Scene, recorded: Sensitivity, placements: Vectors) -> Real:
-    """What known placements tell of the corrections."""
-    tells = recorded.telling(scene, placements.inputs, placements.scale)
-    flat = tells.reshape(-1, tells.shape[2])
-    result: Real = flat.T @ flat
-    return result
+def plan(recorded: Sensitivity) -> Plan | None:
+    """The fewest readings from which drifts as they are expected are nearly all surely corrected.
 
-
-def placement(scene: Scene, row: int) -> str:
-    """A row of the recording in words."""
-    values = scene.in_units(scene.vectors().targets)[row]
-    return ", ".join(f"{n} {v:g}" for n, v in zip(scene.outputs, values, strict=True))
-
-
-def refuse_unsure(scene: Scene, recorded: Sensitivity, information: Real, count: int) -> None:
-    """Refuse placements that leave the correction of a sensor open.
-
-    Raises
-    ------
-    ValueError
-        The message names the sensors and the placements to add.
+    Returns
+    -------
+    Plan or None
+        None where even ``MOST_PLACEMENTS`` placements, read most often, are not enough: what the
+        networks err of themselves hides such a drift.
     """
-    covariance = recorded.unsure(information)
-    added = recorded.added(covariance)
-    if added.max() <= MOST_ADDED:
-        return
-    alone = recorded.added_by(covariance)
-    blamed = [n for n, part in zip(scene.sensors, alone, strict=True) if part > MOST_ADDED]
-    blamed = blamed or [scene.sensors[int(alone.argmax())]]
-    output = scene.outputs[int(added.argmax())]
-    raise ValueError(
-        f"got {count} placements, which leave gain and offset of {_listed(blamed)} open: they would"
-        f" add {added.max():.1f} times the scene's own error of {output}, expected at most "
-        f"{MOST_ADDED:g}; add such as {_rows(scene, recorded, information)}"
-    )
+    found: list[Plan] = []
+    for times in REPEATS if recorded.noise.any() else REPEATS[:1]:
+        rows: list[Proposed] = []
+        for one in islice(proposed(recorded, times), MOST_PLACEMENTS):
+            rows.append(one)
+            if len(rows) >= LEAST_PLACEMENTS and one.expected.enough:
+                found.append(Plan(rows, times))
+                break
+    return min(found, key=lambda one: len(one.placements) * one.times, default=None)
 
 
-def _rows(scene: Scene, recorded: Sensitivity, information: Real) -> str:
-    return "; ".join(placement(scene, row) for row, _ in proposal(recorded, information))
-
-
-def _listed(names: Sequence[str]) -> str:
-    return ", ".join(names)
+def placement(scene: Scene, targets: Real) -> str:
+    """Known outputs, as signals, in words."""
+    values = scene.in_units(targets)
+    return ", ".join(f"{n} {v:g}" for n, v in zip(scene.outputs, values, strict=True))

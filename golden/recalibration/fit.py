@@ -1,11 +1,21 @@
-"""Gain and offset of each sensor, so that known placements get the outputs that are known.
+"""Gain and offset of each sensor, from a few placements whose outputs are known.
 
-The networks stay what they are. What is fitted is the correction ``gain * reading + offset`` of
-each sensor before them: the one whose outputs are nearest to the known ones. It is general: the
-placements need not stand in the recording, and any scene can be recalibrated.
+The networks stay what they are. What is fitted is a correction ``gain * reading + offset`` of each
+sensor before them. It is general: the placements need not stand in the recording, and any scene can
+be recalibrated.
 
-A correction is told by what it adds at both ends of what its sensor read in the recording. There
-it is the same kind of number for every sensor, and it is as likely to be large at either end.
+It is a Bayesian linear regression through the derivatives of the networks:
+
+- ``theta`` is what the sensors have drifted by, in standard deviations of the drift that is
+  expected. Beforehand its mean is 0 and its covariance ``I``.
+- A placement says ``known outputs = outputs of the corrected readings + e``. ``S`` is the
+  covariance of ``e``: what networks err of themselves, and noise of the readings. See
+  ``Sensitivity``.
+- What is likeliest afterwards is where ``sum e^T S^-1 e + theta^T theta`` is least: a ridge
+  regression whose weight is the drift that is expected. With ``J``, the derivatives of the outputs
+  by ``theta``, its covariance is ``C = (I + sum J^T S^-1 J)^-1``.
+
+Where placements tell little against their noise, ``theta`` stays near 0, which is no correction.
 """
 
 from __future__ import annotations
@@ -15,198 +25,149 @@ from functools import lru_cache
 
 import numpy as np
 from scipy.optimize import least_squares
+from scipy.special import chdtrc
 
 from golden.networks.mlp import Real
-from golden.scene import Scene, Vectors
-from golden.scene.scale import Scale
-
-# What a correction is without any placement, as a standard deviation of a signal from -1 to 1: more
-# than sensors drift, so that it decides nothing that a placement tells.
-BEFOREHAND = 0.1
+from golden.recalibration.placements import Placements
+from golden.recalibration.sensitivity import Sensitivity, outputs_and_slopes
 
 # Of a signal: to the bit.
 LEAST_SPAN = 2.0**-13
 
-# Own error of a network, in percent, below which it is as good as none.
-LEAST_ERROR = 0.01
-
-
-def outputs_and_slopes(scene: Scene, samples: Real) -> tuple[Real, Real]:
-    """Outputs of the networks in floating point, and their derivatives by the sensors.
-
-    Parameters
-    ----------
-    scene : Scene
-    samples : float array, shape (rows, sensors)
-        Signals.
-
-    Returns
-    -------
-    float array, shape (rows, outputs); float array, shape (rows, outputs, sensors)
-    """
-    rows, sensors = samples.shape
-    outputs, slopes = np.empty((rows, 0)), np.empty((rows, 0, sensors))
-    by_sensor = np.broadcast_to(np.eye(sensors), (rows, sensors, sensors))
-    cascade = scene.arrangement == "cascade"
-    for mlp in scene.mlps():
-        seen = np.hstack([samples, outputs]) if cascade else samples
-        hidden, bends = scene.scheme.real(seen @ mlp.w1.T + mlp.b1)
-        found = np.einsum("oh,rh,hi->roi", mlp.w2, bends, mlp.w1, optimize=True)
-        inner = np.concatenate([by_sensor, slopes], axis=1) if cascade else by_sensor
-        outputs = np.hstack([outputs, hidden @ mlp.w2.T + mlp.b2])
-        slopes = np.concatenate([slopes, found @ inner], axis=1)
-    return outputs, slopes
-
 
 @dataclass(frozen=True)
-class Sensitivity:
-    """What a scene's recording says of its sensors and of its networks.
+class Fit:
+    """What is known of the drift after some placements.
 
     Attributes
     ----------
-    low, high : float array, shape (sensors,)
-        Ends of what each sensor read, as signals.
-    error : float array, shape (outputs,)
-        Root mean square of each output's own error, percent, floating point.
-    tells : float array, shape (rows, outputs, 2 sensors)
-        What each recorded placement would tell; see ``telling``.
+    theta : float array, shape (2 sensors,)
+        The likeliest; see ``Sensitivity``.
+    covariance : float array, shape (2 sensors, 2 sensors)
+        How unsure it is.
     """
 
-    low: Real
-    high: Real
-    error: Real
-    tells: Real
-
-    @classmethod
-    def of(cls, scene: Scene) -> Sensitivity:
-        """Of a scene.
-
-        Raises
-        ------
-        FileNotFoundError, ValueError
-            See ``Scene.vectors`` and ``Scene.mlps``.
-        """
-        vectors = scene.vectors()
-        low = vectors.inputs.min(axis=0)
-        high = np.maximum(vectors.inputs.max(axis=0), low + LEAST_SPAN)
-        errors = vectors.percent_errors(scene.process_real(vectors.inputs))
-        error = np.maximum(np.sqrt((errors**2).mean(axis=0)), LEAST_ERROR)
-        part = cls(low, high, error, np.empty(0))
-        return cls(low, high, error, part.telling(scene, vectors.inputs, vectors.scale))
-
-    def ends(self, samples: Real) -> Real:
-        """How much a correction at either end of each sensor adds to samples: (rows, 2 sensors)."""
-        part = (samples - self.low) / (self.high - self.low)
-        result: Real = np.hstack([1 - part, part])
-        return result
-
-    def telling(self, scene: Scene, samples: Real, scale: Real) -> Real:
-        """Derivatives of the errors, each as a part of its network's own, by the corrections.
-
-        Parameters
-        ----------
-        scene : Scene
-        samples : float array, shape (rows, sensors)
-        scale : float array, shape (rows, outputs)
-            What an error counts against; see ``Vectors``.
-
-        Returns
-        -------
-        float array, shape (rows, outputs, 2 sensors)
-        """
-        _, slopes = outputs_and_slopes(scene, samples)
-        by_ends = np.concatenate([slopes, slopes], axis=2) * self.ends(samples)[:, np.newaxis]
-        result: Real = by_ends * (100 / scale / self.error)[:, :, np.newaxis]
-        return result
-
-    def unsure(self, information: Real) -> Real:
-        """Covariance of the corrections, shape (2 sensors, 2 sensors).
-
-        Parameters
-        ----------
-        information : float array, shape (2 sensors, 2 sensors)
-            Of some placements, ``tells^T tells``.
-        """
-        beforehand = np.eye(len(information)) / BEFOREHAND**2
-        return np.asarray(np.linalg.inv(information + beforehand), dtype=np.float64)
-
-    def added(self, covariance: Real) -> Real:
-        """What corrections of some covariance add to the error of each output over the recording,
-        as a part of the output's own."""
-        squares = np.einsum("roi,ij,roj->ro", self.tells, covariance, self.tells, optimize=True)
-        result: Real = np.sqrt(squares.mean(axis=0))
-        return result
-
-    def added_by(self, covariance: Real) -> Real:
-        """The largest of these that each sensor alone would add."""
-        sensors = len(self.low)
-        found = []
-        for sensor in range(sensors):
-            own = np.zeros_like(covariance)
-            at = np.ix_([sensor, sensor + sensors], [sensor, sensor + sensors])
-            own[at] = covariance[at]
-            found.append(self.added(own).max())
-        return np.array(found)
+    theta: Real
+    covariance: Real
 
 
-def fit(scene: Scene, recorded: Sensitivity, placements: Vectors) -> list[Scale]:
-    """The correction of each sensor: ``offset + factor * signal`` is what the networks get.
-
-    The best of two descents: from no correction, and from the one that brings the readings next to
-    those that were recorded at the nearest placement. The first alone may end elsewhere.
+def fit(recorded: Sensitivity, placements: Placements, start: Real | None = None) -> Fit:
+    """What the sensors have drifted by.
 
     Parameters
     ----------
-    scene : Scene
     recorded : Sensitivity
-        Of the scene.
-    placements : Vectors
-        Readings and known outputs.
+    placements : Placements
+    start : float array, shape (2 sensors,), optional
+        Where the descent starts. By default there are two, and the better is taken: from no
+        correction, and from the one that brings the readings next to those that were recorded at
+        the nearest placement. The first alone may end elsewhere.
     """
-    samples, ends = placements.inputs, recorded.ends(placements.inputs)
-    weights = 100 / placements.scale / recorded.error
-
-    def corrected(correction: Real) -> Real:
-        """Of each sensor what either end adds."""
-        low, high = np.split(ends * correction, 2, axis=1)
-        return samples + low + high
+    scene, samples = recorded.scene, placements.inputs
+    roots = np.linalg.cholesky(recorded.spread(placements))
+    white = np.linalg.inv(roots) * (100 / placements.scale)[:, np.newaxis]
+    count = 2 * samples.shape[1]
 
     @lru_cache(maxsize=1)
-    def both(correction: bytes) -> tuple[Real, Real]:
+    def both(theta: bytes) -> tuple[Real, Real]:
         """Outputs and slopes: a descent asks for either at the same place."""
-        return outputs_and_slopes(scene, corrected(np.frombuffer(correction)))
+        return outputs_and_slopes(scene, recorded.moved(samples, np.frombuffer(theta)))
 
-    def errors(correction: Real) -> Real:
-        outputs, _ = both(correction.tobytes())
-        misses = (outputs - placements.targets) * weights
-        return np.concatenate([misses.ravel(), correction / BEFOREHAND])
+    def errors(theta: Real) -> Real:
+        outputs, _ = both(theta.tobytes())
+        misses = np.einsum("rop,rp->ro", white, outputs - placements.targets)
+        return np.concatenate([misses.ravel(), theta])
 
-    def slopes(correction: Real) -> Real:
-        _, found = both(correction.tobytes())
-        moved = np.concatenate([found, found], axis=2) * ends[:, np.newaxis]
-        moved = (moved * weights[:, :, np.newaxis]).reshape(-1, len(correction))
-        return np.concatenate([moved, np.eye(len(correction)) / BEFOREHAND])
+    def derivatives(theta: Real) -> Real:
+        _, slopes = both(theta.tobytes())
+        found = (white @ recorded.by_theta(slopes, samples)).reshape(-1, count)
+        return np.concatenate([found, np.eye(count)])
 
-    starts = [np.zeros(ends.shape[1]), _towards_recorded(scene, recorded, placements)]
-    found = [least_squares(errors, start, jac=slopes) for start in starts]
-    low, high = np.split(min(found, key=lambda one: float(one.cost)).x, 2)
-    gains = 1 + (high - low) / (recorded.high - recorded.low)
-    offsets = low + (1 - gains) * recorded.low
-    return [Scale(float(o), float(g)) for o, g in zip(offsets, gains, strict=True)]
+    starts = [start]
+    if start is None:
+        starts = [np.zeros(count), _towards_recorded(recorded, placements)]
+    found = [least_squares(errors, start, jac=derivatives) for start in starts]
+    theta = min(found, key=lambda one: float(one.cost)).x
+    slopes = derivatives(theta)
+    return Fit(theta, np.asarray(np.linalg.inv(slopes.T @ slopes), dtype=np.float64))
 
 
-def _towards_recorded(scene: Scene, recorded: Sensitivity, placements: Vectors) -> Real:
+def misses(recorded: Sensitivity, placements: Placements, theta: Real) -> Real:
+    """Outputs less known outputs of corrected placements, shape (placements, outputs), percent."""
+    outputs, _ = outputs_and_slopes(recorded.scene, recorded.moved(placements.inputs, theta))
+    return 100 * (outputs - placements.targets) / placements.scale
+
+
+def by_chance(recorded: Sensitivity, placements: Placements) -> float:
+    """How likely errors as large as those of the placements are if nothing has drifted.
+
+    Equation: ``sum e^T S^-1 e`` of uncorrected placements is then distributed as chi squared, with
+    as many degrees of freedom as there are known outputs.
+    """
+    found = misses(recorded, placements, np.zeros(2 * placements.inputs.shape[1]))
+    inverse = np.linalg.inv(recorded.spread(placements))
+    squares = np.einsum("ro,rop,rp->", found, inverse, found)
+    return float(chdtrc(found.size, squares))
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """Errors of placements that took no part in the correction, in percent.
+
+    Attributes
+    ----------
+    before, after : float array, shape (placements, outputs)
+        Without a correction, and with the one that is fitted to all other placements.
+    expected : float array, shape (placements, outputs)
+        Standard deviations that the second should have.
+    spread : float array, shape (placements, outputs)
+        Of these what is no drift.
+    """
+
+    before: Real
+    after: Real
+    expected: Real
+    spread: Real
+
+    @property
+    def closer(self) -> bool:
+        """Whether they come out closer with corrections than without, each error weighed by what is
+        no drift in it."""
+        before, after = (((part / self.spread) ** 2).sum() for part in (self.before, self.after))
+        return bool(after < before)
+
+
+def left_out(recorded: Sensitivity, placements: Placements, all_of_them: Fit) -> LeftOut:
+    """Leave out one placement after the other, with all its readings.
+
+    Parameters
+    ----------
+    recorded : Sensitivity
+    placements : Placements
+    all_of_them : Fit
+        To all placements: where the descents without one start.
+    """
+    before = misses(recorded, placements, np.zeros(2 * placements.inputs.shape[1]))
+    spread = np.einsum("roo->ro", recorded.spread(placements))
+    after, expected = np.empty_like(before), np.empty_like(before)
+    tells = recorded.telling(placements)
+    for number in range(len(placements)):
+        found = fit(recorded, placements.without(number), all_of_them.theta)
+        after[number] = misses(recorded, placements, found.theta)[number]
+        unsure = np.einsum("oi,ij,oj->o", tells[number], found.covariance, tells[number])
+        expected[number] = np.sqrt(spread[number] + unsure)
+    return LeftOut(before, after, expected, np.sqrt(spread))
+
+
+def _towards_recorded(recorded: Sensitivity, placements: Placements) -> Real:
     """The correction that brings readings next to those recorded at the nearest placement."""
-    vectors = scene.vectors()
+    first = recorded.nearest(placements)[:, 0]
+    missing = recorded.recorded.inputs[first] - placements.inputs
+    moves = recorded.moves(placements.inputs)
+    sensors = missing.shape[1]
     found = []
-    apart = (placements.targets[:, np.newaxis] - vectors.targets) / placements.scale[:, np.newaxis]
-    nearest: Real = vectors.inputs[(apart**2).sum(axis=2).argmin(axis=1)]
-    ends = recorded.ends(placements.inputs)
-    sensors = len(recorded.low)
     for sensor in range(sensors):
-        matrix = ends[:, [sensor, sensor + sensors]]
-        missing = nearest[:, sensor] - placements.inputs[:, sensor]
         # A little of the least correction, where readings that hardly differ say nothing of both.
-        matrix = np.vstack([matrix, LEAST_SPAN * np.eye(2)])
-        found.append(np.linalg.lstsq(matrix, np.append(missing, [0, 0]))[0])
+        matrix = np.vstack([moves[:, [sensor, sensor + sensors]], LEAST_SPAN * np.eye(2)])
+        found.append(np.linalg.lstsq(matrix, np.append(missing[:, sensor], [0, 0]))[0])
     return np.concatenate(np.array(found).T)

@@ -18,10 +18,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from golden.files import check_writable, reading, replace_file, same_file
 from golden.network_files.network_file import check_targets, provenance_path, save_networks
 from golden.networks.mlp import Mlp, Real
 from golden.scene import Scene
+from golden.scene.converter_scale import codes_of
 from golden.scene.scale import Scale, on_readings, on_signals, readings, signals
 from golden.scene.trained_scale import story
 from golden.table import read_table
@@ -120,7 +123,10 @@ def _provenance(weights: Path) -> dict[str, Any]:
 
 def _write_recording(scene: Scene, correction: Sequence[Scale], path: Path) -> None:
     """The file of the recording with other readings, every other cell as it stands."""
-    now = now_read(scene, correction, read_table(scene.data_path, scene.sensors))
+    recorded = read_table(scene.data_path, scene.sensors)
+    now = now_read(scene, correction, recorded)
+    if scene.converter_scales and np.array_equal(recorded, recorded.round()):
+        now = codes_of(scene, now)
     with (
         reading(scene.data_path, "CSV"),
         scene.data_path.open(newline="", encoding="utf-8-sig") as handle,

@@ -19,10 +19,11 @@ from golden.files import check_writable
 from golden.network_files.network_file import check_targets, write_network
 from golden.networks.mlp import Mlp
 from golden.precision import SIGNAL
-from golden.rig import readings
+from golden.rig import readings, sensors_tell
 from golden.rig.csv_file import read_csv_file
 from golden.rig.finding import FAULT, NOTE, OK, WARNING, Finding, fault, faults, told
 from golden.scene import Scene, scene_names
+from golden.scene.saturation import saturating
 from golden.scene.scale import on_readings, signals
 from golden.scene.vectors import Recorded, read_recorded
 from golden.training.scaling import scaled
@@ -31,26 +32,33 @@ from golden.training.split import split_of
 
 def before_training(scene: Scene, build: Path) -> list[Finding]:
     """Everything that a search needs."""
-    return [
+    return _once(
         *data(scene),
         *networks_writable(scene),
         *build_writable(scene, build),
         *design(scene, trained=False),
-    ]
+    )
 
 
 def everything(scene: Scene, build: Path) -> list[Finding]:
     """Everything about a scene but the tools."""
     networks = networks_there(scene)
     missing = any(finding.verdict != OK for finding in networks)
-    return [
+    shown = data(scene)
+    return _once(
         Finding(OK, str(scene.path), _summary(scene)),
-        *data(scene),
+        *shown,
+        *([] if faults(shown) else sensors_tell.findings(scaled(scene))),
         *networks_writable(scene),
         *networks,
         *build_writable(scene, build),
         *design(scene, trained=not missing),
-    ]
+    )
+
+
+def _once(*findings: Finding) -> list[Finding]:
+    """Without those that two functions found."""
+    return list(dict.fromkeys(findings))
 
 
 def _summary(scene: Scene) -> str:
@@ -77,11 +85,13 @@ def data(scene: Scene) -> list[Finding]:
         # Of a row or two anything is constant.
         findings += [] if faults(findings) else _constant(scene, rows)
         if not faults(findings):
+            scene = scaled(scene)
+            findings += _converter(scene)
             border = len(rows.inputs) - split_of(scene).count
             if border:
                 text = f"{border} rows share samples with rows of another part and are in none"
                 findings.append(Finding(OK, "training.split", text))
-            findings += _columns(scaled(scene), rows)
+            findings += _columns(scene, rows)
     return findings
 
 
@@ -104,6 +114,16 @@ def _columns(scene: Scene, rows: Recorded) -> list[Finding]:
         findings += readings.interpolated(path, rows.sensors)
     findings += readings.twins(path, [*scene.sensors, *scene.outputs], own)
     return findings
+
+
+def _converter(scene: Scene) -> list[Finding]:
+    """What the codes of the scene's converter stand for: its data sheet leaves no choice."""
+    if not (scene.front_end and scene.front_end.converter):
+        return []
+    scale = scene.scales(scene.sensors)[0]
+    low, high = scale.offset - scale.factor, scale.offset + scale.factor
+    text = f"reads each sensor from {low:g} to below {high:g}"
+    return [Finding(OK, f"front_end.converter {scene.front_end.converter}", text)]
 
 
 def _constant(scene: Scene, rows: Recorded) -> list[Finding]:
@@ -164,7 +184,7 @@ def build_writable(scene: Scene, build: Path) -> list[Finding]:
 def design(scene: Scene, trained: bool) -> list[Finding]:
     """The hardware: of the networks where they are there, else of the least and the largest."""
     if trained:
-        return _built(scene, "")
+        return [*_built(scene, ""), *_saturating(scene)]
     unknown: list[Finding] = []
     with told(unknown):
         scene = scaled(scene)
@@ -191,6 +211,14 @@ def _built(scene: Scene, before: str) -> list[Finding]:
         findings.append(Finding(OK, f"hardware.design {scene.design}", f"{before}{facts}"))
     if scene.front_end:
         findings.append(Finding(OK, "front_end", scene.front_end.describe()))
+    return findings
+
+
+def _saturating(scene: Scene) -> list[Finding]:
+    """Outputs that the networks drive beyond the codes."""
+    findings: list[Finding] = []
+    with told(findings):
+        findings += [Finding(WARNING, str(scene.path), text) for text in saturating(scene)]
     return findings
 
 

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
+from golden.disturbance import MOST
+from golden.errors import NOISE
 from golden.networks.mlp import Real
 from golden.rig import readings
 from golden.rig.survey import Survey
@@ -45,7 +47,7 @@ restarts = 8
 weight_decay = 1e-6
 # With the standard deviation of the noise that is to be expected on every reading, in its unit,
 # networks are trained and chosen for it, which takes longer:
-# noise = 0.002
+# noise = {noise}
 {split}"""
 
 SINGLE = """\
@@ -70,7 +72,8 @@ full_scale = {{ {pairs} }}
 """
 SCALE = """\
 # Readings or targets leave -1 to 1, which the hardware's numbers hold: factor and offset of each
-# column follow from the rows that train.
+# column follow from the rows that train; those of sensors from the data sheet of a converter, where
+# a section [front_end] names one.
 scale = "auto"
 """
 READ_BY = """\
@@ -114,6 +117,7 @@ def draft(found: Survey, path: Path, hardware: Scene | None = None) -> str:
         units=UNITS.format(pairs=units) if units else "",
         arrangement=CASCADE if len(outputs) > 1 else SINGLE,
         weights=_list(weights(outputs, path)),
+        noise=_noise(found, hardware),
         split=BLOCKS if found.interpolated else "",
     )
 
@@ -133,6 +137,20 @@ def _read_by(found: Survey, hardware: Scene) -> str:
         beyond="; outputs leave -1 to 1, and get a scale" if wide else "",
         line=f"scale = {{ {', '.join(pairs)} }}\n" if pairs else "",
     )
+
+
+def _noise(found: Survey, hardware: Scene | None) -> str:
+    """A noise to begin with, in the unit of the sensors: ``NOISE`` of half their range, and no less
+    than the step of their readings, of which a converter's last bit alone is a good part."""
+    columns = list(found.sensors.values())
+    if hardware:
+        halves = [scale.factor for scale in hardware.scales(list(found.sensors))]
+    elif found.beyond:
+        halves = [float(values.max() / 2 - values.min() / 2) for values in columns]
+    else:
+        halves = [1.0]
+    noise = max(NOISE * float(np.median(halves)), *map(readings.step, columns))
+    return f"{float(f'{min(noise, MOST):.0e}'):g}"
 
 
 def weights(outputs: list[str], path: Path) -> list[str]:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from golden.cli import is_complaint
+from golden.cli import BETWEEN, is_complaint
 
 OK, NOTE, WARNING, FAULT = "ok", "note", "warning", "fault"
 
@@ -41,13 +41,13 @@ def fault(message: object, verdict: str = FAULT) -> Finding:
 
 @contextmanager
 def told(findings: list[Finding]) -> Iterator[None]:
-    """A complaint from the block becomes one of the findings."""
+    """A complaint from the block becomes one of the findings; one of several faults that many."""
     try:
         yield
     except Exception as error:
         if not is_complaint(error):
             raise
-        findings.append(fault(error))
+        findings.extend(map(fault, str(error).split(BETWEEN)))
 
 
 def faults(findings: Iterable[Finding]) -> list[str]:
@@ -64,7 +64,7 @@ def refuse(findings: Sequence[Finding]) -> None:
     """
     found = faults(findings)
     if found:
-        raise ValueError("\nerror: ".join(found))
+        raise ValueError(BETWEEN.join(found))
 
 
 def several(names: Sequence[str], most: int = 5) -> str:

@@ -17,7 +17,7 @@ from golden.networks.mlp import Real
 from golden.precision import SIGNAL
 from golden.rig.csv_file import CsvFile, read_csv_file
 from golden.rig.finding import fault, refuse
-from golden.rig.trained_on import TrainedOn, trained_on
+from golden.rig.trained_on import TrainedOn, hardware_outputs, trained_on
 from golden.scene import Scene, load_scene
 from golden.table import suggest
 
@@ -71,10 +71,9 @@ def predict(scene: Scene, readings: Real, known: TrainedOn) -> Prediction:
     Where its networks see past samples, the rows of ``readings`` are one after the other in time.
     """
     seen = scene.window.frames(readings)
-    results = scene.twin().core.process(scene.codes_of(seen))
-    distances = known.distances(seen)
-    reasons = known.reasons(seen, distances)
-    return Prediction(scene.outputs_in_units(results), distances, reasons)
+    outputs = hardware_outputs(scene, seen)
+    distances = known.distances(seen, outputs)
+    return Prediction(outputs, distances, known.reasons(outputs, distances))
 
 
 def write_prediction(scene: Scene, recording: CsvFile, found: Prediction, path: Path) -> None:
@@ -154,6 +153,7 @@ def main() -> None:
     if past:
         print(f"the first {past} of {len(readings)} rows have no whole past and no outputs")
     print(f"{outside} of {len(found.reasons)} rows are outside {which}")
+    print(f"of rows like the {known.held} that set the limit about 1 in {known.one_in} is too")
     print(f"wrote {path}")
 
 

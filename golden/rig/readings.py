@@ -146,6 +146,11 @@ def odd_names(subject: str, names: Sequence[str]) -> list[Finding]:
     return [Finding(NOTE, subject, text)]
 
 
+def step(column: Real) -> float:
+    """The least by which two values of a column can differ, as they are written."""
+    return float(10.0 ** -_decimals(column))
+
+
 def _decimals(column: Real) -> int:
     """Decimals that hold every value of a column."""
     return next((d for d in range(13) if np.array_equal(column.round(d), column)), 13)

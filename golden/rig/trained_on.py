@@ -1,84 +1,191 @@
-"""How near new readings are to those that a network was trained on.
+"""How well new readings fit the states that a network was trained on.
 
 A network gives an output for any reading. Where nothing like it was trained, the output says
-nothing, and the network cannot tell.
+nothing, and the network cannot tell. Two things give such a reading away: an output beyond the
+range of the targets, and readings that the outputs do not explain.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from golden.errors import held_out_rows, told
+from golden.fixed import Codes
 from golden.networks.mlp import Real
+from golden.precision import SIGNAL
+from golden.rig.smooth_map import SmoothMap, fitted, thinned
 from golden.scene import Scene
 from golden.scene.vectors import read_recorded
 from golden.training.split import split_of
 
+# Of rows like those that were held out, the part that may be called outside.
+FALSE_ALARMS = 0.01
+# Of the range of an output, what it may leave the range by: a network errs at the ends too.
+MARGIN = 0.1
+# Rows that the states are fitted to, and that are held against them: more hardly change them.
+MOST_FITTED, MOST_HELD = 400, 2000
+UNLIKE = "unlike every state that trained"
+
 
 @dataclass(frozen=True)
 class TrainedOn:
-    """Readings that trained a network, and how far new ones are from them.
+    """What readings go with which outputs, as the rows that trained a network show it.
 
-    A row is outside where a sensor leaves its range in these rows, or where the nearest of them is
-    farther than any of them is from its own nearest: sensors that are each within their range but
-    never were so together. Distances are Euclidean, each sensor in standard deviations of its own.
+    Equation: a state is a point y in the range of the outputs, and a smooth map f gives the
+    readings that go with it. Readings x with the outputs y of the hardware are ``r = x - f(y)``
+    away from their state, y limited to its range, and the distance is
+    ``sqrt(r' S^-1 r) / limit``. S is the mean of r r' on held-out rows; the limit is such that the
+    part FALSE_ALARMS of rows like these is farther away.
 
     Parameters
     ----------
-    sensors : sequence of str
-        Or samples of them, where a network sees past ones.
-    readings : float array, shape (rows, sensors)
-        In the units of the sensors; two rows or more.
+    outputs : sequence of str
+    low, high : float arrays, shape (outputs,)
+        The range of the targets of the rows that trained, in the units of the outputs.
+    states : SmoothMap
+        f, from outputs to readings in the units of the sensors.
+    whitening : float array, shape (inputs, inputs)
+        W with ``W' W = S^-1``.
+    limit : float
+    held, stretches : int
+        Rows that the limit was chosen on, and how many of these say something of their own: rows
+        beside each other in the file may all be near the limit for one reason.
     """
 
-    sensors: Sequence[str]
-    readings: Real
-
-    def __post_init__(self) -> None:
-        if len(self.readings) < 2:
-            raise ValueError(f"got {len(self.readings)} rows that trained, expected 2 or more")
+    outputs: Sequence[str]
+    low: Real
+    high: Real
+    states: SmoothMap
+    whitening: Real
+    limit: float
+    held: int
+    stretches: int
 
     @property
-    def _unit(self) -> Real:
-        spread: Real = self.readings.std(axis=0)
-        return np.where(spread > 0, spread, 1.0)
+    def one_in(self) -> int:
+        """Of so many rows like those that were held out, one may be called outside."""
+        return min(self.stretches + 1, round(1 / FALSE_ALARMS))
 
-    def distances(self, readings: Real) -> Real:
-        """From each row to the nearest that trained, in units of the largest among these."""
-        tree = KDTree(self.readings / self._unit)
-        largest = tree.query(self.readings / self._unit, k=2)[0][:, 1].max()
-        nearest: Real = tree.query(readings / self._unit)[0]
-        # Rows that trained may all stand there twice.
-        return nearest / largest if largest else np.where(nearest > 0, np.inf, 0.0)
+    def distances(self, readings: Real, outputs: Real) -> Real:
+        """From the state that the outputs stand for, in units of the limit; shape (rows,)."""
+        residual = readings - self.states(np.clip(outputs, self.low, self.high))
+        return _lengths(residual, self.whitening) / self.limit
 
-    def reasons(self, readings: Real, distances: Real) -> list[str]:
+    def reasons(self, outputs: Real, distances: Real) -> list[str]:
         """Why each row, at its distance, is outside what was trained on; empty where it is not."""
-        low, high = self.readings.min(axis=0), self.readings.max(axis=0)
+        margin = MARGIN * (self.high - self.low)
         reasons = []
-        for row, distance in zip(readings, distances, strict=True):
+        for row, distance in zip(outputs, distances, strict=True):
             said = [
-                f"{name} {'below' if value < a else 'above'} {a if value < a else b:g}"
-                for name, value, a, b in zip(self.sensors, row, low, high, strict=True)
-                if not a <= value <= b
+                f"{name} {'below' if value < low else 'above'} {low if value < low else high:g}"
+                for name, value, low, high, over in zip(
+                    self.outputs, row, self.low, self.high, margin, strict=True
+                )
+                if not low - over <= value <= high + over
             ]
-            said += ["far from every row that trained"] if distance > 1 else []
+            said += [UNLIKE] if distance > 1 else []
             reasons.append("; ".join(said))
         return reasons
 
 
-def trained_on(scene: Scene) -> tuple[TrainedOn, str]:
-    """The rows that trained the networks of a scene, and which these are, in words.
+def learnt(
+    outputs: Sequence[str],
+    readings: Real,
+    targets: Real,
+    held_readings: Real,
+    held_outputs: Real,
+    least: Real,
+    ends: tuple[Real, Real] | None = None,
+    stretches: int | None = None,
+) -> TrainedOn:
+    """The states that recorded rows show, and how far others of their like are from them.
 
-    Of networks that were trained on, on all rows, and where it is unknown, as of networks from
-    elsewhere, they are all recorded rows.
+    Parameters
+    ----------
+    outputs : sequence of str
+    readings, targets : float arrays, shapes (rows, inputs) and (rows, outputs)
+        Rows that the states are fitted to, in the units of the columns.
+    held_readings, held_outputs : float arrays, shapes (held, inputs) and (held, outputs)
+        Rows that took no part in that, and what the hardware gives for them.
+    least : float array, shape (inputs,)
+        A standard deviation that the readings have at least: that of their codes.
+    ends : pair of float arrays, shape (outputs,), optional
+        The range of the outputs, where other rows trained too; else that of ``targets``.
+    stretches : int, optional
+        Stretches of the file that the held-out rows are of; else each row is one.
     """
-    recorded = read_recorded(scene).inputs
-    if held_out_rows(scene) is None:
+    low, high = ends or (targets.min(axis=0), targets.max(axis=0))
+    explained = np.clip(held_outputs, low, high)
+    states = fitted(targets, readings, explained, held_readings)
+    residual = held_readings - states(explained)
+    count, inputs = residual.shape
+    second = residual.T @ residual / count
+    # Few rows do not tell how the residuals of many sensors hang together.
+    known = count / (count + inputs)
+    second = known * second + np.diag((1 - known) * np.diag(second) + least**2)
+    whitening: Real = np.linalg.inv(np.linalg.cholesky(second))
+    held = np.sort(_lengths(residual, whitening))
+    limit = held[min(count, math.ceil((1 - FALSE_ALARMS) * (count + 1))) - 1]
+    # Where the map leaves nothing, no farther than rounding to codes alone may be.
+    limit = max(limit, math.sqrt(3) * np.linalg.norm(whitening * least))
+    known_by = count if stretches is None else stretches
+    return TrainedOn(outputs, low, high, states, whitening, float(limit), count, known_by)
+
+
+def _lengths(residual: Real, whitening: Real) -> Real:
+    result: Real = np.sqrt(((residual @ whitening.T) ** 2).sum(axis=1))
+    return result
+
+
+def hardware_outputs(scene: Scene, readings: Real) -> Real:
+    """What the hardware of a scene gives for inputs in the units of the sensors, in the units of
+    the outputs."""
+    codes: Codes = scene.codes_of(readings)
+    return scene.outputs_in_units(scene.twin().core.process(codes))
+
+
+def code_steps(scene: Scene) -> Real:
+    """The standard deviation of each input within one code, in the unit of its sensor."""
+    factors = np.array([scale.factor for scale in scene.scales(scene.inputs)])
+    steps: Real = factors / (2**SIGNAL.frac * math.sqrt(12))
+    return steps
+
+
+def trained_on(scene: Scene) -> tuple[TrainedOn, str]:
+    """The states that trained the networks of a scene, and which rows show them, in words.
+
+    They are fitted to the rows that ``training.split`` trains with; the others say how far such
+    rows are from them. The range of the outputs is that of all rows for networks that were trained
+    on, on all rows, and where it is unknown which trained, as of networks from elsewhere.
+    """
+    recorded, split = read_recorded(scene), split_of(scene)
+    rows = split.training
+    which = f"the {len(rows)} rows that trained"
+    everything = held_out_rows(scene) is None
+    if everything:
         known = "which of them trained is unknown" if told(scene) is None else "all of them trained"
-        return TrainedOn(scene.inputs, recorded), f"all {len(recorded)} recorded rows; {known}"
-    rows = split_of(scene).training
-    return TrainedOn(scene.inputs, recorded[rows]), f"the {len(rows)} rows that trained"
+        which = f"all {len(recorded.inputs)} recorded rows; {known}"
+    ranged = recorded.targets if everything else recorded.targets[rows]
+    held = np.concatenate([split.validation, split.test])
+    stretches = None if scene.training.split == "random" else stretches_of(held)
+    held, rows = thinned(held, MOST_HELD), thinned(rows, MOST_FITTED)
+    states = learnt(
+        scene.outputs,
+        recorded.inputs[rows],
+        recorded.targets[rows],
+        recorded.inputs[held],
+        hardware_outputs(scene, recorded.inputs[held]),
+        code_steps(scene),
+        (ranged.min(axis=0), ranged.max(axis=0)),
+        stretches,
+    )
+    return states, which
+
+
+def stretches_of(rows: Codes) -> int:
+    """Stretches of rows that follow each other."""
+    return 1 + int((np.diff(np.sort(rows)) > 1).sum())

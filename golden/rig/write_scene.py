@@ -11,6 +11,7 @@ from pathlib import Path
 from golden.cli import run, would
 from golden.files import check_file, check_writable, replace_file
 from golden.network_files.network_file import provenance_path
+from golden.rig import sensors_tell
 from golden.rig.csv_file import read_csv_file
 from golden.rig.draft import draft
 from golden.rig.finding import refuse
@@ -105,6 +106,7 @@ def main() -> None:
     count = len(scene.members)
     networks = "one network" if count == 1 else f"{count} networks in {scene.arrangement}"
     print(f"wrote {path}: {networks}, {len(scene.sensors)} sensors")
+    print("\n".join(map(str, sensors_tell.findings(scaled(scene)))))
     given = f"SCENE={shlex.quote(str(path))}"
     print(f"next: make check {given}, then make train {given} and make vhdl {given}")
 

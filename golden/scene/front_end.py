@@ -10,6 +10,7 @@ from typing import Any
 
 from golden.networks.network import Network
 from golden.precision import SIGNAL
+from golden.scene.scale import LARGEST
 from golden.sensing.converter_parts import PARTS
 from golden.sensing.converter_reader import ConverterReader
 from golden.sensing.scan import MOST_SCAN_CLOCKS
@@ -22,6 +23,7 @@ KEYS: dict[str, tuple[Any, Any]] = {
     "sample_at": (float, 0.9),
     "rate_hz": (float, 0.0),
     "converter": (str, ""),
+    "reference": (float, 0.0),
 }
 # Parts that can be bought; without one it is a parallel code behind an analogue multiplexer.
 CONVERTERS = tuple(PARTS)
@@ -41,6 +43,9 @@ class FrontEnd:
         Scans a second that are asked for; 0 where one follows another at once.
     converter : str
         The part that is read; empty for codes behind an analogue multiplexer.
+    reference : float
+        What the converter's reference is in the unit of the readings; 0 where the scene does not
+        tell.
     clock_mhz : float
         The clock that the scene is meant for.
     """
@@ -49,6 +54,7 @@ class FrontEnd:
     sample_at: float
     rate_hz: float
     converter: str
+    reference: float
     clock_mhz: float
 
     @property
@@ -142,8 +148,8 @@ def front_end(values: dict[str, Any], clock_mhz: float, path: Path) -> FrontEnd:
     ------
     ValueError
         For a counter outside 1 to 24 bits, a ``sample_at`` outside its slot or with a converter
-        that has its own time, or a rate that leaves no time for the slots or that no counter
-        reaches.
+        that has its own time, a reference without a converter or below 0, or a rate that leaves no
+        time for the slots or that no counter reaches.
     """
     if not 1 <= values["counter_width"] <= 24:
         raise ValueError(
@@ -158,6 +164,16 @@ def front_end(values: dict[str, Any], clock_mhz: float, path: Path) -> FrontEnd:
         raise ValueError(
             f"{path}: front_end.sample_at: got {values['sample_at']} with converter "
             f"{values['converter']!r}, expected none: the part takes its samples when it is asked"
+        )
+    reference = values["reference"]
+    if not 0 <= reference < LARGEST:
+        raise ValueError(
+            f"{path}: front_end.reference: got {reference:g}, expected a number above 0: what the "
+            "converter's reference is in the unit of the readings"
+        )
+    if reference and not values["converter"]:
+        raise ValueError(
+            f"{path}: front_end.reference: got {reference:g} without a converter, expected none"
         )
     found = FrontEnd(**values, clock_mhz=clock_mhz)
     shortest = 1 << found.counter_width

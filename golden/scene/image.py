@@ -13,18 +13,23 @@ def scene_image(scene: Scene, hardware: Engine) -> Image:
     Parameters
     ----------
     scene : Scene
-        Whatever its design: only its networks matter.
+        Whatever its design: its networks matter, and that they see no past.
     hardware : Engine
         One that can be reloaded.
 
     Raises
     ------
     FileNotFoundError, ValueError
-        See ``load_network``; also for an arithmetic that the engine has not, and for an image that
-        does not fit.
+        See ``load_network``; also for past samples, for an arithmetic that the engine has not, and
+        for an image that does not fit.
     """
     if hardware.loaded is None:
         raise ValueError(f"{hardware.entity}: hardware.reload: got false, expected true")
+    if not scene.window.plain:
+        raise ValueError(
+            f"{scene.path}: data.window: got past samples, expected none for an image: what keeps "
+            "the past is no part of it"
+        )
     for key, got, known in (
         ("precision", scene.precision.name, Engine.precisions),
         ("activation", scene.activation, Engine.known_activations),

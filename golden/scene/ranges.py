@@ -19,7 +19,7 @@ def ranges(scene: Scene) -> list[str]:
     lines = []
     for kind, columns in (("sensor", scene.sensors), ("output", scene.outputs)):
         for name, scale in zip(columns, scene.scales(columns), strict=True):
-            if name in scene.scale or name in scene.units:
+            if name in scene.known_scales or name in scene.units:
                 low, high = readings(ends, [scale]).ravel()
                 unit = f" {scene.units[name]}" if name in scene.units else ""
                 lines.append(

@@ -8,11 +8,12 @@ from typing import Any
 
 from golden.files import check_file, reading
 from golden.precision import PRECISIONS
+from golden.rig.finding import Finding, refuse, told
 from golden.scene.front_end import front_end
 from golden.scene.past import check_window, read_window, recordings
 from golden.scene.scale import read_scale
 from golden.scene.scene import Scene
-from golden.scene.schema import checked
+from golden.scene.schema import check_names, checked
 from golden.scene.sections import (
     beside,
     check_activation,
@@ -56,7 +57,8 @@ def load_scene(name: str) -> Scene:
     FileNotFoundError, CommandError
         For an unknown scene; the message lists those there are. For one that cannot be read.
     ValueError
-        For a fault in the file; the message names file, key, what was got and what was expected.
+        For faults in the file; of each the message names file, key, what was got and what was
+        expected.
     """
     known = scene_names()
     shipped = name in known or name in comparison_names()
@@ -72,8 +74,17 @@ def load_scene(name: str) -> Scene:
         ) from None
     with reading(path, "TOML"):
         raw = tomllib.loads(path.read_text(encoding="utf-8"))
-    values = checked(raw, path)
-    return _scene(values, recordings(raw["data"], path), path)
+    check_names(raw, path)
+    found: list[Finding] = []
+    with told(found):
+        values = checked(raw, path)
+    data = raw.get("data", {})
+    # What holds no text was told above.
+    if not (found and {"file", "recordings"} & set(data)):
+        with told(found):
+            files = recordings(data, path)
+    refuse(found)
+    return _scene(values, files, path)
 
 
 def _expanded(name: str) -> Path:
@@ -87,12 +98,8 @@ def _expanded(name: str) -> Path:
 def _scene(values: dict[str, dict[str, Any]], files: list[str], path: Path) -> Scene:
     data, network, hardware = values["data"], values["network"], values["hardware"]
     check_data(data, path)
-    window = read_window(data, path)
-    check_window(values, window, path)
-    check_hardware(values, path)
-    check_digits(values, path)
     key = "recordings" if data["recordings"] else "file"
-    activation = check_activation(hardware, path)
+    parts = _parts(values, path)
     return Scene(
         name=path.stem,
         path=path,
@@ -100,32 +107,56 @@ def _scene(values: dict[str, dict[str, Any]], files: list[str], path: Path) -> S
         sensors=tuple(data["sensors"]),
         outputs=tuple(data["outputs"]),
         group_by=data["group_by"],
-        window=window,
         where={name: float(value) for name, value in data["where"].items()},
         full_scale={name: float(s) for name, s in data["full_scale"].items()},
         length_mm={name: float(s) for name, s in data["length_mm"].items()},
-        scale=read_scale(data, path),
         units=data["units"],
         reference=data["reference"],
         arrangement=network["arrangement"],
-        members=members(data, network, len(window.taps), path),
         design=hardware["design"],
-        design_options=design_options(hardware, path),
-        activation=activation,
         activation_options=hardware["activation_options"],
         precision=PRECISIONS[hardware["precision"]],
         clock_mhz=hardware["clock_mhz"],
         interface=hardware["interface"],
-        training=training(values["training"], path),
-        front_end=(
-            front_end(values["front_end"], hardware["clock_mhz"], path)
-            if "front_end" in values
-            else None
-        ),
-        visualisation=(
-            visualisation(values["visualisation"], data, path)
-            if "visualisation" in values
-            else None
-        ),
-        uart=uart(values["uart"], hardware["clock_mhz"], path) if "uart" in values else None,
+        **parts,
     )
+
+
+def _parts(values: dict[str, dict[str, Any]], path: Path) -> dict[str, Any]:
+    """The attributes of a scene that are checked with what they are made of.
+
+    Raises
+    ------
+    ValueError
+        For all faults of all of them.
+    """
+    data, hardware = values["data"], values["hardware"]
+    clock_mhz = hardware["clock_mhz"]
+    found: list[Finding] = []
+    parts: dict[str, Any] = {"front_end": None, "visualisation": None, "uart": None}
+    with told(found):
+        window = parts["window"] = read_window(data, path)
+        check_window(values, window, path)
+        parts["members"] = members(data, values["network"], len(window.taps), path)
+    with told(found):
+        check_hardware(values, path)
+        parts["design_options"] = design_options(hardware, path)
+    with told(found):
+        check_digits(values, path)
+    with told(found):
+        parts["activation"] = check_activation(hardware, path)
+    with told(found):
+        parts["scale"] = read_scale(data, path)
+    with told(found):
+        parts["training"] = training(values["training"], path)
+    if "front_end" in values:
+        with told(found):
+            parts["front_end"] = front_end(values["front_end"], clock_mhz, path)
+    if "visualisation" in values:
+        with told(found):
+            parts["visualisation"] = visualisation(values["visualisation"], data, path)
+    if "uart" in values:
+        with told(found):
+            parts["uart"] = uart(values["uart"], clock_mhz, path)
+    refuse(found)
+    return parts

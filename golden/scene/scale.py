@@ -6,8 +6,9 @@ the column: an ADC of 0 to 5 V has ``{ offset = 2.5, factor = 2.5 }``. A column 
 holds signals.
 
 Hardware knows signals alone, and nothing is added to it: the scale of a sensor says which reading
-its converter has to give as which code. A network file maps readings to outputs in their units,
-whoever trained it; the scales are folded into its weights when it is read.
+its converter has to give as which code. Where the scene names the converter, the scale is that of
+its data sheet; see ``golden.scene.converter_scale``. A network file maps readings to outputs in
+their units, whoever trained it; the scales are folded into its weights when it is read.
 """
 
 from __future__ import annotations

@@ -19,6 +19,7 @@ from golden.networks.mlp import Mlp, Real
 from golden.networks.network import Network
 from golden.precision import SIGNAL, Precision
 from golden.scene.building import build_twin
+from golden.scene.converter_scale import converter_scales
 from golden.scene.front_end import FrontEnd
 from golden.scene.past import tap_names, window_text
 from golden.scene.scale import AUTO, Scale, on_signals, readings, signals
@@ -54,7 +55,7 @@ class Scene:
     length_mm : dict
         What the full scale of an output is in millimetres.
     scale : dict
-        Columns and their ``Scale``, or "auto"; see ``golden.scene.scale``.
+        Columns and their ``Scale``, or "auto", as the file says; see ``known_scales``.
     units : dict
         Columns and the names of their units.
     reference : str
@@ -117,7 +118,7 @@ class Scene:
     @property
     def files(self) -> list[Path]:
         """Everything that the scene reads: its own file, its networks, its data."""
-        told = [provenance_path(p) for p in self.weights_paths if AUTO in self.scale.values()]
+        told = [provenance_path(path) for path in self.weights_paths if self.auto]
         return [self.path, *self.weights_paths, *told, *self.data_paths]
 
     @property
@@ -201,6 +202,18 @@ class Scene:
     def scales(self, columns: Sequence[str]) -> list[Scale]:
         """The scale of each of these columns or samples; see ``trained_scales``."""
         return [self.known_scales.get(self.column(name), Scale()) for name in columns]
+
+    @property
+    def auto(self) -> list[str]:
+        """The columns whose scale training works out: all that are "auto", but for the sensors of a
+        converter."""
+        fixed = self.sensors if self.front_end and self.front_end.converter else ()
+        return [n for n, scale in self.scale.items() if scale == AUTO and n not in fixed]
+
+    @cached_property
+    def converter_scales(self) -> dict[str, Scale]:
+        """The scales that the scene's converter sets; see ``golden.scene.converter_scale``."""
+        return converter_scales(self)
 
     @cached_property
     def known_scales(self) -> dict[str, Scale]:

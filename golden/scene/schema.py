@@ -9,6 +9,7 @@ from golden.activation.schemes import SCHEMES
 from golden.networks.arrangement import ARRANGEMENTS
 from golden.networks.designs import DESIGNS
 from golden.precision import PRECISIONS
+from golden.rig.finding import Finding, refuse, told
 from golden.scene.front_end import CONVERTERS
 from golden.scene.front_end import KEYS as FRONT_END_KEYS
 from golden.scene.uart import KEYS as UART_KEYS
@@ -82,6 +83,12 @@ KEYS: dict[str, dict[str, tuple[Any, Any]]] = {
 }
 # Sections without which a scene has no such thing; of the others the defaults stand.
 OPTIONAL = ("front_end", "visualisation", "uart")
+# Keys whose 0 stands for a key that is left out, and is no number that can be asked for.
+NOT_ZERO = {
+    *(("hardware", key) for key in ("segment_width", "clocks", "adders_per_clock")),
+    *(("hardware", key) for key in ("program_words", "operand_words")),
+    ("front_end", "reference"),
+}
 CHOICES = {
     ("network", "arrangement"): ARRANGEMENTS,
     ("hardware", "design"): tuple(DESIGNS),
@@ -98,35 +105,63 @@ CHOICES = {
 }
 
 
-def checked(raw: dict[str, Any], path: Path) -> dict[str, dict[str, Any]]:
-    """Every section with every key, types and choices checked, defaults filled in."""
+def check_names(raw: dict[str, Any], path: Path) -> None:
+    """Refuse a section or a key that is not known, and what is no section.
+
+    Raises
+    ------
+    ValueError
+    """
     refuse_unknown(raw, KEYS, f"{path}: section")
     _refuse_long(raw, f"{path}: ")
+    for section, given in raw.items():
+        if not isinstance(given, dict):
+            raise ValueError(f"{path}: {section}: got {given!r}, expected a section")
+        refuse_unknown(given, KEYS[section], f"{path}: {section}: key")
+
+
+def checked(raw: dict[str, Any], path: Path) -> dict[str, dict[str, Any]]:
+    """Every section with every key, types and choices checked, defaults filled in.
+
+    Raises
+    ------
+    ValueError
+        For all keys that are missing or hold what they cannot.
+    """
+    found: list[Finding] = []
     values: dict[str, dict[str, Any]] = {}
     for section, keys in KEYS.items():
         if section in OPTIONAL and section not in raw:
             continue
-        given = raw.get(section, {})
-        if not isinstance(given, dict):
-            raise ValueError(f"{path}: {section}: got {given!r}, expected a section")
-        refuse_unknown(given, keys, f"{path}: {section}: key")
         values[section] = {}
-        for key, (kind, default) in keys.items():
-            value = given.get(key, default)
-            if value is None:
-                raise ValueError(f"{path}: {section}.{key}: missing, expected {_kind(kind)}")
-            if kind is float and type(value) is int:
-                value = float(value)
-            if not _is(value, kind):
-                raise ValueError(f"{path}: {section}.{key}: got {value!r}, expected {_kind(kind)}")
-            choices = CHOICES.get((section, key))
-            if choices and key in given and value not in choices:
-                raise ValueError(
-                    f"{path}: {section}.{key}: got {value!r}, expected one of "
-                    f"{', '.join(choices)}{suggest(str(value), choices)}"
-                )
-            values[section][key] = value
+        for key in keys:
+            with told(found):
+                values[section][key] = _value(raw.get(section, {}), section, key, path)
+    refuse(found)
     return values
+
+
+def _value(given: dict[str, Any], section: str, key: str, path: Path) -> Any:
+    """What a key of a section holds, or its default."""
+    kind, default = KEYS[section][key]
+    value = given.get(key, default)
+    if value is None:
+        raise ValueError(f"{path}: {section}.{key}: missing, expected {_kind(kind)}")
+    if kind is float and type(value) is int:
+        value = float(value)
+    if not _is(value, kind):
+        raise ValueError(f"{path}: {section}.{key}: got {value!r}, expected {_kind(kind)}")
+    if (section, key) in NOT_ZERO and key in given and value == 0:
+        raise ValueError(
+            f"{path}: {section}.{key}: got {value:g}, expected a number above 0, or no such key"
+        )
+    choices = CHOICES.get((section, key))
+    if choices and key in given and value not in choices:
+        raise ValueError(
+            f"{path}: {section}.{key}: got {value!r}, expected one of "
+            f"{', '.join(choices)}{suggest(str(value), choices)}"
+        )
+    return value
 
 
 def _refuse_long(value: Any, place: str) -> None:

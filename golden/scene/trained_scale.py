@@ -34,17 +34,20 @@ def story(scales: dict[str, Scale], mlp: Mlp) -> dict[str, Any]:
 
 
 def trained_scales(scene: Scene) -> dict[str, Scale]:
-    """The scale of every column of a scene that names one, "auto" replaced by what it came to.
+    """The scale of every column that has one: as the scene writes it, as its converter's data sheet
+    says, and in the place of "auto" what it came to.
 
     Raises
     ------
     FileNotFoundError
         When "auto" is asked for and there is no network yet.
     ValueError
-        When a network was not trained here, or with another scale than the others.
+        When a network was not trained here, or with another scale than the others; see
+        ``converter_scales`` too.
     """
     found = {name: scale for name, scale in scene.scale.items() if isinstance(scale, Scale)}
-    for name in (name for name, scale in scene.scale.items() if scale == AUTO):
+    found |= scene.converter_scales
+    for name in scene.auto:
         places = [
             (member.weights_path, _told(scene, number).get(name))
             for number, member in enumerate(scene.members)
@@ -60,7 +63,7 @@ def trained_scales(scene: Scene) -> dict[str, Scale]:
                     "factor = }, the range of the codes"
                 )
             found[name] = told
-    return {name: found[name] for name in scene.scale}
+    return {name: found[name] for name in (scene.scale | found) if name in found}
 
 
 def _told(scene: Scene, number: int) -> dict[str, Scale | str]:

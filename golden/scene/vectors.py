@@ -273,6 +273,9 @@ def _range(scale: Scale) -> str:
 
 
 def _remedy(scene: Scene, name: str) -> str:
+    part = scene.front_end.converter if scene.front_end else ""
+    if part and name in scene.sensors:
+        return f"converter {part!r} reads no more: mend front_end.reference in {scene.path}"
     return (
         f"give {name} a data.scale in {scene.path} that holds it, {{ offset = , factor = }}, or "
         "'auto', which make train works out"

@@ -7,6 +7,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from golden.rig.finding import Finding, fault, refuse
 from golden.scene.scale import AUTO
 from golden.table import suggest
 from golden.visualisation.load_profile import SHAPE_THRESHOLD, LoadProfile, load_profile, width_gain
@@ -66,36 +67,31 @@ def visualisation(values: dict[str, Any], data: dict[str, Any], path: Path) -> V
     outputs = data["outputs"]
     scaled = outputs if data["scale"] == AUTO else data["scale"]
     names = [values[key] for key in RESULTS]
+    found: list[Finding] = []
     for key, name in zip(RESULTS, names, strict=True):
+        place = f"{path}: visualisation.{key}: got {name!r}"
         if name not in outputs:
-            raise ValueError(
-                f"{path}: visualisation.{key}: got {name!r}, expected one of the outputs "
-                f"{', '.join(outputs)}{suggest(name, outputs)}"
-            )
-        if name in scaled:
-            raise ValueError(
-                f"{path}: visualisation.{key}: got {name!r}, which has a data.scale, expected an "
-                "output that has none: the profile is drawn from signals"
-            )
-        if names.count(name) > 1:
-            raise ValueError(
-                f"{path}: visualisation.{key}: got {name!r}, expected four different outputs"
-            )
+            known = f"{', '.join(outputs)}{suggest(name, outputs)}"
+            found.append(fault(f"{place}, expected one of the outputs {known}"))
+        elif name in scaled:
+            text = "which has a data.scale, expected an output that has none: the profile is drawn"
+            found.append(fault(f"{place}, {text} from signals"))
+        elif names.count(name) > 1 and names.index(name) == RESULTS.index(key):
+            found.append(fault(f"{place}, expected four different outputs"))
     threshold = values["shape_threshold"]
     if not -1 <= threshold < 1:
-        raise ValueError(
-            f"{path}: visualisation.shape_threshold: got {threshold!r}, expected -1 to below 1"
-        )
+        text = f"got {threshold!r}, expected -1 to below 1"
+        found.append(fault(f"{path}: visualisation.shape_threshold: {text}"))
     units = []
     for key in ("position", "width"):
         name = values[key]
-        if name not in data["length_mm"]:
-            raise ValueError(
-                f"{path}: data.length_mm: got none of {name!r}, expected that of the output which "
-                f"is the {key} of the visualisation"
-            )
-        length, scale = (Fraction(str(data[k][name])) for k in ("length_mm", "full_scale"))
-        units.append(length / scale)
+        if name in data["length_mm"]:
+            length, scale = (Fraction(str(data[k][name])) for k in ("length_mm", "full_scale"))
+            units.append(length / scale)
+        elif name in outputs:
+            text = f"expected that of the output which is the {key} of the visualisation"
+            found.append(fault(f"{path}: data.length_mm: got none of {name!r}, {text}"))
+    refuse(found)
     ramp = {key: values[key] for key in ("start", "stop", "step")}
     try:
         profile = load_profile(gain=width_gain(*units), shape_threshold=threshold, **ramp)

@@ -239,6 +239,6 @@ def error_port() -> Port:
     """The flag of a converter that is missing or stuck."""
     return given(
         "converter_error",
-        "from a transfer that no converter can have sent to the first scan without one; no frame "
-        "leaves meanwhile",
+        "from a transfer that no converter can have sent to the first scan without one; of a scan "
+        "with such a transfer no frame leaves",
     )

@@ -6,17 +6,14 @@ import argparse
 import platform
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import scipy
-from joblib import parallel_config
 
-from golden.cli import CommandError, run, would
+from golden.cli import run, would
 from golden.fingerprint import fingerprint, sources
 from golden.network_files.network_file import check_targets, provenance_path, save_networks
 from golden.networks.mlp import Mlp
@@ -27,6 +24,7 @@ from golden.scene import Scene, load_scene
 from golden.scene.schema import FEWEST
 from golden.scene.trained_scale import story
 from golden.scene.vectors import warn_outside
+from golden.training.cluster import computed_on
 from golden.training.few_digits import count_digits
 from golden.training.scaling import scaled
 from golden.training.search import (
@@ -81,23 +79,6 @@ def main() -> None:
     )
     with computed_on(arguments.cluster):
         train_scene(scene, arguments.build, arguments.workers)
-
-
-@contextmanager
-def computed_on(cluster: str | None) -> Iterator[None]:
-    """Candidates are computed on the Dask scheduler at this address; None: on this machine."""
-    if cluster is None:
-        yield
-        return
-    # Imported only where it is asked for: it takes a second.
-    from distributed import Client
-
-    try:
-        client = Client(cluster, timeout="10s")
-    except Exception as error:  # whatever it says is about the address
-        raise CommandError(f"CLUSTER={cluster}: no scheduler answers: {error}") from None
-    with client, parallel_config("dask"):
-        yield
 
 
 def train_scene(scene: Scene, build: Path, workers: int) -> None:

@@ -14,21 +14,24 @@ def scaled(scene: Scene) -> Scene:
     """The scene with a scale in place of every "auto".
 
     A sensor's is that of the rows that train: of the others nothing is known beforehand. An
-    output's is that of all rows, because its range is what is asked for and is not learnt.
+    output's is that of all rows, because its range is what is asked for and is not learnt. Sensors
+    that a converter reads have the scale of its data sheet.
 
     Raises
     ------
     FileNotFoundError, ValueError
-        See ``read_recorded``, ``split_of`` and ``range_scale``.
+        See ``read_recorded``, ``split_of``, ``range_scale`` and ``converter_scales``.
     """
-    wanted = [name for name, scale in scene.scale.items() if scale == AUTO]
+    wanted = scene.auto
+    kept = {n: s for n, s in scene.scale.items() if s != AUTO or n in wanted}
+    known = kept | scene.converter_scales
     if not wanted:
-        return scene
+        return scene if known == scene.scale else replace(scene, scale=known)
     rows = read_recorded(scene)
     training = split_of(scene).training
     columns = dict(zip(scene.sensors, rows.sensors[training].T, strict=True))
     columns |= dict(zip(scene.outputs, rows.targets.T, strict=True))
-    found = dict(scene.scale)
+    found = known
     for name in wanted:
         try:
             found[name] = range_scale(columns[name])

@@ -90,7 +90,7 @@ class Task:
         columns = self.scene.columns_of(self.number)
         return [
             range_scale(inputs)
-            if self.scene.column(name) in self.scene.scale and np.ptp(inputs)
+            if self.scene.column(name) in self.scene.known_scales and np.ptp(inputs)
             else Scale()
             for name, inputs in zip(columns, self.training.inputs.T, strict=False)
         ]

@@ -47,12 +47,13 @@ def main() -> None:
     would(f"synthesise, place and route scene {scene.name} and write {folder / name}")
     with (
         replace_folder(folder) as temporary,
-        Progress(f"{scene.name} on {board.title}", 2, "steps") as progress,
+        Progress(f"{scene.name} on {board.title}", 2, "steps", alike=False) as progress,
     ):
         verilog = temporary / "verilog"
-        export(scene, "verilog", verilog)
-        progress.step("exported")
-        bitstream, report = build(verilog, made, board)
+        with progress.running("export"):
+            export(scene, "verilog", verilog)
+        progress.step()
+        bitstream, report = build(verilog, made, board, progress.running)
         progress.step("synthesised, placed, routed and packed")
         (temporary / name).write_bytes(bitstream)
         (temporary / FAMILIES[board.family].pins_name).write_text(made.pins, encoding="utf-8")

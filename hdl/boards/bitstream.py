@@ -5,15 +5,18 @@ from __future__ import annotations
 import base64
 import json
 import re
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict, dataclass
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 from golden.boards import Board, Pin
-from golden.cli import CommandError
+from golden.cli import BETWEEN, CommandError
 from golden.fingerprint import fingerprint
 from golden.networks.network import Network
+from golden.rig.finding import Finding, faults, told
 from golden.scene import Scene
 from hdl.boards.families import FAMILIES, NETLIST, Family
 from hdl.boards.pll import clock_for
@@ -21,6 +24,8 @@ from hdl.boards.wrapper import OSCILLATOR, TOP, outside, wrapper
 from hdl.synth.tools import run_tool, stored
 
 SEED = 1
+# Called with what a tool does, and entered while it does so.
+Running = Callable[[str], AbstractContextManager[None]]
 WRAPPER = f"{TOP}.v"
 USED = re.compile(r"Info:\s+(\w+):\s*(\d+)/\s*(\d+)")
 FAULT = re.compile(r"^ERROR: (.+)$", re.M)
@@ -72,17 +77,35 @@ def sources(scene: Scene, design: Network, board: Board) -> Sources:
     Raises
     ------
     CommandError
-        When the design's ports are no wires of the board, or there is no such clock.
+        When the design's ports are no wires of the board, or there is no such clock; both together
+        where both are so.
     """
-    clock = clock_for(board, scene.clock_mhz)
+    found: list[Finding] = []
     used = {OSCILLATOR: Pin(board.clock_pin, "oscillator")}
-    used |= {name: board.pins[name] for name in outside(scene, design, board)}
+    with told(found):
+        used |= {name: board.pins[name] for name in outside(scene, design, board)}
+    with told(found):
+        clock = clock_for(board, scene.clock_mhz)
+    if found:
+        raise CommandError(BETWEEN.join(faults(found)))
     pins = FAMILIES[board.family].pins(board, used | board.high)
     return Sources(wrapper(scene, design, board, clock), pins, clock.mhz, clock.pll)
 
 
-def build(verilog: Path, made: Sources, board: Board) -> tuple[bytes, Report]:
+def build(
+    verilog: Path,
+    made: Sources,
+    board: Board,
+    running: Running = lambda _: nullcontext(),
+) -> tuple[bytes, Report]:
     """The bitstream for a folder of Verilog, in which the wrapper is written, and what it takes.
+
+    Parameters
+    ----------
+    verilog : Path
+    made : Sources
+    board : Board
+    running : Running
 
     Raises
     ------
@@ -93,7 +116,7 @@ def build(verilog: Path, made: Sources, board: Board) -> tuple[bytes, Report]:
     (verilog / WRAPPER).write_text(made.verilog, encoding="utf-8")
 
     def work(folder: Path) -> dict[str, Any]:
-        return _build(folder, made, board, family)
+        return _build(folder, made, board, family, running)
 
     scripts = fingerprint(sorted(Path(__file__).parent.glob("*.py")))
     facts = (board.device, board.package, made.pins, str(made.clock_mhz), str(SEED), scripts)
@@ -129,15 +152,24 @@ def cells(verilog: Path, made: Sources, board: Board) -> str:
     return netlist
 
 
-def _build(folder: Path, made: Sources, board: Board, family: Family) -> dict[str, Any]:
-    family.synthesise(folder)
+def _build(
+    folder: Path,
+    made: Sources,
+    board: Board,
+    family: Family,
+    running: Running,
+) -> dict[str, Any]:
+    with running("synthesis"):
+        family.synthesise(folder)
     (folder / family.pins_name).write_text(made.pins, encoding="utf-8")
     for placer in family.placers:
-        report = _placed(folder, made, board, family, placer)
+        with running(f"placing and routing with {placer}"):
+            report = _placed(folder, made, board, family, placer)
         if report.clock_mhz >= report.needed_mhz:
             break
     name = f"bitstream{family.suffix}"
-    run_tool(family.packer, [*family.packing, "placed", name], folder)
+    with running("packing"):
+        run_tool(family.packer, [*family.packing, "placed", name], folder)
     packed = base64.b64encode((folder / name).read_bytes()).decode()
     return {"report": asdict(report), "bitstream": packed}
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from golden.boards import Board
 from golden.boards.board import LAMPS, WIRES
-from golden.cli import CommandError
+from golden.cli import BETWEEN, CommandError
 from golden.networks.network import Network
 from golden.port import CLOCKED
 from golden.scene import Scene
@@ -24,26 +24,29 @@ def outside(scene: Scene, design: Network, board: Board) -> dict[str, str]:
     ------
     CommandError
         When the design's inputs are no wires of a board, or none of its outputs shows a result, or
-        a wire has no pin.
+        a wire has no pin; all of it in one message.
     """
     ports = [port for port in design.ports if port not in CLOCKED]
     others = [port.name for port in ports if port.direction == "in" and port.name not in WIRES]
+    wrong = []
     if others:
-        raise CommandError(
+        wrong.append(
             f"{scene.path}: front_end.converter: got none, expected one: a board cannot drive "
             f"{', '.join(others)} of {design.entity}"
         )
     if "tx" not in {port.name for port in ports}:
-        raise CommandError(
+        wrong.append(
             f"{scene.path}: uart: got none, expected a section [uart]: without it nothing that "
             f"{design.entity} computes leaves the board"
         )
-    for port in ports:
-        if port.name in WIRES and port.name not in board.pins:
-            raise CommandError(
-                f"{board.path}: pins.{port.name}: missing, expected a pin: {design.entity} of "
-                f"scene {scene.name} has that port"
-            )
+    wrong += [
+        f"{board.path}: pins.{port.name}: missing, expected a pin: {design.entity} of scene "
+        f"{scene.name} has that port"
+        for port in ports
+        if port.name in WIRES and port.name not in board.pins
+    ]
+    if wrong:
+        raise CommandError(BETWEEN.join(wrong))
     return {
         port.name: port.direction
         for port in ports

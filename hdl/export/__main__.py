@@ -12,6 +12,7 @@ from pathlib import Path
 from golden.cli import would
 from golden.scene import DEFAULT_SCENES, Scene, load_scene
 from golden.scene.ranges import ranges
+from golden.scene.saturation import warn_saturating
 from golden.scene.vectors import warn_outside
 from hdl.export.exporter import ORDER, export
 from hdl.export.hierarchy import LANGUAGES
@@ -37,6 +38,7 @@ def main() -> None:
 def export_scene(scene: Scene, language: str, folder: Path) -> None:
     """Export a scene unless it is there already, and print what it is."""
     warn_outside(scene)
+    warn_saturating(scene)
     design = scene.twin()
     if not is_current(scene, folder):
         export(scene, language, folder)

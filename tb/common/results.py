@@ -14,7 +14,7 @@ from typing import Any
 
 from golden.block import walk
 from golden.networks.network import Network
-from golden.progress import Progress
+from golden.progress import Progress, stage
 from golden.scene import Scene
 from hdl.export.stamp import is_current
 from tb.common.kept import kept, run_and_keep
@@ -83,9 +83,10 @@ def stored_results(scene: Scene) -> dict[str, Any] | None:
 
 def simulate(scene: Scene, full: bool = False) -> dict[str, Any]:
     """Run the benches that are chosen, but for those that have passed and are unchanged since."""
-    planned = plan(scene, SIMULATORS)
-    asked = chosen(planned, full)
-    stored = {job.folder: outcome for job in asked if (outcome := kept(job))}
+    with stage(f"{scene.name}: exporting VHDL and Verilog, and compiling"):
+        planned = plan(scene, SIMULATORS)
+        asked = chosen(planned, full)
+        stored = {job.folder: outcome for job in asked if (outcome := kept(job))}
     missing = [job for job in asked if job.folder not in stored]
     with Progress(f"{scene.name}: simulating", len(missing), "benches") as progress:
 
@@ -93,9 +94,13 @@ def simulate(scene: Scene, full: bool = False) -> dict[str, Any]:
             """Only failures get lines of their own."""
             if not outcome.passed:
                 tell(outcome, progress.say)
-            progress.step(outcome.job.entity)
+            progress.step()
 
-        ran = run_jobs(missing, listen, work=run_and_keep)
+        def work(job: Job) -> Outcome:
+            with progress.running(f"{job.entity} on {job.runs_on}"):
+                return run_and_keep(job)
+
+        ran = run_jobs(missing, listen, work=work)
     found = stored | {outcome.job.folder: outcome for outcome in ran}
     return _results(scene, [found[job.folder] for job in asked], len(stored), asked, planned)
 

@@ -18,10 +18,12 @@ from golden.link.packets import Frame
 from golden.networks.mlp import Real
 from golden.rig.csv_file import read_csv_file
 from golden.rig.finding import fault, refuse
+from golden.scene import Scene
+from golden.table import suggest
 from tb.monitor.board import MOST_BAUD, Board, board_of
 from tb.monitor.csv_file import GrowingCsv, refuse_there
 from tb.monitor.line import Line, Simulated
-from tb.monitor.ports import open_line
+from tb.monitor.ports import SIMULATED, TWIN, open_line
 
 FRAMES = 16
 # Packets that may be of before: one in the board, one on the line.
@@ -41,6 +43,41 @@ def labels_of(path: Path) -> tuple[list[str], list[Placement]]:
     table = read_csv_file(path)
     refuse([fault(text) for name in table.names if (text := table.column(name).fault(path))])
     return list(table.names), [tuple(cell.strip() for cell in row) for row in table.rows]
+
+
+def check_labels(names: Sequence[str], path: Path, scene: Scene, simulated: bool) -> None:
+    """Refuse labels of a file that cannot be outputs of the recording.
+
+    Parameters
+    ----------
+    names : sequence of str
+    path : Path
+        Of the labels.
+    scene : Scene
+        Whose sensors are read.
+    simulated : bool
+        Whether no board is there: a simulated one can only be touched where its recording was.
+
+    Raises
+    ------
+    ValueError
+        For every column without a name, with that of a sensor, or, of a simulated board, with that
+        of no output.
+    """
+    found = []
+    for number, name in enumerate(names, 1):
+        if not name:
+            found.append(fault(f"{path}: column {number} has no name, expected that of an output"))
+        elif name in scene.sensors:
+            text = f"got a sensor of {scene.path}, which is read, expected an output"
+            found.append(fault(f"{path}: column {name!r}: {text}"))
+        elif simulated and name not in scene.outputs:
+            text = (
+                f"got no output of {scene.path}, expected of {', '.join(scene.outputs)}, since a "
+                f"simulated board is touched where its recording was"
+            )
+            found.append(fault(f"{path}: column {name!r}: {text}{suggest(name, scene.outputs)}"))
+    refuse(found)
 
 
 def read_placement(line: str, outputs: Sequence[str]) -> Placement:
@@ -154,6 +191,44 @@ def record(
     return np.sqrt(np.mean(spreads, axis=0)) if spreads else np.zeros(len(sensors))
 
 
+def asked(prompt: str) -> str:
+    """What is typed behind the prompt.
+
+    Raises
+    ------
+    EOFError
+        When the input has ended, or there is none.
+    """
+    if sys.stdin is None:
+        raise EOFError
+    return input(prompt)
+
+
+def check_rows(csv: GrowingCsv, listed: int, interrupted: bool) -> None:
+    """Refuse a recording that is shorter than was asked for.
+
+    Parameters
+    ----------
+    csv : GrowingCsv
+    listed : int
+        How many placements ``LABELS=`` has; 0 where they are typed.
+    interrupted : bool
+        By Ctrl-C: whoever does that has enough.
+
+    Raises
+    ------
+    CommandError
+    """
+    if not csv.rows:
+        why = "interrupted" if interrupted else "the input ended"
+        raise CommandError(f"TO={csv.path}: not written: {why} before the first placement")
+    if csv.rows < listed and not interrupted:
+        raise CommandError(
+            f"TO={csv.path}: got {csv.rows} placements, expected {listed}, those of LABELS=: the "
+            "input ended before the others"
+        )
+
+
 def simulated_ask(
     simulated: Simulated, placements: Sequence[Placement], outputs: Sequence[str]
 ) -> Callable[[str], str]:
@@ -188,12 +263,14 @@ def main() -> None:
         if same_file(labels, to):
             raise ValueError(f"TO={to}: is read, expected another file")
         outputs, placements = labels_of(labels)
+        check_labels(outputs, labels, board.scene, arguments.port in (SIMULATED, TWIN))
     would(f"record readings from {arguments.port} into {to}")
     with (
         open_line(arguments.port, arguments.baud, board) as line,
         GrowingCsv(to, [*board.scene.sensors, *outputs]) as csv,
     ):
-        ask: Callable[[str], str] = input
+        ask: Callable[[str], str] = asked
+        interrupted = False
         if placements is None:
             source = typed(outputs, ask, print)
         else:
@@ -204,14 +281,20 @@ def main() -> None:
             spread = record(line, board, source, csv, arguments.frames, print)
         except KeyboardInterrupt:
             print()
+            interrupted = True
             spread = np.zeros(len(board.scene.sensors))
-        print(f"wrote {to}, {csv.rows} placements")
+        finally:
+            if not csv.rows:
+                to.unlink()
+        if csv.rows:
+            print(f"wrote {to}, {csv.rows} placements")
         if spread.any():
             worst = int(spread.argmax())
             print(
                 f"noise of a reading: {spread[worst]:.2g} at most ({board.scene.sensors[worst]}): "
                 f"of the mean of {arguments.frames} {spread[worst] / arguments.frames**0.5:.2g}"
             )
+        check_rows(csv, len(placements or ()), interrupted)
 
 
 if __name__ == "__main__":

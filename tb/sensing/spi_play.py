@@ -49,7 +49,10 @@ async def listen(bench, reader, resets, watch, convert, fault=lambda number: Non
 
 
 def check_error(bench, reader, recording, timeline):
-    """``converter_error`` in every clock, and nothing that leaves beside it."""
+    """``converter_error`` in every clock; gives the clocks in which something leaves beside it.
+
+    Of a reader those are none. A network behind it may send then what it makes of an earlier scan.
+    """
     read = reader.read_clocks
     ended = timeline.rows[np.isin(timeline.count, read[:, -1])]
     ended = ended[ended + 1 < recording.clocks]
@@ -73,5 +76,4 @@ def check_error(bench, reader, recording, timeline):
     expected = np.array(levels)[np.searchsorted(rows, timeline.rows, side="right") - 1]
     got = recording.unsigned("converter_error", timeline.rows)
     bench.compare("converter_error", got, expected, clock=timeline.rows)
-    both = np.intersect1d(recording.rows("out_valid"), recording.rows("converter_error"))
-    assert not len(both), f"a sample leaves in clock {both[0]} beside converter_error"
+    return np.intersect1d(recording.rows("out_valid"), recording.rows("converter_error"))

@@ -11,6 +11,7 @@ from golden.disturbance import Disturbance
 from golden.errors import disturbed_rows, held_out_rows, noises_of
 from golden.networks.mlp import Real
 from golden.precision import SIGNAL
+from golden.rig.sensors_tell import telling_of
 from golden.scene import Scene
 from golden.scene.scale import signals
 from golden.scene.vectors import read_recorded
@@ -214,4 +215,27 @@ def sensors(found: Outcome) -> Table:
         "Readings beyond what the first and the last code stand for are replaced by the nearest "
         "code. Many that are the least or the largest one tell of a sensor that was saturated "
         "before it was recorded.",
+    )
+
+
+def telling(scene: Scene) -> Table | None:
+    """Errors with all sensors, without each and without any; None for too few rows."""
+    found = telling_of(scene)
+    if found is None:
+        return None
+    rows: list[list[Cell]] = [["none", None, *map(float, found.whole)]]
+    for name, errors in found.without.items():
+        rows.append([name, 100 * found.follows[name], *map(float, errors)])
+    rows.append(["all", None, *map(float, found.constant)])
+    nothing = found.nothing
+    drop = f" {', '.join(nothing)}: tells nothing, take it out of data.sensors." if nothing else ""
+    return Table(
+        "sensors_tell",
+        ["left out", "follows %", *(f"{name} %" for name in found.outputs)],
+        rows,
+        "Mean errors, as the scene counts them, of a smooth map from the sensors to the outputs "
+        "(Gaussian kernel ridge regression), fitted anew without each sensor, on rows held out "
+        "from the fit; without all it is a constant. Networks err less; what a network loses "
+        "without a sensor, training tells. Follows: the part of a sensor's variance that the "
+        f"outputs, or these and the other sensors, explain; of noise it is about 0 or less.{drop}",
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import islice
 
 import numpy as np
@@ -11,7 +10,10 @@ from numpy.typing import NDArray
 from golden.disturbance import Disturbance
 from golden.networks.mlp import Real
 from golden.recalibration.choice import proposed
-from golden.recalibration.fit import Sensitivity, fit
+from golden.recalibration.fit import Fit, fit, left_out
+from golden.recalibration.outlook import helps
+from golden.recalibration.placements import Placements
+from golden.recalibration.sensitivity import Sensitivity
 from golden.scene import Scene, load_scene
 from golden.scene.scale import readings
 from tb.report.measure.table import Cell, Table
@@ -22,6 +24,13 @@ NOISES = (0.0, 0.002)  # V
 COUNTS = (3, 4, 6, 8, 10, 20, 40)
 DRAWS = 10
 
+# Little drift and much noise: where a correction may do harm.
+FEW = 8
+SMALL = (0.0, 0.05)
+MUCH_NOISE = (0.01, 0.03)  # V
+TIMES = (1, 16)
+NOISY_DRAWS = 5
+
 
 def errors(scene: Scene, signals: Real) -> Real:
     """Mean error of each output over the recording, percent, floating point."""
@@ -29,31 +38,32 @@ def errors(scene: Scene, signals: Real) -> Real:
     return found
 
 
-def left(
-    scene: Scene,
+def read(
     recorded: Sensitivity,
     drifted: Real,
     rows: NDArray[np.intp],
-    noise: float,
+    times: int,
     rng: np.random.Generator,
-) -> Real:
-    """What is left after a fit at some rows of the recording, read with noise."""
-    vectors = scene.vectors()
-    placements = replace(
-        vectors,
-        inputs=Disturbance(noise).of(drifted[rows], rng),
-        targets=vectors.targets[rows],
-        scale=vectors.scale[rows],
-    )
-    return errors(scene, readings(drifted, fit(scene, recorded, placements)))
+) -> Placements:
+    """Rows of the recording as placements that are read with noise, so many times each."""
+    there = recorded.recorded.at(rows)
+    noise = recorded.noise * rng.standard_normal((times, *there.inputs.shape)).mean(axis=0)
+    return Placements(drifted[rows] + noise, there.targets, there.scale, there.times * times)
+
+
+def left(recorded: Sensitivity, drifted: Real, found: Fit) -> Real:
+    """What is left of the errors with a correction."""
+    return errors(recorded.scene, readings(drifted, recorded.correction(found.theta)))
+
+
+def _of(scene: Scene, noise: float) -> Sensitivity:
+    return Sensitivity.of(scene, np.full(len(scene.sensors), noise))
 
 
 def recalibration(seed: int) -> Table:
     """Errors before and after, against the number of placements, how they are chosen and noise."""
     scene, rng = load_scene(SCENE), np.random.default_rng(seed)
-    vectors, recorded = scene.vectors(), Sensitivity.of(scene)
-    nothing = np.zeros((2 * len(scene.sensors),) * 2)
-    telling = np.array([row for row, _ in islice(proposed(recorded, nothing), max(COUNTS))])
+    vectors = scene.vectors()
     drifted = [DRIFT.of(vectors.inputs, rng) for _ in range(DRAWS)]
 
     def row(placements: int, chosen: str, noise: float | None, found: list[Real]) -> list[Cell]:
@@ -66,12 +76,15 @@ def recalibration(seed: int) -> Table:
         row(0, "drifted", None, [errors(scene, one) for one in drifted]),
     ]
     for noise in NOISES:
+        recorded = _of(scene, noise)
+        telling = np.array([one.row for one in islice(proposed(recorded), max(COUNTS))])
+
+        def after(one: Real, at: NDArray[np.intp], known: Sensitivity = recorded) -> Real:
+            return left(known, one, fit(known, read(known, one, at, 1, rng)))
+
         for count in COUNTS:
-            at_random = [
-                left(scene, recorded, one, rng.permutation(len(one))[:count], noise, rng)
-                for one in drifted
-            ]
-            chosen = [left(scene, recorded, one, telling[:count], noise, rng) for one in drifted]
+            at_random = [after(one, rng.permutation(len(one))[:count]) for one in drifted]
+            chosen = [after(one, telling[:count]) for one in drifted]
             rows.append(row(count, "at random", noise, at_random))
             rows.append(row(count, "telling most", noise, chosen))
     return Table(
@@ -80,6 +93,63 @@ def recalibration(seed: int) -> Table:
         rows,
         f"Mean errors of {SCENE} over all recorded rows, floating point, means of {DRAWS} drifts "
         f"of {100 * DRIFT.gain:g} % of the gains and {1e3 * DRIFT.offset:g} mV of the offsets: "
-        "before, and after a fit of gain and offset to rows of the recording, read with noise. "
-        "'Telling most' are the rows that make recalibrate proposes, in that order.",
+        "before, and after a fit of gain and offset to rows of the recording, read once with "
+        "noise. 'Telling most' are the rows that make recalibrate proposes, in that order.",
+    )
+
+
+def recalibration_noise(seed: int) -> Table:
+    """Whether corrections help where sensors drifted little against their noise."""
+    scene, rng = load_scene(SCENE), np.random.default_rng(seed)
+    vectors = scene.vectors()
+    rows: list[list[Cell]] = []
+    for noise in MUCH_NOISE:
+        recorded = _of(scene, noise)
+        for drift in SMALL:
+            gains = 1 + drift * np.array([1, 0, 1, 0])
+            drifted = vectors.inputs * gains
+            before = float(errors(scene, drifted).mean())
+            for times in TIMES:
+                at = np.array([one.row for one in islice(proposed(recorded, times), FEW)])
+                after, kept, written = [], [], 0
+                for _ in range(NOISY_DRAWS):
+                    placements = read(recorded, drifted, at, times, rng)
+                    found = fit(recorded, placements)
+                    after.append(float(left(recorded, drifted, found).mean()))
+                    alone = left_out(recorded, placements, found)
+                    sure = helps(recorded, placements, found, alone)
+                    written += sure
+                    kept.append(after[-1] if sure else before)
+                rows.append(
+                    [
+                        1e3 * noise,
+                        100 * drift,
+                        times,
+                        before,
+                        written,
+                        sum(one > before for one in kept),
+                        float(np.mean(kept)),
+                        float(np.mean(after)),
+                        sum(one > before for one in after),
+                    ]
+                )
+    return Table(
+        "recalibration_noise",
+        [
+            "noise mV",
+            "drift %",
+            "times",
+            "before %",
+            "written",
+            "of these worse",
+            "after %",
+            "all written %",
+            "worse",
+        ],
+        rows,
+        f"Mean errors of the outputs of {SCENE} over all recorded rows, floating point, when the "
+        f"gains of sensors 1 and 3 have drifted: before, and after make recalibrate with the {FEW} "
+        f"placements that it proposes, each read so many times, means of {NOISY_DRAWS} draws of "
+        "noise. It writes a correction where it surely helps and leaves the scene as it is "
+        "elsewhere; the last two columns are what would be if it wrote each.",
     )

@@ -19,9 +19,9 @@ from golden.files import read_json, write_json
 from golden.fingerprint import ROOT, fingerprint, sources
 from golden.machine import facts
 from golden.physics import swing_data
-from golden.rig import sensors_needed
+from golden.rig import sensors_needed, smooth_map, trained_on
 from golden.scene.reference import NUMBERS
-from tb.report.measure import convergence, honest, past, sensors_dropped, stability, store
+from tb.report.measure import convergence, honest, outside, past, sensors_dropped, stability, store
 from tb.report.measure.table import Table
 
 # By name, where they stand and what they hang on beside what trains.
@@ -32,6 +32,7 @@ RECORDED = {
     "convergence": (convergence,),
     "sensors_dropped": (sensors_dropped, sensors_needed),
     "hidden_nodes": (sensors_dropped, sensors_needed),
+    "outside": (outside, honest, smooth_map, trained_on),
     "stability": (stability,),
 }
 # With run times in every report.

@@ -17,7 +17,15 @@ from tb.report.draw.pictures import draw
 from tb.report.measure import motions
 from tb.report.measure.costs import Costs, blocks, costs
 from tb.report.measure.disturbance import noise_and_drift
-from tb.report.measure.outcome import Outcome, along, confidence, outcome, sensors, worst_rows
+from tb.report.measure.outcome import (
+    Outcome,
+    along,
+    confidence,
+    outcome,
+    sensors,
+    telling,
+    worst_rows,
+)
 from tb.report.measure.recorded import SEED
 from tb.report.measure.steps import measured, measuring
 from tb.report.measure.store import Progress, once, packed, unpacked
@@ -73,6 +81,7 @@ def content(scene: Scene, tell: Progress, full: bool = False, own: bool = True) 
         )
     )
     places = along(found) if scene.group_by else None
+    told = telling(scene)
     plots: list[Drawable] = [*predicted_plots(found)]
     if places:
         plots.append(along_plot(found, places))
@@ -85,7 +94,7 @@ def content(scene: Scene, tell: Progress, full: bool = False, own: bool = True) 
             "sensors",
             "What the sensors do to it",
             pictures=noise,
-            tables=[disturbed, sensors(found)],
+            tables=[disturbed, sensors(found), *([told] if told else [])],
         ),
         _verified(scene),
         Section(

@@ -38,7 +38,7 @@ from tb.report.measure.sensors_dropped import EACH, IN_ORDER
 from tb.report.measure.table import Cell, Table
 from tb.report.measure.tanh_words import tanh_words
 from tb.report.page import left_out as leaving
-from tb.report.page import run_time, stability
+from tb.report.page import outside, run_time, stability
 from tb.report.page.markers import put, write
 from tb.report.side_by_side import side_by_side
 
@@ -252,6 +252,7 @@ def pages() -> dict[Path, str]:
         (docs / "left-out.md", "each", partial(leaving.sensor_rows, dropped, EACH)),
         (docs / "left-out.md", "order", partial(leaving.sensor_rows, dropped, IN_ORDER)),
         (docs / "left-out.md", "nodes", partial(leaving.nodes_rows, nodes)),
+        (docs / "limits.md", "outside", partial(outside.rows, read("outside"))),
         (docs / "stability.md", "headline", partial(stability.headline, cases)),
         (docs / "stability.md", "nearest", partial(stability.nearest, cases)),
         (docs / "stability.md", "kinds", partial(stability.kinds, cases)),

@@ -1,0 +1,148 @@
+"""What each sensor tells: a channel of noise is named, and none that matters."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from golden.fingerprint import ROOT
+from golden.rig.csv_file import read_csv_file
+from golden.rig.finding import OK, WARNING
+from golden.rig.sensors_needed import Recording, recording_of
+from golden.rig.sensors_tell import Telling, findings, measured, telling_of
+from golden.rig.survey import survey
+from golden.rig.write_scene import write_scene
+from golden.scene import Scene, load_scene
+from golden.table import read_table, write_table
+from golden.training.scaling import scaled
+from golden.training.split import split_of
+from tb.report.measure.outcome import telling
+
+RAIL = ROOT / "docs" / "tutorial" / "readings.csv"
+SENSORS = ("s1", "s2", "s3", "s4", "s5")
+OUTPUTS = ("force", "place")
+
+
+def rail(folder: Path, rows: slice = slice(None), **added: np.ndarray) -> Scene:
+    """The tutorial's rail with further channels."""
+    table = read_table(RAIL, [*SENSORS, *OUTPUTS])
+    columns = np.column_stack([*added.values(), table])[rows]
+    write_table(folder / "rig.csv", [*added, *SENSORS, *OUTPUTS], columns, 4)
+    found = survey(read_csv_file(folder / "rig.csv"), list(OUTPUTS))
+    return scaled(write_scene(found, folder / "rig.toml"))
+
+
+def noise(seed: int, rows: int = 85) -> np.ndarray:
+    """The counts of a channel with nothing connected."""
+    return np.random.default_rng(seed).integers(1987, 2106, rows).astype(float)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_channel_of_noise_is_named_and_no_other(tmp_path: Path, seed: int) -> None:
+    scene = rail(tmp_path, dead=noise(seed))
+    warned = {f.subject: f.text for f in findings(scene) if f.verdict == WARNING}
+    assert list(warned) == ["dead"]
+    assert warned["dead"].startswith("tells nothing")
+    assert f"take it out of data.sensors in {scene.path}" in warned["dead"]
+
+
+def test_the_page_shows_what_is_said_of_it(tmp_path: Path) -> None:
+    scene = rail(tmp_path, s6=noise(1))
+    (said,) = [str(finding) for finding in findings(scene) if finding.subject == "s6"]
+    page = (ROOT / "docs" / "tutorial.md").read_text(encoding="utf-8")
+    assert f"\n{said.replace(str(scene.path), 'path/to/rig.toml')}\n" in page
+
+
+def with_noise(scene: Scene, seed: int) -> Telling:
+    recording = recording_of(scene)
+    more = Recording(
+        np.column_stack([recording.readings, noise(seed, len(recording.readings))]),
+        recording.targets,
+        recording.scale,
+        (*recording.sensors, "dead"),
+        recording.outputs,
+    )
+    return measured(more, split_of(scene))
+
+
+@pytest.mark.parametrize("name", ["digit", "digit-load", "swing-single"])
+def test_of_the_shipped_scenes_no_sensor_is_named_but_one_of_noise(name: str) -> None:
+    scene = load_scene(name)
+    found = telling_of(scene)
+    assert found
+    assert not found.nothing
+    assert min(found.follows.values()) > 0.9
+    assert with_noise(scene, 1).nothing == ["dead"]
+
+
+def test_past_samples_belong_to_their_sensor() -> None:
+    found = telling_of(load_scene("swing-window"))
+    assert found
+    assert list(found.without) == ["sensor1", "sensor2", "sensor3"]
+    assert not found.nothing
+
+
+def test_a_sensor_that_corrects_others_is_not_named(tmp_path: Path) -> None:
+    """A temperature on which every gain hangs follows from no output."""
+    warm = np.random.default_rng(4).uniform(-1, 1, 85)
+    table = read_table(RAIL, [*SENSORS, *OUTPUTS])
+    scene = rail(tmp_path, warm=warm)
+    path = tmp_path / "rig.csv"
+    table[:, :5] *= 1 + 0.2 * warm[:, np.newaxis]
+    write_table(path, ["warm", *SENSORS, *OUTPUTS], np.column_stack([warm, table]), 4)
+    found = telling_of(load_scene(str(scene.path)))
+    assert found
+    assert found.without["warm"][0] > 2 * found.whole[0]
+    assert not found.nothing
+
+
+def test_where_sensors_tell_nothing_at_all_that_is_said(tmp_path: Path) -> None:
+    scene = rail(tmp_path)
+    table = read_table(scene.data_path, [*SENSORS, *OUTPUTS])
+    table[:, :5] = np.random.default_rng(1).uniform(-1, 1, (85, 5))
+    write_table(scene.data_path, [*SENSORS, *OUTPUTS], table, 4)
+    told = findings(load_scene(str(scene.path)))
+    assert [finding.verdict for finding in told] == [OK, WARNING]
+    assert told[1].text.startswith("nothing: with all of them")
+
+
+def test_of_few_rows_nothing_is_said(tmp_path: Path) -> None:
+    assert not findings(rail(tmp_path, slice(0, 85, 6)))
+
+
+def test_a_single_sensor_is_compared_with_none() -> None:
+    scene = load_scene("digit-load")
+    recording = recording_of(scene)
+    one = Recording(
+        recording.readings[:, :1],
+        recording.targets,
+        recording.scale,
+        ("sensor1",),
+        recording.outputs,
+    )
+    found = measured(one, split_of(scene))
+    assert np.array_equal(found.without["sensor1"], found.constant)
+
+
+def test_make_scene_and_make_check_and_the_report_say_it(tmp_path: Path) -> None:
+    scene = rail(tmp_path, dead=noise(1))
+    again = tmp_path / "again.toml"
+    words = [str(tmp_path / "rig.csv"), ",".join(OUTPUTS), "--to", str(again)]
+    for command in (
+        ["golden.rig.write_scene", *words],
+        ["tb.check", str(scene.path), "--build", str(tmp_path / "build")],
+    ):
+        done = subprocess.run(
+            [sys.executable, "-m", *command], cwd=ROOT, capture_output=True, text=True, check=True
+        )
+        assert "warning  dead: tells nothing" in done.stdout
+        assert "ok       s1: without it force " in done.stdout
+        assert done.stdout.count("tells nothing") == 1
+    table = telling(scene)
+    assert table
+    assert [row[0] for row in table.rows] == ["none", "dead", *SENSORS, "all"]
+    assert "dead: tells nothing, take it out" in table.note
