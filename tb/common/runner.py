@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shlex
 import shutil
 import subprocess
@@ -159,7 +160,8 @@ def export(scene: Scene, tongue: str, build: Path = BUILD) -> None:
     command += ["--build", str(build)]
     result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     if result.returncode == 2:
-        raise CommandError(result.stderr.strip().removeprefix("error: "))
+        # In front of the message may stand warnings.
+        raise CommandError(re.split("^error: ", result.stderr, maxsplit=1, flags=re.M)[-1].strip())
     if result.returncode:
         raise RuntimeError(f"{shlex.join(command)}\n{result.stderr}")
 
