@@ -18,7 +18,6 @@ from golden.activation.schemes import SCHEMES
 from golden.block import walk
 from golden.fingerprint import fingerprint
 from golden.fixed import Fix
-from golden.input_error import InputError
 from golden.port import Unsigned
 from golden.precision import EXACT
 from golden.scene import load_scene
@@ -288,7 +287,7 @@ def test_ports_that_the_twin_does_not_publish_are_refused(
         replace(port, **change) if port.name == "out_mag" else port for port in spec.abs_unit.ports
     ]
     monkeypatch.setattr(AbsUnit, "ports", published)
-    with pytest.raises(InputError, match=r"^abs_unit: got ports .*'out_mag', 'out', 17, False"):
+    with pytest.raises(ValueError, match=r"^abs_unit: got ports .*'out_mag', 'out', 17, False"):
         convert_hierarchy(elaborate(spec), tmp_path, language)
 
 

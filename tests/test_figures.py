@@ -15,7 +15,6 @@ from conftest import tiered
 from pages import ROUNDING, SEARCHED, TRAINED, cells, section, shows
 from shared import Shared
 
-from golden.input_error import InputError
 from golden.physics.plate import TERMS
 from golden.physics.swing import LIGHT, METHODS, STRONG, STRONG_DAMPING
 from golden.physics.swing_data import NOISE
@@ -389,7 +388,7 @@ def test_a_table_as_text() -> None:
     ],
 )
 def test_a_table_refuses_what_is_no_figure(row, message: str) -> None:
-    with pytest.raises(InputError, match=message):
+    with pytest.raises(ValueError, match=message):
         Table("t", ["name", "value"], [row], "")
 
 

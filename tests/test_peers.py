@@ -41,7 +41,7 @@ def test_recorded_and_random_frames_are_judged_apart(task: Task) -> None:
     assert exact < 0.51
     assert wrong > 100
     assert same == again
-    with pytest.raises(InputError, match="outputs: got shape"):
+    with pytest.raises(ValueError, match="outputs: got shape"):
         task.errors(codes[1:])
 
 

@@ -278,7 +278,7 @@ def test_waveforms_leave_out_what_does_not_count_and_say_what_is_undefined() -> 
     ],
 )
 def test_waveforms_refuse_ports_that_do_not_belong_together(ports, message: str) -> None:
-    with pytest.raises(InputError, match=message):
+    with pytest.raises(ValueError, match=message):
         waveforms(ports, "None")
 
 

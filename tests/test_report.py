@@ -16,7 +16,6 @@ from shared import Shared
 from golden.activation.schemes import forms
 from golden.errors import UNKNOWN
 from golden.fingerprint import ROOT
-from golden.input_error import InputError
 from golden.scene import load_scene
 from golden.scene.reading import scene_path
 from tb.commands import BY_NAME
@@ -237,7 +236,7 @@ def test_tables_with_run_times_run_alone(data: dict, report: Path) -> None:
 
 
 def test_a_plot_of_nothing_is_refused() -> None:
-    with pytest.raises(InputError, match="plot empty: no points for b"):
+    with pytest.raises(ValueError, match="plot empty: no points for b"):
         Plot("empty", "t", "x", "y", {"a": [(1, 1)], "b": []}, "s.", [])
 
 
@@ -285,7 +284,7 @@ def test_a_sentence_follows_its_figures() -> None:
     points = {"slow": [(5.0, 1e-9)], "quick": [(2.0, 1e-7), (1.0, 1e-3)]}
     assert findings.cheapest(points, 1e-6) == ("quick", 2.0)
     assert findings.cheapest(points, 1e-8) == ("slow", 5.0)
-    with pytest.raises(InputError, match="no group reaches an error of 1e-12"):
+    with pytest.raises(ValueError, match="no group reaches an error of 1e-12"):
         findings.cheapest(points, 1e-12)
 
 

@@ -8,7 +8,6 @@ from textwrap import dedent
 import pytest
 
 from golden.fixed import Fix
-from golden.input_error import InputError
 from golden.layers.output_controller import OutputController
 from hdl.export import tidy
 from hdl.export.describe import describe
@@ -251,7 +250,7 @@ def test_a_memory_whose_last_words_differ_keeps_its_rows(language: str, last: st
 
 @pytest.mark.parametrize("language", ["vhdl", "verilog"])
 def test_a_table_that_is_not_there_is_a_fault(language: str) -> None:
-    with pytest.raises(InputError, match="rom1_read: got 0 tables of this name, expected 1"):
+    with pytest.raises(ValueError, match="rom1_read: got 0 tables of this name, expected 1"):
         tidy.annotate_tables(TABLE[language], language, {"rom1_read": ["1"]})
 
 
