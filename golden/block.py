@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
+from golden.input_error import InputError
+
 if TYPE_CHECKING:
     from golden.flow import Flow
 
@@ -96,7 +98,7 @@ def walk(top: Block) -> Iterator[Block]:
 
     Raises
     ------
-    ValueError
+    InputError
         When two blocks share an entity name but not their constants: one would overwrite the
         other on export.
     """
@@ -105,7 +107,7 @@ def walk(top: Block) -> Iterator[Block]:
     def visit(block: Block) -> Iterator[Block]:
         if block.entity in seen:
             if seen[block.entity] != block:
-                raise ValueError(f"{block.entity}: two different blocks want this entity name")
+                raise InputError(f"{block.entity}: two different blocks want this entity name")
             return
         for part in block.parts():
             yield from visit(part)

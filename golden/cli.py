@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dis
 import errno
 import os
 import shlex
@@ -12,21 +11,18 @@ import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
+from golden.input_error import InputError
+
 # What a full or broken disk says, of a write to a file that the error may not name.
 DISK = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS}
 # Of random numbers, for every generator there is.
 MOST_SEED = (1 << 32) - 1
 # Between the complaints of one exception: each is printed as an error of its own.
 BETWEEN = "\nerror: "
-ROOMS = ("golden", "hdl", "tb", "__main__")
 REPORT = (
     "This is a fault in tactus and not in what it was given. Please report the lines above, with "
     "the command and the files that it read, to those from whom you have tactus."
 )
-
-
-class CommandError(Exception):
-    """A fault of the user's input or machine; the message says what to do."""
 
 
 def whole(name: str, least: int, most: int) -> Callable[[str], int]:
@@ -34,7 +30,7 @@ def whole(name: str, least: int, most: int) -> Callable[[str], int]:
 
     Raises
     ------
-    CommandError
+    InputError
         From what it returns, for another text or a number outside ``least`` to ``most``.
     """
 
@@ -42,7 +38,7 @@ def whole(name: str, least: int, most: int) -> Callable[[str], int]:
         with suppress(ValueError):
             if least <= int(text) <= most:
                 return int(text)
-        raise CommandError(f"{name}={text}: expected a whole number, {least} to {most}")
+        raise InputError(f"{name}={text}: expected a whole number, {least} to {most}")
 
     return number
 
@@ -52,13 +48,13 @@ def words(name: str, text: str) -> list[str]:
 
     Raises
     ------
-    CommandError
+    InputError
         For a quote without its other.
     """
     try:
         return shlex.split(text)
     except ValueError as error:
-        raise CommandError(f"{name}={text}: {error}") from None
+        raise InputError(f"{name}={text}: {error}") from None
 
 
 def would(work: str) -> None:
@@ -99,7 +95,7 @@ def run(main: Callable[[], int | None]) -> int:
             print(f"error: {place}: cannot be written: {error.strerror}", file=sys.stderr)
             _print_no_more()
             return 2
-        if not is_complaint(error):
+        if not isinstance(error, InputError):
             traceback.print_exc()
             print(f"\n{REPORT}", file=sys.stderr)
             return 1
@@ -117,26 +113,5 @@ def naming(place: object) -> Iterator[None]:
     """Complaints from the block get in front what they are about: a file, a key."""
     try:
         yield
-    except ValueError as error:
-        if not is_complaint(error):
-            raise
-        raise ValueError(f"{place}: {error}") from None
-
-
-def is_complaint(error: Exception) -> bool:
-    """Whether an error tells the user of a fault of the input or the machine.
-
-    That is what a ``raise`` of this project says. What a library raises for itself is not written
-    for a user: who calls it converts what a user can bring about, and the rest is a fault of ours.
-    """
-    if isinstance(error, CommandError):
-        return True
-    if not isinstance(error, ValueError | FileNotFoundError):
-        return False
-    step = error.__traceback__
-    while step and step.tb_next:
-        step = step.tb_next
-    if step is None:
-        return False
-    code, room = step.tb_frame.f_code, step.tb_frame.f_globals["__name__"].split(".")[0]
-    return room in ROOMS and code.co_code[step.tb_lasti] == dis.opmap["RAISE_VARARGS"]
+    except InputError as error:
+        raise type(error)(f"{place}: {error}") from None

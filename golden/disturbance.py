@@ -31,7 +31,7 @@ class Disturbance:
 
     Raises
     ------
-    ValueError
+    InputError
         For a number outside its range.
     """
 

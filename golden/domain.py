@@ -1,10 +1,11 @@
-"""Arguments of the float models: inside their domain, or a ValueError that says what it is."""
+"""Arguments of the float models: inside their domain, or an InputError that says what it is."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from golden.input_error import InputError
 from golden.networks.mlp import Real
 
 
@@ -13,7 +14,7 @@ def checked(**arguments: tuple[ArrayLike, float, float]) -> list[Real]:
 
     Raises
     ------
-    ValueError
+    InputError
         For a value outside, NaN included; the message names argument, value and range.
     """
     arrays = []
@@ -21,7 +22,7 @@ def checked(**arguments: tuple[ArrayLike, float, float]) -> list[Real]:
         array = np.asarray(value, dtype=np.float64)
         outside = ~((array >= low) & (array <= high))
         if outside.any():
-            raise ValueError(
+            raise InputError(
                 f"{name}: got {array[outside].flat[0]:g}, expected {low:g} to {high:g}"
             )
         arrays.append(array)

@@ -39,7 +39,7 @@ def told(scene: Scene) -> list[dict[str, Any]] | None:
 
     Raises
     ------
-    CommandError, ValueError
+    InputError
         See ``read_provenance``.
     """
     expected = {"window": ""} | split_story(scene)

@@ -16,7 +16,8 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any, TypeVar
 
-from golden.cli import DISK, CommandError
+from golden.cli import DISK
+from golden.input_error import InputError, MissingFileError
 
 Made = TypeVar("Made")
 
@@ -26,20 +27,20 @@ def check_file(path: Path, missing: str = "no such file") -> None:
 
     Raises
     ------
-    FileNotFoundError
+    MissingFileError
         Where nothing is; the message says ``missing``.
-    CommandError
+    InputError
         For anything else.
     """
     try:
         mode = path.stat().st_mode
     except FileNotFoundError:
-        raise FileNotFoundError(f"{path}: {missing}") from None
+        raise MissingFileError(f"{path}: {missing}") from None
     except (OSError, ValueError) as error:
-        raise CommandError(f"{path}: cannot be read: {_reason(error)}") from None
+        raise InputError(f"{path}: cannot be read: {_reason(error)}") from None
     if not stat.S_ISREG(mode):
         kind = "a folder" if stat.S_ISDIR(mode) else "no regular file"
-        raise CommandError(f"{path}: got {kind}, expected a file")
+        raise InputError(f"{path}: got {kind}, expected a file")
 
 
 def same_file(one: Path, other: Path) -> bool:
@@ -80,22 +81,21 @@ def reading(path: Path, form: str) -> Iterator[None]:
 
     Raises
     ------
-    CommandError
+    InputError
         When the file cannot be read.
-    ValueError
         When it holds something else.
     """
     try:
         yield
     except UnicodeDecodeError as error:
         got = error.object[error.start]
-        raise ValueError(
+        raise InputError(
             f"{path}: got the byte 0x{got:02x} at {error.start}, expected UTF-8 text"
         ) from None
     except Exception as error:
         if isinstance(error, OSError) and error.errno:
-            raise CommandError(f"{path}: cannot be read:{_where(error, path)}") from None
-        raise ValueError(f"{path}: not {form}: {_reason(error)}") from None
+            raise InputError(f"{path}: cannot be read:{_where(error, path)}") from None
+        raise InputError(f"{path}: not {form}: {_reason(error)}") from None
 
 
 def read_json(
@@ -118,7 +118,7 @@ def read_json(
 
     Raises
     ------
-    FileNotFoundError, CommandError, ValueError
+    InputError
         When nothing was recorded, or something else stands there.
     """
     check_file(path, missing)
@@ -160,7 +160,7 @@ def writing(path: Path, through: Path | None = None) -> Iterator[None]:
 
     Raises
     ------
-    CommandError
+    InputError
     """
     try:
         yield
@@ -168,11 +168,11 @@ def writing(path: Path, through: Path | None = None) -> Iterator[None]:
         named = Path(str(error.filename)) if error.filename else None
         if through and not (through in (named, *named.parents) if named else error.errno in DISK):
             raise
-        raise CommandError(f"{path}: cannot be written:{_where(error, path)}") from None
+        raise InputError(f"{path}: cannot be written:{_where(error, path)}") from None
     except ValueError as error:  # a NUL in the name
         if through or "null" not in str(error):
             raise
-        raise CommandError(f"{path}: cannot be written: {_reason(error)}") from None
+        raise InputError(f"{path}: cannot be written: {_reason(error)}") from None
 
 
 def _reason(error: Exception) -> str:
@@ -204,7 +204,7 @@ def check_writable(paths: Sequence[Path]) -> None:
 
     Raises
     ------
-    CommandError
+    InputError
     """
     for path in paths:
         missing = [folder for folder in path.parents if not _exists(folder)]
@@ -251,7 +251,7 @@ def replace_files(paths: Sequence[Path]) -> Iterator[list[Path]]:
 
     Raises
     ------
-    CommandError
+    InputError
         When one of them cannot be written; then all are what they were.
     """
     temporaries: list[Path] = []
@@ -303,7 +303,7 @@ def replace_folder(path: Path) -> Iterator[Path]:
 
     Raises
     ------
-    CommandError
+    InputError
         When it cannot be written.
     """
     with writing(path):

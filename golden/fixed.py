@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from golden.input_error import InputError
+
 Codes = NDArray[np.int64]
 
 
@@ -45,7 +47,7 @@ class Fix:
 
     Raises
     ------
-    ValueError
+    InputError
         When width or frac is outside its range.
     """
 
@@ -54,9 +56,9 @@ class Fix:
 
     def __post_init__(self) -> None:
         if not 2 <= self.width <= 62:
-            raise ValueError(f"Fix: width={self.width}, expected 2 to 62")
+            raise InputError(f"Fix: width={self.width}, expected 2 to 62")
         if self.frac < 0:
-            raise ValueError(f"Fix: frac={self.frac}, expected 0 or more")
+            raise InputError(f"Fix: frac={self.frac}, expected 0 or more")
 
     def __str__(self) -> str:
         return f"Fix({self.width},{self.frac})"
@@ -85,20 +87,20 @@ class Fix:
 
         Raises
         ------
-        ValueError
+        InputError
             When codes are not integers, the last axis is not ``columns`` long, or a code lies
             outside the format; the message names what was got and what was expected.
         """
         array = np.asarray(codes)
         if array.dtype.kind not in "iu":
-            raise ValueError(f"{name}: got dtype {array.dtype}, expected integer codes of {self}")
+            raise InputError(f"{name}: got dtype {array.dtype}, expected integer codes of {self}")
         if columns is not None and (array.ndim == 0 or array.shape[-1] != columns):
-            raise ValueError(f"{name}: got shape {array.shape}, expected (..., {columns})")
+            raise InputError(f"{name}: got shape {array.shape}, expected (..., {columns})")
         if array.size and (array.min() < self.low or array.max() > self.high):
             outside = (array < self.low) | (array > self.high)
             at = np.unravel_index(int(np.argmax(outside)), array.shape)
             where = f" at index {tuple(int(i) for i in at)}" if array.ndim else ""
-            raise ValueError(
+            raise InputError(
                 f"{name}: got code {int(array[at])}{where}, "
                 f"expected {self.low} to {self.high} of {self}"
             )
@@ -115,7 +117,7 @@ class Fix:
 
         Raises
         ------
-        ValueError
+        InputError
             For NaN or infinity; the message names the value and its index.
         """
         real = np.asarray(values, dtype=np.float64)
@@ -123,7 +125,7 @@ class Fix:
         if bad.any():
             at = np.unravel_index(int(np.argmax(bad)), real.shape)
             where = f" at index {tuple(int(i) for i in at)}" if real.ndim else ""
-            raise ValueError(f"{name}: got {real[at]}{where}, expected finite numbers")
+            raise InputError(f"{name}: got {real[at]}{where}, expected finite numbers")
         # A power of two, one addition and a floor: IEEE 754 leaves no bit of them open.
         scaled = np.floor(np.ldexp(real, self.frac) + 0.5)
         saturated = int(((scaled < self.low) | (scaled > self.high)).sum())
@@ -143,7 +145,7 @@ class Fix:
 
         Raises
         ------
-        ValueError
+        InputError
             When the values need more than ``width`` bits even without fraction bits.
         """
         real = np.asarray(values, dtype=np.float64)
@@ -151,7 +153,7 @@ class Fix:
             fmt = cls(width, frac)
             if fmt.quantise(real, name)[1] == 0:
                 return fmt
-        raise ValueError(
+        raise InputError(
             f"{name}: largest magnitude {float(np.abs(real).max()):g} does not fit {width} bits; "
             f"expected below {2 ** (width - 1)}"
         )
@@ -167,15 +169,15 @@ def check_unsigned(codes: ArrayLike, width: int, name: str) -> Codes:
 
     Raises
     ------
-    ValueError
+    InputError
         When they are not integers or one lies outside 0 to 2**width - 1.
     """
     array = np.asarray(codes)
     if array.dtype.kind not in "iu":
-        raise ValueError(f"{name}: got dtype {array.dtype}, expected unsigned codes")
+        raise InputError(f"{name}: got dtype {array.dtype}, expected unsigned codes")
     if array.size and (array.min() < 0 or array.max() >= 1 << width):
         worst = int(array.min() if array.min() < 0 else array.max())
-        raise ValueError(f"{name}: got {worst}, expected 0 to {(1 << width) - 1}")
+        raise InputError(f"{name}: got {worst}, expected 0 to {(1 << width) - 1}")
     return array.astype(np.int64)
 
 
@@ -184,11 +186,11 @@ def cut(codes: ArrayLike, shift: int, rounding: Rounding) -> Codes:
 
     Raises
     ------
-    ValueError
+    InputError
         When ``shift`` is below 0.
     """
     if shift < 0:
-        raise ValueError(f"cut: shift={shift}, expected 0 or more")
+        raise InputError(f"cut: shift={shift}, expected 0 or more")
     exact = np.asarray(codes, dtype=np.int64)
     if not shift:
         return exact

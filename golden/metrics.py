@@ -9,6 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from golden.input_error import InputError
+
 
 @dataclass(frozen=True)
 class OutputError:
@@ -103,11 +105,11 @@ def millimetres(error: OutputError, length: float) -> LengthError:
 
     Raises
     ------
-    ValueError
+    InputError
         When the length is not a finite number above 0.
     """
     if not 0 < length < math.inf:
-        raise ValueError(f"length: got {length}, expected millimetres above 0")
+        raise InputError(f"length: got {length}, expected millimetres above 0")
     part = length / 100
     return LengthError(error.mean * part, error.largest_mean * part, error.worst * part)
 
@@ -145,13 +147,13 @@ def displacement_errors(results: ArrayLike, actual: ArrayLike) -> list[Displacem
 
     Raises
     ------
-    ValueError
+    InputError
         When the shapes differ, or a coordinate has no peak or no trough: its percentage is not
         defined.
     """
     found, moved = np.asarray(results, dtype=np.float64), np.asarray(actual, dtype=np.float64)
     if found.shape != moved.shape or found.ndim != 2 or not found.size:
-        raise ValueError(
+        raise InputError(
             f"results: got shape {found.shape} for {moved.shape} of actual, expected the same "
             "(samples, coordinates), at least one of each"
         )
@@ -170,7 +172,7 @@ def _way(motion: NDArray[np.float64], number: int) -> float:
 
     peaks, troughs = (find_peaks(sign * motion)[0] for sign in (1, -1))
     if not len(peaks) or not len(troughs):
-        raise ValueError(
+        raise InputError(
             f"actual: coordinate {number} has {len(peaks)} peaks and {len(troughs)} troughs, "
             "expected a swing with at least one of each"
         )
@@ -214,24 +216,24 @@ def activation_error(errors: ArrayLike, q: ArrayLike) -> ActivationError:
 
     Raises
     ------
-    ValueError
+    InputError
         When the shapes differ, a number is not finite, ``q`` does not rise, or the grid leaves
         more than one of its steps of [-3, 3] uncovered at either end.
     """
     miss, at = np.asarray(errors, dtype=np.float64), np.asarray(q, dtype=np.float64)
     if miss.shape != at.shape or miss.ndim != 1:
-        raise ValueError(f"errors: got shape {miss.shape} for q of shape {at.shape}, expected one")
+        raise InputError(f"errors: got shape {miss.shape} for q of shape {at.shape}, expected one")
     if not (np.isfinite(miss).all() and np.isfinite(at).all()):
-        raise ValueError("errors and q: got NaN or infinity, expected finite numbers")
+        raise InputError("errors and q: got NaN or infinity, expected finite numbers")
     inside = np.abs(at) <= ACTIVATION_RANGE
     miss, at = np.abs(miss[inside]), at[inside]
     steps = np.diff(at)
     if not steps.size or steps.min() <= 0:
-        raise ValueError("q: expected at least two rising values inside [-3, 3]")
+        raise InputError("q: expected at least two rising values inside [-3, 3]")
     # One part in 10**9 of grace: a grid of decimal steps misses its end by rounding.
     uncovered = max(at[0] + ACTIVATION_RANGE, ACTIVATION_RANGE - at[-1])
     if uncovered > steps.max() * (1 + 1e-9):
-        raise ValueError(
+        raise InputError(
             f"q: got {at[0]:g} to {at[-1]:g}, expected to cover [-3, 3] to within one step"
         )
     mean = 100 * float(np.trapezoid(miss, at) / (at[-1] - at[0]))

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from golden.fixed import Codes, Fix, Rounding
+from golden.input_error import InputError
 from golden.networks.mlp import Real
 
 SIGNAL = Fix(14, 13)  # what ADC and DAC carry
@@ -84,14 +85,14 @@ def normalisation(weights: Real, biases: Real, layer: str = "weights") -> Codes:
 
     Raises
     ------
-    ValueError
+    InputError
         When a sum is ``FACTOR_LIMIT`` or more.
     """
     # Whole numbers, so below 2**53 the sum is exact in any order.
     with np.errstate(over="ignore"):
         total = np.ceil(np.abs(weights)).sum(axis=1) + np.ceil(np.abs(biases))
     if total.max() >= FACTOR_LIMIT:
-        raise ValueError(
+        raise InputError(
             f"{layer}: got magnitudes that add up to {total.max():g}, expected below {FACTOR_LIMIT}"
         )
     return np.asarray(np.maximum(total, 1), dtype=np.int64)

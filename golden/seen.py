@@ -11,6 +11,7 @@ import numpy as np
 from golden.activation.activation_block import ActivationBlock
 from golden.block import Block, around
 from golden.fixed import Codes
+from golden.input_error import InputError
 from golden.networks.network import Network
 
 
@@ -33,7 +34,7 @@ def seen(design: Network, part: Block, frames: Codes) -> tuple[Codes, ...]:
 
     Raises
     ------
-    ValueError
+    InputError
         When the twins never compute the block on its own.
     """
     # An activation answers from a table of all its results; only its parts see single codes.
@@ -45,7 +46,7 @@ def seen(design: Network, part: Block, frames: Codes) -> tuple[Codes, ...]:
     if not activations:
         calls += _calls(part, partial(design.process, frames))
     if not calls:
-        raise ValueError(f"{part.entity}: {design.entity} does not compute it on its own")
+        raise InputError(f"{part.entity}: {design.entity} does not compute it on its own")
     return tuple(np.concatenate(column) for column in zip(*calls, strict=True))
 
 

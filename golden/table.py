@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from golden.files import check_file, reading, replace_file
+from golden.input_error import InputError
 
 
 def read_table(path: Path, columns: Sequence[str]) -> NDArray[np.float64]:
@@ -30,9 +31,8 @@ def read_table(path: Path, columns: Sequence[str]) -> NDArray[np.float64]:
 
     Raises
     ------
-    FileNotFoundError, CommandError
+    InputError
         When there is no such file, or it cannot be read.
-    ValueError
         For an empty file, a missing or repeated column, a row of another length than the header,
         a cell that is no number, NaN or infinity; the message names file, line and column.
     """
@@ -40,21 +40,21 @@ def read_table(path: Path, columns: Sequence[str]) -> NDArray[np.float64]:
     with reading(path, "CSV"), path.open(newline="", encoding="utf-8-sig") as handle:
         rows = [(reader.line_num, row) for reader in [csv.reader(handle)] for row in reader if row]
     if len(rows) < 2:
-        raise ValueError(f"{path}: got {len(rows)} lines, expected a header and at least one row")
+        raise InputError(f"{path}: got {len(rows)} lines, expected a header and at least one row")
     header = [name.strip() for name in rows[0][1]]
     repeated = sorted({name for name in header if header.count(name) > 1})
     if repeated:
-        raise ValueError(f"{path}: column {repeated[0]!r} stands twice in the header")
+        raise InputError(f"{path}: column {repeated[0]!r} stands twice in the header")
     for name in columns:
         if name not in header:
-            raise ValueError(
+            raise InputError(
                 f"{path}: no column {name!r}, got {', '.join(header)}{suggest(name, header)}"
             )
     where = [header.index(name) for name in columns]
     values = np.empty((len(rows) - 1, len(columns)))
     for r, (line, row) in enumerate(rows[1:]):
         if len(row) != len(header):
-            raise ValueError(f"{path}:{line}: got {len(row)} cells, expected {len(header)}")
+            raise InputError(f"{path}:{line}: got {len(row)} cells, expected {len(header)}")
         for c, at in enumerate(where):
             values[r, c] = _number(row[at], f"{path}:{line}: column {columns[c]!r}")
     return values
@@ -65,14 +65,14 @@ def rows_where(path: Path, where: Mapping[str, float]) -> NDArray[np.intp]:
 
     Raises
     ------
-    FileNotFoundError, ValueError
+    InputError
         See ``read_table``; also when there is no such row.
     """
     columns = list(where)
     kept = (read_table(path, columns) == list(where.values())).all(axis=1)
     if not kept.any():
         wanted = ", ".join(f"{name} = {value:g}" for name, value in where.items())
-        raise ValueError(f"{path}: no row has {wanted}, expected one or more")
+        raise InputError(f"{path}: no row has {wanted}, expected one or more")
     return np.flatnonzero(kept)
 
 
@@ -89,14 +89,14 @@ def write_table(path: Path, columns: Sequence[str], values: ArrayLike, decimals:
 
     Raises
     ------
-    ValueError
+    InputError
         For values of another shape, NaN or infinity.
     """
     array = np.asarray(values, dtype=np.float64)
     if array.ndim != 2 or array.shape[1] != len(columns):
-        raise ValueError(f"{path}: got shape {array.shape}, expected (rows, {len(columns)})")
+        raise InputError(f"{path}: got shape {array.shape}, expected (rows, {len(columns)})")
     if not np.isfinite(array).all():
-        raise ValueError(f"{path}: got {array[~np.isfinite(array)][0]}, expected finite numbers")
+        raise InputError(f"{path}: got {array[~np.isfinite(array)][0]}, expected finite numbers")
     # Adding 0 turns -0 into 0.
     lines = (",".join(f"{cell:.{decimals}f}" for cell in row) for row in array.round(decimals) + 0)
     with replace_file(path) as temporary:
@@ -108,9 +108,9 @@ def _number(text: str, place: str) -> float:
         # What Python takes besides, 1_0 or digits of other scripts, is rather a slip here.
         value = float(text if text.isascii() and "_" not in text else "")
     except ValueError:
-        raise ValueError(f"{place}: got {text!r}, expected a number") from None
+        raise InputError(f"{place}: got {text!r}, expected a number") from None
     if not math.isfinite(value):
-        raise ValueError(f"{place}: got {text.strip()}, expected a finite number")
+        raise InputError(f"{place}: got {text.strip()}, expected a finite number")
     return value
 
 
@@ -125,12 +125,12 @@ def refuse_unknown(given: Iterable[str], known: Iterable[str], place: str) -> No
 
     Raises
     ------
-    ValueError
+    InputError
     """
     names = list(known)
     for name in given:
         if name not in names:
-            raise ValueError(
+            raise InputError(
                 f"{place} {name!r} is not known, expected {', '.join(names)}{suggest(name, names)}"
             )
 

@@ -23,6 +23,7 @@ from math import floor
 import numpy as np
 
 from golden.fixed import Codes
+from golden.input_error import InputError
 
 # After 2**17 steps the bounds are 2**-78 apart. That one of as many results with 29 fraction bits
 # lies between them has a chance of 2**-31.
@@ -47,7 +48,7 @@ def tanh_floors(step: Fraction, points: int, frac: int) -> Codes:
 
     Raises
     ------
-    ValueError
+    InputError
         For an argument outside its range.
     ArithmeticError
         When ``BITS`` fraction bits do not decide a result.
@@ -88,7 +89,7 @@ def _decided(lower: list[int], upper: list[int]) -> Codes:
 def _decays(start: Fraction, step: Fraction, points: int) -> tuple[Sequence[int], int]:
     """Lower bounds of exp(-(start + n step)) 2**BITS, and what makes upper ones of them."""
     if not (0 < start <= 1 and 0 < step <= 1 and points > 0):
-        raise ValueError(
+        raise InputError(
             f"got {points} points from {start} in steps of {step}, expected one or more, above 0 "
             "and at most 1"
         )

@@ -7,7 +7,8 @@ import shutil
 import sys
 from pathlib import Path
 
-from golden.cli import CommandError, run
+from golden.cli import run
+from golden.input_error import InputError
 from golden.machine import versions
 from golden.rig.check import everything
 from golden.rig.finding import OK, WARNING, Finding, faults, told
@@ -46,7 +47,7 @@ def main() -> None:
     print("\n".join(map(str, findings)))
     wrong = len(faults(findings))
     if wrong:
-        raise CommandError(
+        raise InputError(
             f"{arguments.scene}: {wrong} {'fault' if wrong == 1 else 'faults'}, told above"
         )
 

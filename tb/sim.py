@@ -11,7 +11,8 @@ import argparse
 import sys
 
 from golden.block import walk
-from golden.cli import MOST_SEED, CommandError, run, whole, would
+from golden.cli import MOST_SEED, run, whole, would
+from golden.input_error import InputError
 from golden.progress import Progress, stage
 from tb.common.kept import run_and_keep
 from tb.common.runner import FRAMES, SEED, Job, Outcome, plan, run_jobs, tell
@@ -44,7 +45,7 @@ def main() -> int:
     arguments = parser.parse_args()
     if arguments.record:
         if not arguments.netlist:
-            raise CommandError("RECORD=1: got no NETLIST, expected 1 or unknown, which is recorded")
+            raise InputError("RECORD=1: got no NETLIST, expected 1 or unknown, which is recorded")
         return conclude(record(arguments.netlist, arguments.block, tell))
     families = chosen(arguments.netlist, arguments.sim) if arguments.netlist else []
     simulators = [NETLISTS_RUN_IN] if families else [arguments.sim] if arguments.sim else SIMULATORS

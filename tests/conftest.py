@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 import sample
+from front_door import GIVEN
 from hypothesis import HealthCheck, settings
 from refused import Desk
 from shared import Shared
@@ -43,6 +44,9 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "all_only: run by make test ALL=1 alone")
     # Hundreds of processes import the same modules: none of them should compile these anew.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    # What this run was given, such as ALL=1, is not given to the commands that tests call.
+    for name in ("MAKEFLAGS", "MAKEOVERRIDES", "PYTEST_ADDOPTS", *GIVEN):
+        os.environ.pop(name, None)
 
 
 def by_scene(items: list[pytest.Item]) -> list[list[pytest.Item]]:

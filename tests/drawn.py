@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from golden.activation.schemes import SCHEMES
+from golden.input_error import InputError
 from golden.networks.designs import DESIGNS
 from golden.scene import Scene
 from golden.sensing.converter_parts import PARTS
@@ -32,7 +33,7 @@ def drawn_scene(seed: int, folder: Path, large: bool) -> Scene:
     rng = np.random.default_rng(seed)
     while True:
         case = drawn_case(rng, large)
-        with suppress(ValueError, RuntimeError):
+        with suppress(InputError, RuntimeError):
             scene = case.scene(folder, f"drawn{seed}")
             scene.twin()
             return scene

@@ -14,6 +14,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from golden.input_error import InputError
+
 # Normalisations of the activations that stand beside the scenes.
 FACTORS = (1, 2, 3, 5, 7, 11, 16, 30, 100, 500)
 
@@ -87,7 +89,7 @@ def derived_value(block: object, name: str) -> object:
     """What a property is; of what a block has not in its form, that it says so."""
     try:
         return getattr(block, name)
-    except (NotImplementedError, ValueError) as error:
+    except (NotImplementedError, InputError) as error:
         return str(error)
 
 

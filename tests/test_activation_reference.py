@@ -16,6 +16,7 @@ from golden.activation.reference import (
     tanh_exponential,
     taylor,
 )
+from golden.input_error import InputError
 
 Q = np.linspace(-3, 3, 601)
 
@@ -50,7 +51,7 @@ def test_stability_limits_of_rho(rho: float, limit: float) -> None:
 
 
 def test_a_rho_that_never_settles_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"rho: got 0.5, expected above 0.5"):
+    with pytest.raises(InputError, match=r"rho: got 0.5, expected above 0.5"):
         stable_below(0.5)
 
 

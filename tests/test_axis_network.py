@@ -10,6 +10,7 @@ import pytest
 from myhdl import Simulation, StopSimulation, delay, instance
 
 from golden.block import walk
+from golden.input_error import InputError
 from golden.networks.axis_network import TDATA, AxisNetwork
 from golden.scene import load_scene
 from hdl.common.fifo import fifo
@@ -52,7 +53,7 @@ def test_wrong_frames_give_nothing(tmp_path: Path) -> None:
 
 def test_data_wider_than_the_port_is_refused(tmp_path: Path) -> None:
     design = CASES["axis"].scene(tmp_path, "axis").twin()
-    with pytest.raises(ValueError, match="axis_network s_axis_tdata: got code 32768"):
+    with pytest.raises(InputError, match="axis_network s_axis_tdata: got code 32768"):
         design.process_stream([32768, 0], [0, 1])
 
 
@@ -83,7 +84,7 @@ def test_a_scene_that_does_not_ask_for_it_has_nothing_of_it(small_scene) -> None
 def test_what_cannot_be_built_is_refused(tmp_path: Path, old: str, new: str, message: str) -> None:
     path = write_scene(tmp_path, "odd", "exact", CASES["axis"].networks(), interface="axi_stream")
     path.write_text(path.read_text().replace(old, new))
-    with pytest.raises(ValueError, match=re.escape(f"{path}: {message}")):
+    with pytest.raises(InputError, match=re.escape(f"{path}: {message}")):
         load_scene(str(path))
 
 

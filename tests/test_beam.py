@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
+from golden.input_error import InputError
 from golden.physics import GRAVITY
 from golden.physics.beam import Beam, mean_arm
 from golden.physics.digit_data import RECORDED, SENSORS, digit_data
@@ -94,12 +95,12 @@ def test_the_strain_is_the_typical_maximum_of_section_3_5() -> None:
 )
 def test_places_off_the_beam_are_refused(arguments: tuple, message: str) -> None:
     for method in (BEAM.deflection, BEAM.slope, BEAM.moment):
-        with pytest.raises(ValueError, match=message):
+        with pytest.raises(InputError, match=message):
             method(*arguments)
 
 
 def test_a_beam_outside_its_range_is_refused() -> None:
-    with pytest.raises(ValueError, match="thickness: got 0, expected 1e-06 to 1"):
+    with pytest.raises(InputError, match="thickness: got 0, expected 1e-06 to 1"):
         Beam(thickness=0)
 
 
@@ -127,7 +128,7 @@ def test_a_sensor_reads_equation_3_9() -> None:
     moment = BEAM.moment(0.05, 0.02, 0.15)
     expected = 200 / 2 * 2.1 * 0.0002 * moment / BEAM.stiffness * 5 + 0.1
     assert sensor.read(loads) == pytest.approx([expected])
-    with pytest.raises(ValueError, match=r"position: got 0.3, expected 0 to 0.2286"):
+    with pytest.raises(InputError, match=r"position: got 0.3, expected 0 to 0.2286"):
         sensor.read(Loads(np.array([0.02]), np.array([0.3]), np.zeros(1), np.zeros(1)))
 
 
@@ -201,7 +202,7 @@ def test_heavy_loads_read_less_than_in_proportion() -> None:
     ],
 )
 def test_readings_that_cannot_be_fitted_are_refused(readings, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(InputError, match=message):
         fit_sensor(readings, loads_from_codes(recorded()[:, 4:], BEAM), BEAM)
 
 
@@ -231,7 +232,7 @@ def test_digit_data_has_the_noise_asked_for() -> None:
     [((0, 1), "rows: got 0"), ((5, -1), "seed: got -1"), ((5, 1, -0.1), "noise: got -0.1")],
 )
 def test_digit_data_refuses_what_it_cannot_make(arguments: tuple, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(InputError, match=message):
         digit_data(*arguments)
 
 

@@ -12,6 +12,7 @@ from golden.activation.bipartite_pair import pair_for
 from golden.activation.bipartite_table import FORMATS, RESULT, bipartite_table
 from golden.activation.schemes import SCHEMES
 from golden.fixed import Fix
+from golden.input_error import InputError
 from golden.precision import EXACT, THESIS
 
 FMT = EXACT.hidden_fmt
@@ -102,14 +103,14 @@ def test_a_pair_is_two_nodes() -> None:
     both = pair.process(CODES, CODES[::-1])
     assert np.array_equal(both[0], whole.process(CODES))
     assert np.array_equal(both[1], whole.process(CODES)[::-1])
-    with pytest.raises(ValueError, match=r"bipartite_pair_logic17: got memory='logic'"):
+    with pytest.raises(InputError, match=r"bipartite_pair_logic17: got memory='logic'"):
         pair_for(build("logic"))
 
 
 def test_other_formats_are_refused() -> None:
-    with pytest.raises(ValueError, match=r"got q in Fix\(14,13\), normalised by 3, of .*'thesis'"):
+    with pytest.raises(InputError, match=r"got q in Fix\(14,13\), normalised by 3, of .*'thesis'"):
         SCHEMES["bipartite"].build(THESIS, 3, 8191)
-    with pytest.raises(ValueError, match=r"normalised by 2"):
+    with pytest.raises(InputError, match=r"normalised by 2"):
         SCHEMES["bipartite"].build(EXACT, 2, 8191)
 
 
@@ -124,7 +125,7 @@ def test_other_formats_are_refused() -> None:
     ],
 )
 def test_parameters_are_checked(changes: dict, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(InputError, match=message):
         replace(build("block_ram"), **changes)
-    with pytest.raises(ValueError, match="bipartite data: got code 131072"):
+    with pytest.raises(InputError, match="bipartite data: got code 131072"):
         build("block_ram").process(131072)

@@ -20,7 +20,8 @@ from shared import Shared
 
 from golden.boards import Board, board_names, load_board
 from golden.boards.board import FOLDER
-from golden.cli import BETWEEN, CommandError
+from golden.cli import BETWEEN
+from golden.input_error import InputError
 from golden.scene import Scene, load_scene
 from hdl.boards import bitstream
 from hdl.boards.bitstream import Report, Sources, build, sources
@@ -105,7 +106,7 @@ def test_a_board_that_cannot_be_is_refused(
     assert old in text
     path = tmp_path / "mine.toml"
     path.write_text(text.replace(old, new, 1))
-    with pytest.raises(ValueError, match=rf"^{re.escape(str(path))}: {message}"):
+    with pytest.raises(InputError, match=rf"^{re.escape(str(path))}: {message}"):
         load_board(str(path))
 
 
@@ -113,7 +114,7 @@ def test_a_family_without_speed_grades_gets_none(tmp_path: Path) -> None:
     text = (FOLDER / "icebreaker.toml").read_text()
     path = tmp_path / "mine.toml"
     path.write_text(text.replace("[device]\n", "[device]\nspeed = 6\n", 1))
-    with pytest.raises(ValueError, match=r"mine.toml: device.speed: got 6 .*, expected no such ke"):
+    with pytest.raises(InputError, match=r"mine.toml: device.speed: got 6 .*, expected no such ke"):
         load_board(str(path))
 
 
@@ -155,7 +156,7 @@ def test_the_pll_of_an_ice40(mhz: float) -> None:
 
 @pytest.mark.parametrize(("board", "mhz"), [("ulx3s", 5), ("ulx3s", 500), ("icebreaker", 50)])
 def test_a_clock_that_no_pll_makes_is_refused(board: str, mhz: float) -> None:
-    with pytest.raises(CommandError, match=f"hardware.clock_mhz: got {mhz}, no PLL of .* makes it"):
+    with pytest.raises(InputError, match=f"hardware.clock_mhz: got {mhz}, no PLL of .* makes it"):
         clock_for(load_board(board), mhz)
 
 
@@ -219,11 +220,11 @@ def test_a_scene_without_what_a_board_needs_is_refused(tmp_path: Path) -> None:
         (CONVERTER, r"uart: got none, expected a section \[uart\]: without it nothing"),
     ):
         scene = scene_with(tmp_path, 25.0, sections)
-        with pytest.raises(CommandError, match=rf"tiny\.toml: {message}"):
+        with pytest.raises(InputError, match=rf"tiny\.toml: {message}"):
             sources(scene, scene.twin(), board)
     # All of it at once, the clock too, which no PLL makes.
     scene = scene_with(tmp_path, 3.0, "")
-    with pytest.raises(CommandError) as refused:
+    with pytest.raises(InputError) as refused:
         sources(scene, scene.twin(), board)
     first, second, third = str(refused.value).split(BETWEEN)
     assert "front_end.converter: got none" in first
@@ -231,7 +232,7 @@ def test_a_scene_without_what_a_board_needs_is_refused(tmp_path: Path) -> None:
     assert "hardware.clock_mhz: got 3, no PLL" in third
     scene = scene_with(tmp_path, 25.0)
     pins = {name: pin for name, pin in board.pins.items() if name != "tx"}
-    with pytest.raises(CommandError, match=r"ulx3s\.toml: pins.tx: missing, expected a pin"):
+    with pytest.raises(InputError, match=r"ulx3s\.toml: pins.tx: missing, expected a pin"):
         sources(scene, scene.twin(), replace(board, pins=pins))
 
 
@@ -458,7 +459,7 @@ def test_each_stage_of_a_bitstream_is_told(tmp_path: Path, monkeypatch: pytest.M
     family = replace(FAMILIES["ecp5"], synthesise=lambda _: None)
     monkeypatch.setitem(bitstream.FAMILIES, "ecp5", family)
     made = Sources("", "", Fraction(25), False)
-    with pytest.raises(CommandError, match="10 MHz reached, 25 MHz needed"):
+    with pytest.raises(InputError, match="10 MHz reached, 25 MHz needed"):
         build(tmp_path, made, board, running)
     stages = ("synthesis", *(f"placing and routing with {p}" for p in family.placers), "packing")
     assert told == [text for name in stages for text in (name, "ended")]

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
+from golden.input_error import InputError
 from golden.metrics import error_scale
 from golden.physics.beam import Beam, arm_slopes, mean_arm
 from golden.physics.bound import (
@@ -76,7 +77,7 @@ def test_what_no_reading_holds_has_no_bound_and_leaves_the_others_theirs() -> No
 
 @pytest.mark.parametrize("noise", [0, -1, np.nan, [1.0, 2.0]])
 def test_noise_that_cannot_be_is_refused(noise: object) -> None:
-    with pytest.raises(ValueError, match="noise: got"):
+    with pytest.raises(InputError, match="noise: got"):
         least_deviations(np.ones((4, 3)), noise)
 
 

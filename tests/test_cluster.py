@@ -14,7 +14,7 @@ import pytest
 from distributed import Client, LocalCluster
 from test_training import open_search, searched
 
-from golden.cli import CommandError
+from golden.input_error import InputError
 from golden.scene import Scene
 from golden.training.cluster import EXTRA, computed_on
 
@@ -31,7 +31,7 @@ def test_a_dask_cluster_gives_the_same_record(small_scene: Scene, tmp_path: Path
             there = searched(scene, tmp_path / "there.jsonl", workers=-1)
         worker = next(iter(client.scheduler_info()["workers"]))
         message = f"CLUSTER={worker}: no scheduler answers: what answers there is a Worker of Dask"
-        with pytest.raises(CommandError, match=message), computed_on(worker):
+        with pytest.raises(InputError, match=message), computed_on(worker):
             pass
         executed = client.run(lambda dask_worker: dask_worker.state.executed_count)
     assert there == here
@@ -77,7 +77,7 @@ def test_what_listens_and_is_no_scheduler_is_refused_in_seconds(
     """It waited for seven minutes, or tried to read a message of 3.07 EiB."""
     with listening(answer) as address:
         message = f"^CLUSTER={address}: no scheduler answers: {reason}.*; expected the address of a"
-        with pytest.raises(CommandError, match=message) as refused, computed_on(address, 1.0):
+        with pytest.raises(InputError, match=message) as refused, computed_on(address, 1.0):
             pass
         assert "\n" not in str(refused.value)
     said = capfd.readouterr()
@@ -90,7 +90,7 @@ def test_what_listens_and_is_no_scheduler_is_refused_in_seconds(
 def test_the_extra_that_a_cluster_needs_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
     message = rf"CLUSTER=tcp://a:1: Dask is not installed, .* pip install -e '\.\[{EXTRA}\]' in the"
-    with pytest.raises(CommandError, match=message), computed_on("tcp://a:1"):
+    with pytest.raises(InputError, match=message), computed_on("tcp://a:1"):
         pass
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     assert [need.partition(">")[0] for need in project["optional-dependencies"][EXTRA]] == [
@@ -101,5 +101,5 @@ def test_the_extra_that_a_cluster_needs_is_named(monkeypatch: pytest.MonkeyPatch
 
 def test_a_cluster_that_does_not_answer() -> None:
     message = "CLUSTER=tcp://127.0.0.1:9: no scheduler answers"
-    with pytest.raises(CommandError, match=message), computed_on("tcp://127.0.0.1:9"):
+    with pytest.raises(InputError, match=message), computed_on("tcp://127.0.0.1:9"):
         pass

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from golden.input_error import InputError
 from golden.physics.conditioning import (
     CUTOFF,
     Conditioning,
@@ -116,5 +117,5 @@ def test_the_low_pass_is_first_order_and_leaves_the_noise_that_it_says() -> None
     ],
 )
 def test_what_lies_outside_the_model_is_refused(call, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(InputError, match=message):
         call()

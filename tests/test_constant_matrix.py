@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from golden.fixed import Fix
+from golden.input_error import InputError
 from golden.layers import sharing
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.sharing import shared
@@ -149,5 +150,5 @@ def test_results_saturate() -> None:
 )
 def test_what_it_cannot_be_is_refused(changed: dict[str, object], message: str) -> None:
     matrix = ConstantMatrix(SAMPLES, WIDE, ((1, 2), (3, 4)), (0, 0), 4, 2, 4)
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(InputError, match=message):
         replace(matrix, **changed)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from golden.fixed import Fix
+from golden.input_error import InputError
 from golden.instruments.converter_instrument import ConverterInstrument
 from golden.scene import load_scene
 from golden.sensing.converter_parts import PARTS, PULL_UP_NS
@@ -55,7 +56,7 @@ def test_no_limit_of_a_part_is_broken_at_any_clock(part: str, clock_mhz: float) 
 def test_what_a_part_needs_at_64_mhz(part: str, half_clocks: int, least: int) -> None:
     assert reader(part).half_clocks == half_clocks
     reader(part, counter_width=least)
-    with pytest.raises(ValueError, match=f"counter_width={least - 1}, expected {least} to 24: for"):
+    with pytest.raises(InputError, match=f"counter_width={least - 1}, expected {least} to 24: for"):
         reader(part, counter_width=least - 1)
 
 
@@ -138,12 +139,12 @@ def test_a_code_that_is_not_repeated_is_told() -> None:
     ],
 )
 def test_parameters_out_of_range_are_refused(parameters, message: str) -> None:
-    with pytest.raises(ValueError, match=f"converter_reader: .*{message}"):
+    with pytest.raises(InputError, match=f"converter_reader: .*{message}"):
         reader(**parameters)
 
 
 def test_a_code_that_the_part_has_not_is_refused() -> None:
-    with pytest.raises(ValueError, match="converter_reader codes: got 4096, expected 0 to 4095"):
+    with pytest.raises(InputError, match="converter_reader codes: got 4096, expected 0 to 4095"):
         reader().process([4096])
 
 
@@ -184,11 +185,11 @@ def test_a_scene_names_its_converter(tmp_path) -> None:
     ],
 )
 def test_a_converter_that_cannot_be_is_refused(tmp_path, lines: str, message: str) -> None:
-    with pytest.raises(ValueError, match=f"rig.toml: {message}"):
+    with pytest.raises(InputError, match=f"rig.toml: {message}"):
         scene_with(tmp_path, lines).twin()
 
 
 def test_a_scene_with_too_many_sensors_is_refused(tmp_path) -> None:
     lines = 'converter = "ads8344"\ncounter_width = 16\n'
-    with pytest.raises(ValueError, match="got 9 sensors, expected 1 to 8, the channels of ads8344"):
+    with pytest.raises(InputError, match="got 9 sensors, expected 1 to 8, the channels of ads8344"):
         scene_with(tmp_path, lines, shape=(9, 2, 4)).twin()

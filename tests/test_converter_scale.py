@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from refused import Desk
 
+from golden.input_error import InputError
 from golden.precision import SIGNAL
 from golden.recalibration.folder import write_copy
 from golden.rig.check import before_training, everything
@@ -101,7 +102,7 @@ def test_volts_need_the_reference_and_nothing_else(tmp_path: Path, part: str, vo
     recorded = volts(codes)
     # Nothing is known of them without it.
     path = rig(tmp_path, part, recorded, NONE)
-    with pytest.raises(ValueError, match=rf"mine\.toml: data\.scale: got none .* {OTHER}"):
+    with pytest.raises(InputError, match=rf"mine\.toml: data\.scale: got none .* {OTHER}"):
         load_scene(str(path)).vectors()
     reference = 3.3 if part == "mcp3208" else 2.5
     path = rig(tmp_path, part, recorded, NONE, f"reference = {reference}\n")
@@ -130,7 +131,7 @@ def test_means_of_codes_are_told_to_be_codes(tmp_path: Path) -> None:
         r"or the codes 0 to 4095 of converter 'mcp3208', whole numbers; means of codes take "
         r"\{ offset = 2048, factor = 2048 \} for each sensor"
     )
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(InputError, match=message):
         load_scene(str(path)).vectors()
     path = rig(tmp_path, "mcp3208", codes, written("{ offset = 2048, factor = 2048 }"))
     assert not faults(everything(load_scene(str(path)), tmp_path / "build"))
@@ -193,10 +194,10 @@ def test_readings_beyond_the_converter(tmp_path: Path) -> None:
     codes[5, 1] = 4096
     path = rig(tmp_path, "mcp3208", codes, NONE)
     message = r"got none for readings of 0 to 4096 in .*mine\.csv, expected signals of -1 to 1, or "
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(InputError, match=message):
         load_scene(str(path)).vectors()
     path = rig(tmp_path, "mcp3208", codes, NONE, "reference = 3000\n")
-    with pytest.raises(ValueError, match=r"'mcp3208' reads no more: mend front_end\.reference in"):
+    with pytest.raises(InputError, match=r"'mcp3208' reads no more: mend front_end\.reference in"):
         load_scene(str(path)).vectors()
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from golden.disturbance import Disturbance
+from golden.input_error import InputError
 
 READINGS = np.linspace(-1, 1, 4000).reshape(1000, 4)
 
@@ -40,5 +41,5 @@ def test_draws_do_not_depend_on_the_sizes():
 @pytest.mark.parametrize("size", [-1e-3, float("nan"), float("inf"), 1e3])
 @pytest.mark.parametrize("what", ["noise", "gain", "offset"])
 def test_a_size_that_cannot_be_is_refused(what, size):
-    with pytest.raises(ValueError, match=what):
+    with pytest.raises(InputError, match=what):
         Disturbance(**{what: size})

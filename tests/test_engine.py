@@ -15,7 +15,6 @@ from conftest import random_mlp, write_scene
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from golden.cli import CommandError
 from golden.engine.__main__ import main
 from golden.engine.formats import (
     DROPPED,
@@ -36,6 +35,7 @@ from golden.engine.program import Instruction, Program, assemble
 from golden.engine.schedule import Step, schedule
 from golden.engine.tanh_table import tanh_table
 from golden.fixed import Codes, Fix
+from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.networks.mlp import Mlp
 from golden.precision import SIGNAL
@@ -331,16 +331,16 @@ def test_the_page_shows_lines_of_a_listing() -> None:
 def test_a_scene_without_a_program_has_no_listing(tmp_path, monkeypatch) -> None:
     path = write_scene(tmp_path, "folded", "exact", [random_mlp((2, 2, 1), 1.0, 3)])
     monkeypatch.setattr("sys.argv", ["listing", str(path)])
-    with pytest.raises(CommandError, match=r"hardware\.design: got hybrid, which has no program"):
+    with pytest.raises(InputError, match=r"hardware\.design: got hybrid, which has no program"):
         main()
 
 
 def test_what_does_not_fit_is_refused() -> None:
     mlp = random_mlp((2, 2, 1), 1.0, 1)
-    with pytest.raises(ValueError, match="segment_width: got 10, expected one of 7, 8, 9"):
+    with pytest.raises(InputError, match="segment_width: got 10, expected one of 7, 8, 9"):
         Engine.of_several("single", [mlp], hardware={"segment_width": 10})
-    with pytest.raises(ValueError, match=r"frame_check: got inputs=8, expected 1 to 7"):
+    with pytest.raises(InputError, match=r"frame_check: got inputs=8, expected 1 to 7"):
         FrameCheck(8, 3, 20, Pipeline())
     wide = random_mlp((1000, 12, 1), 1.0, 1)
-    with pytest.raises(ValueError, match=re.escape("got 1025 words of the operand memory")):
+    with pytest.raises(InputError, match=re.escape("got 1025 words of the operand memory")):
         Engine.of_several("single", [wide])

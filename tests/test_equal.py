@@ -12,7 +12,7 @@ import pytest
 from conftest import tiered
 from shared import Shared
 
-from golden.cli import CommandError
+from golden.input_error import InputError
 from tb.common.collected import BENCHES
 from tb.common.runner import run_job
 from tb.sign_off import equal, record
@@ -179,11 +179,11 @@ def test_registers_of_one_language_alone_are_named(tmp_path: Path) -> None:
 
 
 def test_vhdl_that_ghdl_refuses_is_an_error(tmp_path: Path) -> None:
-    with pytest.raises(CommandError, match=r"^small: ghdl --synth: "):
+    with pytest.raises(InputError, match=r"^small: ghdl --synth: "):
         small(tmp_path, "kept <= x and;")
 
 
 def test_a_latch_is_an_error(tmp_path: Path) -> None:
     gold = VERILOG.replace("assign y", "reg l; always @* if (write) l = u; assign y")
-    with pytest.raises(CommandError, match="dlatch"):
+    with pytest.raises(ValueError, match="dlatch"):
         compare("small", gold.replace("{verilog}", "kept <= l;"), small(tmp_path, "kept <= x;"), [])

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from golden.input_error import InputError
 from golden.network_files.network_file import provenance_path
 from golden.networks.constants import constants_of
 from golden.networks.mlp import Mlp
@@ -187,7 +188,7 @@ def test_what_no_price_leads_to_is_refused(
 ) -> None:
     monkeypatch.setattr(few_digits, "PRICES", (1e-9, 1e-8))
     few = few_of(small_scene, 3)
-    with pytest.raises(ValueError, match=r"small.toml: training.digits: got 3, expected at least"):
+    with pytest.raises(InputError, match=r"small.toml: training.digits: got 3, expected at least"):
         few.on_training_rows()
 
 
@@ -210,7 +211,7 @@ def test_normalised_weights_are_refused(tmp_path: Path) -> None:
     text = scene.path.read_text().replace("../../data", str(scene.data_path.parent))
     path = tmp_path / "mine.toml"
     path.write_text(text.replace("[training]", "[training]\ndigits = 100"))
-    with pytest.raises(ValueError, match=r"digits: got 100 with precision 'thesis', .*'exact'"):
+    with pytest.raises(InputError, match=r"digits: got 100 with precision 'thesis', .*'exact'"):
         load_scene(str(path))
 
 

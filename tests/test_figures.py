@@ -423,7 +423,7 @@ def test_the_recalibrations_of_the_page_are_those_measured(tables) -> None:
     for placements, chosen, noise, *errors in columns(tables, "recalibration", *names):
         found[str(placements), chosen, "-" if noise is None else f"{noise:g}"] = errors
     lines = re.findall(r"^\| (\d+) \| ([a-z ]+) \| (-|\d) \|", page, re.M)
-    assert len(lines) == 10
+    assert len(lines) == 11
     for line in lines:
         for text, error in zip(cells(page, *line), found[line], strict=True):
             assert shows(text, error, SEARCHED), line

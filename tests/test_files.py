@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 
-from golden.cli import CommandError
 from golden.files import (
     check_writable,
     read_json,
@@ -21,6 +20,7 @@ from golden.files import (
     write_json,
     write_kept,
 )
+from golden.input_error import InputError, MissingFileError
 
 
 @contextmanager
@@ -51,7 +51,7 @@ def test_permissions_are_those_of_the_umask(
 def half(replace: Callable, target: Path, file: str) -> None:
     with replace(target) as path:
         (path / file).write_text("new", encoding="utf-8")
-        raise ValueError("half")
+        raise InputError("half")
 
 
 def test_a_failure_leaves_what_was(tmp_path: Path) -> None:
@@ -59,7 +59,7 @@ def test_a_failure_leaves_what_was(tmp_path: Path) -> None:
     (tmp_path / "b").mkdir()
     (tmp_path / "b" / "c.csv").write_text("old", encoding="utf-8")
     for replace, target, file in ((replace_file, "a.csv", ""), (replace_folder, "b", "c.csv")):
-        with pytest.raises(ValueError, match="half"):
+        with pytest.raises(InputError, match="half"):
             half(replace, tmp_path / target, file)
         assert (tmp_path / target / file).read_text(encoding="utf-8") == "old"
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.csv", "b"]
@@ -76,7 +76,7 @@ def test_several_files_are_replaced_or_none(tmp_path: Path) -> None:
                 temporary.write_text("new", encoding="utf-8")
             fault()
 
-    with pytest.raises(CommandError, match=r"last.csv: cannot be written: Is a directory"):
+    with pytest.raises(InputError, match=r"last.csv: cannot be written: Is a directory"):
         replace(paths[2].mkdir)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["last.csv", "old.csv"]
     assert paths[1].read_text(encoding="utf-8") == "old"
@@ -91,9 +91,9 @@ def test_what_can_be_written_is_found_out_without_writing(tmp_path: Path) -> Non
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "to-pipe").symlink_to("pipe")
     for name in ("pipe", "to-pipe"):
-        with pytest.raises(CommandError, match="cannot be written: got no regular file"):
+        with pytest.raises(InputError, match="cannot be written: got no regular file"):
             check_writable([tmp_path / name])
-        with pytest.raises(CommandError, match="got no reg"), replace_file(tmp_path / name):
+        with pytest.raises(InputError, match="got no reg"), replace_file(tmp_path / name):
             pass
     assert (tmp_path / "to-pipe").is_fifo()
     (tmp_path / "to-pipe").unlink()
@@ -101,7 +101,7 @@ def test_what_can_be_written_is_found_out_without_writing(tmp_path: Path) -> Non
     check_writable([tmp_path / "a.csv", tmp_path / "b" / "c" / "d.csv"])
     assert [p.name for p in tmp_path.iterdir()] == ["a.csv"]
     for name in ("a.csv/b.csv", ".", "x" * 5000, "b/\0"):
-        with pytest.raises(CommandError, match="cannot be written: "):
+        with pytest.raises(InputError, match="cannot be written: "):
             check_writable([tmp_path / name])
     assert [p.name for p in tmp_path.iterdir()] == ["a.csv"]
 
@@ -131,11 +131,11 @@ def test_one_file_by_two_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
 
 def test_a_record_is_read_as_it_was_written(tmp_path: Path) -> None:
     path = tmp_path / "new" / "record.json"
-    with pytest.raises(FileNotFoundError, match="nothing was recorded"):
+    with pytest.raises(MissingFileError, match="nothing was recorded"):
         read_json(path, "a record", "nothing was recorded")
     write_json(path, {"b": "µm", "a": [1, 2]})
     assert read_json(path, "a record", make=lambda found: found["b"]) == "µm"
-    with pytest.raises(ValueError, match=r"record\.json: not a record: 'c'"):
+    with pytest.raises(InputError, match=r"record\.json: not a record: 'c'"):
         read_json(path, "a record", make=lambda found: found["c"])
     with pytest.raises(ValueError, match="nan"):
         write_json(path, float("nan"))

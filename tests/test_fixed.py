@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from golden.fixed import Fix, Overflow, Rounding, requantise, signed_width
+from golden.input_error import InputError
 
 Q13 = Fix(14, 13)
 formats = st.builds(Fix, st.integers(2, 40), st.integers(0, 40))
@@ -63,7 +64,7 @@ def test_requantise_is_exact(code, shift, target, rounding, overflow) -> None:
 
 
 def test_requantise_refuses_a_left_shift() -> None:
-    with pytest.raises(ValueError, match="shift=-1, expected 0 or more"):
+    with pytest.raises(InputError, match="shift=-1, expected 0 or more"):
         requantise(1, -1, Q13, Rounding.ROUND, Overflow.WRAP)
 
 
@@ -76,25 +77,25 @@ def test_signed_width_is_the_least(value: int) -> None:
 
 @pytest.mark.parametrize("bad", [float("nan"), float("inf"), -float("inf")])
 def test_quantise_refuses_what_is_not_finite(bad: float) -> None:
-    with pytest.raises(ValueError, match=rf"sensors: got {bad} at index \(1,\), expected finite"):
+    with pytest.raises(InputError, match=rf"sensors: got {bad} at index \(1,\), expected finite"):
         Q13.quantise([0.0, bad], "sensors")
 
 
 def test_check_names_code_and_place() -> None:
     with pytest.raises(
-        ValueError, match=r"got code 8192 at index \(0, 1\), expected -8192 to 8191"
+        InputError, match=r"got code 8192 at index \(0, 1\), expected -8192 to 8191"
     ):
         Q13.check([[0, 8192]])
-    with pytest.raises(ValueError, match=r"got shape \(3,\), expected \(..., 4\)"):
+    with pytest.raises(InputError, match=r"got shape \(3,\), expected \(..., 4\)"):
         Q13.check([1, 2, 3], columns=4)
-    with pytest.raises(ValueError, match="got dtype float64, expected integer codes"):
+    with pytest.raises(InputError, match="got dtype float64, expected integer codes"):
         Q13.check(np.zeros(3))
     assert Q13.check([-8192, 8191]).tolist() == [-8192, 8191]
 
 
 @pytest.mark.parametrize(("width", "frac"), [(1, 0), (63, 0), (14, -1)])
 def test_a_format_has_limits(width: int, frac: int) -> None:
-    with pytest.raises(ValueError, match=r"Fix: (width|frac)="):
+    with pytest.raises(InputError, match=r"Fix: (width|frac)="):
         Fix(width, frac)
 
 
@@ -102,5 +103,5 @@ def test_largest_frac() -> None:
     assert Fix.largest_frac(18, [0.9]) == Fix(18, 17)
     assert Fix.largest_frac(18, [1.0]) == Fix(18, 16)
     assert Fix.largest_frac(18, [-1.0]) == Fix(18, 17)
-    with pytest.raises(ValueError, match="weights: largest magnitude 200000 does not fit 18 bits"):
+    with pytest.raises(InputError, match="weights: largest magnitude 200000 does not fit 18 bits"):
         Fix.largest_frac(18, [2e5], "weights")

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from golden.fixed import Fix
+from golden.input_error import InputError
 from golden.instruments.instrument import Instrument
 from golden.instruments.readout import Readout
 from golden.rig import check
@@ -67,7 +68,7 @@ def test_a_pause_behind_the_slots_takes_nothing() -> None:
     ],
 )
 def test_parameters_out_of_range_are_refused(parameters, message) -> None:
-    with pytest.raises(ValueError, match=f"scan_sequencer: {message}"):
+    with pytest.raises(InputError, match=f"scan_sequencer: {message}"):
         sequencer(**parameters)
 
 
@@ -105,7 +106,7 @@ def test_the_section_may_be_empty(tmp_path) -> None:
     ],
 )
 def test_a_front_end_that_cannot_be_is_refused(tmp_path, lines: str, message: str) -> None:
-    with pytest.raises(ValueError, match=rf"rig.toml: {message}"):
+    with pytest.raises(InputError, match=rf"rig.toml: {message}"):
         scene_with(tmp_path, FRONT_END + lines).twin()
 
 
@@ -147,14 +148,14 @@ def test_a_rate_needs_the_clock(tmp_path) -> None:
 
 def test_a_rate_faster_than_the_network_is_refused(tmp_path) -> None:
     section = f"{FRONT_END}counter_width = 3\nrate_hz = 7.9e6\n"
-    with pytest.raises(ValueError, match="a scan of 8 clocks, expected 9 or more"):
+    with pytest.raises(InputError, match="a scan of 8 clocks, expected 9 or more"):
         scene_with(tmp_path, section, shape=(2, 3, 9)).twin()
 
 
 def test_a_scan_faster_than_the_network_is_refused(tmp_path) -> None:
     """Nine outputs take nine clocks; a scan of three bits has eight."""
     section = f"{FRONT_END}counter_width = 3\n"
-    with pytest.raises(ValueError, match="a scan of 8 clocks, expected 9 or more"):
+    with pytest.raises(InputError, match="a scan of 8 clocks, expected 9 or more"):
         scene_with(tmp_path, section, shape=(2, 3, 9)).twin()
 
 
@@ -165,18 +166,18 @@ def test_a_scan_takes_as_long_as_the_slowest_network_of_a_cascade(tmp_path) -> N
     scan = f"{FRONT_END}counter_width = 4\n"
     assert replace(slow, sections=scan).scene(tmp_path, "slow").twin().interval == 16
     hasty = replace(slow, sections=scan.replace("4", "3"))
-    with pytest.raises(ValueError, match="a scan of 8 clocks, expected 11 or more"):
+    with pytest.raises(InputError, match="a scan of 8 clocks, expected 11 or more"):
         hasty.scene(tmp_path, "hasty").twin()
 
 
 def test_the_parallel_design_has_no_front_end(tmp_path) -> None:
     with pytest.raises(
-        ValueError,
+        InputError,
         match=re.escape("got 'parallel' with a section [front_end], expected engine or hybr"),
     ):
         scene_with(tmp_path, FRONT_END, design="parallel")
 
 
 def test_results_without_a_profile_are_refused(small_scene) -> None:
-    with pytest.raises(ValueError, match="expected none without a load_profile"):
+    with pytest.raises(InputError, match="expected none without a load_profile"):
         Readout(small_scene.twin(), None, (0, 1))

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from golden.input_error import InputError
 from golden.visualisation.functions import (
     WILBRAHAM_GIBBS,
     harmonic_limit,
@@ -122,10 +123,10 @@ def test_3_17_names_its_bounds(arguments, message: str) -> None:
         lambda: harmonic_limit(*arguments),
         lambda: harmonic_tail(*arguments, 10),
     ):
-        with pytest.raises(ValueError, match=message):
+        with pytest.raises(InputError, match=message):
             call()
     for function in (harmonic_load, harmonic_tail):
-        with pytest.raises(ValueError, match="terms: got 0, expected 1 or more"):
+        with pytest.raises(InputError, match="terms: got 0, expected 1 or more"):
             function(0.5, 0.5, 0.5, 0.2, 0)
 
 
@@ -181,5 +182,5 @@ def test_3_18_never_overflows(steepness: float, power: int) -> None:
     ],
 )
 def test_3_18_names_its_bounds(arguments, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(InputError, match=message):
         power_load(*arguments)

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from golden.input_error import InputError, MissingFileError
 from golden.physics.bound import MEAN_PER_DEVIATION
 from golden.physics.gauge_places import Placing
 from golden.physics.gauge_rig import FOLDER, GaugeRig, load_rig
@@ -138,14 +139,14 @@ def test_a_fault_names_file_key_got_and_expected(
     assert old in TEXT
     path = tmp_path / "faulty.toml"
     path.write_text(TEXT.replace(old, new, 1))
-    with pytest.raises(ValueError, match=f"^{re.escape(str(path))}: .*{message}"):
+    with pytest.raises(InputError, match=f"^{re.escape(str(path))}: .*{message}"):
         load_rig(str(path))
 
 
 def test_an_unknown_rig_is_told() -> None:
-    with pytest.raises(FileNotFoundError, match=r"RIG=digits: no such rig, .*did you mean 'digit'"):
+    with pytest.raises(MissingFileError, match=r"RIG=digits: no such rig, .*did you mean 'digit'"):
         load_rig("digits")
-    with pytest.raises(FileNotFoundError, match=r"gone\.toml: no such file"):
+    with pytest.raises(MissingFileError, match=r"gone\.toml: no such file"):
         load_rig("gone.toml")
 
 
@@ -154,7 +155,7 @@ def test_no_room_is_told(rig: GaugeRig) -> None:
     assert len(Placing(crowded).best()) == 3
     near = replace(crowded, span=(0.1, 0.15), compare=(0.11, 0.112, 0.114))
     assert np.diff(Placing(near).best()).min() > 0.0098
-    with pytest.raises(ValueError, match=r"gauges.apart_mm: got 15, expected room for 3 gauges"):
+    with pytest.raises(InputError, match=r"gauges.apart_mm: got 15, expected room for 3 gauges"):
         Placing(replace(crowded, apart=0.015)).best()
 
 

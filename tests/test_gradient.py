@@ -7,6 +7,7 @@ import pytest
 
 from golden.activation.schemes import SCHEMES, gradient_for
 from golden.activation.segments import gradient_real
+from golden.input_error import InputError
 from golden.precision import EXACT, SIGNAL, THESIS
 
 CASES = [(THESIS, q) for q in (1, 2, 3, 8, 16, 32, 77, 100, 128, 511, 512)] + [(EXACT, 1)]
@@ -59,7 +60,7 @@ def test_the_parallel_form_gives_the_same_results(precision, factor: int) -> Non
 
 def test_a_code_outside_the_format_is_refused() -> None:
     gradient = gradient_for(THESIS, 3, SIGNAL.high)
-    with pytest.raises(ValueError, match="got code 8192 at index"):
+    with pytest.raises(InputError, match="got code 8192 at index"):
         gradient.process([0, 8192])
 
 
@@ -93,5 +94,5 @@ def test_zero_is_in_the_first_segment(precision, factor: int) -> None:
 )
 def test_parts_refuse_codes_outside_their_width(arguments, message: str) -> None:
     block, *codes = arguments
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(InputError, match=message):
         getattr(gradient_for(THESIS, 8, SIGNAL.high), block).process(*codes)

@@ -14,6 +14,7 @@ import pytest
 from conftest import tiered
 
 from golden.engine.image import Image, Sizes, image_of
+from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.scene import Scene, load_scene, scene_path
 from golden.scene.image import scene_image
@@ -132,7 +133,7 @@ def test_what_does_not_fit_is_refused(
     tmp_path: Path, hardware: Engine, keys: str, faults: list[str]
 ) -> None:
     scene = reloadable("digit", tmp_path, keys)
-    with pytest.raises(ValueError, match="the image needs") as refusal:
+    with pytest.raises(InputError, match="the image needs") as refusal:
         scene.twin()
     message = str(refusal.value)
     assert message.startswith(f"{scene.path}: ")
@@ -154,12 +155,12 @@ def test_what_does_not_fit_is_refused(
     ],
 )
 def test_a_size_that_cannot_be_is_refused(tmp_path: Path, keys: str, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(InputError, match=message):
         reloadable("digit", tmp_path, keys).twin()
 
 
 def test_sums_that_are_too_large_are_refused(hardware: Engine) -> None:
-    with pytest.raises(ValueError, match="needs 41 bits of a sum, there are 40"):
+    with pytest.raises(InputError, match="needs 41 bits of a sum, there are 40"):
         image_of(hardware.program, 41, Sizes())
 
 
@@ -176,7 +177,7 @@ def test_a_scene_that_cannot_be_reloaded_is_refused(
 ) -> None:
     path = reloadable("digit", tmp_path).path
     path.write_text(path.read_text().replace(old, new))
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(InputError, match=message):
         load_scene(str(path))
 
 

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from golden.block import Block
 from golden.fixed import Fix
+from golden.input_error import InputError
 from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
 from golden.layers.input_node import InputNode
@@ -62,7 +63,7 @@ def test_a_neuron_is_the_rounded_exact_sum_times_its_factor(pairs, bias, shift, 
 
 
 def test_a_factor_below_1_is_refused() -> None:
-    with pytest.raises(ValueError, match="neuron: got factor=0, expected 1 or more"):
+    with pytest.raises(InputError, match="neuron: got factor=0, expected 1 or more"):
         Neuron(SIGNAL, COEFF, SIGNAL, 0, (1,), 0, 0)
 
 
@@ -112,13 +113,13 @@ def test_output_is_the_rounded_exact_sum(case, scaled, shift) -> None:
 
 def test_wrong_shapes_and_codes_are_refused() -> None:
     twin = layer([[1, 2, 3]], [0])
-    with pytest.raises(ValueError, match=r"got shape \(2,\), expected \(..., 3\)"):
+    with pytest.raises(InputError, match=r"got shape \(2,\), expected \(..., 3\)"):
         twin.process([1, 2])
-    with pytest.raises(ValueError, match="got code -8193"):
+    with pytest.raises(InputError, match="got code -8193"):
         twin.process([1, 2, -8193])
-    with pytest.raises(ValueError, match=r"input_integral weights: got code 131072"):
+    with pytest.raises(InputError, match=r"input_integral weights: got code 131072"):
         layer([[131072]], [0])
-    with pytest.raises(ValueError, match=r"integral biases: got shape \(1,\), expected \(..., 2\)"):
+    with pytest.raises(InputError, match=r"integral biases: got shape \(1,\), expected \(..., 2\)"):
         layer([[1], [2]], [0])
 
 
@@ -133,7 +134,7 @@ def test_a_sum_beyond_the_accumulator_is_refused() -> None:
     """Also where a later sample brings it back."""
     node = InputNode(SIGNAL, COEFF, EXACT.hidden_fmt, 0, 20)
     message = "input_node_fraction14_sum20: got sums from 0 to 524288, expected 20 bits"
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(InputError, match=message):
         node.process([64, -64], [8192, 8192], 0)
     assert node.process([64, -64], [8191, 8191], 0) == 0
 
@@ -171,7 +172,7 @@ def test_a_frame_that_comes_too_early_is_an_error() -> None:
 
 @pytest.mark.parametrize(("inputs", "spacing"), [(0, 0), (3, -1)])
 def test_controller_parameters_are_checked(inputs, spacing) -> None:
-    with pytest.raises(ValueError, match=f"got inputs={inputs}, spacing={spacing}"):
+    with pytest.raises(InputError, match=f"got inputs={inputs}, spacing={spacing}"):
         InputController(inputs, spacing)
 
 

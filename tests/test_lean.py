@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.cli import CommandError
 from golden.files import write_json
+from golden.input_error import InputError
 from golden.networks.mlp import Mlp
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_names
@@ -157,7 +157,7 @@ def test_a_record_of_other_hardware_is_stale(tmp_path: Path) -> None:
 
 def test_a_scene_without_a_budget_is_not_recorded(tmp_path: Path) -> None:
     path = write_scene(tmp_path, "mine", "exact", [random_mlp((2, 2, 1), 1.0, 1)])
-    with pytest.raises(CommandError, match=r"mine\.toml: no recorded budget; make synth RECORD=1"):
+    with pytest.raises(InputError, match=r"mine\.toml: no recorded budget; make synth RECORD=1"):
         lean.record(load_scene(str(path)))
     assert not lean.lean_path(path).exists()
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from golden.fixed import Fix
+from golden.input_error import InputError
 from golden.instruments.uart_instrument import UartInstrument
 from golden.link.image_receiver import ImageReceiver
 from golden.link.packet_sender import PacketSender
@@ -63,7 +64,7 @@ def test_as_far_as_the_page_says_bits_may_be_off(divisor, shorter, longer) -> No
 
 def test_a_divisor_that_leaves_no_middle_is_refused() -> None:
     for block in (UartTransmitter, UartReceiver):
-        with pytest.raises(ValueError, match="got divisor=3, expected 4 or more"):
+        with pytest.raises(InputError, match="got divisor=3, expected 4 or more"):
             block(3)
 
 
@@ -102,9 +103,9 @@ def test_a_frame_between_two_packets_is_counted_alone() -> None:
 
 
 def test_a_payload_that_is_too_long_is_refused() -> None:
-    with pytest.raises(ValueError, match="expected 255 at most"):
+    with pytest.raises(InputError, match="expected 255 at most"):
         PacketSender(120, 10, points=0, reload=False, patience=10)
-    with pytest.raises(ValueError, match="packet_sender: got points=300, expected 0 to 256"):
+    with pytest.raises(InputError, match="packet_sender: got points=300, expected 0 to 256"):
         PacketSender(4, 4, points=300, reload=False, patience=10)
 
 
@@ -176,7 +177,7 @@ def test_a_scene_has_a_line(tmp_path) -> None:
     ],
 )
 def test_a_line_that_cannot_be_is_refused(tmp_path, hardware, sections, message) -> None:
-    with pytest.raises(ValueError, match=f"rig.toml: {message}"):
+    with pytest.raises(InputError, match=f"rig.toml: {message}"):
         scene_with(tmp_path, hardware, sections)
 
 
@@ -184,7 +185,7 @@ def test_outputs_leave_before_the_next_samples_come(tmp_path) -> None:
     twin = UART.scene(tmp_path, "uart").twin()
     reader = replace(twin.converter_reader, pause=0)
     assert isinstance(twin, UartInstrument)
-    with pytest.raises(ValueError, match="uart_instrument: got analogue without a profile"):
+    with pytest.raises(InputError, match="uart_instrument: got analogue without a profile"):
         replace(PLAIN_UART.scene(tmp_path, "plain").twin(), analogue=True)
     assert twin.readout.output_clocks[-1] <= reader.scan_clocks - reader.slots
 

@@ -10,12 +10,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from front_door import GIVEN, MAKEFILE, ROOT
 
 from tb.commands import COMMANDS
 
-ROOT = Path(__file__).parents[1]
-MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
-GIVEN = re.sub(r"\\\n", "", MAKEFILE).partition("GIVEN := ")[2].splitlines()[0].split()
 RECIPES = [line for line in re.sub(r"\\\n", "", MAKEFILE).splitlines() if line.startswith("\t")]
 
 # Each would leave a file `ran` behind, were it read by make or by the shell.
@@ -81,7 +79,7 @@ def make(folder: Path, *words: str, **variables: str) -> subprocess.CompletedPro
     return subprocess.run(
         ["make", "--no-print-directory", "-C", str(ROOT), *words],
         cwd=folder,
-        env={k: v for k, v in os.environ.items() if k not in GIVEN} | {"MAKEFLAGS": ""} | variables,
+        env=os.environ | variables,
         capture_output=True,
         text=True,
         check=False,

@@ -6,14 +6,12 @@ left to ALL=1, and CI draws from it (``tests/sample.py``).
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 from test_benches import check, check_clocks
-from test_make import GIVEN
 
 from golden.block import walk
 from golden.scene import load_scene, scene_names
@@ -28,12 +26,7 @@ ROOT = Path(__file__).parents[1]
 def test_every_bench_of_a_scene_is_green(name: str) -> None:
     (Path(sys.prefix) / ".ready").touch()
     command = ["make", "--no-print-directory", f"VENV={sys.prefix}", "sim", f"SCENE={name}"]
-    # What the run of the tests was given is not given to this one.
-    own = {"MAKEFLAGS", "MAKEOVERRIDES", *GIVEN}
-    environment = {name: value for name, value in os.environ.items() if name not in own}
-    said = subprocess.run(
-        command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False
-    )
+    said = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     red = [line for line in said.stdout.splitlines() if "FAIL" in line or "Error: " in line]
     assert said.returncode == 0, "\n".join([*red, said.stderr])
     scene = load_scene(name)

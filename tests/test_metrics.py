@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from golden.activation.schemes import gradient_for
+from golden.input_error import InputError
 from golden.metrics import (
     OutputError,
     activation_error,
@@ -58,7 +59,7 @@ def test_percent_of_a_full_scale_in_millimetres() -> None:
     found = millimetres(OutputError(mean=5.0, largest_mean=10.0, worst=100.0), POSITION_MM)
     assert (found.mean, found.largest_mean, found.worst) == pytest.approx((6.35, 12.7, 127.0))
     for length in (0.0, -1.0, np.inf, np.nan):
-        with pytest.raises(ValueError, match=r"length: got .* expected millimetres above 0"):
+        with pytest.raises(InputError, match=r"length: got .* expected millimetres above 0"):
             millimetres(OutputError(1, 1, 1), length)
 
 
@@ -74,9 +75,9 @@ def test_displacement_errors_of_a_sine() -> None:
 
 def test_displacement_errors_refuse_what_has_no_percentage() -> None:
     still = np.stack([[0.0, 1, 0, 1, 0], np.zeros(5)], axis=1)
-    with pytest.raises(ValueError, match="coordinate 1 has 0 peaks and 0 troughs"):
+    with pytest.raises(InputError, match="coordinate 1 has 0 peaks and 0 troughs"):
         displacement_errors(still, still)
-    with pytest.raises(ValueError, match=r"got shape \(1, 2\) for \(2, 2\) of actual"):
+    with pytest.raises(InputError, match=r"got shape \(1, 2\) for \(2, 2\) of actual"):
         displacement_errors([[1.0, 1.0]], [[1.0, 1.0], [1.0, 1.0]])
 
 
@@ -118,5 +119,5 @@ def test_activation_error_of_the_gradient_scheme_is_the_printed_one() -> None:
     ],
 )
 def test_activation_error_refuses(errors, q, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(InputError, match=message):
         activation_error(errors, q)

@@ -22,7 +22,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from golden.cli import CommandError, run
+from golden.cli import run
+from golden.input_error import InputError
 from golden.link.decoder import Tally
 from golden.link.packets import FLAGS, FRAME, SYNC, Frame, FrameLayout, check_of
 from golden.precision import SIGNAL
@@ -246,10 +247,10 @@ def test_a_recording_replaces_nothing_and_holds_whole_rows(
 ) -> None:
     path = tmp_path / "there.csv"
     path.write_text("mine")
-    with pytest.raises(ValueError, match="is there already; choose another name with TO="):
+    with pytest.raises(InputError, match="is there already; choose another name with TO="):
         GrowingCsv(path, ["a"])
     assert path.read_text() == "mine"
-    with pytest.raises(ValueError, match="column 'a' would stand twice"):
+    with pytest.raises(InputError, match="column 'a' would stand twice"):
         GrowingCsv(tmp_path / "new.csv", ["a", "a"])
     with GrowingCsv(tmp_path / "new.csv", ["a, b", "c"]) as file:
         file.append([[1, "x y"], [2, ""]])
@@ -261,7 +262,7 @@ def test_a_recording_replaces_nothing_and_holds_whole_rows(
             return write(handle, data[:5])
 
         monkeypatch.setattr(os, "write", full)
-        with pytest.raises(CommandError, match=r"new.csv: cannot be written: No space left"):
+        with pytest.raises(InputError, match=r"new.csv: cannot be written: No space left"):
             file.append([[3, "three"]])
         monkeypatch.undo()
         assert file.rows == 2
@@ -426,7 +427,7 @@ def test_two_programs_do_not_share_a_port(scene: Scene) -> None:
     with (
         TwinBoard(scene, 10.0) as simulated,
         Line(simulated.port, BAUD),
-        pytest.raises(CommandError, match="another program has it open"),
+        pytest.raises(InputError, match="another program has it open"),
     ):
         Line(simulated.port, BAUD)
 
@@ -513,6 +514,6 @@ def test_a_terminal_has_a_line_that_is_written_over(scene: Scene) -> None:
 def test_the_layout_is_that_of_the_hardware(scene: Scene) -> None:
     assert Board(scene, scene).layout == FrameLayout(4, 4, drawn=True)
     with pytest.raises(
-        ValueError, match=r"data.outputs: got 5, expected 4 at most, as the packets"
+        InputError, match=r"data.outputs: got 5, expected 4 at most, as the packets"
     ):
         Board(replace(scene, outputs=(*scene.outputs, "more")), scene)

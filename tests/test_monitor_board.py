@@ -15,7 +15,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.cli import CommandError, run
+from golden.cli import run
+from golden.input_error import InputError
 from golden.link.decoder import Decoder
 from golden.link.packets import Frame
 from golden.networks.engine import Engine
@@ -81,7 +82,7 @@ def other_sizes(hardware: Scene) -> Scene:
 def test_a_board_that_refuses_an_image_is_told(hardware: Scene, simulated: TwinBoard) -> None:
     with (
         Line(simulated.port, BAUD, "there") as line,
-        pytest.raises(CommandError, match="PORT=there: image_error: the board refused the image"),
+        pytest.raises(InputError, match="PORT=there: image_error: the board refused the image"),
     ):
         loading.load(line, Board(hardware, other_sizes(hardware)))
 
@@ -89,9 +90,9 @@ def test_a_board_that_refuses_an_image_is_told(hardware: Scene, simulated: TwinB
 def test_a_board_that_is_silent_is_told(hardware: Scene) -> None:
     with TwinBoard(hardware, 1e-9) as still, Line(still.port, BAUD, "there") as line:
         line.patience = 0.2
-        with pytest.raises(CommandError, match=r"no frame came for 0.2 s: is the bitstream loaded"):
+        with pytest.raises(InputError, match=r"no frame came for 0.2 s: is the bitstream loaded"):
             loading.load(line, Board(hardware, hardware))
-        with pytest.raises(CommandError, match=r"PORT=there: no packet for 0.2 s"):
+        with pytest.raises(InputError, match=r"PORT=there: no packet for 0.2 s"):
             recording.gather(line, Board(hardware, hardware), 4)
 
 
@@ -102,17 +103,17 @@ def test_a_line_that_is_cut_is_told(hardware: Scene, simulated: TwinBoard) -> No
             lambda: loading.load(line, Board(hardware, hardware)),
             lambda: recording.gather(line, Board(hardware, hardware), 4),
         ):
-            with pytest.raises(CommandError, match="PORT=there: the line was cut: the device is"):
+            with pytest.raises(InputError, match="PORT=there: the line was cut: the device is"):
                 ask()
 
 
 def test_a_scene_of_other_sensors_is_not_loaded(hardware: Scene) -> None:
     other = replace(hardware, sensors=("sensor2", "sensor1", "sensor3", "sensor4"))
-    with pytest.raises(ValueError, match=r"data.sensors: got sensor2, sensor1.*expected sensor1,"):
+    with pytest.raises(InputError, match=r"data.sensors: got sensor2, sensor1.*expected sensor1,"):
         loading.check_readings(Board(other, hardware))
     # Without a converter of its own a scene may have any scale.
     other = replace(load_scene("digit"), scale={"sensor2": Scale(1.0, 2.0)})
-    with pytest.raises(ValueError, match=r"data.scale.sensor2: got offset 1, factor 2, expected o"):
+    with pytest.raises(InputError, match=r"data.scale.sensor2: got offset 1, factor 2, expected o"):
         loading.check_readings(Board(other, hardware))
 
 
@@ -121,7 +122,7 @@ def test_an_image_is_only_for_an_engine_that_is_loaded() -> None:
     with (
         TwinBoard(fixed, 10.0) as simulated,
         Line(simulated.port, BAUD) as line,
-        pytest.raises(ValueError, match=r"hardware.reload: got false, expected true"),
+        pytest.raises(InputError, match=r"hardware.reload: got false, expected true"),
     ):
         loading.load(line, Board(fixed, fixed))
 
@@ -292,7 +293,7 @@ def test_a_simulated_board_is_touched_by_itself(hardware: Scene, simulated: Twin
                 np.abs(hardware.vectors().targets[:, :2] - np.float64(placement)).sum(1)
             )
             assert np.array_equal(codes, [hardware.vectors().codes[row]] * 3)
-    with pytest.raises(ValueError, match=r"data.outputs: got no 'where', expected that of a plac"):
+    with pytest.raises(InputError, match=r"data.outputs: got no 'where', expected that of a plac"):
         simulated.place({"where": 1.0})
 
 

@@ -10,7 +10,7 @@ import pytest
 from conftest import tiered
 from shared import Shared, copied_job
 
-from golden.cli import CommandError
+from golden.input_error import InputError
 from hdl.synth.cells import SYNTHESISE, XILINX
 from hdl.synth.tools import run_tool
 from tb.common.collected import BENCHES
@@ -90,9 +90,9 @@ def test_a_cell_that_is_wrong_turns_the_bench_red(
 def test_one_is_every_family() -> None:
     assert chosen("1") == list(FAMILIES)
     assert chosen("ecp5") == ["ecp5"]
-    with pytest.raises(CommandError, match=r"NETLIST=2: no such netlist, expected one of 1, virt"):
+    with pytest.raises(InputError, match=r"NETLIST=2: no such netlist, expected one of 1, virt"):
         chosen("2")
-    with pytest.raises(CommandError, match="netlists run in icarus alone"):
+    with pytest.raises(InputError, match="netlists run in icarus alone"):
         chosen("1", "ghdl")
 
 

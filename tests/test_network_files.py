@@ -11,6 +11,7 @@ from onnx import TensorProto, helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
 from scipy.io import savemat
 
+from golden.input_error import InputError
 from golden.network_files.convert import main as convert
 from golden.network_files.network_file import load_network, write_network
 from golden.networks.mlp import Mlp
@@ -242,14 +243,14 @@ def test_other_graphs_are_refused_with_the_operators_name(tmp_path, change, mess
     nodes = [change.get(i, kept) for i, kept in enumerate(KERAS)]
     known = constants(random_mlp(SHAPE, 1.0, 1)) | {"zero": 0.0, "column": np.ones((5, 1))}
     path = graph(tmp_path, nodes, known)
-    with pytest.raises(ValueError, match=message) as caught:
+    with pytest.raises(InputError, match=message) as caught:
         load_network(path, SHAPE)
     assert "net.onnx" in str(caught.value)
 
 
 def test_a_graph_with_two_outputs_is_refused(tmp_path: Path) -> None:
     path = graph(tmp_path, KERAS, constants(random_mlp(SHAPE, 1.0, 1)), outputs=("y", "c"))
-    with pytest.raises(ValueError, match="got 1 inputs and 2 outputs"):
+    with pytest.raises(InputError, match="got 1 inputs and 2 outputs"):
         load_network(path, SHAPE)
 
 
@@ -262,13 +263,13 @@ def test_netlab_structures_of_any_name(tmp_path: Path) -> None:
     savemat(path, fields)
     assert same(load_network(path, SHAPE), mlp)
     savemat(path, {"one": fields, "two": fields})
-    with pytest.raises(ValueError, match="got 2 networks among the variables one, two"):
+    with pytest.raises(InputError, match="got 2 networks among the variables one, two"):
         load_network(path, SHAPE)
     savemat(path, {"one": {"w1": 1}})
-    with pytest.raises(ValueError, match=r"got 0 networks .* fields w1, b1, w2, b2"):
+    with pytest.raises(InputError, match=r"got 0 networks .* fields w1, b1, w2, b2"):
         load_network(path, SHAPE)
     savemat(path, {"one": fields | {"w1": "text"}})
-    with pytest.raises(ValueError, match="w1: got <U4, expected real numbers"):
+    with pytest.raises(InputError, match="w1: got <U4, expected real numbers"):
         load_network(path, SHAPE)
 
 
@@ -276,13 +277,13 @@ def test_netlab_structures_of_any_name(tmp_path: Path) -> None:
 def test_files_that_are_none(tmp_path: Path, form: str, what: str) -> None:
     path = tmp_path / f"net{form}"
     path.write_bytes(b"no network at all, only text that goes on for a while" * 10)
-    with pytest.raises(ValueError, match=rf"net{form}: not {what}"):
+    with pytest.raises(InputError, match=rf"net{form}: not {what}"):
         load_network(path, SHAPE)
 
 
 def test_an_unknown_ending_is_refused(tmp_path: Path) -> None:
     (tmp_path / "net.onx").touch()
-    with pytest.raises(ValueError, match=r"ending '.onx', expected one of .*did you mean '.onnx'"):
+    with pytest.raises(InputError, match=r"ending '.onx', expected one of .*did you mean '.onnx'"):
         load_network(tmp_path / "net.onx", SHAPE)
 
 

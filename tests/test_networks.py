@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from golden.activation.segments import gradient_real
 from golden.block import walk
 from golden.errors import held_out_means
+from golden.input_error import InputError
 from golden.metrics import percent_errors, summarise
 from golden.networks.arrangement import arrange
 from golden.networks.hybrid import Hybrid
@@ -90,7 +91,7 @@ def test_a_normalisation_too_large_to_convert_is_refused(place: str, weight: flo
         largest = replace(far, w2=np.full((1, 1), 2.0**30 - 1), b1=np.full(1, 0.5))
         assert Hybrid.of(largest, THESIS, "gradient").output_integral.factors == (2**30 - 1,)
     with pytest.raises(
-        ValueError, match=rf"^{place} weights: got .* to .*, expected .* 1073741824"
+        InputError, match=rf"^{place} weights: got .* to .*, expected .* 1073741824"
     ):
         Hybrid.of(far, THESIS, "gradient")
 
@@ -139,7 +140,7 @@ def test_networks_together_do_what_each_does_alone(arrangement: str) -> None:
     assert np.array_equal(design.process(frames), np.concatenate(results, axis=1))
     for shape in ((5, 2, 1), (3, 2, 2), (4, 2, 2)):
         odd = Hybrid.of(random_mlp(shape, 1.0, 1), EXACT, "gradient")
-        with pytest.raises(ValueError, match="got networks of"):
+        with pytest.raises(InputError, match="got networks of"):
             replace(design, networks=(design.networks[0], odd))
 
 
@@ -170,7 +171,7 @@ def test_independent_networks_wait_for_the_slowest() -> None:
     assert design.interval == 5
     assert {network.input_controller.spacing for network in design.networks} == {5}
     quick = replace(design.networks[0], min_interval=1)
-    with pytest.raises(ValueError, match=r"got intervals of \[3, 5, 5\], expected one interval"):
+    with pytest.raises(InputError, match=r"got intervals of \[3, 5, 5\], expected one interval"):
         replace(design, networks=(quick, *design.networks[1:]))
 
 
@@ -203,14 +204,14 @@ def test_the_parallel_form_gives_the_same_results(precision) -> None:
 )
 def test_parallel_refuses_parts_that_do_not_fit(field: str, change, message: str) -> None:
     design = Parallel.of(random_mlp((3, 4, 2), 1.0, 1), THESIS, "gradient")
-    with pytest.raises(ValueError, match=f"parallel: {message}"):
+    with pytest.raises(InputError, match=f"parallel: {message}"):
         replace(design, **{field: change(getattr(design, field))})
 
 
 @pytest.mark.parametrize("arrangement", ["multiple", "cascade"])
 def test_networks_together_are_folded(arrangement: str) -> None:
     mlps = [random_mlp((3, 4, 1), 1.0, i) for i in range(2)]
-    with pytest.raises(ValueError, match=f"{arrangement}: got networks parallel, expected"):
+    with pytest.raises(InputError, match=f"{arrangement}: got networks parallel, expected"):
         arrange(arrangement, mlps, lambda m, v: Parallel.of(m, EXACT, "gradient", variant=v))
 
 
@@ -221,9 +222,9 @@ def test_shapes_and_chunks_change_nothing() -> None:
     assert results.shape == (3, 3001, 2)
     assert np.array_equal(results[2, 3000], design.process(frames[2, 3000]))
     assert design.process(np.empty((0, 3), dtype=np.int64)).shape == (0, 2)
-    with pytest.raises(ValueError, match=r"hybrid frames: got shape \(4,\), expected \(..., 3\)"):
+    with pytest.raises(InputError, match=r"hybrid frames: got shape \(4,\), expected \(..., 3\)"):
         design.process([1, 2, 3, 4])
-    with pytest.raises(ValueError, match="got dtype float64, expected integer codes"):
+    with pytest.raises(InputError, match="got dtype float64, expected integer codes"):
         design.process([0.0, 0.1, 0.2])
 
 
@@ -239,13 +240,13 @@ def test_huge_weights_still_build() -> None:
 
 def test_weights_beyond_the_format_are_refused() -> None:
     mlp = Mlp(np.full((1, 1), 2e5), np.zeros(1), np.ones((1, 1)), np.zeros(1))
-    with pytest.raises(ValueError, match="layer 1 weights: largest magnitude 200000 does not fit"):
+    with pytest.raises(InputError, match="layer 1 weights: largest magnitude 200000 does not fit"):
         Hybrid.of(mlp, EXACT, "gradient")
 
 
 def test_a_thesis_sum_that_could_wrap_is_refused() -> None:
     mlp = Mlp(np.full((1, 2), -1.0), np.array([1.0]), np.full((1, 1), 0.3), np.zeros(1))
-    with pytest.raises(ValueError, match="hidden node 0: its normalised sum needs 15 bits"):
+    with pytest.raises(InputError, match="hidden node 0: its normalised sum needs 15 bits"):
         Hybrid.of(mlp, THESIS, "gradient")
 
 
@@ -307,5 +308,5 @@ def test_activations_of_different_latency_are_refused(name: str, change: dict) -
     clocks = sorted({first.latency, replace(first, **change).latency})
     assert len(clocks) == 2
     message = f"{design.entity}: got activations of latencies {clocks}, expected one latency"
-    with pytest.raises(ValueError, match=re.escape(message)):
+    with pytest.raises(InputError, match=re.escape(message)):
         replace(design, activations=(replace(first, **change), *others))

@@ -6,6 +6,7 @@ import random
 
 import pytest
 
+from golden.input_error import InputError
 from golden.link.packets import FLAGS, MOST_IMAGE, Frame, FrameLayout, check_of, image_packet
 
 
@@ -48,8 +49,8 @@ def test_what_is_sent_is_what_is_read(drawn: bool) -> None:
 
 
 def test_what_is_too_long_is_refused() -> None:
-    with pytest.raises(ValueError, match="127 samples and 1 outputs, a payload of 259 bytes"):
+    with pytest.raises(InputError, match="127 samples and 1 outputs, a payload of 259 bytes"):
         FrameLayout(127, 1)
     assert image_packet(b"ab") == bytes.fromhex("a5 12 0002") + b"ab"
-    with pytest.raises(ValueError, match="got 65536 bytes"):
+    with pytest.raises(InputError, match="got 65536 bytes"):
         image_packet(bytes(MOST_IMAGE + 1))

@@ -12,6 +12,7 @@ import pytest
 
 from golden.activation import pade
 from golden.activation.pade import UnsettledWarning, distance, pade_for, pade_real
+from golden.input_error import InputError
 from golden.precision import EXACT, SIGNAL, THESIS
 
 DATA = Path(pade.__file__).parents[1] / "data" / "thesis_numbers.toml"
@@ -145,7 +146,7 @@ def test_beyond_its_stable_range_it_stays_inside_the_format(iterations: int) -> 
 
 @pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 def test_faults_name_what_came() -> None:
-    with pytest.raises(ValueError, match=r"Q = 30000: 3.3 / Q is below one code of Fix\(14,13\)"):
+    with pytest.raises(InputError, match=r"Q = 30000: 3.3 / Q is below one code of Fix\(14,13\)"):
         pade_for(THESIS, 30000, SIGNAL.high)
-    with pytest.raises(ValueError, match=r"pade: rho = 0.1: 1 / rho does not fit Fix\(15,13\)"):
+    with pytest.raises(InputError, match=r"pade: rho = 0.1: 1 / rho does not fit Fix\(15,13\)"):
         pade_for(THESIS, 1, 10, rho=0.1)

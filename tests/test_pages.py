@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from pages import TRAINED, same_picture, shows
 
-from golden.cli import CommandError
 from golden.errors import held_out_means, held_out_rows
 from golden.fingerprint import ROOT
+from golden.input_error import InputError
 from golden.physics.beam import Beam
 from golden.physics.bound import least_deviations, slopes_by_codes
 from golden.physics.digit_data import RECORDED, SENSORS
@@ -48,7 +48,7 @@ def test_text_goes_between_its_own_markers() -> None:
     ],
 )
 def test_a_page_without_its_markers_once_each_is_refused(page: str) -> None:
-    with pytest.raises(CommandError, match=r"page\.md: expected the markers"):
+    with pytest.raises(InputError, match=r"page\.md: expected the markers"):
         put(PAGE, page, "text", COMMAND)
 
 

@@ -13,6 +13,7 @@ from refused import Desk
 
 from golden.disturbance import Disturbance
 from golden.errors import disturbed_rows, held_out_rows, scene_errors, told
+from golden.input_error import InputError
 from golden.precision import SIGNAL
 from golden.recalibration.__main__ import main as recalibrate
 from golden.rig.check import data
@@ -156,7 +157,7 @@ def test_a_part_of_which_nothing_is_left_is_refused() -> None:
         [11],
     ]
     assert apart(split, rows // 4, 9).count == 12, "recordings of their own share nothing"
-    with pytest.raises(ValueError, match=r"no validation rows that share none .* more than 4 rows"):
+    with pytest.raises(InputError, match=r"no validation rows that share none .* more than 4 rows"):
         apart(split, np.zeros(12, int), 4)
 
 
@@ -219,7 +220,7 @@ def test_predictions_of_rows_without_a_whole_past_are_empty(
     found = [float(row["y_predicted"]) for row in rows[5:]]
     assert np.array_equal(np.round(np.array(found) * 8192), wanted)
     write_table(source, COLUMNS, read_table(source, COLUMNS)[:5], 4)
-    with pytest.raises(ValueError, match=r"one.csv: got 5 rows, expected more than the 5 that"):
+    with pytest.raises(InputError, match=r"one.csv: got 5 rows, expected more than the 5 that"):
         predict()
 
 
@@ -300,7 +301,7 @@ def test_what_does_not_go_with_a_window_is_refused(
     past: Scene, change: tuple[str, str], message: str
 ) -> None:
     old, new = change
-    with pytest.raises(ValueError, match=re.escape(message)):
+    with pytest.raises(InputError, match=re.escape(message)):
         edited(past, old, new)
 
 
@@ -313,14 +314,14 @@ def test_a_window_as_long_as_a_recording_is_refused(past: Scene, longest: int) -
         assert len(scene.vectors().codes) == 60 + 47 - 2 * 46
         return
     message = r"two.csv: got 47 rows, expected more than the 47 that data.window of .* reaches back"
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(InputError, match=message):
         scene.vectors()
 
 
 def test_placements_are_no_past(past: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sys.argv", ["recalibrate", str(past.path)])
     with pytest.raises(
-        ValueError, match=r"data.window: got one that reaches 5 frames back, expect"
+        InputError, match=r"data.window: got one that reaches 5 frames back, expect"
     ):
         recalibrate()
 

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from golden.cli import CommandError
+from golden.input_error import InputError
 from golden.precision import SIGNAL
 from golden.scene import load_scene
 from hdl.synth.netlist import KINDS
@@ -88,10 +88,10 @@ def test_a_pipeline_is_played(tmp_path: Path) -> None:
     (tmp_path / "top.v").write_text(PIPELINE)
     frames = np.random.default_rng(1).integers(SIGNAL.low, SIGNAL.high + 1, (20, 2))
     assert (simulated(tmp_path, "top", frames, 2, 2) == frames).all()
-    with pytest.raises(CommandError, match="1 with unknown bits"):
+    with pytest.raises(InputError, match="1 with unknown bits"):
         simulated(tmp_path, "top", frames, 2, 1)
     (tmp_path / "top.v").write_text("module top(;")
-    with pytest.raises(CommandError, match="iverilog: "):
+    with pytest.raises(InputError, match="iverilog: "):
         simulated(tmp_path, "top", frames, 2, 2)
 
 
@@ -108,7 +108,7 @@ def test_the_cheapest_that_is_near_enough_is_taken(task: Task) -> None:
     settings = [tried(task, 3.0, 0), tried(task, 2.0, 1), tried(task, 1.0, 5)]
     for most, name in (((9.0, 9.0), "off 5"), ((2.0, 2.0), "off 1"), ((9.0, 0.9), "off 0")):
         assert da4ml_rows.cheapest(settings, task, most).setting == name
-    with pytest.raises(CommandError, match="no setting has errors of at most"):
+    with pytest.raises(InputError, match="no setting has errors of at most"):
         da4ml_rows.cheapest(settings, task, (0.0, 0.0))
 
 
@@ -123,7 +123,7 @@ def test_another_da4ml_is_told(task: Task, tmp_path: Path) -> None:
     da4ml_rows.collected(one, found, da4ml_rows.KEPT)
     assert (found / "shift_adder.v").read_text() == "  (* keep *) wire [BW_ADD-1:0] accum;\n"
     adder.write_text("  wire [BW_ADD-1:0] sum;\n")
-    with pytest.raises(CommandError, match=r"shift_adder\.v: got 0 times .*, expected once"):
+    with pytest.raises(InputError, match=r"shift_adder\.v: got 0 times .*, expected once"):
         da4ml_rows.collected(one, found, da4ml_rows.KEPT)
 
 
@@ -134,21 +134,21 @@ def test_verilog_that_differs_from_its_model_is_told(
     found = expected.copy()
     da4ml_rows.check(found, expected)
     found[1, 2] = 1
-    with pytest.raises(CommandError, match="1 of 3 frames are other in simulation"):
+    with pytest.raises(InputError, match="1 of 3 frames are other in simulation"):
         da4ml_rows.check(found, expected)
     answer = {"outputs": expected.tolist(), "simulated": found.tolist()}
     monkeypatch.setattr(nngen_rows, "asked", lambda *_: answer)
-    with pytest.raises(CommandError, match="1 of 3 frames are other in simulation"):
+    with pytest.raises(InputError, match="1 of 3 frames are other in simulation"):
         nngen_rows.row(Path("python"), task, tmp_path)
 
 
 def test_without_a_network_is_one_message(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def run(command: list[str], _: Path | None = None) -> str:
         if "pip" in command:
-            raise CommandError("python: ERROR: No matching distribution found")
+            raise InputError("python: ERROR: No matching distribution found")
         return ""
 
     monkeypatch.setattr(installed, "run", run)
-    with pytest.raises(CommandError, match=r"da4ml>=.*, nngen>=.*: not installed; .* a network"):
+    with pytest.raises(InputError, match=r"da4ml>=.*, nngen>=.*: not installed; .* a network"):
         installed.installed(tmp_path / "environment")
     assert not (tmp_path / "environment" / installed.READY).exists()

@@ -13,6 +13,7 @@ import pytest
 
 from golden.block import Block, walk
 from golden.flow import Carried
+from golden.input_error import InputError
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_names
 from golden.scene.scale import Scale
@@ -251,13 +252,13 @@ def test_other_designs_are_recorded_too(tmp_path: Path, name: str) -> None:
 
 
 def test_a_design_without_a_stream_of_frames_is_not_recorded(build: Path) -> None:
-    with pytest.raises(ValueError, match=r"digit-instrument.toml: waveforms: got the design instr"):
+    with pytest.raises(InputError, match=r"digit-instrument.toml: waveforms: got the design instr"):
         record(load_scene("digit-instrument"), 0, build)
 
 
 def test_a_frame_that_was_not_recorded_is_refused(build: Path) -> None:
     for draw in (lambda s, f: record(s, f, build), profile, animation):
-        with pytest.raises(ValueError, match=r"digit.toml: frame: got 143, expected 0 to 142"):
+        with pytest.raises(InputError, match=r"digit.toml: frame: got 143, expected 0 to 142"):
             draw(load_scene("digit"), 143)
 
 
@@ -288,7 +289,7 @@ def test_the_load_is_drawn_where_there_is_one(name: str) -> None:
         if {"load", "position", "width", "shape"} <= set(scene.outputs):
             parse(draw(scene))
         else:
-            with pytest.raises(ValueError, match=rf"{name}.toml: data.outputs: got .* to draw"):
+            with pytest.raises(InputError, match=rf"{name}.toml: data.outputs: got .* to draw"):
                 draw(scene)
 
 
@@ -300,7 +301,7 @@ def test_outputs_of_those_names_alone_are_no_load(change: dict) -> None:
     scene = replace(load_scene("digit"), **change)
     assert has_load(load_scene("digit"))
     assert not has_load(scene)
-    with pytest.raises(ValueError, match="with length_mm and without scale"):
+    with pytest.raises(InputError, match="with length_mm and without scale"):
         beam(scene)
 
 
@@ -375,13 +376,13 @@ def test_the_swing_moves_as_it_was_recorded() -> None:
     across = [float(next(step.iter(f"{SVG}circle")).get("cx", 0)) for step in steps]
     rows = [int(np.argmin(np.abs(found.time - time))) for time in told]
     assert np.corrcoef(across, found.true[rows, 1])[0, 1] > 0.9999
-    with pytest.raises(ValueError, match=r"swing-single.toml: swing: got no data.window, expect"):
+    with pytest.raises(InputError, match=r"swing-single.toml: swing: got no data.window, expect"):
         swing_animation(load_scene("swing-single"))
     assert without_past(load_scene("swing-single")) is None
 
 
 def test_the_swing_is_refused_for_other_outputs() -> None:
-    with pytest.raises(ValueError, match=r"digit.toml: swing: got outputs load, position"):
+    with pytest.raises(InputError, match=r"digit.toml: swing: got outputs load, position"):
         swing(load_scene("digit"))
 
 

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.special import zeta
 
+from golden.input_error import InputError
 from golden.physics.plate import Plate, _clamping, _supported
 from golden.physics.plate_grid import grid_influence, natural_frequency
 
@@ -250,5 +251,5 @@ def test_the_natural_frequency_is_that_of_section_6_1() -> None:
     ],
 )
 def test_what_lies_outside_the_model_is_refused(call, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(InputError, match=message):
         call()

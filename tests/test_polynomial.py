@@ -11,6 +11,7 @@ import pytest
 from golden.activation import polynomial
 from golden.activation.polynomial import normalised, polynomial_for
 from golden.fixed import cut
+from golden.input_error import InputError
 from golden.precision import EXACT, SIGNAL, THESIS
 
 DATA = Path(polynomial.__file__).parents[1] / "data" / "thesis_numbers.toml"
@@ -81,5 +82,5 @@ def test_a_thousandth_of_a_bit_changes_what_lies_closest_to_rounding() -> None:
 
 def test_too_large_a_factor_names_the_thresholds() -> None:
     polynomial_for(THESIS, 14335, SIGNAL.high)
-    with pytest.raises(ValueError, match=r"Q = 14336: thresholds .* coincide in Fix\(14,13\)"):
+    with pytest.raises(InputError, match=r"Q = 14336: thresholds .* coincide in Fix\(14,13\)"):
         polynomial_for(THESIS, 14336, SIGNAL.high)

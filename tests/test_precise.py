@@ -10,6 +10,7 @@ import pytest
 from golden.activation.precise import Precise
 from golden.activation.precise_table import BLOCK_RAM, LOGIC, curve_table
 from golden.activation.schemes import SCHEMES, forms
+from golden.input_error import InputError
 from golden.precision import EXACT, SIGNAL, THESIS
 
 FMT = EXACT.hidden_fmt
@@ -195,14 +196,14 @@ def test_the_coefficients_follow_from_the_rule_of_the_page(name: str, step: int)
 
 
 def test_other_formats_are_refused() -> None:
-    with pytest.raises(ValueError, match=r"got q in Fix\(14,13\), normalised by 3, of .*'thesis'"):
+    with pytest.raises(InputError, match=r"got q in Fix\(14,13\), normalised by 3, of .*'thesis'"):
         SCHEMES["precise"].build(THESIS, 3, 8191)
-    with pytest.raises(ValueError, match=r"normalised by 2"):
+    with pytest.raises(InputError, match=r"normalised by 2"):
         SCHEMES["precise"].build(EXACT, 2, 8191)
 
 
 def test_formats_too_coarse_name_the_segment() -> None:
-    with pytest.raises(ValueError, match=r"segment \d+: .* too coarse"):
+    with pytest.raises(InputError, match=r"segment \d+: .* too coarse"):
         curve_table(replace(LOGIC, gradient_frac=8))
 
 
@@ -215,7 +216,7 @@ def test_formats_too_coarse_name_the_segment() -> None:
     ],
 )
 def test_parameters_are_checked(changes: dict, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(InputError, match=message):
         replace(build("precise"), **changes)
-    with pytest.raises(ValueError, match="precise data: got code 131072"):
+    with pytest.raises(InputError, match="precise data: got code 131072"):
         build("precise").process(131072)

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from shared import Shared
 
-from golden.cli import CommandError
+from golden.input_error import InputError
 from tb.common.collected import BENCHES
 from tb.common.runner import Job
 from tb.sign_off import record
@@ -108,12 +108,12 @@ def test_a_proof_that_means_nothing_is_a_fault(
 
 def test_a_free_signal_takes_any_value(rows: Job, tmp_path: Path) -> None:
     assert not proved(rows, property_with(free=("count",)), tmp_path).holds
-    with pytest.raises(CommandError, match="nothing"):
+    with pytest.raises(InputError, match="nothing"):
         proved(rows, property_with(free=("nothing",)), tmp_path)
 
 
 def test_a_pattern_that_is_nowhere_is_an_error(rows: Job, tmp_path: Path) -> None:
-    with pytest.raises(CommandError, match="changes nothing"):
+    with pytest.raises(InputError, match="changes nothing"):
         settle(rows, property_with(refuted_by=(("nowhere", ""),)), tmp_path)
 
 
@@ -133,5 +133,5 @@ def test_a_stale_record_names_the_command(
 
 
 def test_a_block_without_properties_is_named() -> None:
-    with pytest.raises(CommandError, match="did you mean 'output_controller'"):
+    with pytest.raises(InputError, match="did you mean 'output_controller'"):
         chosen_blocks("output_controler")

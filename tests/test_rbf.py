@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.cluster.vq import kmeans2
 
+from golden.input_error import InputError
 from golden.networks.mlp import Mlp
 from golden.networks.operations import (
     Operations,
@@ -52,7 +53,7 @@ def test_equations_3_13_and_3_14_by_hand() -> None:
 def test_what_is_no_network_is_refused(field: str, value, message: str) -> None:
     net = random_rbf(2, 3, 2)
     arrays = {name: getattr(net, name) for name in ("centres", "widths", "weights", "biases")}
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(InputError, match=message):
         Rbf(**(arrays | {field: value}))
 
 
@@ -103,9 +104,9 @@ def test_training_depends_on_the_generator_alone() -> None:
 
 
 def test_training_refuses_what_it_cannot_place() -> None:
-    with pytest.raises(ValueError, match="hidden: got 1, expected 2 or more"):
+    with pytest.raises(InputError, match="hidden: got 1, expected 2 or more"):
         train_rbf(np.ones((5, 2)), np.ones((5, 1)), 1, np.random.default_rng(1))
-    with pytest.raises(ValueError, match="got 1 distinct rows for 3 centres"):
+    with pytest.raises(InputError, match="got 1 distinct rows for 3 centres"):
         train_rbf(np.ones((5, 2)), np.ones((5, 1)), 3, np.random.default_rng(1))
 
 

@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.cli import CommandError
 from golden.disturbance import Disturbance
+from golden.input_error import InputError
 from golden.network_files.network_file import provenance_path
 from golden.precision import SIGNAL
 from golden.recalibration.__main__ import main
@@ -200,7 +200,7 @@ def test_rows_of_one_placement_are_its_repeats() -> None:
     assert LEAST_FREE == 4
     assert noise_of_repeats(read, found, place) is None
     assert grouped(read, None)[0].times.tolist() == [1] * 6
-    with pytest.raises(ValueError, match="'placement': got 2 in row 6 with other outputs than"):
+    with pytest.raises(InputError, match="'placement': got 2 in row 6 with other outputs than"):
         grouped(read, np.array([8.0, 5, 8, 2, 2, 2]))
     rows = np.repeat(np.arange(40), 6)
     inputs = vectors.inputs[rows] + np.array([0.01, 0.02, 0, 0.04]) * rng.standard_normal((240, 4))
@@ -502,7 +502,7 @@ def test_the_scene_itself_is_not_replaced(tmp_path: Path, monkeypatch: pytest.Mo
     csv = placements(tmp_path, scene)
     for target in (scene.path, scene.path.parent, scene.path.with_name("other.toml")):
         monkeypatch.setattr("sys.argv", ["make recalibrate", "digit", str(csv), str(target)])
-        with pytest.raises(ValueError, match="expected another: its networks would be replaced"):
+        with pytest.raises(InputError, match="expected another: its networks would be replaced"):
             main()
 
 
@@ -520,7 +520,7 @@ def test_placements_are_checked_as_a_recording_is(
         monkeypatch.setattr(
             "sys.argv", ["make recalibrate", "digit", str(path), str(tmp_path / "t")]
         )
-        with pytest.raises(ValueError, match=rf"placements.csv: {message}"):
+        with pytest.raises(InputError, match=rf"placements.csv: {message}"):
             main()
         assert not (tmp_path / "t").exists()
 
@@ -566,7 +566,7 @@ def test_noise_is_given_or_estimated_or_asked_for(
     (tmp_path / "rail").mkdir()
     scene, rng = noiseless(tmp_path / "rail"), np.random.default_rng(2)
     once = rail_file(tmp_path, touched(OWN, 0.004, 0.2, rng))
-    with pytest.raises(ValueError, match=r"touches.csv: got 12 readings of 12 placements, expec"):
+    with pytest.raises(InputError, match=r"touches.csv: got 12 readings of 12 placements, expec"):
         called(monkeypatch, scene, once, tmp_path / "to")
     called(monkeypatch, scene, once, tmp_path / "to", "--noise=0.004")
     assert "noise of a reading: 0.004 (NOISE)" in capsys.readouterr().out
@@ -596,7 +596,7 @@ def test_what_surely_gains_nothing_is_not_written(
     """The errors are told all the same: of placements left out and expected, none that was
     fitted."""
     path = rail_file(tmp_path, touched(touches, 0.002, drift, np.random.default_rng(1)))
-    with pytest.raises(ValueError, match=rf"touches.csv: nothing written: .*{message}"):
+    with pytest.raises(InputError, match=rf"touches.csv: nothing written: .*{message}"):
         called(monkeypatch, RAIL, path, tmp_path / "to", "--noise=0.002")
     assert not (tmp_path / "to").exists()
     printed = capsys.readouterr().out
@@ -615,7 +615,7 @@ def test_a_placement_that_is_noted_wrongly_is_named(
     targets[9] = signals(np.array([24.0, 220]), rail().scales(rail().outputs))
     path = rail_file(tmp_path, replace(read, targets=targets))
     message = r"place of placement 10 \(force 24, place 220\) is off by"
-    with pytest.warns(UserWarning, match=message), suppress(ValueError):
+    with pytest.warns(UserWarning, match=message), suppress(InputError):
         called(monkeypatch, RAIL, path, tmp_path / "to", "--noise=0.002")
 
 
@@ -632,7 +632,7 @@ def test_a_placement_that_is_noted_wrongly_is_named(
 def test_words_of_the_command_are_checked(
     word: str, message: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    with pytest.raises(CommandError, match=message):
+    with pytest.raises(InputError, match=message):
         called(monkeypatch, "digit", word)
 
 

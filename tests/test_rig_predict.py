@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.cli import CommandError
+from golden.input_error import InputError
 from golden.network_files.network_file import save_network
 from golden.precision import SIGNAL
 from golden.rig.csv_file import read_csv_file
@@ -268,7 +268,7 @@ def test_of_networks_that_were_trained_on_all_rows_count(scene: Scene) -> None:
 )
 def test_faults_of_new_readings(scene: Scene, text: str, message: str) -> None:
     source = new_csv(scene.path.parent, text)
-    with pytest.raises(ValueError, match=r"new\.csv") as refused:
+    with pytest.raises(InputError, match=r"new\.csv") as refused:
         done(scene, source)
     assert message in str(refused.value)
     assert not source.with_name("out.csv").exists()
@@ -278,7 +278,7 @@ def test_faults_of_new_readings(scene: Scene, text: str, message: str) -> None:
 def test_nothing_that_is_read_is_written_over(scene: Scene, name: str) -> None:
     source = new_csv(scene.path.parent, "x0,x1,x2\n0,0,0\n")
     with pytest.raises(
-        (CommandError, ValueError),
+        InputError,
         match=r"is read, expected|got a folder, expected",
     ):
         check_place(scene, source, scene.path.parent / name)

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from golden.input_error import InputError
 from golden.rig import readings
 from golden.rig.csv_file import read_csv_file
 from golden.rig.draft import weights
@@ -191,7 +192,7 @@ def test_what_is_no_csv_is_refused(tmp_path: Path, change: Callable, message: st
     path = tmp_path / "rig.csv"
     made = change(text_of(TABLE))
     path.write_bytes(made if isinstance(made, bytes) else made.encode())
-    with pytest.raises(ValueError, match=r"rig\.csv") as refused:
+    with pytest.raises(InputError, match=r"rig\.csv") as refused:
         read_csv_file(path)
     assert message in str(refused.value)
 
@@ -199,7 +200,7 @@ def test_what_is_no_csv_is_refused(tmp_path: Path, change: Callable, message: st
 @pytest.mark.parametrize(("sign", "point"), [(";", "."), (";", ","), ("\t", "."), ("\t", ",")])
 def test_the_command_that_it_names_mends_the_file(tmp_path: Path, sign: str, point: str) -> None:
     (tmp_path / "my rig.csv").write_text(text_of(TABLE, sign, point))
-    with pytest.raises(ValueError, match="makes it so") as refused:
+    with pytest.raises(InputError, match="makes it so") as refused:
         read_csv_file(tmp_path / "my rig.csv")
     command = str(refused.value).rpartition("; ")[2].removesuffix(" makes it so")
     subprocess.run(command, shell=True, cwd=tmp_path, check=True)
@@ -330,7 +331,7 @@ def test_names_of_networks_do_not_collide() -> None:
 )
 def test_nothing_is_overwritten(tmp_path: Path, there: str) -> None:
     (tmp_path / there).write_text("mine")
-    with pytest.raises(ValueError, match=f"{there}: is there already"):
+    with pytest.raises(InputError, match=f"{there}: is there already"):
         scene_of(tmp_path)
     assert (tmp_path / there).read_text() == "mine"
     assert {path.name for path in tmp_path.iterdir()} == {"rig.csv", there}

@@ -25,6 +25,7 @@ from golden.activation.polynomial import COEFFICIENTS, polynomial_for
 from golden.activation.precise_table import FORMATS, curve_table
 from golden.activation.segments import COEFF_WIDTH_LIMIT, GRADIENT, coefficient_codes
 from golden.fixed import Fix
+from golden.input_error import InputError
 from golden.machine import possible_settings
 from golden.networks.constants import quantised
 from golden.precision import EXACT, PRECISIONS, THESIS, Precision
@@ -181,7 +182,7 @@ def test_a_result_that_is_not_decided_is_refused(monkeypatch: pytest.MonkeyPatch
     ("start", "step", "points"), [(0, 1, 1), (2, 1, 1), (1, 0, 1), (1, 2, 1), (1, 1, 0)]
 )
 def test_a_grid_outside_the_series_is_refused(start: int, step: int, points: int) -> None:
-    with pytest.raises(ValueError, match=f"got {points} points from {start} in steps of {step}"):
+    with pytest.raises(InputError, match=f"got {points} points from {start} in steps of {step}"):
         exp_floors(Fraction(start), Fraction(step), points, 13)
 
 

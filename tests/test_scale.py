@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from golden.errors import scene_errors, unit_errors
+from golden.input_error import InputError, MissingFileError
 from golden.network_files.network_file import load_network, provenance_path, save_network
 from golden.precision import SIGNAL
 from golden.scene import Scene, comparison_names, load_scene, scene_names
@@ -86,10 +87,10 @@ def test_auto_leaves_a_quarter_of_the_range_at_either_end(
 @pytest.mark.parametrize("column", [[2.5, 2.5], [-1.7e308, np.nextafter(np.inf, 0)]])
 def test_readings_that_give_no_range(column: list[float]) -> None:
     if column[0] == column[1]:
-        with pytest.raises(ValueError, match=r"got 2.5 in every row"):
+        with pytest.raises(InputError, match=r"got 2.5 in every row"):
             range_scale(np.array(column))
     else:
-        with pytest.raises(ValueError, match="expected a range"):
+        with pytest.raises(InputError, match="expected a range"):
             range_scale(np.array(column))
 
 
@@ -205,7 +206,7 @@ def test_auto_without_its_provenance_says_what_to_do(tmp_path: Path) -> None:
         r"raw.toml: data.scale.x0: got 'auto', but .*raw.provenance.toml has no scale for it: "
         r"raw.npz was not trained here .* make train .* give \{ offset = , factor = \}"
     )
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(InputError, match=message):
         scene.vectors()
     again = trained(scene, tmp_path / "build")
     assert again.vectors().codes.shape == (40, 3)
@@ -214,13 +215,13 @@ def test_auto_without_its_provenance_says_what_to_do(tmp_path: Path) -> None:
     told = provenance.read_text()
     save_network(again.weights_paths[0], random_mlp((3, 5, 2), 1.0, 2), {})
     provenance.write_text(told)
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(InputError, match=message):
         load_scene(str(scene.path)).mlps()
     provenance.unlink()
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(InputError, match=message):
         load_scene(str(scene.path)).vectors()
     again.weights_paths[0].unlink()
-    with pytest.raises(FileNotFoundError, match=r"no such network; make train"):
+    with pytest.raises(MissingFileError, match=r"no such network; make train"):
         load_scene(str(scene.path)).vectors()
 
 
@@ -228,7 +229,7 @@ def test_networks_of_a_cascade_have_one_scale(small_cascade: Scene, tmp_path: Pa
     text = small_cascade.path.read_text()
     small_cascade.path.write_text(text.replace('group_by = "y0"\n', 'scale = "auto"\n'))
     scene = load_scene(str(small_cascade.path))
-    with pytest.raises(ValueError, match=r"chain.provenance.toml has no scale"):
+    with pytest.raises(InputError, match=r"chain.provenance.toml has no scale"):
         scene.twin()
     again = trained(scene, tmp_path / "build")
     assert again.columns_of(2) == ["x0", "x1", "x2", "y0", "y1", "y2"]
@@ -237,7 +238,7 @@ def test_networks_of_a_cascade_have_one_scale(small_cascade: Scene, tmp_path: Pa
     told = other.read_text()
     assert '"x1" = { "offset" = ' in told
     other.write_text(told.replace('"x1" = { "offset" = ', '"x1" = { "offset" = 1'))
-    with pytest.raises(ValueError, match=r"x1: .*chain-1.provenance.toml has another scale than"):
+    with pytest.raises(InputError, match=r"x1: .*chain-1.provenance.toml has another scale than"):
         load_scene(str(scene.path)).vectors()
 
 
@@ -263,7 +264,7 @@ def test_networks_of_a_cascade_have_one_scale(small_cascade: Scene, tmp_path: Pa
 def test_a_fault_in_a_scale_is_named(small_scene: Scene, keys: str, message: str) -> None:
     text = small_scene.path.read_text()
     small_scene.path.write_text(text.replace("[network]", f"{keys}\n[network]"))
-    with pytest.raises(ValueError, match=message) as caught:
+    with pytest.raises(InputError, match=message) as caught:
         load_scene(str(small_scene.path))
     assert "small.toml" in str(caught.value)
 
@@ -307,7 +308,7 @@ def test_a_sensor_far_outside_the_codes_is_refused(small_scene: Scene) -> None:
         r"small.csv: column 'x2': got 2 of 12 readings outside -1 to 1, the furthest 120 in row 2, "
         r"expected at most a tenth; give x2 a data.scale in .*small.toml"
     )
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(InputError, match=message):
         scene.vectors()
     text = scene.path.read_text()
     wide = text.replace("[network]", "scale = { x2 = { factor = 128 } }\n[network]")
@@ -327,12 +328,12 @@ def test_scales_that_no_float_holds_are_told_of_the_file(small_scene: Scene, rec
     ):
         small_scene.path.write_text(text.replace("[network]", f"scale = {{ {scale} }}\n[network]"))
         save_network(small_scene.weights_paths[0], random_mlp((3, 5, 2), 40.0, 1), {})
-        with pytest.raises(ValueError, match=message):
+        with pytest.raises(InputError, match=message):
             load_scene(str(small_scene.path)).twin()
     scale = "scale = { x0 = { factor = 1e-308 } }"
     small_scene.path.write_text(text.replace("[network]", f"{scale}\n[network]"))
     scene = with_readings(load_scene(str(small_scene.path)), 0, ["9"])
-    with pytest.raises(ValueError, match=r"small.csv: column 'x0': got 12 of 12 readings outside"):
+    with pytest.raises(InputError, match=r"small.csv: column 'x0': got 12 of 12 readings outside"):
         scene.vectors()
     assert not recwarn.list
 
@@ -340,7 +341,7 @@ def test_scales_that_no_float_holds_are_told_of_the_file(small_scene: Scene, rec
 def test_a_target_outside_the_codes_names_its_unit(tmp_path: Path) -> None:
     scene = with_readings(in_units(tmp_path), 4, ["129", "-11"])
     message = r"'y1': got a target of -11 in row 2, expected -10 to 130, .* give y1 a data.scale"
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(InputError, match=message):
         scene.vectors()
 
 
@@ -351,7 +352,7 @@ def test_no_shipped_recording_is_outside(name: str) -> None:
 
 def test_a_constant_sensor_has_no_range(tmp_path: Path) -> None:
     scene = with_readings(in_units(tmp_path, keys=AUTO), 0, ["2.5"] * 12)
-    with pytest.raises(ValueError, match=r"column 'x0': got 2.5 in every row, .* data.scale.x0"):
+    with pytest.raises(InputError, match=r"column 'x0': got 2.5 in every row, .* data.scale.x0"):
         scaled(scene)
 
 
@@ -362,5 +363,5 @@ def test_a_profile_is_drawn_from_signals(tmp_path: Path) -> None:
     path = write_scene(tmp_path, "drawn", "exact", [mlp], sections=VISUALISATION)
     load_scene(str(path))
     path.write_text(path.read_text().replace("[network]", "scale = { y1 = 'auto' }\n[network]"))
-    with pytest.raises(ValueError, match=r"visualisation.position: got 'y1', which has a data.sc"):
+    with pytest.raises(InputError, match=r"visualisation.position: got 'y1', which has a data.sc"):
         load_scene(str(path))

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from golden.input_error import InputError, MissingFileError
 from golden.network_files.network_file import load_network, provenance_path, save_network
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_names
@@ -140,7 +141,7 @@ def test_a_fault_in_a_scene_names_file_key_and_what_was_expected(
     small_scene: Scene, old: str, new: str, message: str
 ) -> None:
     path = edited(small_scene, old, new)
-    with pytest.raises(ValueError, match=message) as caught:
+    with pytest.raises(InputError, match=message) as caught:
         load_scene(path)
     assert "small.toml" in str(caught.value)
 
@@ -152,14 +153,14 @@ def test_two_networks_in_one_file_are_refused(small_cascade: Scene, other: str) 
     names = '["chain.npz", "chain-1.npz", "chain-2.npz"]'
     path = edited(small_cascade, names, f'["chain.npz", "a.npz", "{other}"]')
     message = f"chain.toml: network.weights: got 'a.npz' and '{other}', which are one file"
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(InputError, match=message):
         load_scene(path)
 
 
 def test_an_unknown_scene_lists_the_known_ones() -> None:
-    with pytest.raises(FileNotFoundError, match=r"digit-singel.*did you mean 'digit-single'\?"):
+    with pytest.raises(MissingFileError, match=r"digit-singel.*did you mean 'digit-single'\?"):
         load_scene("digit-singel")
-    with pytest.raises(FileNotFoundError, match="no such scene"):
+    with pytest.raises(MissingFileError, match="no such scene"):
         load_scene("nowhere/my.toml")
     assert "digit-single" in scene_names()
 
@@ -182,17 +183,17 @@ def test_a_fault_in_a_csv_names_line_and_column(
     lines = small_scene.data_path.read_text().splitlines()
     lines[2] = line
     small_scene.data_path.write_text("\n".join(lines))
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(InputError, match=message):
         small_scene.vectors()
 
 
 def test_columns_missing_or_twice(small_scene: Scene) -> None:
     text = small_scene.data_path.read_text()
     small_scene.data_path.write_text(text.replace("x2", "x3", 1))
-    with pytest.raises(ValueError, match=r"no column 'x2', got x0, x1, x3, y0, y1"):
+    with pytest.raises(InputError, match=r"no column 'x2', got x0, x1, x3, y0, y1"):
         small_scene.vectors()
     small_scene.data_path.write_text(text.replace("x2", "x1", 1))
-    with pytest.raises(ValueError, match="column 'x1' stands twice"):
+    with pytest.raises(InputError, match="column 'x1' stands twice"):
         small_scene.vectors()
 
 
@@ -205,21 +206,21 @@ def test_rows_are_chosen_by_the_values_of_columns(small_scene: Scene) -> None:
     path = edited(small_scene, "[network]", "where = { x0 = 0.25, x1 = 0.5 }\n[network]")
     assert load_scene(path).vectors().inputs.tolist() == [[0.25, 0.5, 0.1], [0.25, 0.5, 0.2]]
     edited(small_scene, "x1 = 0.5", "x1 = -0.5")
-    with pytest.raises(ValueError, match=r"column 'y0': got a target of 1.5 in row 6, expected"):
+    with pytest.raises(InputError, match=r"column 'y0': got a target of 1.5 in row 6, expected"):
         load_scene(path).vectors()
     edited(small_scene, "x1 = -0.5", "x1 = 3")
-    with pytest.raises(ValueError, match=r"small.csv: no row has x0 = 0.25, x1 = 3, expected one"):
+    with pytest.raises(InputError, match=r"small.csv: no row has x0 = 0.25, x1 = 3, expected one"):
         load_scene(path).vectors()
     edited(small_scene, "x1 = 3", "z = 3")
-    with pytest.raises(ValueError, match=r"small.csv: no column 'z', got x0, x1"):
+    with pytest.raises(InputError, match=r"small.csv: no column 'z', got x0, x1"):
         load_scene(path).vectors()
 
 
 def test_no_rows_and_no_file(tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_text("x\n")
-    with pytest.raises(ValueError, match="expected a header and at least one row"):
+    with pytest.raises(InputError, match="expected a header and at least one row"):
         read_table(tmp_path / "a.csv", ["x"])
-    with pytest.raises(FileNotFoundError, match=r"b.csv: no such file"):
+    with pytest.raises(MissingFileError, match=r"b.csv: no such file"):
         read_table(tmp_path / "b.csv", ["x"])
 
 
@@ -244,27 +245,27 @@ def test_a_network_survives_the_disk(small_scene: Scene, tmp_path: Path) -> None
 
 def test_a_network_of_the_wrong_shape(small_scene: Scene) -> None:
     wider = replace(small_scene, members=(replace(small_scene.members[0], hidden=6),))
-    with pytest.raises(ValueError, match=r"small.npz: w1: got shape \(5, 3\), expected \(6, 3\)"):
+    with pytest.raises(InputError, match=r"small.npz: w1: got shape \(5, 3\), expected \(6, 3\)"):
         wider.mlps()
 
 
 @pytest.mark.parametrize("content", [b"", b"no zip at all", b"PK\x03\x04 cut off"])
 def test_a_network_file_that_is_none(small_scene: Scene, content: bytes) -> None:
     small_scene.weights_paths[0].write_bytes(content)
-    with pytest.raises(ValueError, match=r"small.npz: not an NPZ"):
+    with pytest.raises(InputError, match=r"small.npz: not an NPZ"):
         small_scene.mlps()[0]
 
 
 def test_a_network_with_faults(small_scene: Scene) -> None:
     mlp, path = small_scene.mlps()[0], small_scene.weights_paths[0]
     np.savez(path, w1=mlp.w1, b1=mlp.b1, w2=mlp.w2)
-    with pytest.raises(ValueError, match=r"small.npz: no array 'b2', got w1, b1, w2"):
+    with pytest.raises(InputError, match=r"small.npz: no array 'b2', got w1, b1, w2"):
         small_scene.members[0].load()
     np.savez(path, w1=mlp.w1 * np.nan, b1=mlp.b1, w2=mlp.w2, b2=mlp.b2)
-    with pytest.raises(ValueError, match=r"small.npz: w1: got NaN or infinity"):
+    with pytest.raises(InputError, match=r"small.npz: w1: got NaN or infinity"):
         small_scene.members[0].load()
     path.unlink()
-    with pytest.raises(FileNotFoundError, match="no such network; make train"):
+    with pytest.raises(MissingFileError, match="no such network; make train"):
         small_scene.members[0].load()
 
 
@@ -295,5 +296,5 @@ def test_an_activation_that_is_not_made_for_the_precision_is_refused(small_scene
     edited(small_scene, '"exact"', '"thesis"')
     path = edited(small_scene, '"gradient"', '"precise"')
     message = "small.toml: hardware.activation: got 'precise' with precision 'thesis', expected one"
-    with pytest.raises(ValueError, match=f"{message} of gradient, .*, polynomial$"):
+    with pytest.raises(InputError, match=f"{message} of gradient, .*, polynomial$"):
         load_scene(path)

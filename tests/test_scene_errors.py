@@ -21,6 +21,7 @@ from golden.errors import (
     noises_of,
     scene_errors,
 )
+from golden.input_error import InputError
 from golden.network_files.network_file import provenance_path, save_network, write_network
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_path
@@ -155,7 +156,7 @@ def test_provenance_from_before_the_split_was_a_choice_counts(scene: Path) -> No
 
 def test_provenance_that_is_not_toml_is_refused(scene: Path) -> None:
     provenance(scene).write_text("data = ")
-    with pytest.raises(ValueError, match=r"digit-single\.provenance\.toml: not TOML"):
+    with pytest.raises(InputError, match=r"digit-single\.provenance\.toml: not TOML"):
         held_out_rows(load_scene(str(scene)))
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from golden.activation.schemes import forms
+from golden.input_error import InputError
 from golden.precision import SIGNAL, THESIS
 
 FORMS = forms()
@@ -97,11 +98,11 @@ def test_slope_of_the_real_scheme_is_its_rise(name: str) -> None:
 def test_a_code_outside_the_format_is_refused(name: str, precision) -> None:
     fmt = precision.hidden_fmt
     block = FORMS[name].build(precision, 3 if precision.normalise else 1, fmt.high)
-    with pytest.raises(ValueError, match=f"{block.block} data: got code {fmt.high + 1} at index"):
+    with pytest.raises(InputError, match=f"{block.block} data: got code {fmt.high + 1} at index"):
         block.process([0, fmt.high + 1])
 
 
 @pytest.mark.parametrize("name", [name for name in FORMS if THESIS in FORMS[name].precisions])
 def test_too_large_a_factor_names_it_and_the_format(name: str) -> None:
-    with pytest.raises(ValueError, match=r"Q = 200000.*Fix\(14,1?\d\)"):
+    with pytest.raises(InputError, match=r"Q = 200000.*Fix\(14,1?\d\)"):
         FORMS[name].build(THESIS, 200_000, SIGNAL.high)

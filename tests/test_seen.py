@@ -8,6 +8,7 @@ import pytest
 from golden.activation.gradient import Gradient
 from golden.block import around, walk
 from golden.fixed import Codes
+from golden.input_error import InputError
 from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
 from golden.layers.output_integral import OutputIntegral
@@ -60,7 +61,7 @@ def test_parts_of_the_activations_of_the_thesis() -> None:
 def test_a_block_whose_inputs_are_no_numbers_is_refused(small_scene: Scene) -> None:
     design = small_scene.twin()
     (controller,) = part_of(design, InputController)
-    with pytest.raises(ValueError, match=r"input_controller.*does not compute it on its own"):
+    with pytest.raises(InputError, match=r"input_controller.*does not compute it on its own"):
         seen(design, controller, frames_of(small_scene))
     # Nothing stays behind.
     (layer,) = part_of(design, InputIntegral)

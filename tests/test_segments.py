@@ -12,6 +12,7 @@ import pytest
 from golden.activation import segments
 from golden.activation.schemes import gradient_for
 from golden.activation.segments import COEFF_WIDTH_LIMIT, coefficient_codes, gradient_real
+from golden.input_error import InputError
 from golden.precision import EXACT, SIGNAL, THESIS
 
 DATA = Path(segments.__file__).parents[1] / "data" / "thesis_numbers.toml"
@@ -74,7 +75,7 @@ def test_coefficients_stay_exact_enough(width: int, limit: int, bound: float) ->
 
 def test_largest_error_of_a_gradient_word() -> None:
     """The figure of the datasheet, over every Q that ``thesis`` takes."""
-    with pytest.raises(ValueError, match=r"thresholds .* coincide|leaves"):
+    with pytest.raises(InputError, match=r"thresholds .* coincide|leaves"):
         gradient_for(THESIS, 1967, SIGNAL.high)
     worst = 0.0
     for factor in range(1, 1967):
@@ -102,9 +103,9 @@ def test_a_word_is_rounded_once_at_the_coarser_point() -> None:
 
 
 def test_too_large_a_factor_names_segment_and_format() -> None:
-    with pytest.raises(ValueError, match=r"segment 1: gradient 1\d+ \(Q = 200000\) does not fit"):
+    with pytest.raises(InputError, match=r"segment 1: gradient 1\d+ \(Q = 200000\) does not fit"):
         coefficient_codes(200_000, 18, 17)
-    with pytest.raises(ValueError, match=r"thresholds .* coincide in"):
+    with pytest.raises(InputError, match=r"thresholds .* coincide in"):
         gradient_for(THESIS, 8000, SIGNAL.high)
 
 

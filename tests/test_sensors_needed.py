@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from golden.disturbance import Disturbance
+from golden.input_error import InputError
 from golden.rig.sensors_needed import (
     Effort,
     Recording,
@@ -93,7 +94,7 @@ def test_a_past_sample_goes_with_its_sensor() -> None:
 
 @pytest.mark.parametrize(("kept", "got"), [([], "no sensor"), (["a", "c"], "c")])
 def test_sensors_that_are_not_there_are_refused(splits, kept: list[str], got: str) -> None:
-    with pytest.raises(ValueError, match=f"kept: got {got}, expected some of a, b"):
+    with pytest.raises(InputError, match=f"kept: got {got}, expected some of a, b"):
         held_out(made("a", "b"), splits, kept, QUICK)
 
 

@@ -18,6 +18,7 @@ from golden.engine.plane_select import PlaneSelect
 from golden.engine.program import KIND, SOURCE, WEIGHT
 from golden.engine.replay import CLEAR, ONE_PLANE
 from golden.engine.serial_program import BEFORE, NOTHING
+from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.precision import SIGNAL
 from golden.scene import load_scene
@@ -129,7 +130,7 @@ def test_passes_leave_out_zeros_alone(name: str) -> None:
 
 def test_registers_behind_the_memories_go_with_a_multiplier_alone() -> None:
     hardware = {"multiplier": "serial", "pipeline": "deep"}
-    with pytest.raises(ValueError, match=r"hardware\.pipeline: got 'deep'.*expected 'short'"):
+    with pytest.raises(InputError, match=r"hardware\.pipeline: got 'deep'.*expected 'short'"):
         Engine.of_several("single", ENGINES["least-engine"].networks(), hardware=hardware)
 
 
@@ -156,9 +157,9 @@ def test_a_budget_takes_the_smallest_that_keeps_to_it(tmp_path) -> None:
     assert slow > fast
     for clocks, serial in ((slow, True), (slow - 1, False), (fast, False)):
         assert budgeted(tmp_path, f"clocks = {clocks}").serial is serial
-    with pytest.raises(ValueError, match=rf"hardware.clocks: got {fast - 1}, expected {fast} or"):
+    with pytest.raises(InputError, match=rf"hardware.clocks: got {fast - 1}, expected {fast} or"):
         budgeted(tmp_path, f"clocks = {fast - 1}")
-    with pytest.raises(ValueError, match=rf"expected {slow} or more, which multiplier 'serial'"):
+    with pytest.raises(InputError, match=rf"expected {slow} or more, which multiplier 'serial'"):
         budgeted(tmp_path, f'multiplier = "serial"\nclocks = {slow - 1}')
 
 
@@ -170,5 +171,5 @@ def test_with_a_front_end_the_budget_is_what_a_scan_leaves(tmp_path) -> None:
         assert found.budget == (1 << width) // 2 - 1
         assert found.serial is serial
         assert found.output_clocks[-1] <= found.budget
-    with pytest.raises(ValueError, match="front_end: instrument: got counter_width=4, a scan"):
+    with pytest.raises(InputError, match="front_end: instrument: got counter_width=4, a scan"):
         budgeted(tmp_path, "", "\n[front_end]\ncounter_width = 4\n")

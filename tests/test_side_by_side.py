@@ -9,8 +9,8 @@ import pytest
 from pages import ROUNDING, shows
 from refused import Desk
 
-from golden.cli import CommandError
 from golden.errors import held_out_means, scene_errors
+from golden.input_error import InputError
 from golden.scene import DEFAULT_SCENES, Scene, load_scene, thesis_table
 from hdl.synth.budget import budget_path, read_budget
 from tb import demo
@@ -106,7 +106,7 @@ def test_it_fits_a_screen(scenes: list[Scene]) -> None:
 
 
 def test_scenes_that_are_no_match_are_refused(scenes: list[Scene]) -> None:
-    with pytest.raises(ValueError, match=r"swing-single\.toml: got sensors, outputs and reference"):
+    with pytest.raises(InputError, match=r"swing-single\.toml: got sensors, outputs and reference"):
         side_by_side([scenes[0], load_scene("swing-single")])
 
 
@@ -155,10 +155,10 @@ def test_the_demo_says_what_it_does_from_the_start(
 
     def plan(*_: object) -> list[Job]:
         assert capfd.readouterr().out == "mine: exporting VHDL and Verilog, and compiling\n"
-        raise CommandError("seen")
+        raise InputError("seen")
 
     monkeypatch.setattr(demo, "ready_scene", read)
     monkeypatch.setattr(results, "plan", plan)
     monkeypatch.setattr(sys, "argv", ["demo", "mine.toml"])
-    with pytest.raises(CommandError, match="seen"):
+    with pytest.raises(InputError, match="seen"):
         demo.main()

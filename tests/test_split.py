@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from golden.input_error import InputError
 from golden.scene import Scene, load_scene
 from golden.training.split import Split, split_blocks, split_groups, split_of, split_rows
 
@@ -108,7 +109,7 @@ def test_random_is_what_it_was() -> None:
 )
 def test_too_little_to_split(settings: dict[str, Any], message: str) -> None:
     scene = digit(**settings)
-    with pytest.raises(ValueError, match=message) as caught:
+    with pytest.raises(InputError, match=message) as caught:
         split_of(scene)
     assert "appendix2.csv" in str(caught.value)
     if "expected at least" in message:

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from golden.cli import CommandError
 from golden.fingerprint import fingerprint
+from golden.input_error import InputError
 from golden.scene import Scene
 from tb.report.measure import spread
 
@@ -98,7 +98,7 @@ def test_a_start_is_moved_by_a_few_last_bits(small_scene: Scene, monkeypatch) ->
 
 
 def test_what_fails_says_why() -> None:
-    with pytest.raises(CommandError, match=r"golden\.training nowhere: error: scene 'nowhere'"):
+    with pytest.raises(InputError, match=r"golden\.training nowhere: error: scene 'nowhere'"):
         spread.finished([sys.executable, "-m", "golden.training", "nowhere"], {})
 
 

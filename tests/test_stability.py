@@ -236,6 +236,7 @@ def test_figures_that_are_not_finite_break_every_bound() -> None:
 
 
 def test_what_is_accepted_is_counted() -> None:
-    assert accepted([lambda: int("x"), lambda: 1, lambda: 2]) == 2
-    with pytest.raises(ZeroDivisionError):
-        accepted([lambda: 1 / 0])
+    assert accepted([lambda: Fix(1, 0), lambda: 1, lambda: 2]) == 2
+    for fault, call in ((ZeroDivisionError, lambda: 1 / 0), (ValueError, lambda: int("x"))):
+        with pytest.raises(fault):
+            accepted([call])

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from scipy.signal import find_peaks
 from scipy.special import ellipk
 
+from golden.input_error import InputError
 from golden.physics import GRAVITY
 from golden.physics.swing import (
     METHODS,
@@ -183,7 +184,7 @@ def test_the_two_sides_are_in_antiphase(degrees: float) -> None:
     ],
 )
 def test_what_lies_outside_the_model_is_refused(call, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(InputError, match=message):
         call()
 
 

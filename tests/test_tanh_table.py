@@ -19,6 +19,7 @@ from golden.engine.round_saturate import RoundSaturate
 from golden.engine.table_address import TableAddress
 from golden.engine.tanh_table import ENDS, tanh_table
 from golden.fixed import Codes
+from golden.input_error import InputError
 from golden.precision import SIGNAL
 from golden.transcendental import tanh_floors
 from tb.report.measure.tanh_words import tanh_words
@@ -126,5 +127,5 @@ def test_the_figures_of_every_table_are_those_of_its_integers(floors: Codes) -> 
 
 @pytest.mark.parametrize("width", [6, 10])
 def test_another_width_is_refused(width: int) -> None:
-    with pytest.raises(ValueError, match=f"segment_width: got {width}, expected one of 7, 8, 9"):
+    with pytest.raises(InputError, match=f"segment_width: got {width}, expected one of 7, 8, 9"):
         tanh_table(width)

@@ -11,9 +11,9 @@ import pytest
 
 from golden.activation.schemes import SCHEMES
 from golden.activation.segments import gradient_real
-from golden.cli import CommandError
 from golden.disturbance import Disturbance
 from golden.fingerprint import fingerprint
+from golden.input_error import InputError
 from golden.metrics import percent_errors
 from golden.network_files.network_file import provenance_path, save_network, save_networks
 from golden.networks.arrangement import arrange
@@ -191,7 +191,7 @@ def test_the_split_is_50_25_25_and_covers_every_row() -> None:
     assert [len(p) for p in parts] == [71, 35, 37]
     assert sorted(np.concatenate(parts)) == list(range(143))
     assert not np.array_equal(split.training, split_rows(143, 2).training)
-    with pytest.raises(ValueError, match="got 7 rows, expected at least 8"):
+    with pytest.raises(InputError, match="got 7 rows, expected at least 8"):
         split_rows(7, 1)
 
 
@@ -265,7 +265,7 @@ def test_the_network_file_decides_the_hidden_nodes(small_scene: Scene) -> None:
     save_network(member.weights_path, random_mlp((3, 7, 2), 1.0, 1), {})
     assert member.load().shape == (3, 7, 2)
     save_network(member.weights_path, random_mlp((4, 7, 2), 1.0, 1), {})
-    with pytest.raises(ValueError, match=r"w1: got shape \(7, 4\), expected \(7, 3\)"):
+    with pytest.raises(InputError, match=r"w1: got shape \(7, 4\), expected \(7, 3\)"):
         member.load()
 
 
@@ -502,13 +502,13 @@ def test_a_cascade_is_written_whole_or_not_at_all(
 
     def fail_late(task: Task, record: Path, workers: int):
         if task.number == 2:
-            raise ValueError("no candidate fits")
+            raise InputError("no candidate fits")
         return original(task, record, workers)
 
     monkeypatch.setattr(command, "choose", fail_late)
     words = ["make train", str(small_cascade.path), "--build", str(tmp_path), "--workers", "1"]
     monkeypatch.setattr("sys.argv", words)
-    with pytest.raises(ValueError, match="no candidate fits"):
+    with pytest.raises(InputError, match="no candidate fits"):
         command.main()
     assert [path.read_bytes() for path in small_cascade.weights_paths] == before
 
@@ -534,7 +534,7 @@ def test_a_constant_column_is_refused(small_scene: Scene, column: int, key: str)
         line[column] = "0.5"
     small_scene.data_path.write_text("\n".join(",".join(line) for line in lines))
     message = rf"'{lines[0][column]}': got 0.5 in every row, .* out of data.{key}"
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(InputError, match=message):
         task_for(small_scene, small_scene.vectors(), [])
 
 
@@ -554,7 +554,7 @@ def test_where_networks_go_is_checked_before_the_search(
     last = replace(small_cascade.members[-1], weights_path=tmp_path / name)
     scene = replace(small_cascade, members=(*small_cascade.members[:-1], last))
     before = fingerprint([tmp_path])
-    with pytest.raises((CommandError, ValueError), match=message):
+    with pytest.raises(InputError, match=message):
         command.train_scene(scene, tmp_path / "build", 1)
     assert fingerprint([tmp_path]) == before
     assert not (tmp_path / "build").exists()

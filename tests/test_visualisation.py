@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from golden.block import walk
 from golden.fixed import Fix
+from golden.input_error import InputError
 from golden.instruments.readout import Readout
 from golden.precision import SIGNAL
 from golden.scene import load_scene
@@ -146,7 +147,7 @@ def test_a_gain_of_other_units() -> None:
     assert units(recorded(), third) < 1.81
     assert abs(third.divider.gain / 2**third.divider.gain_frac - 1 / 3) < 2**-15
     for gain in (Fraction(0), Fraction(-1), Fraction(1 << 17)):
-        with pytest.raises(ValueError, match=r"load_profile: gain=.* expected above 0"):
+        with pytest.raises(InputError, match=r"load_profile: gain=.* expected above 0"):
             load_profile(gain=gain)
 
 
@@ -271,7 +272,7 @@ def test_ramp_positions_are_the_nearest_codes() -> None:
     ],
 )
 def test_what_does_not_fit_is_refused(call, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(InputError, match=message):
         call()
 
 
@@ -326,14 +327,14 @@ def test_a_fault_of_the_section_is_named(tmp_path: Path, old: str, new: str, mes
     text = path.read_text()
     assert old in text
     path.write_text(text.replace(old, new))
-    with pytest.raises(ValueError, match=rf"drawn.toml: {message}"):
+    with pytest.raises(InputError, match=rf"drawn.toml: {message}"):
         load_scene(str(path))
 
 
 def test_results_are_four_outputs() -> None:
     network = load_scene("digit-single").twin()
     for results in ((0, 1, 2, 2), (0, 1, 2, 4)):
-        with pytest.raises(ValueError, match=r"readout: got results .* expected four different"):
+        with pytest.raises(InputError, match=r"readout: got results .* expected four different"):
             Readout(network, PROFILE, results)
 
 

@@ -6,7 +6,7 @@ from functools import cache
 
 import pytest
 
-from golden.cli import CommandError
+from golden.input_error import InputError
 from golden.scene import DEFAULT_SCENES, load_scene, scene_names
 from tb.common.collected import BENCHES, CASES_OF
 from tb.common.where import block_names, blocks_in, places
@@ -58,5 +58,5 @@ def test_blocks_are_those_that_have_benches() -> None:
     ],
 )
 def test_a_block_that_is_not_there(scene: str | None, block: str, message: str) -> None:
-    with pytest.raises(CommandError, match=message.replace("?", r"\?")):
+    with pytest.raises(InputError, match=message.replace("?", r"\?")):
         places(scene, block)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from golden.fixed import Fix
+from golden.input_error import InputError
 from golden.instruments.readout import Readout
 from golden.networks.axis_network import AxisNetwork
 from golden.networks.network import CHUNK, Network
@@ -82,7 +83,7 @@ def test_simulated_in_myhdl_it_equals_its_twin(past: Windowed) -> None:
 
 
 def test_frames_of_a_past_are_in_one_order(past: Windowed) -> None:
-    with pytest.raises(ValueError, match=r"got shape \(2, 9, 3\), expected \(frames, 3\)"):
+    with pytest.raises(InputError, match=r"got shape \(2, 9, 3\), expected \(frames, 3\)"):
         past.process(np.zeros((2, 9, 3), dtype=np.int64))
 
 
@@ -115,15 +116,15 @@ def test_frames_may_not_follow_faster_than_they_are_sent() -> None:
     window = Window(((0, 1), (0, 1)))
     assert block(window, slots=1, spacing=5).interval == 5
     for slots, spacing in ((1, 4), (0, 0), (-1, 100)):
-        with pytest.raises(ValueError, match=f"frame_window: got slots={slots} and spacing="):
+        with pytest.raises(InputError, match=f"frame_window: got slots={slots} and spacing="):
             block(window, slots, spacing)
 
 
 def test_a_network_of_other_inputs_is_refused(past: Windowed) -> None:
-    with pytest.raises(ValueError, match="got a network of 6 inputs, expected 4"):
+    with pytest.raises(InputError, match="got a network of 6 inputs, expected 4"):
         replace(past, window=Window(((0, 1), (0, 1))))
     whole = Window(((0,),) * 3)
-    with pytest.raises(ValueError, match="windowed: got windowed, expected a network that takes"):
+    with pytest.raises(InputError, match="windowed: got windowed, expected a network that takes"):
         Windowed(past, whole)
 
 
@@ -131,7 +132,7 @@ def test_networks_of_another_stream_are_refused(tmp_path) -> None:
     for name in ("parallel", "rails-reload"):
         network = CASES[name].scene(tmp_path, name).twin()
         window = Window(((0,),) * network.inputs)
-        with pytest.raises(ValueError, match="expected a network that takes a stream of samples"):
+        with pytest.raises(InputError, match="expected a network that takes a stream of samples"):
             Windowed(network, window)
 
 

@@ -68,7 +68,7 @@ class AbsUnit(Block):
 
         Raises
         ------
-        ValueError
+        InputError
             For a code outside ``fmt``.
         """
         codes = self.fmt.check(data, "abs_unit data")

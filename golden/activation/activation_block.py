@@ -59,7 +59,7 @@ class ActivationBlock(Block):
 
         Raises
         ------
-        ValueError
+        InputError
             For a code outside ``in_fmt``.
         """
         codes = self.in_fmt.check(data, f"{self.block} data")

@@ -21,6 +21,7 @@ from golden.activation.bipartite_table import (
     bipartite_table,
 )
 from golden.fixed import Codes, Fix
+from golden.input_error import InputError
 from golden.precision import EXACT, Precision
 
 # Where the tables stand by default.
@@ -58,7 +59,7 @@ class Bipartite(ActivationBlock):
 
     Raises
     ------
-    ValueError
+    InputError
         When ``memory`` is none of these, or a format or ``reach_width`` is not what there is.
     """
 
@@ -69,17 +70,17 @@ class Bipartite(ActivationBlock):
 
     def __post_init__(self) -> None:
         if self.memory not in FORMATS:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got memory={self.memory!r}, expected one of {', '.join(FORMATS)}"
             )
         if self.in_fmt.frac != EXACT.hidden_fmt.frac or self.out_fmt != RESULT:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got in_fmt={self.in_fmt} and out_fmt={self.out_fmt}, expected "
                 f"{EXACT.hidden_fmt.frac} fraction bits and {RESULT}"
             )
         least, most = self.formats.group_width + 1, self.in_fmt.width - 1
         if not least <= self.reach_width <= most:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got reach_width={self.reach_width}, expected {least} to {most}"
             )
 
@@ -173,12 +174,12 @@ def bipartite_for(precision: Precision, factor: int, reach: int, memory: str = M
 
     Raises
     ------
-    ValueError
+    InputError
         When the precision's q has another format than the one the tables are made for, or is
         normalised.
     """
     if precision.hidden_fmt != EXACT.hidden_fmt or factor != 1:
-        raise ValueError(
+        raise InputError(
             f"activation bipartite: got q in {precision.hidden_fmt}, normalised by {factor}, of "
             f"precision {precision.name!r}, expected {EXACT.hidden_fmt} as it is, of precision "
             f"{EXACT.name!r}"

@@ -11,6 +11,7 @@ from golden.activation.bipartite import Bipartite
 from golden.block import Block
 from golden.border import Border
 from golden.fixed import Codes
+from golden.input_error import InputError
 from golden.port import CLOCKED, Port, given, group, taken
 
 NODES = 2
@@ -27,7 +28,7 @@ class BipartitePair(Block):
 
     Raises
     ------
-    ValueError
+    InputError
         When the activation's tables stand in LUTs.
     """
 
@@ -37,7 +38,7 @@ class BipartitePair(Block):
 
     def __post_init__(self) -> None:
         if self.activation.memory != "block_ram":
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got memory={self.activation.memory!r}, expected block_ram"
             )
 
@@ -68,7 +69,7 @@ class BipartitePair(Block):
 
         Raises
         ------
-        ValueError
+        InputError
             For a code outside ``activation.in_fmt``.
         """
         return self.activation.process(first), self.activation.process(second)

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from golden.block import Block
 from golden.border import Border
 from golden.fixed import Codes, check_unsigned
+from golden.input_error import InputError
 from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 
@@ -28,7 +29,7 @@ class ComparatorBank(Block):
 
     Raises
     ------
-    ValueError
+    InputError
         When they do not rise, or one is never exceeded by a magnitude: its comparator could not
         fire.
     """
@@ -43,11 +44,11 @@ class ComparatorBank(Block):
         top = (1 << self.mag_width) - 1
         rising = list(self.thresholds) == sorted(set(self.thresholds))
         if not rising:
-            raise ValueError(
+            raise InputError(
                 f"comparator_bank: got thresholds {self.thresholds}, expected them strictly rising"
             )
         if self.thresholds and (self.thresholds[0] < 0 or self.thresholds[-1] >= top):
-            raise ValueError(
+            raise InputError(
                 f"comparator_bank: got thresholds {self.thresholds}, expected 0 to {top - 1} "
                 f"for a magnitude of {self.mag_width} bits"
             )
@@ -92,7 +93,7 @@ class ComparatorBank(Block):
 
         Raises
         ------
-        ValueError
+        InputError
             For a magnitude of more than ``mag_width`` bits.
         """
         codes = check_unsigned(mag, self.mag_width, "comparator_bank mag")

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.fixed import Codes, Fix, Rounding, check_unsigned
+from golden.input_error import InputError
 from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 
@@ -53,7 +54,7 @@ class GradEqn(Block):
             ("out_fmt", self.out_fmt.frac),
         ):
             if value > self.product_frac:
-                raise ValueError(
+                raise InputError(
                     f"grad_eqn: {name} has {value} fraction bits, expected at most "
                     f"{self.product_frac}, those of the product"
                 )
@@ -110,7 +111,7 @@ class GradEqn(Block):
 
         Raises
         ------
-        ValueError
+        InputError
             For an argument outside its width.
         """
         m = check_unsigned(mag, self.mag_width, "grad_eqn mag")

@@ -17,6 +17,7 @@ from golden.activation.segments import last_below
 from golden.activation.sign_retriever import SignRetriever
 from golden.block import Block
 from golden.fixed import Codes, Rounding, cut
+from golden.input_error import InputError
 from golden.precision import SIGNAL, Precision
 from golden.transcendental import tanh_floors
 
@@ -138,14 +139,14 @@ def lut_for(precision: Precision, factor: int, reach: int) -> Lut:
 
     Raises
     ------
-    ValueError
+    InputError
         When the table ends before code 1: Q too large for the format.
     """
     fmt = precision.hidden_fmt
     end = last_below(str(UPPER), factor, fmt.frac)
     top = min(reach, fmt.high)
     if end < 1:
-        raise ValueError(f"Q = {factor}: {UPPER} / Q is not above one code of {fmt}")
+        raise InputError(f"Q = {factor}: {UPPER} / Q is not above one code of {fmt}")
     # Entries per code, exactly; below the end of the table an address is below DEPTH.
     entries = Fraction(factor * DEPTH, 1 << fmt.frac) / Fraction(UPPER)
     count = min(DEPTH, int(top * entries) + 1)

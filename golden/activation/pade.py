@@ -16,6 +16,7 @@ from golden.activation.comparator_bank import ComparatorBank
 from golden.activation.sign_retriever import SignRetriever
 from golden.block import Block
 from golden.fixed import Codes, Fix, Overflow, Rounding, cut, requantise, signed_width
+from golden.input_error import InputError
 from golden.precision import SIGNAL, Precision
 
 # Equation 4.6: coefficients of q**2 and q**4.
@@ -351,7 +352,7 @@ def pade_for(
 
     Raises
     ------
-    ValueError
+    InputError
         When the gate lies below the first code (Q too large for the format), or 1 / rho does not
         fit the format of the regression.
     """
@@ -359,7 +360,7 @@ def pade_for(
     top = min(reach, fmt.high)
     end = floor(GATE * 10) * (1 << fmt.frac) // (10 * factor)
     if end < 1:
-        raise ValueError(f"Q = {factor}: {GATE} / Q is below one code of {fmt}")
+        raise InputError(f"Q = {factor}: {GATE} / Q is below one code of {fmt}")
     units, where = distance(rho, iterations, top * factor / 2**fmt.frac)
     if units > SETTLED:
         found = f"{units:.3g} units of 2**-13 short" if np.isfinite(units) else "divergent"
@@ -382,7 +383,7 @@ def pade_for(
         inner, ratio, a = frac, frac, frac
     start = floor(2**formats.reciprocal.frac / rho + 0.5)
     if start > formats.reciprocal.high or start < 1:
-        raise ValueError(f"pade: rho = {rho:g}: 1 / rho does not fit {formats.reciprocal}")
+        raise InputError(f"pade: rho = {rho:g}: 1 / rho does not fit {formats.reciprocal}")
     beyond = (end,) if end < top else ()
     return Pade(
         fmt,

@@ -16,6 +16,7 @@ from golden.activation.segments import last_below, nearest
 from golden.activation.sign_retriever import SignRetriever
 from golden.block import Block
 from golden.fixed import Codes, Fix, Rounding, cut, signed_width
+from golden.input_error import InputError
 from golden.precision import SIGNAL, Precision
 
 # Thesis Table 4.2: upper bound of each quadratic, and a_n2, a_n1, a_n0.
@@ -259,13 +260,13 @@ def polynomial_for(precision: Precision, factor: int, reach: int) -> Polynomial:
 
     Raises
     ------
-    ValueError
+    InputError
         When the quadratics end on one code (Q too large for the format).
     """
     fmt = precision.hidden_fmt
     ends = [last_below(str(u), factor, fmt.frac) for u in UPPER]
     if not 0 < ends[0] < ends[1]:
-        raise ValueError(
+        raise InputError(
             f"Q = {factor}: thresholds {ends} coincide in {fmt}, expected distinct codes above 0"
         )
     thresholds = tuple(end for end in ends if end < min(reach, fmt.high))

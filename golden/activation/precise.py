@@ -13,6 +13,7 @@ from golden.activation.precise_table import FORMATS, CurveFormat, CurveTable, cu
 from golden.activation.sign_retriever import SignRetriever
 from golden.block import Block
 from golden.fixed import Codes
+from golden.input_error import InputError
 
 # Registers from the coefficients to the result: behind the coefficients, behind the rows, before
 # and behind the multiplier, and behind the sum.
@@ -49,7 +50,7 @@ class Precise(ActivationBlock):
 
     Raises
     ------
-    ValueError
+    InputError
         When ``coefficients`` or ``words`` is not what there is.
     """
 
@@ -59,13 +60,13 @@ class Precise(ActivationBlock):
 
     def __post_init__(self) -> None:
         if self.coefficients not in FORMATS:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got coefficients={self.coefficients!r}, expected one of "
                 f"{', '.join(FORMATS)}"
             )
         most = len(self._whole.intercepts)
         if not 1 <= self.words <= most:
-            raise ValueError(f"{self.entity}: got words={self.words}, expected 1 to {most}")
+            raise InputError(f"{self.entity}: got words={self.words}, expected 1 to {most}")
 
     @property
     def formats(self) -> CurveFormat:

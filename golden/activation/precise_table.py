@@ -17,6 +17,7 @@ from functools import lru_cache
 import numpy as np
 
 from golden.fixed import Codes, real_texts
+from golden.input_error import InputError
 from golden.precision import EXACT, SIGNAL
 from golden.transcendental import tanh_floors
 
@@ -140,7 +141,7 @@ def curve_table(fmt: CurveFormat) -> CurveTable:
 
     Raises
     ------
-    ValueError
+    InputError
         When the formats are too coarse for a segment; the message names it.
     """
     words: list[tuple[int, int, int]] = []
@@ -203,7 +204,7 @@ def _fit(
         results = ((int(intercept[i]) << fmt.intercept_shift) + linear[k]) >> fmt.out_shift
         if results[0] >= last and (np.diff(results) >= 0).all():
             return (int(intercept[i]), int(gradients[k]), int(curves[k])), results
-    raise ValueError(f"segment {segment}: {fmt} is too coarse for one unit of 2**-13")
+    raise InputError(f"segment {segment}: {fmt} is too coarse for one unit of 2**-13")
 
 
 def _candidates(

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from golden.activation.pade import DENOMINATOR, fraction
+from golden.input_error import InputError
 
 Real = NDArray[np.float64]
 
@@ -98,10 +99,10 @@ def stable_below(rho: float) -> float:
 
     Raises
     ------
-    ValueError
+    InputError
         For rho of 0.5 or less, with which it diverges everywhere.
     """
     if rho <= 0.5:
-        raise ValueError(f"rho: got {rho}, expected above 0.5")
+        raise InputError(f"rho: got {rho}, expected above 0.5")
     c, d = DENOMINATOR
     return sqrt((sqrt(c * c + 4 * d * (2 * rho - 1)) - c) / (2 * d))

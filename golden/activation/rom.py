@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.fixed import Codes, check_unsigned, real_texts
+from golden.input_error import InputError
 from golden.port import Port, Unsigned, given, taken
 
 
@@ -28,7 +29,7 @@ class Rom(Block):
 
     Raises
     ------
-    ValueError
+    InputError
         When there is no word or one does not fit ``width`` bits.
     """
 
@@ -41,7 +42,7 @@ class Rom(Block):
 
     def __post_init__(self) -> None:
         if not self.words or min(self.words) < 0 or max(self.words) >= 1 << self.width:
-            raise ValueError(
+            raise InputError(
                 f"{self.block}: got words {self.words}, expected at least one, each 0 to "
                 f"{(1 << self.width) - 1}"
             )
@@ -76,7 +77,7 @@ class Rom(Block):
 
         Raises
         ------
-        ValueError
+        InputError
             For an address of more than ``addr_width`` bits.
         """
         codes = check_unsigned(addr, self.addr_width, f"{self.block} addr")

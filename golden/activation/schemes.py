@@ -19,6 +19,7 @@ from golden.activation.polynomial import polynomial_for, polynomial_real
 from golden.activation.precise import Precise
 from golden.activation.precise_table import FORMATS, curve_table
 from golden.activation.segments import gradient_real, segment_table
+from golden.input_error import InputError
 from golden.networks.mlp import Activation, tanh
 from golden.precision import EXACT, PRECISIONS, SIGNAL, Precision
 from golden.table import suggest
@@ -36,7 +37,7 @@ def gradient_for(
 
     Raises
     ------
-    ValueError
+    InputError
         When the factor is too large for the formats; see ``segments.segment_table``.
     """
     table = segment_table(
@@ -67,12 +68,12 @@ def precise_for(
 
     Raises
     ------
-    ValueError
+    InputError
         When the precision's q has another format than the one the segments are made for, or is
         normalised.
     """
     if precision.hidden_fmt != EXACT.hidden_fmt or factor != 1:
-        raise ValueError(
+        raise InputError(
             f"activation precise: got q in {precision.hidden_fmt}, normalised by {factor}, of "
             f"precision {precision.name!r}, expected {EXACT.hidden_fmt} as it is, of precision "
             f"{EXACT.name!r}"
@@ -110,7 +111,7 @@ class Option:
 
         Raises
         ------
-        ValueError
+        InputError
             For another type, a number that is not above 0, or a text that is no choice; the
             message begins with ``place``.
         """
@@ -121,10 +122,10 @@ class Option:
             if value not in self.choices:
                 known = ", ".join(self.choices)
                 hint = suggest(str(value), self.choices)
-                raise ValueError(f"{place}: got {value!r}, expected one of {known}{hint}")
+                raise InputError(f"{place}: got {value!r}, expected one of {known}{hint}")
         elif type(value) is not kind or not 0 < value < math.inf:  # type: ignore[operator]
             expected = {int: "a whole number above 0", float: "a number above 0"}[kind]
-            raise ValueError(f"{place}: got {value!r}, expected {expected}")
+            raise InputError(f"{place}: got {value!r}, expected {expected}")
         return value
 
 
@@ -159,14 +160,14 @@ class Scheme:
 
         Raises
         ------
-        ValueError
+        InputError
             For an option that the scheme does not have, or a value that it cannot take; the
             message begins with ``place``.
         """
         for name in given:
             if name not in self.options:
                 known = ", ".join(self.options) or "none"
-                raise ValueError(
+                raise InputError(
                     f"{place}: option {name!r} is not known, expected {known}"
                     f"{suggest(name, list(self.options))}"
                 )

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from golden.fixed import Fix, Rounding
+from golden.input_error import InputError
 
 UPPER = (0.5, 1.0, 1.2, 1.5, 1.8, 2.05, 2.45, 3.15, 4.0)
 GRADIENT = (0.93046, 0.59805, 0.35986, 0.23741, 0.1381, 0.082, 0.0441, 0.0154, 0.0034)
@@ -109,7 +110,7 @@ def coefficient_codes(factor: float, width: int, frac_limit: int) -> tuple[list[
 
     Raises
     ------
-    ValueError
+    InputError
         When the steepest coefficient does not fit 17 bits even without fraction bits; the message
         names the segment and the format.
     """
@@ -118,7 +119,7 @@ def coefficient_codes(factor: float, width: int, frac_limit: int) -> tuple[list[
     for n, value in enumerate(real):
         fitting = [p for p in range(frac_limit, -1, -1) if nearest(value * 2**p) < 2 ** (width - 1)]
         if not fitting:
-            raise ValueError(
+            raise InputError(
                 f"segment {n + 1}: gradient {value:g} (Q = {factor:g}) does not fit "
                 f"{Fix(width, 0)}, expected below {2 ** (width - 1)}"
             )
@@ -162,7 +163,7 @@ def segment_table(
 
     Raises
     ------
-    ValueError
+    InputError
         When a coefficient does not fit, two thresholds fall on one code (Q too large for the
         format), or a segment's largest result leaves ``out``.
     """
@@ -172,7 +173,7 @@ def segment_table(
     kept = max(1, sum(t < min(reach, mag.high) for t in scaled))
     thresholds = scaled[:kept]
     if thresholds != sorted(set(thresholds)):
-        raise ValueError(
+        raise InputError(
             f"Q = {factor:g}: thresholds {thresholds} coincide in {mag}, expected distinct codes"
         )
     codes, frac = coefficient_codes(factor, coeff_width, coeff_frac_limit)
@@ -190,5 +191,5 @@ def segment_table(
     for n, (end, coeff, offset) in enumerate(zip(ends, coeffs, offsets, strict=True)):
         largest = (end * coeff + (offset << (mag.frac + frac - intercept_frac)) + half) >> drop
         if largest > out.high:
-            raise ValueError(f"segment {n + 1}: largest result {largest} leaves {out} ({out.high})")
+            raise InputError(f"segment {n + 1}: largest result {largest} leaves {out} ({out.high})")
     return SegmentTable(tuple(thresholds), tuple(coeffs), frac, tuple(offsets))

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.fixed import Codes, Fix
+from golden.input_error import InputError
 from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 
@@ -53,10 +54,10 @@ class SignRetriever(Block):
 
         Raises
         ------
-        ValueError
+        InputError
             For a magnitude outside 0 to ``fmt.high``.
         """
         codes = self.fmt.check(mag, "sign_retriever mag")
         if (codes < 0).any():
-            raise ValueError(f"sign_retriever mag: got {int(codes.min())}, expected 0 or more")
+            raise InputError(f"sign_retriever mag: got {int(codes.min())}, expected 0 or more")
         return np.where(np.asarray(negative, dtype=bool), -codes, codes)

@@ -11,6 +11,7 @@ from typing import Any
 
 from golden.boards.devices import DEVICES, speeds_of
 from golden.files import check_file, reading
+from golden.input_error import InputError, MissingFileError
 from golden.table import refuse_unknown, suggest
 
 FOLDER = Path(__file__).parent
@@ -152,9 +153,8 @@ def load_board(name: str, device: str = "") -> Board:
 
     Raises
     ------
-    FileNotFoundError, CommandError
+    InputError
         For an unknown board; the message lists those there are. For one that cannot be read.
-    ValueError
         For a fault in the file, and for a device that the board has not; the message names file,
         key, what was got and what was expected.
     """
@@ -165,7 +165,7 @@ def load_board(name: str, device: str = "") -> Board:
             raise FileNotFoundError
         check_file(path)
     except FileNotFoundError:
-        raise FileNotFoundError(
+        raise MissingFileError(
             f"board {name!r}: no such board, expected a path to a .toml file or one of "
             f"{', '.join(known)}{suggest(name, known)}"
         ) from None
@@ -180,14 +180,14 @@ def _board(raw: dict[str, Any], path: Path, device: str) -> Board:
     clock = _table(values["clock"], CLOCK_KEYS, path, "clock.")
     family = part["family"]
     if family not in DEVICES:
-        raise ValueError(
+        raise InputError(
             f"{path}: device.family: got {family!r}, expected one of {', '.join(DEVICES)}"
             f"{suggest(family, list(DEVICES))}"
         )
     names = _texts(part["names"], path, "device.names")
     for name in names:
         if name not in DEVICES[family]:
-            raise ValueError(
+            raise InputError(
                 f"{path}: device.names: got {name!r}, expected of {', '.join(DEVICES[family])}"
                 f"{suggest(name, list(DEVICES[family]))}"
             )
@@ -195,31 +195,31 @@ def _board(raw: dict[str, Any], path: Path, device: str) -> Board:
         speeds = speeds_of(family, name)
         if part["speed"] not in speeds:
             known = " or ".join(map(str, speeds)) or "no such key: the family has no speed grades"
-            raise ValueError(
+            raise InputError(
                 f"{path}: device.speed: got {part['speed']} for {name}, expected {known}"
             )
     if device and device not in names:
-        raise ValueError(
+        raise InputError(
             f"DEVICE={device}: {path} has {', '.join(names)}{suggest(device, list(names))}"
         )
     if not (0 < clock["mhz"] < math.inf):
-        raise ValueError(f"{path}: clock.mhz: got {clock['mhz']}, expected above 0")
+        raise InputError(f"{path}: clock.mhz: got {clock['mhz']}, expected above 0")
     pins = {name: _pin(pin, path, f"pins.{name}") for name, pin in values["pins"].items()}
     refuse_unknown(pins, (*WIRES, *LAMPS), f"{path}: pins: port")
     high = {name: _pin(pin, path, f"high.{name}") for name, pin in values["high"].items()}
     for name in high:
         if not NAME.fullmatch(name) or name in (*WIRES, *LAMPS):
-            raise ValueError(
+            raise InputError(
                 f"{path}: high.{name}: expected a name of small letters, digits and _ that no port "
                 "has"
             )
     for name, pin in {**pins, **high}.items():
         if pin.inverted and name not in LAMPS:
-            raise ValueError(f"{path}: pins.{name}.inverted: got true, expected it of a lamp alone")
+            raise InputError(f"{path}: pins.{name}.inverted: got true, expected it of a lamp alone")
     _refuse_twice({"clock": clock["pin"]} | {n: p.pin for n, p in {**pins, **high}.items()}, path)
     for key, text in {**part["configuration"], "package": part["package"]}.items():
         if type(text) is not str or not PLAIN.fullmatch(text) or not PLAIN.fullmatch(key):
-            raise ValueError(
+            raise InputError(
                 f"{path}: device: {key}: got {text!r}, expected text of letters, digits, _, . and -"
             )
     return Board(
@@ -246,24 +246,24 @@ def _board(raw: dict[str, Any], path: Path, device: str) -> Board:
 def _table(raw: Any, keys: dict[str, tuple[type, Any]], path: Path, within: str) -> dict[str, Any]:
     """Every key with its value, the type checked and defaults filled in."""
     if not isinstance(raw, dict):
-        raise ValueError(f"{path}: {within.rstrip('.')}: got {raw!r}, expected a table")
+        raise InputError(f"{path}: {within.rstrip('.')}: got {raw!r}, expected a table")
     refuse_unknown(raw, keys, f"{path}: {f'{within[:-1]}: ' if within else ''}key")
     found = {}
     for key, (kind, default) in keys.items():
         value = raw.get(key, default)
         if value is None:
-            raise ValueError(f"{path}: {within}{key}: missing, expected {KINDS[kind]}")
+            raise InputError(f"{path}: {within}{key}: missing, expected {KINDS[kind]}")
         if kind is float and type(value) is int:
             value = float(value)
         if type(value) is not kind:
-            raise ValueError(f"{path}: {within}{key}: got {value!r}, expected {KINDS[kind]}")
+            raise InputError(f"{path}: {within}{key}: got {value!r}, expected {KINDS[kind]}")
         found[key] = value
     return found
 
 
 def _texts(values: list[Any], path: Path, key: str) -> tuple[str, ...]:
     if not values or any(type(value) is not str or not value for value in values):
-        raise ValueError(f"{path}: {key}: got {values!r}, expected a list of texts")
+        raise InputError(f"{path}: {key}: got {values!r}, expected a list of texts")
     return tuple(values)
 
 
@@ -275,7 +275,7 @@ def _refuse_twice(pins: dict[str, str], path: Path) -> None:
     seen: dict[str, str] = {}
     for name, pin in pins.items():
         if not PLAIN.fullmatch(pin):
-            raise ValueError(f"{path}: {name}: got pin {pin!r}, expected such as 'B11' or '4'")
+            raise InputError(f"{path}: {name}: got pin {pin!r}, expected such as 'B11' or '4'")
         if pin in seen:
-            raise ValueError(f"{path}: {name}: got pin {pin}, which {seen[pin]} has")
+            raise InputError(f"{path}: {name}: got pin {pin}, which {seen[pin]} has")
         seen[pin] = name

@@ -9,8 +9,9 @@ import argparse
 import sys
 
 from golden.block import walk
-from golden.cli import CommandError, run, would
+from golden.cli import run, would
 from golden.engine.listing import listing
+from golden.input_error import InputError
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.listing import listing as adders
 from golden.networks.adder_graph import AdderGraph
@@ -30,7 +31,7 @@ def main() -> None:
         return
     engines = [block for block in blocks if isinstance(block, Engine)]
     if not engines:
-        raise CommandError(
+        raise InputError(
             f"{scene.path}: hardware.design: got {scene.design}, which has no program, expected "
             f"{Engine.block} or {AdderGraph.block}"
         )

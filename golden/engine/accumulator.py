@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from golden.block import Block
 from golden.engine.formats import PRODUCT_WIDTH
 from golden.fixed import Fix
+from golden.input_error import InputError
 
 _MOST_WIDTH = 48
 
@@ -22,7 +23,7 @@ class Accumulator(Block):
 
     Raises
     ------
-    ValueError
+    InputError
         For an ``acc_width`` outside 36 to 48.
     """
 
@@ -31,7 +32,7 @@ class Accumulator(Block):
 
     def __post_init__(self) -> None:
         if not PRODUCT_WIDTH <= self.acc_width <= _MOST_WIDTH:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got acc_width={self.acc_width}, expected {PRODUCT_WIDTH} to "
                 f"{_MOST_WIDTH}"
             )

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from golden.block import Block
 from golden.border import Border, State
 from golden.engine.pipeline import Pipeline
+from golden.input_error import InputError
 from golden.layers.input_controller import FrameScan
 from golden.port import CLOCKED, Port, Unsigned, given, taken
 
@@ -30,7 +31,7 @@ class FrameCheck(Block):
 
     Raises
     ------
-    ValueError
+    InputError
         When the memory has no room for the samples.
 
     Notes
@@ -50,7 +51,7 @@ class FrameCheck(Block):
 
     def __post_init__(self) -> None:
         if not 1 <= self.inputs < 1 << self.addr_width:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got inputs={self.inputs}, expected 1 to "
                 f"{(1 << self.addr_width) - 1} with addresses of {self.addr_width} bits"
             )

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from golden.engine.pipeline import Pipeline
 from golden.engine.program import WORD_WIDTH, Program
 from golden.engine.tanh_table import tanh_table
+from golden.input_error import InputError
 
 # Bits of the sum in an engine that can be reloaded: room for 31 products that are as large as a
 # product can be, so for many more of a trained network. An image whose sums need more is refused.
@@ -36,7 +37,7 @@ class Sizes:
 
     Raises
     ------
-    ValueError
+    InputError
         For a number of words that is no power of two, or that an address does not reach.
     """
 
@@ -49,7 +50,7 @@ class Sizes:
         for name, most in (("program_words", LAST_ADDR[1]), ("operand_words", BEFORE_LAST[1])):
             words = getattr(self, name)
             if not 2 <= words <= 1 << most or words & (words - 1):
-                raise ValueError(
+                raise InputError(
                     f"hardware.{name}: got {words}, expected a power of two, 2 to {1 << most}"
                 )
 
@@ -155,7 +156,7 @@ def image_of(program: Program, sum_bits: int, sizes: Sizes) -> Image:
 
     Raises
     ------
-    ValueError
+    InputError
         When it does not fit; the message names what is needed and what there is.
     """
     # More words are read while the counter returns, without effect; here they are defined too.
@@ -168,9 +169,9 @@ def image_of(program: Program, sum_bits: int, sizes: Sizes) -> Image:
     )
     faults = [f"{count} {what}, there are {most}" for what, count, most in needed if count > most]
     if faults:
-        raise ValueError(f"the image needs {'; '.join(faults)}")
+        raise InputError(f"the image needs {'; '.join(faults)}")
     if program.segment_width != sizes.segment_width:
-        raise ValueError(
+        raise InputError(
             f"the image needs segment_width {program.segment_width}, there is {sizes.segment_width}"
         )
     return Image(sizes, program.inputs, words, (*program.notes, *("" for _ in range(more))))

@@ -17,6 +17,7 @@ from golden.engine.pipeline import Pipeline
 from golden.engine.schedule import Step, schedule
 from golden.engine.tanh_table import TanhTable
 from golden.fixed import Codes
+from golden.input_error import InputError
 
 WORD_WIDTH = 36
 # The fields of a word: lowest bit, and bits. A word of the table has a slope and an intercept.
@@ -188,7 +189,7 @@ def assemble(graph: Graph, table: TanhTable, segments: int, pipeline: Pipeline) 
 
     Raises
     ------
-    ValueError
+    InputError
         See ``check_values``.
     """
     check_values(graph)
@@ -220,12 +221,12 @@ def check_values(graph: Graph) -> None:
 
     Raises
     ------
-    ValueError
+    InputError
         When the samples and results of a frame are more than a program can address.
     """
     values, most = graph.inputs + len(graph.neurons), (1 << SOURCE[1]) - 1
     if values > most:
-        raise ValueError(
+        raise InputError(
             f"program: got {values} words of the operand memory, {graph.inputs} samples and "
             f"{len(graph.neurons)} results, expected {most} at most"
         )

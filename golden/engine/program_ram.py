@@ -11,6 +11,7 @@ from golden.border import State
 from golden.engine.program import WORD_WIDTH
 from golden.engine.program_words import Stepped, counters, later
 from golden.fixed import Codes
+from golden.input_error import InputError
 from golden.port import Port, Unsigned, given, taken
 
 
@@ -30,7 +31,7 @@ class ProgramRam(Stepped):
 
     Raises
     ------
-    ValueError
+    InputError
         When the memory has no word for a program.
 
     Notes
@@ -49,7 +50,7 @@ class ProgramRam(Stepped):
     def __post_init__(self) -> None:
         words = 1 << self.addr_width
         if not 0 < self.begin < words:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got {self.begin} words of the table, expected 1 to {words - 1} "
                 f"in a memory of {words}"
             )

@@ -11,6 +11,7 @@ from golden.block import Block
 from golden.border import Border
 from golden.engine.formats import HIDDEN
 from golden.fixed import Codes
+from golden.input_error import InputError
 from golden.port import CLOCK, Port, Unsigned, given, taken
 
 
@@ -30,7 +31,7 @@ class TableAddress(Block):
 
     Raises
     ------
-    ValueError
+    InputError
         When q has fewer segments.
     """
 
@@ -43,7 +44,7 @@ class TableAddress(Block):
     def __post_init__(self) -> None:
         most = 1 << (HIDDEN.width - 1 - self.segment_width)
         if not 1 <= self.segments <= most:
-            raise ValueError(f"{self.entity}: got segments={self.segments}, expected 1 to {most}")
+            raise InputError(f"{self.entity}: got segments={self.segments}, expected 1 to {most}")
 
     @property
     def addr_width(self) -> int:
@@ -79,7 +80,7 @@ class TableAddress(Block):
 
         Raises
         ------
-        ValueError
+        InputError
             For a code outside the format of q.
         """
         codes = HIDDEN.check(q, f"{self.entity} q")

@@ -18,6 +18,7 @@ from functools import lru_cache
 from itertools import pairwise
 
 from golden.engine.formats import HIDDEN, RESULT, WIDTH
+from golden.input_error import InputError
 from golden.transcendental import tanh_floors
 
 # By w, bits of the distance within a segment: where the table ends. The word of the last segment
@@ -56,11 +57,11 @@ def tanh_table(width: int) -> TanhTable:
 
     Raises
     ------
-    ValueError
+    InputError
         For another width.
     """
     if width not in ENDS:
-        raise ValueError(f"segment_width: got {width}, expected one of {', '.join(map(str, ENDS))}")
+        raise InputError(f"segment_width: got {width}, expected one of {', '.join(map(str, ENDS))}")
     return fitted(width, ENDS[width])
 
 

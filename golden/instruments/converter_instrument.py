@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from golden.block import Block
 from golden.fixed import Codes
 from golden.flow import Carried, Flow
+from golden.input_error import InputError
 from golden.instruments.scanned import Scanned
 from golden.port import CLOCKED, Port
 from golden.sensing.converter_reader import ConverterReader
@@ -26,7 +27,7 @@ class ConverterInstrument(Scanned):
 
     Raises
     ------
-    ValueError
+    InputError
         When the reader's frames are not those of the network, or follow faster than it takes them.
     """
 
@@ -39,7 +40,7 @@ class ConverterInstrument(Scanned):
         got = (reader.inputs, reader.slots)
         expected = (self.readout.inputs, self.readout.input_controller.inputs)
         if got != expected:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got a scan of (inputs, slots) {got}, expected {expected}"
             )
         left = reader.scan_clocks - reader.slots

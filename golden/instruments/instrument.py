@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from golden.block import Block
 from golden.fixed import Codes
 from golden.flow import Carried, Flow
+from golden.input_error import InputError
 from golden.instruments.scanned import Scanned
 from golden.port import CLOCKED, Port
 from golden.precision import SIGNAL
@@ -26,7 +27,7 @@ class Instrument(Scanned):
 
     Raises
     ------
-    ValueError
+    InputError
         When the sequencer's frames are not those of the network, or follow faster than it takes
         them.
     """
@@ -41,7 +42,7 @@ class Instrument(Scanned):
         got = (scan.inputs, scan.slots)
         expected = (self.readout.inputs, self.readout.input_controller.inputs)
         if got != expected:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got a scan of (inputs, slots) {got}, expected {expected}"
             )
         samples = scan.sample_clocks

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from golden.block import Block
 from golden.fixed import Codes
 from golden.flow import Carried, Flow, Step
+from golden.input_error import InputError
 from golden.layers.input_controller import FrameJudge
 from golden.networks.network import Network, serial_ports
 from golden.port import Port, given, group
@@ -33,7 +34,7 @@ class Readout(Network):
 
     Raises
     ------
-    ValueError
+    InputError
         When ``results`` are not four different outputs of the network, or given without a profile.
     """
 
@@ -48,7 +49,7 @@ class Readout(Network):
         count = 0 if self.load_profile is None else 4
         given = set(self.results)
         if len(given) != count or len(self.results) != count or given - set(range(self.outputs)):
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got results {self.results}, expected "
                 + (
                     f"four different numbers from 0 to {self.outputs - 1}"
@@ -144,10 +145,10 @@ class Readout(Network):
 
         Raises
         ------
-        ValueError
+        InputError
             For a wrong last axis, a code outside the signal format, or a readout without a profile.
         """
         if self.load_profile is None:
-            raise ValueError(f"{self.entity}: draws no profile")
+            raise InputError(f"{self.entity}: draws no profile")
         codes = self.load_profile.fmt.check(outputs, f"{self.entity} outputs", self.outputs)
         return self.load_profile.process(codes[..., list(self.results)])

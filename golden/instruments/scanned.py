@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from golden.input_error import InputError
 from golden.instruments.readout import Readout
 from golden.layers.input_controller import FrameJudge
 from golden.networks.network import Network
@@ -34,15 +35,15 @@ class Scanned(Network):
 
         Raises
         ------
-        ValueError
+        InputError
         """
         if scan_clocks < self.readout.interval:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got counter_width={width}, a scan of {scan_clocks} clocks, "
                 f"expected {self.readout.interval} or more, which the network needs"
             )
         if left < self.readout.busy:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got counter_width={width}, a scan that leaves {left} "
                 f"clocks between two frames, expected {self.readout.busy} or more, in which the "
                 "network computes"

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.fixed import Codes
+from golden.input_error import InputError
 from golden.instruments.converter_instrument import ConverterInstrument
 from golden.link.image_receiver import ImageReceiver
 from golden.link.packet_sender import PacketSender
@@ -45,7 +46,7 @@ class UartInstrument(ConverterInstrument):
 
     Raises
     ------
-    ValueError
+    InputError
         See ``ConverterInstrument``; also when the outputs of a frame leave after the next one has
         begun, for a divisor that is too small, and for ``analogue`` without a profile.
     """
@@ -58,13 +59,13 @@ class UartInstrument(ConverterInstrument):
         super().__post_init__()
         left = self.converter_reader.scan_clocks - self.converter_reader.slots
         if self.readout.output_clocks[-1] > left:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got a scan of {self.interval} clocks, expected "
                 f"{self.readout.output_clocks[-1] + self.converter_reader.slots} or more: outputs "
                 "leave before the next samples come"
             )
         if self.analogue and self.readout.load_profile is None:
-            raise ValueError(f"{self.entity}: got analogue without a profile, expected one")
+            raise InputError(f"{self.entity}: got analogue without a profile, expected one")
         _ = self.parts()
 
     @property

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from golden.block import Block
 from golden.border import Border
 from golden.fixed import Codes, Fix, signed_width
+from golden.input_error import InputError
 from golden.layers.closest import closest
 from golden.layers.sharing import Matrix, shared
 from golden.layers.shift_add import Row, ShiftAdd, clocks_of
@@ -52,7 +53,7 @@ class ConstantMatrix(Block):
 
     Raises
     ------
-    ValueError
+    InputError
         For rows of unequal length, or numbers that are out of range.
     """
 
@@ -68,7 +69,7 @@ class ConstantMatrix(Block):
 
     def __post_init__(self) -> None:
         if len({len(row) for row in self.weights}) != 1 or len(self.weights) != len(self.biases):
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got {len(self.biases)} biases and rows of "
                 f"{[len(row) for row in self.weights]} weights, expected rows of one length and a "
                 "bias for each"
@@ -79,10 +80,10 @@ class ConstantMatrix(Block):
             ("adders_per_clock", self.adders_per_clock, 1),
         ):
             if value < least:
-                raise ValueError(f"{self.entity}: got {name}={value}, expected {least} or more")
+                raise InputError(f"{self.entity}: got {name}={value}, expected {least} or more")
         most = max(abs(bias) >> self.place for bias in self.biases)
         if most >= FACTOR_LIMIT >> 1:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got biases up to {most} times the least place that is kept, "
                 f"expected below {FACTOR_LIMIT >> 1}"
             )
@@ -211,7 +212,7 @@ class ConstantMatrix(Block):
 
         Raises
         ------
-        ValueError
+        InputError
             For a wrong last axis or a code outside ``in_fmt``.
         """
         x = self.in_fmt.check(frames, f"{self.entity} frames", self.inputs)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from golden.block import Block
 from golden.border import Border, State
 from golden.fixed import Codes
+from golden.input_error import InputError
 from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 
@@ -78,7 +79,7 @@ class InputController(Block):
 
     def __post_init__(self) -> None:
         if self.inputs < 1 or self.spacing < 0:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got inputs={self.inputs}, spacing={self.spacing}, "
                 "expected inputs of 1 or more and spacing of 0 or more"
             )

@@ -121,7 +121,7 @@ class InputIntegral(WeightedSum):
 
         Raises
         ------
-        ValueError
+        InputError
             For a wrong last axis or a code outside ``in_fmt``.
         """
         exact = self.exact(frames)

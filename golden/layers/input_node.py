@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from golden.border import Border
 from golden.fixed import Codes, Overflow, Rounding, requantise
+from golden.input_error import InputError
 from golden.layers.weighted_sum import WeightedSum
 from golden.port import CLOCK, Port, given, taken
 
@@ -139,7 +140,7 @@ class InputNode(WeightedSum):
 
         Raises
         ------
-        ValueError
+        InputError
             For a code outside its format, or a sum that leaves the accumulator.
         """
         x = self.in_fmt.check(frames, f"{self.block} frames")
@@ -149,7 +150,7 @@ class InputNode(WeightedSum):
         sums = start[..., np.newaxis] + np.cumsum((w * x) >> self.product_shift, axis=-1)
         half = 1 << (self.acc_width - 1)
         if sums.min() < -half or sums.max() >= half:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got sums from {sums.min()} to {sums.max()}, expected "
                 f"{self.acc_width} bits"
             )

@@ -8,6 +8,7 @@ import numpy as np
 
 from golden.border import Border
 from golden.fixed import Codes
+from golden.input_error import InputError
 from golden.layers.node_sum import NodeSum
 from golden.layers.weighted_sum import tree_depth
 from golden.port import CLOCK, Port, given, group, taken
@@ -36,7 +37,7 @@ class Neuron(NodeSum):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.factor is not None and self.factor < 1:
-            raise ValueError(f"{self.entity}: got factor={self.factor}, expected 1 or more")
+            raise InputError(f"{self.entity}: got factor={self.factor}, expected 1 or more")
 
     @property
     def ports(self) -> tuple[Port, ...]:

@@ -66,7 +66,7 @@ class NodeSum(WeightedSum):
 
         Raises
         ------
-        ValueError
+        InputError
             For a wrong last axis or a code outside ``in_fmt``.
         """
         exact = self.scaled(self.exact(frames))

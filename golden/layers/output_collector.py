@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from golden.block import Block
 from golden.border import State
 from golden.fixed import Codes, Fix
+from golden.input_error import InputError
 from golden.port import CLOCKED, Port, given, group, taken
 
 
@@ -25,7 +26,7 @@ class OutputCollector(Block):
 
     Raises
     ------
-    ValueError
+    InputError
         When outputs is below 1.
     """
 
@@ -37,7 +38,7 @@ class OutputCollector(Block):
 
     def __post_init__(self) -> None:
         if self.outputs < 1:
-            raise ValueError(f"{self.entity}: got outputs={self.outputs}, expected 1 or more")
+            raise InputError(f"{self.entity}: got outputs={self.outputs}, expected 1 or more")
 
     @property
     def interval(self) -> int:
@@ -72,7 +73,7 @@ class OutputCollector(Block):
 
         Raises
         ------
-        ValueError
+        InputError
             For a wrong last axis or a code outside ``fmt``.
         """
         return self.fmt.check(results, f"{self.entity} results", self.outputs).ravel()

@@ -8,6 +8,7 @@ import numpy as np
 
 from golden.block import Block
 from golden.fixed import Codes
+from golden.input_error import InputError
 from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 
@@ -32,7 +33,7 @@ class OutputController(Block):
 
     def __post_init__(self) -> None:
         if self.outputs < 1:
-            raise ValueError(f"{self.entity}: got outputs={self.outputs}, expected 1 or more")
+            raise InputError(f"{self.entity}: got outputs={self.outputs}, expected 1 or more")
 
     @property
     def entity(self) -> str:

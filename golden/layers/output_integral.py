@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from golden.border import Border
 from golden.fixed import Codes, Overflow, Rounding, requantise, signed_width
+from golden.input_error import InputError
 from golden.layers.weighted_sum import WeightedSum, tree_depth
 from golden.port import CLOCKED, Port, Unsigned, given, group, taken
 
@@ -47,7 +48,7 @@ class OutputIntegral(WeightedSum):
         if self.factors is not None and (
             len(self.factors) != self.outputs or min(self.factors) < 1
         ):
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got factors {self.factors}, expected {self.outputs} of 1 or more"
             )
 
@@ -133,7 +134,7 @@ class OutputIntegral(WeightedSum):
 
         Raises
         ------
-        ValueError
+        InputError
             For a wrong last axis or a code outside ``in_fmt``.
         """
         acc = self.exact(activations)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from golden.block import Block
 from golden.border import Border
 from golden.fixed import Codes, Fix
+from golden.input_error import InputError
 from golden.layers.closest import closest
 
 
@@ -28,7 +29,7 @@ class WeightedSum(Block):
 
     Raises
     ------
-    ValueError
+    InputError
         When the sum has fewer fraction bits than the result or the bias needs.
     """
 
@@ -40,7 +41,7 @@ class WeightedSum(Block):
 
     def __post_init__(self) -> None:
         if self.acc_frac < max(self.out_fmt.frac, self.coeff_fmt.frac):
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: the sum has {self.acc_frac} fraction bits, expected at least "
                 f"those of {self.out_fmt} and {self.coeff_fmt}"
             )
@@ -119,7 +120,7 @@ class WeightedSum(Block):
 
         Raises
         ------
-        ValueError
+        InputError
             When the sums of the row do not reach both sides.
         """
         return _beside(self, tuple(int(weight) for weight in row), bias, at)
@@ -168,7 +169,7 @@ def _beside(layer: WeightedSum, weights: tuple[int, ...], bias: int, at: int) ->
         frame = end if frame is None else frame
         total = start + int(((row * frame) >> layer.product_shift).sum())
         if (total >= at) is not above:
-            raise ValueError(
+            raise InputError(
                 f"{layer.entity}: got a border at {at}, which no sum of {weights} meets"
             )
         found.append(frame)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from golden.block import Block
 from golden.border import State
 from golden.fixed import Codes
+from golden.input_error import InputError
 from golden.link.packets import IMAGE, SYNC, kind_byte
 from golden.port import CLOCKED, Port, Unsigned, given, taken
 
@@ -57,7 +58,7 @@ class ImageReceiver(Block):
 
     Raises
     ------
-    ValueError
+    InputError
         When either is below 1.
     """
 
@@ -68,7 +69,7 @@ class ImageReceiver(Block):
 
     def __post_init__(self) -> None:
         if self.idle_clocks < 1 or self.depth < 1:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got idle_clocks={self.idle_clocks} and depth={self.depth}, "
                 "expected 1 or more of each"
             )

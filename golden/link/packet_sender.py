@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from golden.block import Block
 from golden.border import State
 from golden.fixed import Codes
+from golden.input_error import InputError
 from golden.link.packets import COUNT_BYTES, FLAGS, Frame, FrameLayout
 from golden.port import CLOCKED, Port, Unsigned, given, taken
 from golden.precision import SIGNAL
@@ -63,7 +64,7 @@ class PacketSender(Block):
 
     Raises
     ------
-    ValueError
+    InputError
         For a number outside its range, and for a payload that is too long.
     """
 
@@ -84,7 +85,7 @@ class PacketSender(Block):
         ):
             got = getattr(self, name)
             if not least <= got <= most:
-                raise ValueError(f"{self.entity}: got {name}={got}, expected {least} to {most}")
+                raise InputError(f"{self.entity}: got {name}={got}, expected {least} to {most}")
         _ = self.layout
 
     @property

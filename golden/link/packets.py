@@ -19,6 +19,8 @@ from binascii import crc_hqx
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from golden.input_error import InputError
+
 SYNC = 0xA5
 VERSION = 1
 FRAME, IMAGE = 1, 2
@@ -79,7 +81,7 @@ class FrameLayout:
 
     Raises
     ------
-    ValueError
+    InputError
         When the payload is too long for its length.
     """
 
@@ -89,7 +91,7 @@ class FrameLayout:
 
     def __post_init__(self) -> None:
         if self.payload_bytes > MOST_PAYLOAD:
-            raise ValueError(
+            raise InputError(
                 f"uart: got {self.inputs} samples and {self.outputs} outputs, a payload of "
                 f"{self.payload_bytes} bytes, expected {MOST_PAYLOAD} at most"
             )
@@ -141,11 +143,11 @@ def image_packet(image: bytes) -> bytes:
 
     Raises
     ------
-    ValueError
+    InputError
         When it is longer than the length can say.
     """
     if not 1 <= len(image) <= MOST_IMAGE:
-        raise ValueError(f"image: got {len(image)} bytes, expected 1 to {MOST_IMAGE}")
+        raise InputError(f"image: got {len(image)} bytes, expected 1 to {MOST_IMAGE}")
     return bytes([SYNC, kind_byte(IMAGE)]) + len(image).to_bytes(2, "big") + image
 
 

@@ -45,7 +45,7 @@ class UartReceiver(Block):
 
     Raises
     ------
-    ValueError
+    InputError
         For fewer clocks than ``golden.link.uart_transmitter.LEAST_DIVISOR``.
 
     Notes

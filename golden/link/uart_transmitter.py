@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from golden.block import Block
 from golden.border import State
 from golden.fixed import Codes
+from golden.input_error import InputError
 from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 # Start bit, eight bits from the lowest, stop bit.
@@ -22,10 +23,10 @@ def check_divisor(entity: str, divisor: int) -> None:
 
     Raises
     ------
-    ValueError
+    InputError
     """
     if divisor < LEAST_DIVISOR:
-        raise ValueError(f"{entity}: got divisor={divisor}, expected {LEAST_DIVISOR} or more")
+        raise InputError(f"{entity}: got divisor={divisor}, expected {LEAST_DIVISOR} or more")
 
 
 def bits_of(byte: int) -> tuple[int, ...]:
@@ -44,7 +45,7 @@ class UartTransmitter(Block):
 
     Raises
     ------
-    ValueError
+    InputError
         For fewer clocks than ``LEAST_DIVISOR``.
     """
 

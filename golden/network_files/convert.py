@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from golden.cli import run, would
+from golden.input_error import InputError
 from golden.network_files.network_file import check_target, write_network
 from golden.scene import Member, Scene, load_scene
 from golden.table import suggest
@@ -17,7 +18,7 @@ def member_of(scene: Scene, output: str | None) -> Member:
 
     Raises
     ------
-    ValueError
+    InputError
         For an output that the scene does not have, or none where it has several networks.
     """
     if output is None and len(scene.members) == 1:
@@ -25,7 +26,7 @@ def member_of(scene: Scene, output: str | None) -> Member:
     for member in scene.members:
         if output in member.outputs:
             return member
-    raise ValueError(
+    raise InputError(
         f"OUTPUT={output or ''}: scene {scene.name} has {len(scene.members)} networks, expected "
         f"one of {', '.join(scene.outputs)}{suggest(output or '', scene.outputs)}"
     )

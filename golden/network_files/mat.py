@@ -9,6 +9,7 @@ import numpy as np
 from scipy.io import loadmat, savemat
 
 from golden.files import reading
+from golden.input_error import InputError
 from golden.network_files.numbers import real_numbers
 from golden.networks.mlp import Mlp, Real
 
@@ -25,7 +26,7 @@ def read(path: Path) -> dict[str, Real]:
 
     Raises
     ------
-    ValueError
+    InputError
         When the file is no MATLAB file up to version 7, or holds no such fields or several.
     """
     with reading(path, "a MATLAB file up to version 7"):
@@ -35,7 +36,7 @@ def read(path: Path) -> dict[str, Real]:
     if all(name in variables for name in FIELDS):
         found.append({name: variables[name] for name in FIELDS})
     if len(found) != 1:
-        raise ValueError(
+        raise InputError(
             f"{path}: got {len(found)} networks among the variables {', '.join(names)}, expected "
             f"one with the fields {', '.join(FIELDS)}"
         )

@@ -24,6 +24,7 @@ from golden.files import (
     replace_files,
     same_file,
 )
+from golden.input_error import InputError
 from golden.networks.mlp import Mlp
 from golden.table import suggest
 
@@ -44,7 +45,7 @@ def read_provenance(path: Path) -> dict[str, Any] | None:
 
     Raises
     ------
-    CommandError, ValueError
+    InputError
         When it cannot be read, or is not TOML.
     """
     path = provenance_path(path)
@@ -68,9 +69,9 @@ def load_network(path: Path, shape: tuple[int, int, int]) -> Mlp:
 
     Raises
     ------
-    FileNotFoundError
+    MissingFileError
         When there is no such file; the message says how to train one.
-    ValueError
+    InputError
         When the file's ending or contents are none of the three forms, an array is missing, has
         another shape than expected, or holds NaN; the message names file and array.
     """
@@ -80,7 +81,7 @@ def load_network(path: Path, shape: tuple[int, int, int]) -> Mlp:
     inputs, hidden, outputs = shape
     hidden = hidden or np.size(found.get("b1", 0))
     if not hidden:
-        raise ValueError(f"{path}: b1: got 0 hidden nodes, expected 1 or more")
+        raise InputError(f"{path}: b1: got 0 hidden nodes, expected 1 or more")
     expected = {
         "w1": (hidden, inputs),
         "b1": (hidden,),
@@ -90,19 +91,19 @@ def load_network(path: Path, shape: tuple[int, int, int]) -> Mlp:
     arrays = {}
     for name in NAMES:
         if name not in found:
-            raise ValueError(f"{path}: no array {name!r}, got {', '.join(found)}")
+            raise InputError(f"{path}: no array {name!r}, got {', '.join(found)}")
         arrays[name] = found[name]
     for name, array in arrays.items():
         if array.shape != expected[name]:
             # As the file has it.
             way = -1 if name in form.TRANSPOSED else 1
             hint = "; it is transposed" if array.T.shape == expected[name] else ""
-            raise ValueError(
+            raise InputError(
                 f"{path}: {name}: got shape {array.shape[::way]}, expected {expected[name][::way]} "
                 f"of a {inputs}:{hidden}:{outputs} network{hint}"
             )
         if not np.isfinite(array).all():
-            raise ValueError(f"{path}: {name}: got NaN or infinity, expected finite numbers")
+            raise InputError(f"{path}: {name}: got NaN or infinity, expected finite numbers")
     return Mlp(**arrays)
 
 
@@ -110,7 +111,7 @@ def _form(path: Path) -> ModuleType:
     """The module that reads and writes files of this ending."""
     if path.suffix not in FORMS:
         known = list(FORMS)
-        raise ValueError(
+        raise InputError(
             f"{path}: got the ending {path.suffix!r}, expected one of {', '.join(known)}"
             f"{suggest(path.suffix, known)}"
         )
@@ -122,7 +123,7 @@ def write_network(path: Path, mlp: Mlp) -> None:
 
     Raises
     ------
-    ValueError
+    InputError
         For another ending than .npz, .mat or .onnx.
     """
     form = _form(path)
@@ -135,7 +136,7 @@ def check_target(path: Path) -> None:
 
     Raises
     ------
-    CommandError, ValueError
+    InputError
         For one that cannot be written, and for another ending.
     """
     _form(path)
@@ -147,14 +148,14 @@ def check_targets(paths: Sequence[Path]) -> None:
 
     Raises
     ------
-    CommandError, ValueError
+    InputError
         For one that cannot be written, another ending than ``write_network`` knows, and two
         networks with one file.
     """
     files = [file for path in paths for file in _files(path)]
     for i, file in enumerate(files):
         if any(same_file(file, other) for other in files[:i]):
-            raise ValueError(f"{file}: got two networks that write it, expected a file for each")
+            raise InputError(f"{file}: got two networks that write it, expected a file for each")
     for path in paths:
         _form(path)
     check_writable(files)
@@ -173,7 +174,7 @@ def save_networks(networks: Sequence[tuple[Path, Mlp, Provenance]]) -> None:
 
     Raises
     ------
-    CommandError, ValueError
+    InputError
         When one of the files cannot be written; then all are what they were.
     """
     with replace_files([file for path, *_ in networks for file in _files(path)]) as temporaries:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from golden.files import reading
+from golden.input_error import InputError
 from golden.network_files.numbers import real_numbers
 from golden.networks.mlp import Mlp, Real
 
@@ -20,11 +21,11 @@ def read(path: Path) -> dict[str, Real]:
 
     Raises
     ------
-    ValueError
+    InputError
         When the file is no NPZ or holds no numbers.
     """
     if not zipfile.is_zipfile(path):
-        raise ValueError(f"{path}: not an NPZ of numbers: no zip archive")
+        raise InputError(f"{path}: not an NPZ of numbers: no zip archive")
     with reading(path, "an NPZ of numbers"), np.load(path, allow_pickle=False) as archive:
         arrays = {name: archive[name] for name in archive.files}
     return {name: real_numbers(path, name, array) for name, array in arrays.items()}

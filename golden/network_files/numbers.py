@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from golden.input_error import InputError
 from golden.networks.mlp import Real
 
 
@@ -15,10 +16,10 @@ def real_numbers(path: Path, name: str, value: Any) -> Real:
 
     Raises
     ------
-    ValueError
+    InputError
         For anything else: text, complex numbers, records, sparse matrices.
     """
     array = np.asarray(value)
     if array.dtype.kind not in "biuf":
-        raise ValueError(f"{path}: {name}: got {array.dtype}, expected real numbers")
+        raise InputError(f"{path}: {name}: got {array.dtype}, expected real numbers")
     return array.astype(np.float64)

@@ -14,6 +14,7 @@ import onnx
 from onnx import AttributeProto, TensorProto, helper, numpy_helper
 
 from golden.files import reading
+from golden.input_error import InputError
 from golden.network_files.numbers import real_numbers
 from golden.networks.mlp import Mlp, Real, shifted
 
@@ -59,8 +60,8 @@ class _Chain:
         # What stands before a layer: value by value, factor * x + shift.
         self.factor, self.shift = np.ones(1), np.zeros(1)
 
-    def refuse(self, node: Any, reason: str) -> ValueError:
-        return ValueError(f"{self.path}: operator {node.op_type} ({node.name!r}): {reason}")
+    def refuse(self, node: Any, reason: str) -> InputError:
+        return InputError(f"{self.path}: operator {node.op_type} ({node.name!r}): {reason}")
 
     def linear(self, node: Any, weights: Real, bias: Real) -> None:
         """A layer on what stands before it."""
@@ -98,7 +99,7 @@ def read(path: Path) -> dict[str, Real]:
 
     Raises
     ------
-    ValueError
+    InputError
         When the file is no ONNX graph, or for any other operator or order; the message names
         the operator.
     """
@@ -108,7 +109,7 @@ def read(path: Path) -> dict[str, Real]:
     constants = {c.name: _array(path, c) for c in graph.initializer}
     inputs = [i.name for i in graph.input if i.name not in constants]
     if len(inputs) != 1 or len(graph.output) != 1:
-        raise ValueError(
+        raise InputError(
             f"{path}: got {len(inputs)} inputs and {len(graph.output)} outputs, expected a graph "
             "with one of each"
         )
@@ -124,9 +125,9 @@ def read(path: Path) -> dict[str, Real]:
         _step(chain, node, current, constants)
         current = node.output[0]
     if current != chain.output:
-        raise ValueError(f"{path}: the output is {chain.output!r}, expected {current!r}")
+        raise InputError(f"{path}: the output is {chain.output!r}, expected {current!r}")
     if len(chain.layers) != 2 or chain.tanh_after != [1]:
-        raise ValueError(
+        raise InputError(
             f"{path}: got {len(chain.layers)} linear layers with Tanh after layers "
             f"{chain.tanh_after}, expected 2 with Tanh after the first"
         )

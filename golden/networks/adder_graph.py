@@ -16,6 +16,7 @@ from golden.activation.bipartite_table import RESULT
 from golden.block import Block
 from golden.fixed import Codes, Fix, signed_width
 from golden.flow import Alike, Carried, Flow
+from golden.input_error import InputError
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.input_controller import InputController
 from golden.networks.bounds import activation_error
@@ -63,7 +64,7 @@ class AdderGraph(Design):
     def __post_init__(self) -> None:
         rows = len(self.first.weights)
         if not rows == len(self.activations) == self.second.inputs:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got {rows} hidden sums, {len(self.activations)} activations and "
                 f"{self.second.inputs} weights per output, expected equal numbers"
             )
@@ -271,7 +272,7 @@ def _stacked(layers: Sequence[Layer]) -> Layer:
 
 def _halved(activation: ActivationBlock) -> Bipartite:
     if not isinstance(activation, Bipartite):
-        raise ValueError(f"adder_graph: got activation {activation.block!r}, expected 'bipartite'")
+        raise InputError(f"adder_graph: got activation {activation.block!r}, expected 'bipartite'")
     return activation
 
 

@@ -9,6 +9,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from golden.input_error import InputError
 from golden.networks.cascade import Cascade
 from golden.networks.design import Design
 from golden.networks.mlp import Activation, Mlp, Real
@@ -59,7 +60,7 @@ def arrange(arrangement: str, mlps: Sequence[Mlp], build: Callable[[Mlp, str], D
         return build(mlps[0], "")
     networks = tuple(build(mlp, str(i)) for i, mlp in enumerate(mlps))
     if arrangement not in networks[0].arrangements:
-        raise ValueError(
+        raise InputError(
             f"{arrangement}: got networks {networks[0].block}, expected a design for it"
         )
     if arrangement == "cascade":

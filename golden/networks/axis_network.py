@@ -158,7 +158,7 @@ class AxisNetwork(Network):
 
         Raises
         ------
-        ValueError
+        InputError
             For data that no ``TDATA`` holds.
         """
         words = TDATA.check(data, f"{self.entity} s_axis_tdata")

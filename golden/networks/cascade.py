@@ -29,7 +29,7 @@ class Cascade(Several):
 
     Raises
     ------
-    ValueError
+    InputError
         See ``Several``.
 
     Notes

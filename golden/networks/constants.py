@@ -10,6 +10,7 @@ import numpy as np
 from golden.activation.activation_block import ActivationBlock
 from golden.activation.schemes import SCHEMES
 from golden.fixed import Codes, Fix
+from golden.input_error import InputError
 from golden.layers.node_sum import NodeSum
 from golden.networks.mlp import Mlp, Real
 from golden.precision import SIGNAL, Precision, normalisation
@@ -43,7 +44,7 @@ def quantised(weights: Real, biases: Real, precision: Precision, name: str) -> L
 
     Raises
     ------
-    ValueError
+    InputError
         When the weights do not fit their format or their normalisation is too large; the message
         begins with ``name``.
     """
@@ -56,8 +57,8 @@ def quantised(weights: Real, biases: Real, precision: Precision, name: str) -> L
         codes, bias_codes, fmt = precision.coefficients(
             weights / factors[:, np.newaxis], biases / factors, name
         )
-    except ValueError as error:
-        raise ValueError(
+    except InputError as error:
+        raise InputError(
             f"{error}; more training.weight_decay keeps them small, and so does a data.scale "
             "nearer to the readings"
         ) from None
@@ -113,7 +114,7 @@ def constants_of(
 
     Raises
     ------
-    ValueError
+    InputError
         When weights do not fit their format, or when in ``thesis`` precision a normalised sum
         could leave its 14 bits.
 
@@ -155,7 +156,7 @@ def _refuse_wrapping(precision: Precision, widths: Iterable[tuple[str, int]]) ->
     """The thesis' adders wrap, and a wrapped sum is a wrong sum."""
     for name, width in widths:
         if precision.normalise and width > SIGNAL.width:
-            raise ValueError(
+            raise InputError(
                 f"{name}: its normalised sum needs {width} bits and would wrap in "
                 f"{SIGNAL.width}; weights that are nearly whole numbers do this, retrain or "
                 "use the exact precision"

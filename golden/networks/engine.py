@@ -31,6 +31,7 @@ from golden.engine.table_address import TableAddress
 from golden.engine.tanh_table import tanh_table
 from golden.fixed import Codes
 from golden.flow import Carried, Flow
+from golden.input_error import InputError
 from golden.networks.design import Design
 from golden.networks.mlp import Mlp, Real
 from golden.port import Port, Unsigned, given, taken
@@ -125,11 +126,11 @@ class Engine(Design):
         serial = chosen.pop("multiplier", "dsp") == "serial"
         depth, reload = chosen.pop("pipeline"), chosen.pop("reload", False)
         if serial and depth != "short":
-            raise ValueError(
+            raise InputError(
                 f"hardware.pipeline: got {depth!r} with multiplier 'serial', expected 'short'"
             )
         if serial and reload:
-            raise ValueError(
+            raise InputError(
                 "hardware.reload: got True with multiplier 'serial', expected multiplier 'dsp'"
             )
         table = tanh_table(chosen["segment_width"])
@@ -172,7 +173,7 @@ class Engine(Design):
 
         Raises
         ------
-        ValueError
+        InputError
             When none does; the message says what the fastest takes.
         """
         # Without a multiplier there is one pipeline, and no image.
@@ -184,7 +185,7 @@ class Engine(Design):
             )
             if engine.output_clocks[-1] <= clocks:
                 return replace(engine, budget=clocks)
-        raise ValueError(
+        raise InputError(
             f"hardware.clocks: got {clocks}, expected {engine.output_clocks[-1]} or more, which "
             f"multiplier {kind!r} takes"
         )
@@ -302,7 +303,7 @@ class Engine(Design):
     @property
     def _sizes(self) -> Sizes:
         if self.loaded is None:
-            raise ValueError(f"{self.entity}: its program is part of the hardware, expected reload")
+            raise InputError(f"{self.entity}: its program is part of the hardware, expected reload")
         return self.loaded.sizes
 
     @property

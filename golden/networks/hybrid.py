@@ -12,6 +12,7 @@ from golden.activation.activation_block import ActivationBlock
 from golden.block import Block
 from golden.fixed import Codes
 from golden.flow import Alike, Carried, Controlled, Flow
+from golden.input_error import InputError
 from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
 from golden.layers.output_controller import OutputController
@@ -47,14 +48,14 @@ class Hybrid(Design):
     def __post_init__(self) -> None:
         hidden = self.input_integral.hidden
         if not hidden == len(self.activations) == self.output_integral.hidden:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got {hidden} nodes, {len(self.activations)} activations and "
                 f"{self.output_integral.hidden} weights per output, expected equal numbers"
             )
         # All activations answer in the same clock.
         clocks = sorted({activation.latency for activation in self.activations})
         if len(clocks) > 1:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got activations of latencies {clocks}, expected one latency"
             )
 

@@ -9,6 +9,8 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from golden.input_error import InputError
+
 Real = NDArray[np.float64]
 
 # An activation gives its value and its slope; training needs both.
@@ -52,7 +54,7 @@ class Mlp:
 
     Raises
     ------
-    ValueError
+    InputError
         When the shapes do not fit each other or a value is not finite.
     """
 
@@ -67,13 +69,13 @@ class Mlp:
         inputs = shapes[0][-1] if len(shapes[0]) == 2 else 0
         expected = [(hidden, inputs), (hidden,), (outputs, hidden), (outputs,)]
         if shapes != expected:
-            raise ValueError(
+            raise InputError(
                 f"w1, b1, w2, b2: got shapes {shapes}, expected (hidden, inputs), (hidden,), "
                 "(outputs, hidden), (outputs,)"
             )
         for name in ("w1", "b1", "w2", "b2"):
             if not np.isfinite(getattr(self, name)).all():
-                raise ValueError(f"{name}: got NaN or infinity, expected finite numbers")
+                raise InputError(f"{name}: got NaN or infinity, expected finite numbers")
 
     @property
     def shape(self) -> tuple[int, int, int]:

@@ -9,6 +9,7 @@ import numpy as np
 from golden.block import Block
 from golden.fixed import Codes
 from golden.flow import Beside, Carried, Flow
+from golden.input_error import InputError
 from golden.layers.input_controller import FrameJudge
 from golden.networks.several import Several
 from golden.precision import SIGNAL
@@ -25,7 +26,7 @@ class Multiple(Several):
 
     Raises
     ------
-    ValueError
+    InputError
         See ``Several``; also for networks of unequal intervals.
     """
 
@@ -37,7 +38,7 @@ class Multiple(Several):
         # Each judges the frames by itself: one would refuse a frame that another takes.
         intervals = [network.interval for network in self.networks]
         if len(set(intervals)) > 1:
-            raise ValueError(f"{self.entity}: got intervals of {intervals}, expected one interval")
+            raise InputError(f"{self.entity}: got intervals of {intervals}, expected one interval")
 
     def _inputs_of(self, number: int) -> int:
         return self.inputs

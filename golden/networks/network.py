@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.fixed import Codes
+from golden.input_error import InputError
 from golden.layers.input_controller import FrameJudge
 from golden.port import CLOCKED, Port, given, group, taken
 from golden.precision import SIGNAL
@@ -140,14 +141,14 @@ class Network(Block):
 
         Raises
         ------
-        ValueError
+        InputError
             For a wrong shape or a code outside the signal format.
         """
         samples, past = np.asarray(frames), self.past
         wrong = samples.ndim == 0 or (past > 0 and samples.ndim != 2)
         if wrong or samples.shape[-1] != self.inputs:
             expected = f"({'frames' if past else '...'}, {self.inputs})"
-            raise ValueError(
+            raise InputError(
                 f"{self.entity} frames: got shape {samples.shape}, expected {expected}"
             )
         flat = samples.reshape(-1, self.inputs)

@@ -12,6 +12,7 @@ from golden.activation.activation_block import ActivationBlock
 from golden.block import Block
 from golden.fixed import Codes, Fix
 from golden.flow import Alike, Carried, Flow
+from golden.input_error import InputError
 from golden.layers.input_controller import InputController
 from golden.layers.neuron import Neuron
 from golden.networks.constants import Constants, Layer
@@ -47,21 +48,21 @@ class Parallel(Design):
         hidden = len(self.hidden_neurons)
         taken = {len(neuron.weights) for neuron in self.output_neurons}
         if not {hidden} == {len(self.activations)} == taken:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got {hidden} hidden neurons, {len(self.activations)} activations "
                 f"and {sorted(taken)} weights per output, expected equal numbers"
             )
         if len({len(neuron.weights) for neuron in self.hidden_neurons}) != 1:
-            raise ValueError(f"{self.entity}: got hidden neurons of unequal numbers of weights")
+            raise InputError(f"{self.entity}: got hidden neurons of unequal numbers of weights")
         # All activations answer in the same clock.
         clocks = sorted({activation.latency for activation in self.activations})
         if len(clocks) > 1:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got activations of latencies {clocks}, expected one latency"
             )
         # All outputs leave in one clock: with the factor's multiplier or without.
         if len({neuron.factor is None for neuron in self.output_neurons}) != 1:
-            raise ValueError(f"{self.entity}: got factors of some outputs, expected all or none")
+            raise InputError(f"{self.entity}: got factors of some outputs, expected all or none")
 
     @classmethod
     def from_constants(cls, constants: Constants, variant: str = "") -> Self:

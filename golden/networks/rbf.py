@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from golden.input_error import InputError
 from golden.networks.mlp import Real
 
 
@@ -25,7 +26,7 @@ class Rbf:
 
     Raises
     ------
-    ValueError
+    InputError
         When the shapes do not fit each other, a value is not finite or a width is not above 0.
     """
 
@@ -40,15 +41,15 @@ class Rbf:
         hidden, outputs = len(self.widths), len(self.biases)
         inputs = shapes[0][-1] if len(shapes[0]) == 2 else 0
         if shapes != [(hidden, inputs), (hidden,), (outputs, hidden), (outputs,)]:
-            raise ValueError(
+            raise InputError(
                 f"{', '.join(names)}: got shapes {shapes}, expected (hidden, inputs), (hidden,), "
                 "(outputs, hidden), (outputs,)"
             )
         for name in names:
             if not np.isfinite(getattr(self, name)).all():
-                raise ValueError(f"{name}: got NaN or infinity, expected finite numbers")
+                raise InputError(f"{name}: got NaN or infinity, expected finite numbers")
         if not (self.widths > 0).all():
-            raise ValueError(f"widths: got {self.widths.min():g}, expected above 0")
+            raise InputError(f"widths: got {self.widths.min():g}, expected above 0")
 
     @property
     def shape(self) -> tuple[int, int, int]:

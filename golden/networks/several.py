@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from golden.input_error import InputError
 from golden.layers.output_collector import OutputCollector
 from golden.networks.design import Design
 from golden.networks.network import Network
@@ -21,7 +22,7 @@ class Several(Network):
 
     Raises
     ------
-    ValueError
+    InputError
         For fewer than two networks, or networks of other inputs and outputs than ``_inputs_of``
         asks for.
     """
@@ -36,7 +37,7 @@ class Several(Network):
         shapes = [(network.inputs, network.outputs) for network in self.networks]
         expected = [(self._inputs_of(i), 1) for i in range(len(shapes))]
         if len(shapes) < 2 or shapes != expected:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got networks of (inputs, outputs) {shapes}, expected two or more: "
                 f"{expected}"
             )

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from golden.block import Block
 from golden.fixed import Codes
 from golden.flow import Carried, Flow
+from golden.input_error import InputError
 from golden.layers.input_controller import InputController
 from golden.networks.network import Network
 from golden.precision import SIGNAL
@@ -27,7 +28,7 @@ class Windowed(Network):
 
     Raises
     ------
-    ValueError
+    InputError
         For a network of other inputs, or one that is no stream or waits for an image.
     """
 
@@ -38,12 +39,12 @@ class Windowed(Network):
     def __post_init__(self) -> None:
         taps = len(self.window.taps)
         if self.network.inputs != taps:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got a network of {self.network.inputs} inputs, expected {taps}, "
                 "the samples of the window"
             )
         if self.network.stream != "serial" or self.network.image or self.network.past:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got {self.network.entity}, expected a network that takes a stream "
                 "of samples, without an image to be loaded and without a past"
             )

@@ -33,7 +33,7 @@ class Beam:
 
     Raises
     ------
-    ValueError
+    InputError
         For a dimension or modulus outside its range.
     """
 
@@ -78,7 +78,7 @@ class Beam:
 
         Raises
         ------
-        ValueError
+        InputError
             For a place off the beam or a mass outside its range, NaN included.
         """
         i, force, a = self._domain(at, mass, position)
@@ -123,7 +123,7 @@ def mean_arm(distance: ArrayLike, half_width: ArrayLike, triangular: ArrayLike) 
 
     Raises
     ------
-    ValueError
+    InputError
         For an argument outside its range, NaN included.
     """
     d, h, r = _covered(distance, half_width)

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.domain import checked
+from golden.input_error import InputError
 from golden.networks.mlp import Real
 from golden.physics.strain_sensor import StrainSensor, loads_from_codes
 from golden.units import FULL_SCALE, LOAD_G, POSITION_MM, WIDTH_MM
@@ -74,7 +75,7 @@ def least_deviations(slopes: ArrayLike, noise: ArrayLike) -> Real:
 
     Raises
     ------
-    ValueError
+    InputError
         For noise of 0 or less, or another number of readings.
     """
     least, most = float(np.finfo(np.float64).tiny), float(np.finfo(np.float64).max)
@@ -82,7 +83,7 @@ def least_deviations(slopes: ArrayLike, noise: ArrayLike) -> Real:
     matrix = np.asarray(slopes, dtype=np.float64)
     readings, unknowns = matrix.shape[-2:]
     if sigma.ndim > 1 or sigma.size not in (1, readings):
-        raise ValueError(f"noise: got shape {sigma.shape}, expected one number or {readings}")
+        raise InputError(f"noise: got shape {sigma.shape}, expected one number or {readings}")
     matrix = matrix / np.broadcast_to(sigma, readings)[:, np.newaxis]
     lengths = np.linalg.norm(matrix, axis=-2, keepdims=True)
     # Columns of one length, so that what is small is small whatever the units.

@@ -11,6 +11,7 @@ from scipy import signal
 
 from golden.domain import checked
 from golden.fixed import Codes
+from golden.input_error import InputError
 from golden.networks.mlp import Real
 from golden.precision import SIGNAL
 
@@ -39,7 +40,7 @@ class ReflectiveSensor:
 
     Raises
     ------
-    ValueError
+    InputError
         For a value outside its range.
     """
 
@@ -61,7 +62,7 @@ class ReflectiveSensor:
 
         Raises
         ------
-        ValueError
+        InputError
             For NaN or infinity.
         """
         most = float(np.finfo(np.float64).max)
@@ -85,7 +86,7 @@ class Conditioning:
 
     Raises
     ------
-    ValueError
+    InputError
         For a value outside its range.
     """
 
@@ -112,13 +113,13 @@ class Conditioning:
 
         Raises
         ------
-        ValueError
+        InputError
             For NaN, infinity or another shape.
         """
         most = float(np.finfo(np.float64).max)
         v, r = checked(volts=(volts, -most, most), rest=(rest, -most, most))
         if v.ndim != 1 or not v.size:
-            raise ValueError(f"volts: got shape {v.shape}, expected (n,) with n of 1 or more")
+            raise InputError(f"volts: got shape {v.shape}, expected (n,) with n of 1 or more")
         if self.cutoff == 0:
             return np.asarray(self.gain * v)
         b, a = signal.butter(1, self.cutoff, "highpass", fs=self.rate)
@@ -148,7 +149,7 @@ class LowPass:
 
     Raises
     ------
-    ValueError
+    InputError
         For a value outside its range.
     """
 
@@ -172,13 +173,13 @@ class LowPass:
 
         Raises
         ------
-        ValueError
+        InputError
             For NaN, infinity or another shape.
         """
         most = float(np.finfo(np.float64).max)
         (v,) = checked(volts=(volts, -most, most))
         if v.ndim != 1 or not v.size:
-            raise ValueError(f"volts: got shape {v.shape}, expected (n,) with n of 1 or more")
+            raise InputError(f"volts: got shape {v.shape}, expected (n,) with n of 1 or more")
         b, a = signal.butter(1, self.cutoff, fs=self.rate)
         found, _ = signal.lfilter(b, a, v - v[0], zi=[0.0])
         return np.asarray(v[0] + found)
@@ -193,7 +194,7 @@ class LowPass:
 
         Raises
         ------
-        ValueError
+        InputError
             For a part outside its range, NaN included.
         """
         checked(part=(part, 1e-300, 1))
@@ -214,7 +215,7 @@ def rc_cutoff(resistance: float = RESISTANCE, capacitance: float = CAPACITANCE) 
 
     Raises
     ------
-    ValueError
+    InputError
         For a value outside 1e-12 to 1e12 ohm or F.
     """
     checked(resistance=(resistance, 1e-12, 1e12), capacitance=(capacitance, 1e-12, 1e12))

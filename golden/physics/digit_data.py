@@ -61,7 +61,7 @@ def digit_data(rows: int, seed: int, noise: float = NOISE) -> Real:
 
     Raises
     ------
-    ValueError
+    InputError
         For an argument outside its range.
     """
     checked(rows=(rows, 1, MOST_ROWS), seed=(seed, 0, 2**63), noise=(noise, 0, 1))

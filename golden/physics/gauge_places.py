@@ -13,6 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
+from golden.input_error import InputError
 from golden.networks.mlp import Real
 from golden.physics.bound import MEAN_PER_DEVIATION
 from golden.physics.gauge_rig import OUTPUTS, GaugeRig
@@ -106,7 +107,7 @@ class Placing:
 
         Raises
         ------
-        ValueError
+        InputError
             When there is no room for as many.
         """
         count = self.rig.count
@@ -116,7 +117,7 @@ class Placing:
         ends = [self._descended(start) for start in starts]
         score, chosen = min(ends, key=lambda end: end[0])
         if not np.isfinite(score):
-            raise ValueError(
+            raise InputError(
                 f"gauges.apart_mm: got {1e3 * self.rig.apart:g}, expected room for {count} gauges"
             )
         return [float(self.places[k]) for k in sorted(chosen)]

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from golden.files import check_file, reading
+from golden.input_error import InputError, MissingFileError
 from golden.networks.mlp import Real
 from golden.physics.beam import Beam
 from golden.physics.strain_sensor import Loads
@@ -119,15 +120,14 @@ def load_rig(name: str) -> GaugeRig:
 
     Raises
     ------
-    FileNotFoundError, CommandError
+    InputError
         For an unknown rig, or a file that cannot be read.
-    ValueError
         For a fault in the file; the message names file, key, what was got and what was expected.
     """
     known = sorted(path.stem for path in FOLDER.glob("*.toml"))
     path = FOLDER / f"{name}.toml" if name in known else Path(name)
     if path.suffix != ".toml":
-        raise FileNotFoundError(
+        raise MissingFileError(
             f"RIG={name}: no such rig, expected a path to a .toml file or one of "
             f"{', '.join(known)}{suggest(name, known)}"
         )
@@ -224,7 +224,7 @@ def _placements(loads: dict[str, Any], length: float) -> Loads:
 def _refuse(path: Path, *faults: tuple[bool, str, Any, str]) -> None:
     for fault, key, got, expected in faults:
         if fault:
-            raise ValueError(f"{path}: {key}: got {got!r}, expected {expected}")
+            raise InputError(f"{path}: {key}: got {got!r}, expected {expected}")
 
 
 def _checked(raw: dict[str, Any], path: Path) -> dict[str, dict[str, Any]]:
@@ -235,10 +235,10 @@ def _checked(raw: dict[str, Any], path: Path) -> dict[str, dict[str, Any]]:
         if section not in raw:
             if (section,) in OPTIONAL:
                 continue
-            raise ValueError(f"{path}: {section}: missing, expected a section")
+            raise InputError(f"{path}: {section}: missing, expected a section")
         given = raw[section]
         if not isinstance(given, dict):
-            raise ValueError(f"{path}: {section}: got {given!r}, expected a section")
+            raise InputError(f"{path}: {section}: got {given!r}, expected a section")
         refuse_unknown(given, keys, f"{path}: {section}: key")
         values[section] = {}
         for key, kind in keys.items():
@@ -247,16 +247,16 @@ def _checked(raw: dict[str, Any], path: Path) -> dict[str, dict[str, Any]]:
                 continue
             expected = _expected(kind)
             if key not in given:
-                raise ValueError(f"{path}: {section}.{key}: missing, expected {expected}")
+                raise InputError(f"{path}: {section}.{key}: missing, expected {expected}")
             if not _is(given[key], kind):
-                raise ValueError(
+                raise InputError(
                     f"{path}: {section}.{key}: got {given[key]!r}, expected {expected}"
                 )
             values[section][key] = given[key]
     lengths, outputs = values["errors"]["length_mm"], values["errors"]["outputs"]
     for name in outputs:
         if name != "load" and name not in lengths:
-            raise ValueError(
+            raise InputError(
                 f"{path}: errors.length_mm.{name}: missing, expected what 100 % of {name} is"
             )
     return values

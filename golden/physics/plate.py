@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from scipy.special import zeta
 
 from golden.domain import checked
+from golden.input_error import InputError
 from golden.networks.mlp import Real
 
 # Terms times pairs of one chunk of the series: small enough for a cache, large enough for numpy.
@@ -45,7 +46,7 @@ class Plate:
 
     Raises
     ------
-    ValueError
+    InputError
         For a dimension or constant outside its range.
     """
 
@@ -77,7 +78,7 @@ class Plate:
         for name, value in (("points", points), ("loads", loads)):
             array = np.asarray(value, dtype=np.float64)
             if array.ndim != 2 or array.shape[1] != 2:
-                raise ValueError(f"{name}: got shape {array.shape}, expected (n, 2)")
+                raise InputError(f"{name}: got shape {array.shape}, expected (n, 2)")
             x, y = checked(
                 **{
                     f"{name} x": (array[:, 0], 0, self.length),
@@ -123,7 +124,7 @@ class Plate:
 
         Raises
         ------
-        ValueError
+        InputError
             For a place off the plate, terms outside their range, NaN.
         """
         checked(terms=(terms, 1, MOST_TERMS))

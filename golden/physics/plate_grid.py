@@ -60,7 +60,7 @@ def grid_influence(plate: Plate, load: ArrayLike, columns: int, rows: int) -> Re
 
     Raises
     ------
-    ValueError
+    InputError
         For cells outside their range, or a load off the plate.
     """
     operator = _biharmonic(plate, columns, rows)
@@ -87,7 +87,7 @@ def natural_frequency(plate: Plate, density: float, columns: int, rows: int) -> 
 
     Raises
     ------
-    ValueError
+    InputError
         For an argument outside its range.
     """
     checked(density=(density, 1, 1e5))

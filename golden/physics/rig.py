@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from golden.domain import checked
+from golden.input_error import InputError
 from golden.networks.mlp import Real
 from golden.physics import GRAVITY
 from golden.physics.plate import Plate
@@ -31,7 +32,7 @@ class Rig:
 
     Raises
     ------
-    ValueError
+    InputError
         When a foot or a sensor would lie off the plate.
     """
 
@@ -82,7 +83,7 @@ class Rig:
 
         Raises
         ------
-        ValueError
+        InputError
             When a foot would have to be held down: the swing would leave the plate.
         """
         swing = self.swing
@@ -91,7 +92,7 @@ class Rig:
         forces = np.stack([(n + sign * tilt) / 2 for n in sides for sign in (-1, 1)], axis=-1)
         if forces.min() < 0:
             worst = int(forces.min(axis=1).argmin())
-            raise ValueError(
+            raise InputError(
                 f"foot forces: got {forces.min():.3g} N at {motion.time[worst]:.3g} s, expected 0 "
                 "or more; start at a smaller angle or give the frame a weight"
             )

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 
 from golden.domain import checked
+from golden.input_error import InputError
 from golden.networks.mlp import Real
 from golden.physics import GRAVITY
 from golden.physics.beam import MOST_MASS, Beam, arm_slopes, mean_arm
@@ -84,7 +85,7 @@ def bridge_gain(
 
     Raises
     ------
-    ValueError
+    InputError
         For an argument outside its range.
     """
     least = float(np.finfo(np.float64).tiny)
@@ -124,7 +125,7 @@ class StrainSensor:
 
         Raises
         ------
-        ValueError
+        InputError
             For a mass outside 0 to 1e6 kg or a load beyond the root, NaN included.
         """
         mass, arm = self._mass_and_arm(loads)
@@ -137,7 +138,7 @@ class StrainSensor:
 
         Raises
         ------
-        ValueError
+        InputError
             See ``read``.
         """
         mass, arm = self._mass_and_arm(loads)
@@ -175,15 +176,15 @@ def fit_sensor(readings: ArrayLike, loads: Loads, beam: Beam, spread: bool = Tru
 
     Raises
     ------
-    ValueError
+    InputError
         For fewer than four readings, NaN or infinite ones, or loads of another number.
     """
     most = float(np.finfo(np.float64).max)
     (volts,) = checked(readings=(readings, -most, most))
     if volts.ndim != 1 or volts.size < 4:
-        raise ValueError(f"readings: got shape {volts.shape}, expected (n,) with n of 4 or more")
+        raise InputError(f"readings: got shape {volts.shape}, expected (n,) with n of 4 or more")
     if loads.mass.shape != volts.shape:
-        raise ValueError(f"loads: got shape {loads.mass.shape}, expected {volts.shape}")
+        raise InputError(f"loads: got shape {loads.mass.shape}, expected {volts.shape}")
     used = loads if spread else loads.at_points()
 
     def solved(nearness: Real) -> StrainSensor:

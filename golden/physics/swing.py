@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 from scipy.special import ellipj, ellipkm1
 
 from golden.domain import checked
+from golden.input_error import InputError
 from golden.networks.mlp import Real
 from golden.physics import GRAVITY
 
@@ -54,7 +55,7 @@ class Swing:
 
     Raises
     ------
-    ValueError
+    InputError
         For a value outside its range.
     """
 
@@ -174,7 +175,7 @@ def swing_motion(
 
     Raises
     ------
-    ValueError
+    InputError
         For an argument outside its range, NaN included, or an unknown method.
     ArithmeticError
         When the method gives up before the end, or needs more evaluations than allowed.
@@ -190,7 +191,7 @@ def swing_motion(
         strong = swing.damping_rate > STRONG_DAMPING * swing.natural_frequency
         method = STRONG if strong else LIGHT
     if method not in EXPLICIT + IMPLICIT:
-        raise ValueError(
+        raise InputError(
             f"method: got {method!r}, expected one of {', '.join(EXPLICIT + IMPLICIT)}"
         )
     damping, stiffness = swing.damping_rate, swing.natural_frequency**2
@@ -242,7 +243,7 @@ def undamped_angle(swing: Swing, start: float, time: ArrayLike) -> Real:
 
     Raises
     ------
-    ValueError
+    InputError
         For an argument outside its range, NaN included.
     """
     most = math.pi - 1e-6
@@ -269,7 +270,7 @@ def bearing_forces(swing: Swing, angle: ArrayLike, speed: ArrayLike) -> tuple[Re
 
     Raises
     ------
-    ValueError
+    InputError
         For NaN or infinity.
     """
     phi, rate = checked(angle=(angle, -1e12, 1e12), speed=(speed, -1e12, 1e12))

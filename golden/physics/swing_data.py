@@ -20,6 +20,7 @@ import numpy as np
 from golden.cli import run, would
 from golden.domain import checked
 from golden.files import replace_file
+from golden.input_error import InputError
 from golden.networks.mlp import Real
 from golden.physics.conditioning import Conditioning, ReflectiveSensor
 from golden.physics.rig import Rig
@@ -93,7 +94,7 @@ def record(
 
     Raises
     ------
-    ValueError
+    InputError
         For an argument outside its range, or an angle that lifts a foot.
     """
     checked(angle=(angle, -60, 60), seed=(seed, 0, 2**63))
@@ -162,11 +163,11 @@ def write_recordings(
 
     Raises
     ------
-    ValueError
+    InputError
         See ``record``; also without an angle.
     """
     if not angles:
-        raise ValueError("angles: got none, expected at least one")
+        raise InputError("angles: got none, expected at least one")
     names = ["swing-train.csv", *(f"swing-test-{n}.csv" for n in range(1, len(angles)))]
     runs = [record(angle, seed + n, noise) for n, angle in enumerate(angles)]
     coding = Coding.of(runs[0])

@@ -31,7 +31,7 @@ class Wobble:
 
     Raises
     ------
-    ValueError
+    InputError
         For a value outside its range.
     """
 
@@ -53,7 +53,7 @@ class Wobble:
 
         Raises
         ------
-        ValueError
+        InputError
             For a time outside its range, NaN included.
         """
         (t,) = checked(time=(time, 0, 1e9))

@@ -16,8 +16,9 @@ from pathlib import Path
 
 import numpy as np
 
-from golden.cli import CommandError, naming, run, would
+from golden.cli import naming, run, would
 from golden.disturbance import MOST, Disturbance
+from golden.input_error import InputError
 from golden.networks.mlp import Real
 from golden.recalibration.choice import (
     MOST_PLACEMENTS,
@@ -61,12 +62,12 @@ def main() -> None:
     drift = _numbers("DRIFT", arguments.drift, 2)
     scene = load_scene(arguments.scene)
     if not scene.window.plain:
-        raise ValueError(
+        raise InputError(
             f"{scene.path}: data.window: got one that reaches {scene.window.past} frames back, "
             "expected none: placements are known one by one"
         )
     if len(scene.data_paths) > 1:
-        raise ValueError(
+        raise InputError(
             f"{scene.path}: data.recordings: got {len(scene.data_paths)}, expected data.file: the "
             "copy of a scene has one recording"
         )
@@ -83,7 +84,7 @@ def _numbers(name: str, text: str, count: int) -> list[float]:
 
     Raises
     ------
-    CommandError
+    InputError
     """
     if not text:
         return []
@@ -92,7 +93,7 @@ def _numbers(name: str, text: str, count: int) -> list[float]:
         if len(found) == count and all(0 <= one <= MOST for one in found):
             return found
     wanted = "a number" if count == 1 else f"{count} numbers with a comma between"
-    raise CommandError(f"{name}={text}: expected {wanted}, each from 0 to {MOST:g}")
+    raise InputError(f"{name}={text}: expected {wanted}, each from 0 to {MOST:g}")
 
 
 @dataclass(frozen=True)
@@ -108,14 +109,14 @@ def _drift(scene: Scene, given: list[float]) -> Expected:
 
     Raises
     ------
-    CommandError
+    InputError
         For none.
     """
     trained = scene.training.disturbance
     if given:
         found, source = Disturbance(gain=given[0], offset=given[1]), "DRIFT"
         if found.none:
-            raise CommandError("DRIFT=0,0: expected a gain or an offset above 0")
+            raise InputError("DRIFT=0,0: expected a gain or an offset above 0")
     elif trained.gain or trained.offset:
         found, source = trained, f"training.drift of {scene.path.name}"
     else:
@@ -206,7 +207,7 @@ def recalibrate(
         placements, place = grouped(rows, numbers_of(path, [*scene.sensors, *scene.outputs]))
     noise, told = _noise(scene, given, noise_of_repeats(rows, placements, place))
     if noise is None:
-        raise ValueError(
+        raise InputError(
             f"{path}: got {len(rows.codes)} readings of {len(placements)} placements, expected at "
             f"least {LEAST_FREE} repeats, from which the noise of a reading is estimated: a column "
             f"{COLUMN!r} says which rows are one; or give NOISE=, in the unit of the readings"
@@ -223,7 +224,7 @@ def recalibrate(
     tell_outlook(scene, recorded, ahead)
     _warn_unexplained(scene, placements, left)
     if refusal:
-        raise ValueError(f"{path}: nothing written: {refusal}")
+        raise InputError(f"{path}: nothing written: {refusal}")
     correction = recorded.correction(found.theta)
     story = {
         "recalibrated_from": scene.name,

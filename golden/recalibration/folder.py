@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from golden.files import check_writable, reading, replace_file, same_file
+from golden.input_error import InputError
 from golden.network_files.network_file import check_targets, provenance_path, save_networks
 from golden.networks.mlp import Mlp, Real
 from golden.scene import Scene
@@ -60,13 +61,13 @@ def scene_file(scene: Scene, target: str) -> Path:
 
     Raises
     ------
-    ValueError
+    InputError
         For the scene itself.
     """
     folder = Path(target) if target else Path("build") / scene.name / "recalibrated"
     path = folder if folder.suffix == ".toml" else folder / f"{scene.name}.toml"
     if same_file(path, scene.path) or same_file(path.parent, scene.path.parent):
-        raise ValueError(
+        raise InputError(
             f"TO={path}: got the folder of the scene itself, expected another: its networks would "
             "be replaced"
         )
@@ -90,7 +91,7 @@ def write_copy(
 
     Raises
     ------
-    CommandError, ValueError
+    InputError
         For what cannot be read or written.
     """
     weights = [path.parent / f"{p.stem}.npz" for p in scene.weights_paths]
@@ -145,7 +146,7 @@ def _scene_text(scene: Scene, data: str, weights: list[str]) -> str:
 
     Raises
     ------
-    ValueError
+    InputError
         When they cannot be found in it, written as they are.
     """
     text = scene.path.read_text(encoding="utf-8")
@@ -169,7 +170,7 @@ def _scene_text(scene: Scene, data: str, weights: list[str]) -> str:
     except tomllib.TOMLDecodeError:
         same = False
     if not same:
-        raise ValueError(
+        raise InputError(
             f"{scene.path}: got data.file or network.weights in a form that cannot be replaced, "
             'expected lines file = "..." and weights = "..." or a list'
         )

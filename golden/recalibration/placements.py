@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden.files import reading
+from golden.input_error import InputError
 from golden.networks.mlp import Real
 from golden.scene import Vectors
 from golden.table import read_table
@@ -95,7 +96,7 @@ def grouped(vectors: Vectors, numbers: Real | None) -> tuple[Placements, NDArray
 
     Raises
     ------
-    ValueError
+    InputError
         For outputs that differ at one placement.
     """
     if numbers is None:
@@ -107,7 +108,7 @@ def grouped(vectors: Vectors, numbers: Real | None) -> tuple[Placements, NDArray
     other = np.flatnonzero((vectors.targets != vectors.targets[rows[place]]).any(axis=1))
     if len(other):
         row = int(other[0])
-        raise ValueError(
+        raise InputError(
             f"column {COLUMN!r}: got {numbers[row]:g} in row {row + 1} with other outputs than in "
             f"row {rows[place[row]] + 1}, expected the same"
         )

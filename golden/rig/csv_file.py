@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden.files import check_file, reading
+from golden.input_error import InputError
 
 # What spreadsheets write between cells instead of a comma.
 FOREIGN = {";": "a semicolon", "\t": "a tab", "|": "a bar"}
@@ -89,9 +90,8 @@ def read_csv_file(path: Path) -> CsvFile:
 
     Raises
     ------
-    FileNotFoundError, CommandError
+    InputError
         When there is no such file, or it cannot be read.
-    ValueError
         For text that is not UTF-8, another separator than a comma, no rows, a header of numbers,
         a name that stands twice, or rows of another length than the header.
     """
@@ -102,19 +102,19 @@ def read_csv_file(path: Path) -> CsvFile:
     with reading(path, "CSV"):
         rows = [(reader.line_num, tuple(row)) for row in reader if any(map(str.strip, row))]
     if len(rows) < 2:
-        raise ValueError(f"{path}: got {len(rows)} lines, expected a header and at least one row")
+        raise InputError(f"{path}: got {len(rows)} lines, expected a header and at least one row")
     names = tuple(name.strip() for name in rows[0][1])
     if all(np.isfinite(_number(name)) for name in names):
-        raise ValueError(f"{path}: the first line holds numbers, expected the names of the columns")
+        raise InputError(f"{path}: the first line holds numbers, expected the names of the columns")
     for name in names:
         if name and names.count(name) > 1:
-            raise ValueError(f"{path}: column {name!r} stands twice in the header")
+            raise InputError(f"{path}: column {name!r} stands twice in the header")
     for line, row in rows[1:]:
         if len(row) != len(names):
             hint = ""
             if len(row) == 2 * len(names):
                 hint = "; is that a decimal comma? expected a decimal point, 0.5 and not 0,5"
-            raise ValueError(f"{path}:{line}: got {len(row)} cells, expected {len(names)}{hint}")
+            raise InputError(f"{path}:{line}: got {len(row)} cells, expected {len(names)}{hint}")
     return CsvFile(
         path, names, tuple(line for line, _ in rows[1:]), tuple(row for _, row in rows[1:])
     )
@@ -124,12 +124,12 @@ def _text(path: Path) -> str:
     with reading(path, "CSV"):
         data = path.read_bytes()
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        raise ValueError(f"{path}: got UTF-16, expected UTF-8; save it as 'CSV UTF-8'")
+        raise InputError(f"{path}: got UTF-16, expected UTF-8; save it as 'CSV UTF-8'")
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data[: error.start].count(b"\n") + 1
-        raise ValueError(
+        raise InputError(
             f"{path}:{line}: got byte 0x{data[error.start]:02x}, expected UTF-8; save it as "
             "'CSV UTF-8'"
         ) from None
@@ -147,13 +147,13 @@ def _refuse_separator(path: Path, text: str) -> None:
             got = f"{name} between the cells" + (" and decimal commas" if decimal else "")
             change, into = (f"{sign},", ",.") if decimal else (sign, ",")
             shown = change.replace("\t", "\\t")
-            raise ValueError(
+            raise InputError(
                 f"{path}: got {got}, expected a comma{' and decimal points' if decimal else ''}; "
                 f"tr '{shown}' '{into}' < {shlex.quote(str(path))} > comma.csv makes it so"
             )
     words = header.split()
     if len(words) > 1 and any(len(line.split()) == len(words) for line in text.splitlines()[1:2]):
-        raise ValueError(f"{path}: got blanks between the cells, expected a comma")
+        raise InputError(f"{path}: got blanks between the cells, expected a comma")
 
 
 def _number(text: str) -> float:

@@ -6,7 +6,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from golden.cli import BETWEEN, is_complaint
+from golden.cli import BETWEEN
+from golden.input_error import InputError
 
 OK, NOTE, WARNING, FAULT = "ok", "note", "warning", "fault"
 
@@ -44,9 +45,7 @@ def told(findings: list[Finding]) -> Iterator[None]:
     """A complaint from the block becomes one of the findings; one of several faults that many."""
     try:
         yield
-    except Exception as error:
-        if not is_complaint(error):
-            raise
+    except InputError as error:
         findings.extend(map(fault, str(error).split(BETWEEN)))
 
 
@@ -60,11 +59,11 @@ def refuse(findings: Sequence[Finding]) -> None:
 
     Raises
     ------
-    ValueError
+    InputError
     """
     found = faults(findings)
     if found:
-        raise ValueError(BETWEEN.join(found))
+        raise InputError(BETWEEN.join(found))
 
 
 def several(names: Sequence[str], most: int = 5) -> str:

@@ -13,6 +13,7 @@ import numpy as np
 
 from golden.cli import run, would
 from golden.files import check_writable, replace_file, same_file
+from golden.input_error import InputError
 from golden.networks.mlp import Real
 from golden.precision import SIGNAL
 from golden.rig.csv_file import CsvFile, read_csv_file
@@ -48,7 +49,7 @@ def readings_of(scene: Scene, recording: CsvFile) -> Real:
 
     Raises
     ------
-    ValueError
+    InputError
         For columns that are missing or hold anything but numbers; all of them are told.
     """
     found = []
@@ -83,13 +84,13 @@ def write_prediction(scene: Scene, recording: CsvFile, found: Prediction, path: 
 
     Raises
     ------
-    ValueError
+    InputError
         When the recording has a column of such a name.
     """
     added = [*(f"{name}_predicted" for name in scene.outputs), DISTANCE, OUTSIDE, REASON]
     for name in added:
         if name in recording.names:
-            raise ValueError(f"{recording.path}: column {name!r} is there already; rename it")
+            raise InputError(f"{recording.path}: column {name!r} is there already; rename it")
     places = [decimals(scale.factor) for scale in scene.scales(scene.outputs)]
     with replace_file(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
@@ -115,10 +116,10 @@ def check_place(scene: Scene, source: Path, path: Path) -> None:
 
     Raises
     ------
-    CommandError, ValueError
+    InputError
     """
     if any(same_file(path, file) for file in [source, *scene.files]):
-        raise ValueError(f"TO={path}: is read, expected another file")
+        raise InputError(f"TO={path}: is read, expected another file")
     check_writable([path])
 
 
@@ -130,7 +131,7 @@ def main() -> None:
     arguments = parser.parse_args()
     for key, given in (("CSV", arguments.csv), ("TO", arguments.to)):
         if not given:
-            raise ValueError(f"{key}=: missing, expected a .csv file")
+            raise InputError(f"{key}=: missing, expected a .csv file")
     scene = load_scene(arguments.scene)
     source, path = Path(arguments.csv), Path(arguments.to)
     check_place(scene, source, path)
@@ -138,7 +139,7 @@ def main() -> None:
     readings = readings_of(scene, recording)
     past = scene.window.past
     if len(readings) <= past:
-        raise ValueError(
+        raise InputError(
             f"{source}: got {len(readings)} rows, expected more than the {past} that data.window "
             f"of {scene.path} reaches back"
         )

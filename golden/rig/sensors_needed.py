@@ -15,6 +15,7 @@ from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
 from golden.disturbance import Disturbance
+from golden.input_error import InputError
 from golden.networks.mlp import Real, tanh
 from golden.scene import Scene
 from golden.scene.scale import Scale, range_scale, readings, signals
@@ -55,12 +56,12 @@ class Recording:
 
         Raises
         ------
-        ValueError
+        InputError
             For no sensor, or a name that none has.
         """
         unknown = [name for name in kept if name not in self.sensors]
         if unknown or not kept:
-            raise ValueError(
+            raise InputError(
                 f"kept: got {', '.join(unknown) or 'no sensor'}, expected some of "
                 f"{', '.join(self.names)}"
             )
@@ -170,7 +171,7 @@ def held_out(
 
     Raises
     ------
-    ValueError
+    InputError
         For no sensor, or a name that none has.
     """
     columns = recording.columns(kept)

@@ -132,7 +132,7 @@ def telling_of(scene: Scene) -> Telling | None:
 
     Raises
     ------
-    ValueError
+    InputError
         See ``split_of`` and ``Scene.vectors``.
     """
     split = split_of(scene)

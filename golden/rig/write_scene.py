@@ -10,6 +10,7 @@ from pathlib import Path
 
 from golden.cli import run, would
 from golden.files import check_file, check_writable, replace_file
+from golden.input_error import InputError
 from golden.network_files.network_file import provenance_path
 from golden.rig import sensors_tell
 from golden.rig.csv_file import read_csv_file
@@ -25,7 +26,7 @@ def names_of(text: str) -> list[str]:
     try:
         return [name.strip() for name in next(csv.reader([text], skipinitialspace=True), [])]
     except csv.Error as error:
-        raise ValueError(f"OUTPUTS={text!r}: got no names between commas: {error}") from None
+        raise InputError(f"OUTPUTS={text!r}: got no names between commas: {error}") from None
 
 
 def check_sensors(found: Survey, hardware: Scene) -> None:
@@ -33,7 +34,7 @@ def check_sensors(found: Survey, hardware: Scene) -> None:
 
     Raises
     ------
-    ValueError
+    InputError
     """
     got = tuple(found.sensors)
     if got != hardware.sensors:
@@ -42,7 +43,7 @@ def check_sensors(found: Survey, hardware: Scene) -> None:
             for name in hardware.sensors
             if name in found.left_out
         )
-        raise ValueError(
+        raise InputError(
             f"{found.recording.path}: got the sensors {', '.join(got)}, expected "
             f"{', '.join(hardware.sensors)}, as {hardware.path} reads them{why}"
         )
@@ -60,7 +61,7 @@ def write_scene(found: Survey, path: Path, hardware: Scene | None = None) -> Sce
 
     Raises
     ------
-    ValueError
+    InputError
         When the file, or a network that it would name, is there already.
     """
     with replace_file(path) as temporary:
@@ -70,7 +71,7 @@ def write_scene(found: Survey, path: Path, hardware: Scene | None = None) -> Sce
         files = [path, *scene.weights_paths, *map(provenance_path, scene.weights_paths)]
         for file in files:
             if file.exists() or file.is_symlink():
-                raise ValueError(f"{file}: is there already; choose another name with TO=")
+                raise InputError(f"{file}: is there already; choose another name with TO=")
     return load_scene(str(path))
 
 
@@ -82,14 +83,14 @@ def main() -> None:
     parser.add_argument("--to", type=Path, help="the scene; beside the CSV and named as it")
     arguments = parser.parse_args()
     if not arguments.csv:
-        raise ValueError("CSV=: missing, expected a file of readings")
+        raise InputError("CSV=: missing, expected a file of readings")
     check_file(Path(arguments.csv))
     path: Path = arguments.to or Path(arguments.csv).with_suffix(".toml")
     if path.suffix != ".toml":
-        raise ValueError(f"TO={path}: got the ending {path.suffix!r}, expected .toml")
+        raise InputError(f"TO={path}: got the ending {path.suffix!r}, expected .toml")
     check_writable([path])
     if path.exists():
-        raise ValueError(f"{path}: is there already; choose another name with TO=")
+        raise InputError(f"{path}: is there already; choose another name with TO=")
     recording = read_csv_file(Path(arguments.csv))
     found = survey(recording, names_of(arguments.outputs))
     print(f"{recording.path}: {len(recording.rows)} rows, {len(recording.names)} columns")

@@ -7,6 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from golden.cli import naming
+from golden.input_error import InputError
 from golden.instruments.converter_instrument import ConverterInstrument
 from golden.instruments.instrument import Instrument
 from golden.instruments.readout import Readout
@@ -30,7 +31,7 @@ def build_twin(scene: Scene, lean: bool) -> Network:
 
     Raises
     ------
-    FileNotFoundError, ValueError
+    InputError
         See ``load_network`` and ``constants_of``; also for a front end that cannot make the
         network's frames.
     """
@@ -38,7 +39,7 @@ def build_twin(scene: Scene, lean: bool) -> Network:
     mlps, build = scene.mlps(), partial(scene.build, lean=lean)
     try:
         network = _of_several(scene, design, lean) or arrange(scene.arrangement, mlps, build)
-    except ValueError:
+    except InputError:
         # What is wrong with one network alone is told of its file.
         for member, mlp in zip(scene.members, mlps, strict=True):
             with naming(member.weights_path):
@@ -84,7 +85,7 @@ def _of_several(scene: Scene, design: type[Design], lean: bool) -> Network | Non
         activation_options=scene.activation_options,
     )
     if scene.front_end and "clocks" in design.options and "clocks" not in options:
-        with suppress(ValueError):
+        with suppress(InputError):
             within = options | {"clocks": scene.front_end.clocks_left(scene.window)}
             return build(hardware=within)
     return build(hardware=options)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from golden.input_error import InputError
 from golden.networks.mlp import Real
 from golden.scene.scale import AUTO, Scale
 from golden.scene.vectors import MOST_OUTSIDE, read_recorded
@@ -44,9 +45,9 @@ def converter_scales(scene: Scene) -> dict[str, Scale]:
 
     Raises
     ------
-    FileNotFoundError
+    MissingFileError
         See ``read_recorded``.
-    ValueError
+    InputError
         When a scale that the scene writes is not the converter's, or when the readings are neither
         signals nor codes of it.
     """
@@ -65,7 +66,7 @@ def converter_scales(scene: Scene) -> dict[str, Scale]:
         expected, why = _unit(scene, part, AUTO if AUTO in written.values() else "none", codes)
     for name, scale in given.items():
         if scale != expected:
-            raise ValueError(
+            raise InputError(
                 f"{scene.path}: data.scale.{name}: got {_text(scale)}, expected "
                 f"{_text(expected)} for each sensor, or none: {why}"
             )
@@ -101,7 +102,7 @@ def _unit(scene: Scene, part: ConverterPart, got: str, codes: bool) -> tuple[Sca
     if (outside.mean(axis=0) <= MOST_OUTSIDE).all():
         return SIGNALS, f"the readings are signals of -1 to 1{other}"
     means = f"; means of codes take {_text(scale)} for each sensor" if within else ""
-    raise ValueError(
+    raise InputError(
         f"{scene.path}: data.scale: got {got} for readings of {readings.min():g} to "
         f"{readings.max():g} in {scene.data_text}, expected signals of -1 to 1, or {text}, whole "
         f"numbers{means}{other}"

@@ -8,6 +8,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from golden.input_error import InputError
 from golden.networks.network import Network
 from golden.precision import SIGNAL
 from golden.scene.scale import LARGEST
@@ -85,7 +86,7 @@ class FrontEnd:
 
         Raises
         ------
-        ValueError
+        InputError
             When the counter is too narrow for the frame, or the slot too short for ``sample_at``.
         """
         return self._sequencer(network.inputs, network.input_controller.inputs)
@@ -95,7 +96,7 @@ class FrontEnd:
 
         Raises
         ------
-        ValueError
+        InputError
             When the counter is too narrow for the part, or the part has not as many channels.
         """
         return ConverterReader(
@@ -116,7 +117,7 @@ class FrontEnd:
 
         Raises
         ------
-        ValueError
+        InputError
             As ``scan_sequencer``.
         """
         if not window.plain:
@@ -146,33 +147,33 @@ def front_end(values: dict[str, Any], clock_mhz: float, path: Path) -> FrontEnd:
 
     Raises
     ------
-    ValueError
+    InputError
         For a counter outside 1 to 24 bits, a ``sample_at`` outside its slot or with a converter
         that has its own time, a reference without a converter or below 0, or a rate that leaves no
         time for the slots or that no counter reaches.
     """
     if not 1 <= values["counter_width"] <= 24:
-        raise ValueError(
+        raise InputError(
             f"{path}: front_end.counter_width: got {values['counter_width']}, expected 1 to 24"
         )
     if not 0 < values["sample_at"] < 1:
-        raise ValueError(
+        raise InputError(
             f"{path}: front_end.sample_at: got {values['sample_at']}, expected above 0 and below 1"
         )
     own = KEYS["sample_at"][1]
     if values["converter"] and values["sample_at"] != own:
-        raise ValueError(
+        raise InputError(
             f"{path}: front_end.sample_at: got {values['sample_at']} with converter "
             f"{values['converter']!r}, expected none: the part takes its samples when it is asked"
         )
     reference = values["reference"]
     if not 0 <= reference < LARGEST:
-        raise ValueError(
+        raise InputError(
             f"{path}: front_end.reference: got {reference:g}, expected a number above 0: what the "
             "converter's reference is in the unit of the readings"
         )
     if reference and not values["converter"]:
-        raise ValueError(
+        raise InputError(
             f"{path}: front_end.reference: got {reference:g} without a converter, expected none"
         )
     found = FrontEnd(**values, clock_mhz=clock_mhz)
@@ -180,7 +181,7 @@ def front_end(values: dict[str, Any], clock_mhz: float, path: Path) -> FrontEnd:
     low, high = (_hertz(clock_mhz) / clocks for clocks in (MOST_SCAN_CLOCKS, shortest))
     if found.rate_hz and not low <= found.rate_hz <= high:
         ends = f"{_six_digits(low, ROUND_CEILING)} to {_six_digits(high, ROUND_FLOOR)}"
-        raise ValueError(
+        raise InputError(
             f"{path}: front_end.rate_hz: got {found.rate_hz:g}, expected {ends}, with a scan of "
             f"{shortest} clocks (counter_width {found.counter_width}) of {clock_mhz:g} MHz; or 0"
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from golden.engine.image import Image
+from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.scene.scene import Scene
 
@@ -19,14 +20,14 @@ def scene_image(scene: Scene, hardware: Engine) -> Image:
 
     Raises
     ------
-    FileNotFoundError, ValueError
+    InputError
         See ``load_network``; also for past samples, for an arithmetic that the engine has not, and
         for an image that does not fit.
     """
     if hardware.loaded is None:
-        raise ValueError(f"{hardware.entity}: hardware.reload: got false, expected true")
+        raise InputError(f"{hardware.entity}: hardware.reload: got false, expected true")
     if not scene.window.plain:
-        raise ValueError(
+        raise InputError(
             f"{scene.path}: data.window: got past samples, expected none for an image: what keeps "
             "the past is no part of it"
         )
@@ -35,7 +36,7 @@ def scene_image(scene: Scene, hardware: Engine) -> Image:
         ("activation", scene.activation, Engine.known_activations),
     ):
         if got not in known:
-            raise ValueError(
+            raise InputError(
                 f"{scene.path}: hardware.{key}: got {got!r}, expected {' or '.join(known)} for an "
                 "image"
             )
@@ -49,7 +50,7 @@ def scene_image(scene: Scene, hardware: Engine) -> Image:
     }
     try:
         made = Engine.of_several(scene.arrangement, scene.mlps(), hardware=options)
-    except ValueError as error:
-        raise ValueError(f"{scene.path}: {error}") from None
+    except InputError as error:
+        raise InputError(f"{scene.path}: {error}") from None
     assert made.loaded is not None, "an engine with reload holds an image"
     return made.loaded

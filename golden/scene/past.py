@@ -8,6 +8,7 @@ from os.path import normpath
 from pathlib import Path
 from typing import Any
 
+from golden.input_error import InputError
 from golden.networks.designs import DESIGNS
 from golden.table import suggest
 from golden.window import Window
@@ -23,7 +24,7 @@ def read_window(data: dict[str, Any], path: Path) -> Window:
 
     Raises
     ------
-    ValueError
+    InputError
         For an unknown sensor, and delays that are no ascending whole numbers from 0.
     """
     given, sensors = data["window"], data["sensors"]
@@ -31,7 +32,7 @@ def read_window(data: dict[str, Any], path: Path) -> Window:
         return Window((_delays(given, f"{path}: data.window"),) * len(sensors))
     for name in given:
         if name not in sensors:
-            raise ValueError(
+            raise InputError(
                 f"{path}: data.window: {name!r} is no sensor, expected one of "
                 f"{', '.join(sensors)}{suggest(name, sensors)}"
             )
@@ -44,12 +45,12 @@ def _delays(given: Any, place: str) -> tuple[int, ...]:
     """The delays of one sensor."""
     text = f"{place}: got {given!r}, expected"
     if not isinstance(given, list) or not given or any(type(d) is not int for d in given):
-        raise ValueError(f"{text} whole numbers of frames, such as [0, 4, 8]")
+        raise InputError(f"{text} whole numbers of frames, such as [0, 4, 8]")
     for delay in given:
         if not 0 <= delay <= MOST_PAST:
-            raise ValueError(f"{text} delays from 0 to {MOST_PAST}")
+            raise InputError(f"{text} delays from 0 to {MOST_PAST}")
     if any(a >= b for a, b in pairwise(given)):
-        raise ValueError(f"{text} ascending delays, each once")
+        raise InputError(f"{text} ascending delays, each once")
     return tuple(given)
 
 
@@ -75,7 +76,7 @@ def check_window(values: dict[str, dict[str, Any]], window: Window, path: Path) 
 
     Raises
     ------
-    ValueError
+    InputError
         For hardware that cannot, for rows that are left out, for rows or blocks that share their
         samples with those of another part of the split, and for columns of one name.
     """
@@ -85,34 +86,34 @@ def check_window(values: dict[str, dict[str, Any]], window: Window, path: Path) 
     taps = zip(tap_names(window, data["sensors"]), window.taps, strict=True)
     columns = [*data["sensors"], *data["outputs"]]
     for name in (name for name, tap in taps if tap.delay and name in columns):
-        raise ValueError(
+        raise InputError(
             f"{path}: data.window: {name!r} is a column and a past sample too, expected a column "
             "of another name"
         )
     design = DESIGNS[values["hardware"]["design"]]
     if design.stream != "serial":
         serial = " or ".join(name for name, other in DESIGNS.items() if other.stream == "serial")
-        raise ValueError(
+        raise InputError(
             f"{path}: hardware.design: got {design.block!r} with a data.window, expected {serial}, "
             "which take a stream of samples"
         )
     if values["hardware"]["reload"]:
-        raise ValueError(
+        raise InputError(
             f"{path}: hardware.reload: got true with a data.window, expected false: what keeps the "
             "past is no part of an image"
         )
     if data["where"]:
-        raise ValueError(
+        raise InputError(
             f"{path}: data.where: got {data['where']!r} with a data.window, expected none: rows "
             "that are left out are missing in the past of others; give data.recordings"
         )
     if training["split"] == "random":
-        raise ValueError(
+        raise InputError(
             f"{path}: training.split: got 'random' with a data.window, expected 'blocks' or "
             "'groups': rows beside each other share their samples"
         )
     if training["split"] == "blocks" and training["block_rows"] <= window.past:
-        raise ValueError(
+        raise InputError(
             f"{path}: training.block_rows: got {training['block_rows']} with a data.window that "
             f"reaches {window.past} frames back, expected more: the first {window.past} rows of a "
             "block share samples with the block before, and are left out"
@@ -126,19 +127,19 @@ def recordings(data: dict[str, Any], path: Path) -> list[str]:
 
     Raises
     ------
-    ValueError
+    InputError
         For both or none, and for what are no different names.
     """
     file, several = data.get("file"), data.get("recordings")
     if file is None and several is None:
-        raise ValueError(
+        raise InputError(
             f"{path}: data.file: missing, expected text, the name of a file, or several in "
             "data.recordings"
         )
     if several is None and file is not None:
         return [str(file)]
     if file is not None:
-        raise ValueError(
+        raise InputError(
             f"{path}: data.recordings: got {several!r} beside data.file, expected one of both keys"
         )
     if (
@@ -146,7 +147,7 @@ def recordings(data: dict[str, Any], path: Path) -> list[str]:
         or any(type(n) is not str for n in several)
         or len({*map(normpath, several)}) < len(several)
     ):
-        raise ValueError(
+        raise InputError(
             f"{path}: data.recordings: got {several!r}, expected names of files, each once"
         )
     return list(several)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from golden.files import check_file, reading
+from golden.input_error import MissingFileError
 from golden.precision import PRECISIONS
 from golden.rig.finding import Finding, refuse, told
 from golden.scene.front_end import front_end
@@ -54,9 +55,8 @@ def load_scene(name: str) -> Scene:
 
     Raises
     ------
-    FileNotFoundError, CommandError
+    InputError
         For an unknown scene; the message lists those there are. For one that cannot be read.
-    ValueError
         For faults in the file; of each the message names file, key, what was got and what was
         expected.
     """
@@ -68,7 +68,7 @@ def load_scene(name: str) -> Scene:
             raise FileNotFoundError
         check_file(path)
     except FileNotFoundError:
-        raise FileNotFoundError(
+        raise MissingFileError(
             f"scene {name!r}: no such scene, expected a path to a .toml file or one of "
             f"{', '.join(known)}{suggest(name, known)}"
         ) from None
@@ -127,7 +127,7 @@ def _parts(values: dict[str, dict[str, Any]], path: Path) -> dict[str, Any]:
 
     Raises
     ------
-    ValueError
+    InputError
         For all faults of all of them.
     """
     data, hardware = values["data"], values["hardware"]

@@ -7,6 +7,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from golden.input_error import InputError
+
 NUMBERS = Path(__file__).parents[1] / "data" / "thesis_numbers.toml"
 
 
@@ -28,12 +30,12 @@ def thesis_figures(key: str, outputs: int, path: Path) -> list[float]:
 
     Raises
     ------
-    ValueError
+    InputError
         When golden/data/thesis_numbers.toml has no such table, or another number of figures.
     """
     figures = thesis_table(key).get("simulation")
     if figures is None or len(figures) != outputs:
-        raise ValueError(
+        raise InputError(
             f"{path}: data.reference: got {key!r}, expected a table of thesis_numbers.toml with "
             f"{outputs} simulation figures, such as digit.hybrid"
         )

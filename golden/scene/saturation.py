@@ -23,7 +23,7 @@ def saturating(scene: Scene) -> list[str]:
 
     Raises
     ------
-    FileNotFoundError, ValueError
+    InputError
         See ``mlps`` and ``vectors`` of ``Scene``.
     """
     vectors = scene.vectors()

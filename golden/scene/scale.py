@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from golden.input_error import InputError
 from golden.networks.mlp import Mlp, Real, shifted
 from golden.table import suggest
 
@@ -73,7 +74,7 @@ def on_signals(mlp: Mlp, inputs: Sequence[Scale], outputs: Sequence[Scale]) -> M
 
     Raises
     ------
-    ValueError
+    InputError
         When a weight is too large for a float.
     """
     into, out = _arrays(inputs), _arrays(outputs)
@@ -104,15 +105,15 @@ def range_scale(column: Real) -> Scale:
 
     Raises
     ------
-    ValueError
+    InputError
         When the readings do not differ, or are too large to subtract.
     """
     low, high = float(column.min()), float(column.max())
     half = high / 2 - low / 2
     if not half > 0:
-        raise ValueError(f"got {low:g} in every row, expected readings that differ")
+        raise InputError(f"got {low:g} in every row, expected readings that differ")
     if not half < LARGEST:
-        raise ValueError(f"got {low:g} to {high:g}, expected a range below {2 * LARGEST:g}")
+        raise InputError(f"got {low:g} to {high:g}, expected a range below {2 * LARGEST:g}")
     text = f"{half * (1 + 2 * BEYOND):.2e}"
     return Scale(round(low + half, 2 - int(text.split("e")[1])), float(text))
 
@@ -122,13 +123,13 @@ def read_scale(data: dict[str, Any], path: Path) -> dict[str, Scale | str]:
 
     Raises
     ------
-    ValueError
+    InputError
         For another column than a sensor or an output, or what is no scale.
     """
     given, columns = data["scale"], [*data["sensors"], *data["outputs"]]
     if isinstance(given, str):
         if given != AUTO:
-            raise ValueError(
+            raise InputError(
                 f"{path}: data.scale: got {given!r}, expected 'auto' or a table of columns"
             )
         return dict.fromkeys(columns, AUTO)
@@ -140,14 +141,14 @@ def read_scale(data: dict[str, Any], path: Path) -> dict[str, Scale | str]:
             found[name] = AUTO
             continue
         if not isinstance(value, dict) or not {"factor"} <= set(value) <= {"offset", "factor"}:
-            raise ValueError(
+            raise InputError(
                 f"{place}: got {value!r}, expected 'auto' or {{ offset = , factor = }}"
             )
         for key, number in value.items():
             if type(number) not in (int, float) or not math.isfinite(number):
-                raise ValueError(f"{place}.{key}: got {number!r}, expected a number")
+                raise InputError(f"{place}.{key}: got {number!r}, expected a number")
         if value["factor"] <= 0:
-            raise ValueError(f"{place}.factor: got {value['factor']!r}, expected above 0")
+            raise InputError(f"{place}.factor: got {value['factor']!r}, expected above 0")
         found[name] = Scale(float(value.get("offset", 0)), float(value["factor"]))
     return found
 
@@ -157,10 +158,10 @@ def refuse_other_column(key: str, name: str, columns: Sequence[str], path: Path)
 
     Raises
     ------
-    ValueError
+    InputError
     """
     if name not in columns:
-        raise ValueError(
+        raise InputError(
             f"{path}: data.{key}: {name!r} is no sensor and no output, expected one of "
             f"{', '.join(columns)}{suggest(name, columns)}"
         )

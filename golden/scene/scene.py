@@ -166,7 +166,7 @@ class Scene:
 
         Raises
         ------
-        FileNotFoundError, ValueError
+        InputError
             See ``load_network`` and ``trained_scales``.
         """
         return self._mlps

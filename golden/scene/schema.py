@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from golden.activation.schemes import SCHEMES
+from golden.input_error import InputError
 from golden.networks.arrangement import ARRANGEMENTS
 from golden.networks.designs import DESIGNS
 from golden.precision import PRECISIONS
@@ -110,13 +111,13 @@ def check_names(raw: dict[str, Any], path: Path) -> None:
 
     Raises
     ------
-    ValueError
+    InputError
     """
     refuse_unknown(raw, KEYS, f"{path}: section")
     _refuse_long(raw, f"{path}: ")
     for section, given in raw.items():
         if not isinstance(given, dict):
-            raise ValueError(f"{path}: {section}: got {given!r}, expected a section")
+            raise InputError(f"{path}: {section}: got {given!r}, expected a section")
         refuse_unknown(given, KEYS[section], f"{path}: {section}: key")
 
 
@@ -125,7 +126,7 @@ def checked(raw: dict[str, Any], path: Path) -> dict[str, dict[str, Any]]:
 
     Raises
     ------
-    ValueError
+    InputError
         For all keys that are missing or hold what they cannot.
     """
     found: list[Finding] = []
@@ -146,18 +147,18 @@ def _value(given: dict[str, Any], section: str, key: str, path: Path) -> Any:
     kind, default = KEYS[section][key]
     value = given.get(key, default)
     if value is None:
-        raise ValueError(f"{path}: {section}.{key}: missing, expected {_kind(kind)}")
+        raise InputError(f"{path}: {section}.{key}: missing, expected {_kind(kind)}")
     if kind is float and type(value) is int:
         value = float(value)
     if not _is(value, kind):
-        raise ValueError(f"{path}: {section}.{key}: got {value!r}, expected {_kind(kind)}")
+        raise InputError(f"{path}: {section}.{key}: got {value!r}, expected {_kind(kind)}")
     if (section, key) in NOT_ZERO and key in given and value == 0:
-        raise ValueError(
+        raise InputError(
             f"{path}: {section}.{key}: got {value:g}, expected a number above 0, or no such key"
         )
     choices = CHOICES.get((section, key))
     if choices and key in given and value not in choices:
-        raise ValueError(
+        raise InputError(
             f"{path}: {section}.{key}: got {value!r}, expected one of "
             f"{', '.join(choices)}{suggest(str(value), choices)}"
         )
@@ -173,7 +174,7 @@ def _refuse_long(value: Any, place: str) -> None:
         for inner in value:
             _refuse_long(inner, place)
     elif isinstance(value, int) and not -(1 << 63) <= value < 1 << 63:
-        raise ValueError(f"{place}: got a number of {value.bit_length()} bits, expected 64 at most")
+        raise InputError(f"{place}: got a number of {value.bit_length()} bits, expected 64 at most")
 
 
 def _is(value: Any, kind: Any) -> bool:

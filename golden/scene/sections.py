@@ -11,6 +11,7 @@ from typing import Any
 from golden.activation.schemes import SCHEMES
 from golden.disturbance import MOST, Disturbance
 from golden.files import same_file
+from golden.input_error import InputError
 from golden.network_files.network_file import load_network
 from golden.networks.designs import DESIGNS
 from golden.networks.mlp import Mlp
@@ -81,7 +82,7 @@ class Member:
 
         Raises
         ------
-        FileNotFoundError, ValueError
+        InputError
             See ``load_network``.
         """
         return load_network(self.weights_path, (self.inputs, self.hidden, len(self.outputs)))
@@ -92,11 +93,11 @@ def beside(path: Path, key: str, name: str) -> Path:
 
     Raises
     ------
-    ValueError
+    InputError
         For a name that no file has.
     """
     if not name or not name.isprintable():
-        raise ValueError(f"{path}: {key}: got {name!r}, expected the name of a file")
+        raise InputError(f"{path}: {key}: got {name!r}, expected the name of a file")
     return Path(os.path.normpath(path.parent / name))
 
 
@@ -105,16 +106,16 @@ def check_data(data: dict[str, Any], path: Path) -> None:
 
     Raises
     ------
-    ValueError
+    InputError
     """
     for key in ("sensors", "outputs"):
         names = data[key]
         text = all(type(n) is str and n for n in names)
         if not names or not text or len(set(names)) < len(names):
-            raise ValueError(f"{path}: data.{key}: got {names!r}, expected column names, each once")
+            raise InputError(f"{path}: data.{key}: got {names!r}, expected column names, each once")
     both = [name for name in data["outputs"] if name in data["sensors"]]
     if both:
-        raise ValueError(
+        raise InputError(
             f"{path}: data.outputs: got {both[0]!r}, a sensor, expected columns that data.sensors "
             "does not have"
         )
@@ -122,21 +123,21 @@ def check_data(data: dict[str, Any], path: Path) -> None:
         for name, scale in data[key].items():
             if name not in known:
                 what = "output" if key == "full_scale" else "output with a full_scale"
-                raise ValueError(
+                raise InputError(
                     f"{path}: data.{key}: {name!r} is no {what}, expected one of "
                     f"{', '.join(known)}{suggest(name, known)}"
                 )
             if type(scale) not in (int, float) or not 0 < scale < math.inf:
-                raise ValueError(
+                raise InputError(
                     f"{path}: data.{key}.{name}: got {scale!r}, expected a number above 0"
                 )
     for name, value in data["where"].items():
         if type(value) not in (int, float) or not math.isfinite(value):
-            raise ValueError(f"{path}: data.where.{name}: got {value!r}, expected a number")
+            raise InputError(f"{path}: data.where.{name}: got {value!r}, expected a number")
     for name, unit in data["units"].items():
         refuse_other_column("units", name, [*data["sensors"], *data["outputs"]], path)
         if type(unit) is not str or not unit.isprintable():
-            raise ValueError(f"{path}: data.units.{name}: got {unit!r}, expected text, such as 'g'")
+            raise InputError(f"{path}: data.units.{name}: got {unit!r}, expected text, such as 'g'")
     if data["reference"]:
         thesis_figures(data["reference"], len(data["outputs"]), path)
 
@@ -146,12 +147,12 @@ def training(values: dict[str, Any], path: Path) -> Training:
 
     Raises
     ------
-    ValueError
+    InputError
         For a number that cannot be.
     """
     span = values["hidden"]
     if [type(n) for n in span] != [int, int] or not 1 <= span[0] <= span[1] <= MOST_HIDDEN:
-        raise ValueError(
+        raise InputError(
             f"{path}: training.hidden: got {span!r}, expected the least and the largest number of "
             f"hidden nodes, such as [4, 25], {MOST_HIDDEN} at most"
         )
@@ -160,12 +161,12 @@ def training(values: dict[str, Any], path: Path) -> Training:
         most = limits.get(key, math.inf)
         if not 0 < values[key] <= most:
             limit = f" and {most} at most" if most < math.inf else ""
-            raise ValueError(
+            raise InputError(
                 f"{path}: training.{key}: got {values[key]!r}, expected above 0{limit}"
             )
     for key in ("weight_decay", "seed"):
         if not 0 <= values[key] < math.inf:
-            raise ValueError(f"{path}: training.{key}: got {values[key]!r}, expected 0 or more")
+            raise InputError(f"{path}: training.{key}: got {values[key]!r}, expected 0 or more")
     kept = {key: values[key] for key in values if key not in ("noise", "drift")}
     read = {
         "hidden": (span[0], span[1]),
@@ -180,33 +181,33 @@ def check_digits(values: dict[str, dict[str, Any]], path: Path) -> None:
 
     Raises
     ------
-    ValueError
+    InputError
     """
     digits, tolerance = (values["training"][key] for key in ("digits", "digits_tolerance"))
     place, fewest = f"{path}: training.digits", digits == FEWEST
     if isinstance(digits, str) and not fewest:
-        raise ValueError(
+        raise InputError(
             f"{place}: got {digits!r}, expected a whole number or 'fewest'"
             f"{suggest(digits, [FEWEST])}"
         )
     if not 0 <= tolerance < math.inf:
-        raise ValueError(f"{place}_tolerance: got {tolerance!r}, expected 0 or more")
+        raise InputError(f"{place}_tolerance: got {tolerance!r}, expected 0 or more")
     if tolerance != DIGITS_TOLERANCE and not fewest:
-        raise ValueError(
+        raise InputError(
             f"{place}_tolerance: got {tolerance!r} with digits {digits!r}, expected digits 'fewest'"
         )
     if digits == 0:
         return
     precision = values["hardware"]["precision"]
     if PRECISIONS[precision].normalise:
-        raise ValueError(
+        raise InputError(
             f"{place}: got {digits!r} with precision {precision!r}, which gives normalised weights "
             "digits of their own, expected 'exact'"
         )
     single = values["network"]["arrangement"] == "single"
     outputs = len(values["data"]["outputs"]) if single else 1
     if not fewest and digits <= outputs:
-        raise ValueError(
+        raise InputError(
             f"{place}: got {digits}, expected at least {outputs + 1}: one for each output of a "
             "network and one for a hidden node"
         )
@@ -216,14 +217,14 @@ def _split_by(values: dict[str, Any], path: Path) -> tuple[str, ...]:
     """The columns of ``training.split_by``."""
     names, split = values["split_by"], values["split"]
     if any(type(n) is not str for n in names) or len(set(names)) < len(names):
-        raise ValueError(f"{path}: training.split_by: got {names!r}, expected columns, each once")
+        raise InputError(f"{path}: training.split_by: got {names!r}, expected columns, each once")
     if names and split == "random":
-        raise ValueError(
+        raise InputError(
             f"{path}: training.split_by: got {names!r} with split 'random', expected 'blocks' or "
             "'groups'"
         )
     if split == "groups" and not names:
-        raise ValueError(
+        raise InputError(
             f"{path}: training.split_by: got none with split 'groups', expected the columns whose "
             "values are held out together"
         )
@@ -235,14 +236,14 @@ def _disturbance(values: dict[str, Any], path: Path) -> Disturbance:
     drift = values["drift"]
     for name in drift:
         if name not in DRIFTS:
-            raise ValueError(
+            raise InputError(
                 f"{path}: training.drift: {name!r} is not known, expected {' or '.join(DRIFTS)}"
                 f"{suggest(name, DRIFTS)}"
             )
     sizes = {"noise": values["noise"]} | {f"drift.{name}": drift[name] for name in drift}
     for key, size in sizes.items():
         if type(size) not in (int, float) or not 0 <= size <= MOST:
-            raise ValueError(
+            raise InputError(
                 f"{path}: training.{key}: got {size!r}, expected a number from 0 to {MOST:g}"
             )
     return Disturbance(values["noise"], **{name: float(size) for name, size in drift.items()})
@@ -253,29 +254,29 @@ def check_hardware(values: dict[str, dict[str, Any]], path: Path) -> None:
 
     Raises
     ------
-    ValueError
+    InputError
     """
     hardware, arrangement = values["hardware"], values["network"]["arrangement"]
     design = DESIGNS[hardware["design"]]
     if arrangement not in design.arrangements:
-        raise ValueError(
+        raise InputError(
             f"{path}: network.arrangement: got {arrangement!r} with design {design.block!r}, "
             f"expected {' or '.join(design.arrangements)}"
         )
     if hardware["precision"] not in design.precisions:
-        raise ValueError(
+        raise InputError(
             f"{path}: hardware.precision: got {hardware['precision']!r} with design "
             f"{design.block!r}, expected {' or '.join(design.precisions)}"
         )
     if not CLOCKS_MHZ[0] <= hardware["clock_mhz"] <= CLOCKS_MHZ[1]:
-        raise ValueError(
+        raise InputError(
             f"{path}: hardware.clock_mhz: got {hardware['clock_mhz']!r}, expected "
             f"{CLOCKS_MHZ[0]:g} to {CLOCKS_MHZ[1]:g}"
         )
     framed = hardware["interface"] == "axi_stream"
     around = [section for section in ("front_end", "visualisation") if section in values]
     if framed and around:
-        raise ValueError(
+        raise InputError(
             f"{path}: hardware.interface: got 'axi_stream' with a section [{around[0]}], "
             "expected stream"
         )
@@ -293,7 +294,7 @@ def check_hardware(values: dict[str, dict[str, Any]], path: Path) -> None:
     wanted += [f"with a section [{section}]" for section in around]
     if wanted:
         reason = f", {reasons[around[0]]}" if around else ""
-        raise ValueError(
+        raise InputError(
             f"{path}: hardware.design: got {design.block!r} {wanted[0]}, expected {serial}{reason}"
         )
 
@@ -303,16 +304,16 @@ def check_uart(values: dict[str, dict[str, Any]], path: Path) -> None:
 
     Raises
     ------
-    ValueError
+    InputError
     """
     lined, drawn = "uart" in values, values.get("visualisation", {})
     if lined and not values.get("front_end", {}).get("converter"):
-        raise ValueError(
+        raise InputError(
             f"{path}: front_end.converter: got none with a section [uart], expected a part: the "
             "line is that of an instrument with a converter of its own"
         )
     if drawn.get("analogue") and not lined:
-        raise ValueError(
+        raise InputError(
             f"{path}: visualisation.analogue: got {drawn['analogue']!r} without a section [uart], "
             "expected one: it belongs to the same instrument"
         )
@@ -323,17 +324,17 @@ def check_reload(hardware: dict[str, Any], around: list[str], path: Path) -> Non
 
     Raises
     ------
-    ValueError
+    InputError
         For anything ``around`` it, and for sizes of a memory that is not its own.
     """
     if hardware["reload"] and around:
-        raise ValueError(
+        raise InputError(
             f"{path}: hardware.reload: got true with {around[0]}, expected false: what stands "
             "around an engine does not load it, but for a section [uart]"
         )
     for key in ("program_words", "operand_words"):
         if hardware[key] and not hardware["reload"]:
-            raise ValueError(
+            raise InputError(
                 f"{path}: hardware.{key}: got {hardware[key]} without reload, expected true"
             )
 
@@ -343,7 +344,7 @@ def design_options(hardware: dict[str, Any], path: Path) -> dict[str, Any]:
 
     Raises
     ------
-    ValueError
+    InputError
         For an option of another design.
     """
     design = DESIGNS[hardware["design"]]
@@ -351,7 +352,7 @@ def design_options(hardware: dict[str, Any], path: Path) -> dict[str, Any]:
     for name in known:
         if hardware[name] and name not in design.options:
             fitting = " or ".join(n for n, other in DESIGNS.items() if name in other.options)
-            raise ValueError(
+            raise InputError(
                 f"{path}: hardware.{name}: got {hardware[name]!r} with design {design.block!r}, "
                 f"expected design {fitting}"
             )
@@ -363,7 +364,7 @@ def check_activation(hardware: dict[str, Any], path: Path) -> str:
 
     Raises
     ------
-    ValueError
+    InputError
         For options that the activation has not, or a precision or a design that it is not made for.
     """
     precision = PRECISIONS[hardware["precision"]]
@@ -372,13 +373,13 @@ def check_activation(hardware: dict[str, Any], path: Path) -> str:
     scheme = SCHEMES[activation].configured(hardware["activation_options"], place)
     if precision not in scheme.precisions:
         fitting = ", ".join(name for name, s in SCHEMES.items() if precision in s.precisions)
-        raise ValueError(
+        raise InputError(
             f"{path}: hardware.activation: got {activation!r} with precision {precision.name!r}, "
             f"expected one of {fitting}"
         )
     design = DESIGNS[hardware["design"]]
     if design.known_activations and activation not in design.known_activations:
-        raise ValueError(
+        raise InputError(
             f"{path}: hardware.activation: got {activation!r} with design {design.block!r}, "
             f"expected {' or '.join(design.known_activations)}"
         )
@@ -388,7 +389,7 @@ def check_activation(hardware: dict[str, Any], path: Path) -> str:
             for name, other in SCHEMES.items()
             if precision in other.precisions and not other.half_codes
         )
-        raise ValueError(
+        raise InputError(
             f"{path}: hardware.activation: got {activation!r}, whose codes stand for the middle of "
             f"their step, with design {design.block!r}, expected one of {fitting}"
         )
@@ -412,19 +413,19 @@ def members(
     for key, values in (("hidden", hidden), ("weights", weights)):
         if len(values) != count:
             one = "one for all outputs" if single else "one for each output"
-            raise ValueError(
+            raise InputError(
                 f"{path}: network.{key}: got {network[key]!r}, expected {count}: "
                 f"{network['arrangement']} has {one}"
             )
     if not 0 <= min(hidden) <= max(hidden) <= MOST_HIDDEN:
-        raise ValueError(
+        raise InputError(
             f"{path}: network.hidden: got {network['hidden']}, expected 0 to {MOST_HIDDEN}"
         )
     files = [beside(path, "network.weights", name) for name in weights]
     for i, file in enumerate(files):
         for j in range(i):
             if same_file(files[j], file):
-                raise ValueError(
+                raise InputError(
                     f"{path}: network.weights: got {weights[j]!r} and {weights[i]!r}, which are "
                     "one file, expected a file for each network"
                 )

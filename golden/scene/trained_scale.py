@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from golden.input_error import InputError
 from golden.network_files.network_file import provenance_path, read_provenance
 from golden.networks.mlp import Mlp
 from golden.scene.scale import AUTO, Scale, read_scale
@@ -39,9 +40,9 @@ def trained_scales(scene: Scene) -> dict[str, Scale]:
 
     Raises
     ------
-    FileNotFoundError
+    MissingFileError
         When "auto" is asked for and there is no network yet.
-    ValueError
+    InputError
         When a network was not trained here, or with another scale than the others; see
         ``converter_scales`` too.
     """
@@ -56,7 +57,7 @@ def trained_scales(scene: Scene) -> dict[str, Scale]:
         for path, told in places:
             if not isinstance(told, Scale) or told != places[0][1]:
                 reason = "another scale than the network before" if told else "no scale for it"
-                raise ValueError(
+                raise InputError(
                     f"{scene.path}: data.scale.{name}: got {AUTO!r}, but {provenance_path(path)} "
                     f"has {reason}: {path.name} was not trained here or not by this scene; make "
                     "train works the scale out, for a network from elsewhere give { offset = , "
@@ -75,7 +76,7 @@ def _told(scene: Scene, number: int) -> dict[str, Scale | str]:
         return {}
     told = values.get("scale", {})
     if not isinstance(told, dict):
-        raise ValueError(f"{path}: scale: got {told!r}, expected a table")
+        raise InputError(f"{path}: scale: got {told!r}, expected a table")
     return read_scale({"scale": told, "sensors": list(told), "outputs": []}, path)
 
 

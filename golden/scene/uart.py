@@ -7,6 +7,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from golden.input_error import InputError
 from golden.link.uart_transmitter import LEAST_DIVISOR
 
 # Key, type, default; see ``golden.scene``.
@@ -36,21 +37,21 @@ def uart(values: dict[str, Any], clock_mhz: float, path: Path) -> Uart:
 
     Raises
     ------
-    ValueError
+    InputError
         For a rate that the clock does not make within 2 %.
     """
     baud = values["baud"]
     clock = Fraction(str(clock_mhz)) * 1_000_000
     most = clock / LEAST_DIVISOR
     if not 1 <= baud <= most:
-        raise ValueError(
+        raise InputError(
             f"{path}: uart.baud: got {baud}, expected 1 to {int(most)}, a bit of {LEAST_DIVISOR} "
             f"clocks of {clock_mhz:g} MHz"
         )
     divisor = round(clock / baud)
     rate = clock / divisor
     if abs(rate / baud - 1) > TOLERANCE:
-        raise ValueError(
+        raise InputError(
             f"{path}: uart.baud: got {baud}, expected within 2 % of a whole part of "
             f"{clock_mhz:g} MHz, such as {float(rate):.6g}"
         )

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden.fixed import Codes
+from golden.input_error import InputError
 from golden.metrics import error_scale
 from golden.networks.mlp import Real
 from golden.precision import SIGNAL
@@ -112,7 +113,7 @@ def read_recorded(scene: Scene) -> Recorded:
 
     Raises
     ------
-    FileNotFoundError, ValueError
+    InputError
         See ``read_table`` and ``rows_where``; also for a recording that is no longer than the past
         that the networks see.
     """
@@ -120,7 +121,7 @@ def read_recorded(scene: Scene) -> Recorded:
     recordings = tuple(_recording(scene, path) for path in scene.data_paths)
     for one in recordings:
         if len(one.numbers) <= past:
-            raise ValueError(
+            raise InputError(
                 f"{one.path}: got {len(one.numbers)} rows, expected more than the {past} that "
                 f"data.window of {scene.path} reaches back"
             )
@@ -191,7 +192,7 @@ def read_vectors(scene: Scene) -> Vectors:
 
     Raises
     ------
-    FileNotFoundError, ValueError
+    InputError
         See ``read_recorded`` and ``trained_scales``; also for a target outside the range of the
         codes, a target of 0 where the error is relative to the target, or a sensor of which more
         than a tenth of the readings are outside.
@@ -203,7 +204,7 @@ def read_vectors(scene: Scene) -> Vectors:
     if len(beyond):
         row, c = beyond[0]
         path = rows.recordings[rows.runs[row]].path
-        raise ValueError(
+        raise InputError(
             f"{path}: column {scene.outputs[c]!r}: got a target of "
             f"{rows.targets[row, c]:g} in row {rows.numbers[row] + 1}, expected "
             f"{_range(scales[c])}, the range of {SIGNAL}; {_remedy(scene, scene.outputs[c])}"
@@ -211,7 +212,7 @@ def read_vectors(scene: Scene) -> Vectors:
     for c, name in enumerate(scene.outputs):
         zero = np.flatnonzero(rows.targets[:, c] == 0)
         if name not in scene.full_scale and len(zero):
-            raise ValueError(
+            raise InputError(
                 f"{rows.recordings[rows.runs[zero[0]]].path}: column {name!r} holds a target of "
                 f"0, whose relative error is not defined; give {name} a full_scale in {scene.path}"
             )
@@ -240,7 +241,7 @@ def _outside(scene: Scene, rows: Recorded, frames: list[Real]) -> list[str]:
 
     Raises
     ------
-    ValueError
+    InputError
         When these are more than a tenth of its readings.
     """
     sentences = []
@@ -262,7 +263,7 @@ def _outside(scene: Scene, rows: Recorded, frames: list[Real]) -> list[str]:
             f"{_range(scales[c])}, the furthest {own[row, c]:g} in row {number + 1}{of_file}"
         )
         if count > MOST_OUTSIDE * len(own):
-            raise ValueError(f"{sentence}, expected at most a tenth; {_remedy(scene, name)}")
+            raise InputError(f"{sentence}, expected at most a tenth; {_remedy(scene, name)}")
         sentences.append(f"{sentence}; the nearest code stands for them")
     return sentences
 

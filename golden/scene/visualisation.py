@@ -7,6 +7,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from golden.input_error import InputError
 from golden.rig.finding import Finding, fault, refuse
 from golden.scene.scale import AUTO
 from golden.table import suggest
@@ -59,7 +60,7 @@ def visualisation(values: dict[str, Any], data: dict[str, Any], path: Path) -> V
 
     Raises
     ------
-    ValueError
+    InputError
         For an output that the scene has not, that is named twice or that has a scale, an output
         whose length in millimetres is not known, a ramp or a threshold outside the format, or a C
         too large.
@@ -95,7 +96,7 @@ def visualisation(values: dict[str, Any], data: dict[str, Any], path: Path) -> V
     ramp = {key: values[key] for key in ("start", "stop", "step")}
     try:
         profile = load_profile(gain=width_gain(*units), shape_threshold=threshold, **ramp)
-    except ValueError as error:
-        raise ValueError(f"{path}: visualisation: {error}") from None
+    except InputError as error:
+        raise InputError(f"{path}: visualisation: {error}") from None
     first, second, third, fourth = (outputs.index(name) for name in names)
     return Visualisation(profile, (first, second, third, fourth), values["analogue"])

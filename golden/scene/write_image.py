@@ -10,6 +10,7 @@ from golden.cli import run, would
 from golden.engine.image import Image
 from golden.engine.program import WORD_WIDTH
 from golden.files import replace_folder
+from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.scene import Scene, load_scene
 from golden.scene.image import scene_image
@@ -45,14 +46,14 @@ def hardware_of(scene: Scene) -> Engine:
 
     Raises
     ------
-    ValueError
+    InputError
         For a scene of other hardware.
     """
     if scene.design_options.get("reload"):
         core = scene.twin().core
         assert isinstance(core, Engine), "only an engine has the option reload"
         return core
-    raise ValueError(
+    raise InputError(
         f"{scene.path}: hardware.reload: got false, expected true, or HARDWARE= a scene where it is"
     )
 

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from golden.border import Border, State
 from golden.fixed import Codes, Fix, Overflow, Rounding, check_unsigned, requantise
+from golden.input_error import InputError
 from golden.port import CLOCKED, Port, given, taken
 from golden.sensing.converter_parts import STRAIGHT, ConverterPart
 from golden.sensing.scan import COUNTER_WIDTHS, Scan
@@ -47,7 +48,7 @@ class ConverterReader(Scan):
 
     Raises
     ------
-    ValueError
+    InputError
         When a parameter is outside its range; for a counter too narrow for the part the message
         names the least.
 
@@ -72,25 +73,25 @@ class ConverterReader(Scan):
     def __post_init__(self) -> None:
         part, at = self.part.name, f"{self.clock_mhz:g} MHz"
         if not 1 <= self.inputs <= self.part.channels:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got {self.inputs} sensors, expected 1 to {self.part.channels}, "
                 f"the channels of {part}"
             )
         if self.slots < self.inputs:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got inputs={self.inputs} and slots={self.slots}, expected "
                 "inputs <= slots"
             )
         slowest = Fraction(2 * self.part.slowest_khz, 1000)
         if self.clock < slowest:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got clock_mhz={self.clock_mhz:g}, expected {float(slowest):g} or "
                 f"more, of which {part} gets half"
             )
         turn = max(self.transfer_clocks + max(2, self.part.high_clocks(self.clock)), self.slots + 1)
         least = self.slot_width + (turn - 1).bit_length()
         if self.counter_width not in COUNTER_WIDTHS or self.counter_width < least:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got counter_width={self.counter_width}, expected {least} to "
                 f"{COUNTER_WIDTHS.stop - 1}: for each of {1 << self.slot_width} turns {part} needs "
                 f"{turn} clocks of {at}"
@@ -185,7 +186,7 @@ class ConverterReader(Scan):
 
         Raises
         ------
-        ValueError
+        InputError
             For a code that the converter has not.
         """
         signed = self._signed(check_unsigned(codes, self.part.bits, f"{self.entity} codes"))
@@ -204,7 +205,7 @@ class ConverterReader(Scan):
 
         Raises
         ------
-        ValueError
+        InputError
             For a code outside ``fmt``.
         """
         levels = self.fmt.check(voltages, f"{self.entity} voltages")

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.fixed import Codes, Fix
+from golden.input_error import InputError
 from golden.layers.input_controller import InputController
 from golden.port import CLOCKED, Port, given, taken
 from golden.window import Window
@@ -32,7 +33,7 @@ class FrameWindow(Block):
 
     Raises
     ------
-    ValueError
+    InputError
         For a negative number, or frames that may follow faster than they are sent.
 
     Notes
@@ -55,7 +56,7 @@ class FrameWindow(Block):
 
     def __post_init__(self) -> None:
         if self.slots < 0 or self.interval < self.elements:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got slots={self.slots} and spacing={self.spacing}, expected 0 or "
                 f"more slots, and {self.elements} clocks or more from frame to frame, in which the "
                 "elements are sent"
@@ -141,7 +142,7 @@ class FrameWindow(Block):
 
         Raises
         ------
-        ValueError
+        InputError
             For a wrong last axis or a code outside ``fmt``.
         """
         codes = self.fmt.check(frames, f"{self.entity} frames", self.sensors)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from golden.block import Block
+from golden.input_error import InputError
 
 # A counter of 24 bits makes a scan of 0.26 s at 64 MHz, slower than any contact.
 COUNTER_WIDTHS = range(2, 25)
@@ -24,11 +25,11 @@ class Scan(Block):
 
         Raises
         ------
-        ValueError
+        InputError
         """
         most = MOST_SCAN_CLOCKS - (1 << self.counter_width)
         if not 0 <= self.pause <= most:
-            raise ValueError(f"{self.entity}: got pause={self.pause}, expected 0 to {most}")
+            raise InputError(f"{self.entity}: got pause={self.pause}, expected 0 to {most}")
 
     @property
     def turns(self) -> int:

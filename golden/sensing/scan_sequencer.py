@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from golden.border import State
 from golden.fixed import Codes, Fix
+from golden.input_error import InputError
 from golden.port import CLOCKED, Port, Unsigned, given, taken
 from golden.sensing.scan import COUNTER_WIDTHS, Scan
 
@@ -41,7 +42,7 @@ class ScanSequencer(Scan):
 
     Raises
     ------
-    ValueError
+    InputError
         When a parameter is outside its range; for a counter too narrow the message names the least.
     """
 
@@ -57,19 +58,19 @@ class ScanSequencer(Scan):
 
     def __post_init__(self) -> None:
         if not 1 <= self.inputs <= self.slots:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got inputs={self.inputs} and slots={self.slots}, expected "
                 "1 <= inputs <= slots"
             )
         least = self.slot_width + 1
         if self.counter_width not in COUNTER_WIDTHS or self.counter_width < least:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got counter_width={self.counter_width}, expected "
                 f"{max(least, COUNTER_WIDTHS.start)} to {COUNTER_WIDTHS.stop - 1} for "
                 f"{self.slots} slots"
             )
         if not 1 <= self.sample_clock < self.slot_clocks:
-            raise ValueError(
+            raise InputError(
                 f"{self.entity}: got sample_clock={self.sample_clock}, expected 1 to "
                 f"{self.slot_clocks - 1}"
             )
@@ -156,7 +157,7 @@ class ScanSequencer(Scan):
 
         Raises
         ------
-        ValueError
+        InputError
             For a wrong last axis or a code outside ``fmt``.
         """
         codes = self.fmt.check(scans, f"{self.entity} codes", self.scan_clocks)

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from golden.block import Block
 from golden.border import State
 from golden.fixed import Codes, Fix
+from golden.input_error import InputError
 from golden.port import CLOCKED, Port, given, taken
 
 
@@ -26,7 +27,7 @@ class StreamMultiplexer(Block):
 
     Raises
     ------
-    ValueError
+    InputError
         When slot is negative.
     """
 
@@ -38,7 +39,7 @@ class StreamMultiplexer(Block):
 
     def __post_init__(self) -> None:
         if self.slot < 0:
-            raise ValueError(f"{self.entity}: got slot={self.slot}, expected 0 or more")
+            raise InputError(f"{self.entity}: got slot={self.slot}, expected 0 or more")
 
     @property
     def count_width(self) -> int:
@@ -95,7 +96,7 @@ class StreamMultiplexer(Block):
 
         Raises
         ------
-        ValueError
+        InputError
             For codes outside ``fmt``, or a slot that comes before any result.
         """
         elements = self.fmt.check(data, f"{self.entity} data")
@@ -107,5 +108,5 @@ class StreamMultiplexer(Block):
         held = np.searchsorted(np.asarray(result_clock), clock) - 1
         replaced = index - start == self.slot
         if (held[replaced] < 0).any():
-            raise ValueError(f"{self.entity}: element {self.slot} came before any result")
+            raise InputError(f"{self.entity}: element {self.slot} came before any result")
         return np.where(replaced, words[held] if len(words) else 0, elements)

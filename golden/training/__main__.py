@@ -15,6 +15,7 @@ import scipy
 
 from golden.cli import run, would
 from golden.fingerprint import fingerprint, sources
+from golden.input_error import InputError
 from golden.network_files.network_file import check_targets, provenance_path, save_networks
 from golden.networks.mlp import Mlp
 from golden.progress import Progress
@@ -51,7 +52,7 @@ def choose(task: Task, record: Path, workers: int) -> tuple[Result, int]:
             found = f"{best.validation:.2f} % with {best.hidden} hidden nodes" if best else "none"
             progress.step(f"best bit-true validation {found}")
     if best is None:
-        raise ValueError(
+        raise InputError(
             f"{task.scene.path}: {name}: all {refused} candidates were refused; the last: "
             f"{result.refused}"
         )

@@ -13,7 +13,7 @@ from typing import Any
 
 from joblib import parallel_config
 
-from golden.cli import CommandError
+from golden.input_error import InputError
 
 # Seconds in which a scheduler has to answer.
 LIMIT = 5.0
@@ -28,7 +28,7 @@ def computed_on(cluster: str | None, limit: float = LIMIT) -> Iterator[None]:
 
     Raises
     ------
-    CommandError
+    InputError
         When Dask is not installed, or no scheduler answers within ``limit`` seconds.
     """
     if cluster is None:
@@ -38,7 +38,7 @@ def computed_on(cluster: str | None, limit: float = LIMIT) -> Iterator[None]:
     try:
         from distributed import Client
     except ImportError:
-        raise CommandError(
+        raise InputError(
             f"CLUSTER={cluster}: Dask is not installed, expected the extra {EXTRA!r}: pip install "
             f"-e '.[{EXTRA}]' in the folder of tactus"
         ) from None
@@ -50,7 +50,7 @@ def computed_on(cluster: str | None, limit: float = LIMIT) -> Iterator[None]:
         except Exception as error:  # whatever it says is about the address
             reason = _first_line(error)
     if reason:
-        raise CommandError(
+        raise InputError(
             f"CLUSTER={cluster}: no scheduler answers: {reason}; expected the address of a Dask "
             "scheduler, such as tcp://192.168.1.10:8786"
         )

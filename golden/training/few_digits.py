@@ -31,6 +31,7 @@ from scipy.spatial.distance import cdist
 
 from golden.cli import naming
 from golden.fixed import Fix
+from golden.input_error import InputError
 from golden.networks.mlp import Mlp, Real
 from golden.precision import SIGNAL
 from golden.scene.schema import FEWEST
@@ -285,7 +286,7 @@ def at_most(
 
     Raises
     ------
-    ValueError
+    InputError
         When no price leads to so few.
     """
     low, high = np.log(prices or PRICES)
@@ -304,7 +305,7 @@ def at_most(
         if digits >= count * (1 - SLACK):
             break
     if best is None:
-        raise ValueError(f"got {count}, expected at least {digits}: no weights with fewer digits")
+        raise InputError(f"got {count}, expected at least {digits}: no weights with fewer digits")
     return best
 
 
@@ -404,7 +405,7 @@ class FewDigits:
     ) -> tuple[Real, float]:
         """See ``at_most``; where no price of these leads to so few, one of all may."""
         if prices:
-            with suppress(ValueError):
+            with suppress(InputError):
                 return at_most(aim, start, count, rng, prices)
         return at_most(aim, start, count, rng)
 

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.cluster.vq import kmeans2
 from scipy.special import softmax
 
+from golden.input_error import InputError
 from golden.networks.mlp import Real
 from golden.networks.rbf import Rbf
 
@@ -39,12 +40,12 @@ def mixture_centres(inputs: Real, count: int, rng: np.random.Generator) -> Real:
 
     Raises
     ------
-    ValueError
+    InputError
         For fewer distinct rows than Gaussians.
     """
     distinct = len(np.unique(inputs, axis=0))
     if not 1 <= count <= distinct:
-        raise ValueError(
+        raise InputError(
             f"got {distinct} distinct rows for {count} centres, expected at least as many rows"
         )
     centres: Real = kmeans2(inputs, count, iter=KMEANS_STEPS, minit="++", seed=rng)[0]
@@ -83,11 +84,11 @@ def train_rbf(inputs: Real, targets: Real, hidden: int, rng: np.random.Generator
 
     Raises
     ------
-    ValueError
+    InputError
         For fewer than two nodes, whose distance gives the width, or fewer distinct rows than nodes.
     """
     if hidden < 2:
-        raise ValueError(f"hidden: got {hidden}, expected 2 or more")
+        raise InputError(f"hidden: got {hidden}, expected 2 or more")
     centres = mixture_centres(inputs, hidden, rng)
     width = np.sqrt(squared_distances(centres, centres).max())
     outputs = targets.shape[1]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from golden.input_error import InputError
 from golden.scene import Scene
 from golden.scene.scale import AUTO, range_scale
 from golden.scene.vectors import read_recorded
@@ -19,7 +20,7 @@ def scaled(scene: Scene) -> Scene:
 
     Raises
     ------
-    FileNotFoundError, ValueError
+    InputError
         See ``read_recorded``, ``split_of``, ``range_scale`` and ``converter_scales``.
     """
     wanted = scene.auto
@@ -35,8 +36,8 @@ def scaled(scene: Scene) -> Scene:
     for name in wanted:
         try:
             found[name] = range_scale(columns[name])
-        except ValueError as error:
-            raise ValueError(
+        except InputError as error:
+            raise InputError(
                 f"{scene.data_text}: column {name!r}: {error}, for data.scale.{name} in "
                 f"{scene.path}"
             ) from None

@@ -27,6 +27,7 @@ import numpy as np
 from joblib import Parallel, delayed
 
 from golden.files import reading, writing
+from golden.input_error import InputError
 from golden.networks.mlp import Mlp, Real, tanh
 from golden.scene.scale import Scale, on_readings, on_signals, signals
 from golden.training import levenberg_marquardt, scg
@@ -98,7 +99,7 @@ def train(
 
     Raises
     ------
-    ValueError
+    InputError
         When the hardware's formats cannot hold its weights.
     """
     shape = (task.training.inputs.shape[1], hidden, task.training.targets.shape[1])
@@ -112,7 +113,7 @@ def refitted(task: Task, mlp: Mlp, frames: Frames) -> Mlp:
 
     Raises
     ------
-    ValueError
+    InputError
         When the hardware's formats cannot hold its weights.
     """
     return descended(task, mlp, frames, frames)
@@ -129,7 +130,7 @@ def descended(
 
     Raises
     ------
-    ValueError
+    InputError
         When the hardware's formats cannot hold its weights.
     """
     settings = task.scene.training
@@ -148,7 +149,7 @@ def measure(task: Task, hidden: int, restart: int) -> Result:
     """Train one candidate and measure its bit-true errors."""
     try:
         validation, test = bit_true_errors(task, train(task, hidden, restart))
-    except ValueError as error:
+    except InputError as error:
         return Result(hidden, restart, float("inf"), float("inf"), str(error))
     return Result(hidden, restart, validation, test)
 
@@ -158,7 +159,7 @@ def bit_true_errors(task: Task, mlp: Mlp) -> tuple[float, float]:
 
     Raises
     ------
-    ValueError
+    InputError
         When the hardware's formats cannot hold the weights.
     """
     return bit_true_error(task, mlp, task.validation), bit_true_error(task, mlp, task.test)

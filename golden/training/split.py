@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from golden.input_error import InputError
 from golden.networks.mlp import Real
 from golden.scene.vectors import read_recorded
 from golden.table import read_table, rows_where
@@ -40,7 +41,7 @@ def split_of(scene: Scene) -> Split:
 
     Raises
     ------
-    ValueError
+    InputError
         For too few rows, blocks or groups, or a column of ``training.split_by`` that is not there.
     """
     settings = scene.training
@@ -74,7 +75,7 @@ def apart(split: Split, runs: Numbers, past: int, place: str = "rows") -> Split:
 
     Raises
     ------
-    ValueError
+    InputError
         When nothing is left of a part.
     """
     parts = {name: getattr(split, name) for name in ("training", "validation", "test")}
@@ -89,7 +90,7 @@ def apart(split: Split, runs: Numbers, past: int, place: str = "rows") -> Split:
     kept = {name: found[~(begun & (since < past))[found]] for name, found in parts.items()}
     for name, found in kept.items():
         if not len(found):
-            raise ValueError(
+            raise InputError(
                 f"{place}: got no {name} rows that share none of their samples with rows of other "
                 f"parts, expected stretches of more than {past} rows, which data.window reaches "
                 "back"
@@ -137,11 +138,11 @@ def split_rows(rows: int, seed: int, place: str = "rows") -> Split:
 
     Raises
     ------
-    ValueError
+    InputError
         For fewer than 8 rows: a part would hold a single row or none.
     """
     if rows < 8:
-        raise ValueError(f"{place}: got {rows} rows, expected at least 8 to split in 50, 25, 25 %")
+        raise InputError(f"{place}: got {rows} rows, expected at least 8 to split in 50, 25, 25 %")
     return _halves(rows, seed)
 
 
@@ -157,12 +158,12 @@ def split_groups(values: Real, seed: int, place: str = "groups") -> Split:
 
     Raises
     ------
-    ValueError
+    InputError
         For fewer than 4 groups: a part would have none.
     """
     groups, member = np.unique(values, axis=0, return_inverse=True)
     if len(groups) < 4:
-        raise ValueError(
+        raise InputError(
             f"{place}: got {len(groups)} groups of rows with the same training.split_by, expected "
             "at least 4 to split in 50, 25, 25 %"
         )
@@ -193,7 +194,7 @@ def split_blocks(values: Real, block_rows: int, seed: int, place: str = "blocks"
 
     Raises
     ------
-    ValueError
+    InputError
         For fewer than 4 blocks: a part would have none.
     """
     borders = np.flatnonzero((values[1:] != values[:-1]).any(axis=1)) + 1
@@ -203,7 +204,7 @@ def split_blocks(values: Real, block_rows: int, seed: int, place: str = "blocks"
         parts = np.array_split(run, max(1, round(len(run) / block_rows)))
         blocks += [parts[n] for n in rng.permutation(len(parts))]
     if len(blocks) < len(PARTS):
-        raise ValueError(
+        raise InputError(
             f"{place}: got {len(blocks)} blocks of about {block_rows} rows, expected at least "
             f"{len(PARTS)}; lower training.block_rows"
         )

@@ -50,7 +50,7 @@ class Stages:
 
         Raises
         ------
-        ValueError
+        InputError
             When the hardware's formats cannot hold its weights, or few digits its function.
         """
         number = len(self.chosen)

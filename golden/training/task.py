@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden.fixed import Codes
+from golden.input_error import InputError
 from golden.networks.arrangement import seen
 from golden.networks.mlp import Mlp, Real
 from golden.precision import SIGNAL
@@ -100,7 +101,7 @@ class Task:
 
         Raises
         ------
-        ValueError
+        InputError
             When the hardware's formats cannot hold its weights.
         """
         return SIGNAL.to_real(self.scene.build(mlp).process(frames.codes))
@@ -111,7 +112,7 @@ def task_for(scene: Scene, vectors: Vectors, earlier: Sequence[Mlp]) -> Task:
 
     Raises
     ------
-    ValueError
+    InputError
         For too few rows to split, or a column without which the network would learn the same.
     """
     _refuse_constant(scene, vectors)
@@ -175,7 +176,7 @@ def _refuse_constant(scene: Scene, vectors: Vectors) -> None:
     ):
         for name, column in zip(names, values.T, strict=True):
             if (column == column[0]).all():
-                raise ValueError(
+                raise InputError(
                     f"{scene.data_text}: column {scene.column(name)!r}: got {column[0]:g} in every "
                     f"row, expected values that differ; take it out of data.{key} in {scene.path}"
                 )

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from golden.block import Block
 from golden.border import Border, border_among
 from golden.fixed import Codes, check_unsigned
+from golden.input_error import InputError
 from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 
@@ -45,7 +46,7 @@ class Divider(Block):
 
     Raises
     ------
-    ValueError
+    InputError
         When the gain is not above 0, or has more fraction bits than the quotient, or the quotient
         has no bit before its point.
     """
@@ -62,12 +63,12 @@ class Divider(Block):
 
     def __post_init__(self) -> None:
         if self.gain < 1 or not 0 <= self.gain_frac <= self.out_frac:
-            raise ValueError(
+            raise InputError(
                 f"divider: gain={self.gain} with {self.gain_frac} fraction bits, expected above 0 "
                 f"with 0 to {self.out_frac}"
             )
         if self.out_width <= self.out_frac:
-            raise ValueError(
+            raise InputError(
                 f"divider: out_width={self.out_width}, expected above out_frac={self.out_frac}"
             )
 
@@ -135,7 +136,7 @@ class Divider(Block):
 
         Raises
         ------
-        ValueError
+        InputError
             For an argument outside its width.
         """
         u = check_unsigned(distance, self.distance_width, "divider distance")

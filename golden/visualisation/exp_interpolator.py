@@ -71,7 +71,7 @@ class ExpInterpolator(Block):
 
         Raises
         ------
-        ValueError
+        InputError
             For an argument outside its width.
         """
         w = check_unsigned(word, self.word_width, "exp_interpolator word")

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.domain import checked
+from golden.input_error import InputError
 from golden.networks.mlp import Real
 
 # Values of one chunk of the series: small enough for a cache, large enough for numpy.
@@ -63,11 +64,11 @@ def harmonic_load(
 
     Raises
     ------
-    ValueError
+    InputError
         For an argument outside its range, NaN included, or no terms.
     """
     if terms < 1:
-        raise ValueError(f"terms: got {terms}, expected 1 or more")
+        raise InputError(f"terms: got {terms}, expected 1 or more")
     p, d, c, w = _sum_domain(position, load, centre, half_width)
     total = np.zeros(p.shape)
     step = max(1, CHUNK // max(1, p.size))
@@ -127,7 +128,7 @@ def harmonic_tail(
         See ``harmonic_load``; the errors raised are its own.
     """
     if terms < 1:
-        raise ValueError(f"terms: got {terms}, expected 1 or more")
+        raise InputError(f"terms: got {terms}, expected 1 or more")
     p, d, c, w = _sum_domain(position, load, centre, half_width)
     x = np.remainder(_phases(p, c, w), 2)
     sine = np.sin(np.pi * x / 2)
@@ -162,11 +163,11 @@ def power_load(
 
     Raises
     ------
-    ValueError
+    InputError
         For an argument outside its range, NaN and infinity included.
     """
     if power < 2 or power % 2:
-        raise ValueError(f"power: got {power}, expected an even whole number, 2 or more")
+        raise InputError(f"power: got {power}, expected an even whole number, 2 or more")
     most, least = np.finfo(np.float64).max, math.ulp(0.0)
     p, d, c, s = checked(
         position=(position, -most, most),

@@ -12,6 +12,7 @@ from golden.block import Block
 from golden.border import Border, State
 from golden.fixed import Codes, Fix, Overflow, Rounding, requantise
 from golden.flow import Carried, Flow
+from golden.input_error import InputError
 from golden.networks.mlp import Real
 from golden.port import CLOCKED, Port, given, taken
 from golden.precision import SIGNAL
@@ -179,7 +180,7 @@ class LoadProfile(Block):
 
         Raises
         ------
-        ValueError
+        InputError
             For a wrong last axis or a code outside ``fmt``.
         """
         codes = self.fmt.check(frames, "load_profile frames", 4)
@@ -261,12 +262,12 @@ def load_profile(
 
     Raises
     ------
-    ValueError
+    InputError
         See ``ramp`` and ``Divider``; also for a gain that 17 bits cannot hold.
     """
     gain = width_gain(POSITION_MM, WIDTH_MM) if gain is None else gain
     if not 0 < gain < 1 << WORD:
-        raise ValueError(f"load_profile: gain={float(gain):g}, expected above 0, below {1 << WORD}")
+        raise InputError(f"load_profile: gain={float(gain):g}, expected above 0, below {1 << WORD}")
     # The fewest fraction bits that hold the gain exactly, or as many as 17 bits leave.
     gain_frac = next(
         (f for f in range(T_FRAC + 1) if (gain * 2**f).denominator == 1),

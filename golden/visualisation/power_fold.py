@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from golden.block import Block
 from golden.border import Border, border_among
 from golden.fixed import Codes, check_unsigned
+from golden.input_error import InputError
 from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 
@@ -41,7 +42,7 @@ class PowerFold(Block):
 
     Raises
     ------
-    ValueError
+    InputError
         When the power has more fraction bits than t, or cannot hold 1, or ``max_power`` is below 2.
     """
 
@@ -56,12 +57,12 @@ class PowerFold(Block):
 
     def __post_init__(self) -> None:
         if not 0 <= self.out_frac <= self.in_frac or self.out_frac >= self.out_width:
-            raise ValueError(
+            raise InputError(
                 f"power_fold: out_frac={self.out_frac}, expected 0 to {self.in_frac}, those of t, "
                 f"and below out_width={self.out_width}"
             )
         if self.max_power < 2:
-            raise ValueError(f"power_fold: max_power={self.max_power}, expected 2 or more")
+            raise InputError(f"power_fold: max_power={self.max_power}, expected 2 or more")
 
     @property
     def interval(self) -> int:
@@ -131,14 +132,14 @@ class PowerFold(Block):
 
         Raises
         ------
-        ValueError
+        InputError
             For an argument outside its range.
         """
         t = check_unsigned(data, self.in_width, "power_fold data")
         p = np.asarray(power, dtype=np.int64)
         if p.size and not 1 <= p.min() <= p.max() <= self.max_power:
             worst = int(p.min() if p.min() < 1 else p.max())
-            raise ValueError(f"power_fold power: got {worst}, expected 1 to {self.max_power}")
+            raise InputError(f"power_fold power: got {worst}, expected 1 to {self.max_power}")
         t, p = np.broadcast_arrays(t, p)
         acc = np.choose(p - 1, self.powers(t))
         return np.asarray(np.minimum(acc, (1 << self.out_width) - 1), dtype=np.int64)

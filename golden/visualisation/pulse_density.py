@@ -48,7 +48,7 @@ class PulseDensity(Block):
 
         Raises
         ------
-        ValueError
+        InputError
             For a code outside ``fmt``.
         """
         asked = self.fmt.check(in_data, f"{self.entity} in_data") - self.fmt.low

@@ -11,6 +11,7 @@ import numpy as np
 from golden.block import Block
 from golden.border import State
 from golden.fixed import Codes, Fix
+from golden.input_error import InputError
 from golden.port import CLOCKED, Port, given, taken
 
 # Its constants stay below 2**30, which is where MyHDL's conversion goes wrong.
@@ -41,7 +42,7 @@ class Ramp(Block):
 
     Raises
     ------
-    ValueError
+    InputError
         When there is no position, the step is not above 0, a position leaves ``fmt``, or the
         accumulator has more than ``ACC_LIMIT`` bits.
     """
@@ -57,19 +58,19 @@ class Ramp(Block):
 
     def __post_init__(self) -> None:
         if self.points < 1 or self.step < 1 or self.guard < 1:
-            raise ValueError(
+            raise InputError(
                 f"ramp: got {self.points} points, step={self.step}, guard={self.guard}, "
                 "expected 1 or more of each"
             )
         if self.acc_width > ACC_LIMIT:
-            raise ValueError(
+            raise InputError(
                 f"ramp: {self.points} points with guard={self.guard} need {self.acc_width} bits, "
                 f"expected at most {ACC_LIMIT}"
             )
         positions = self.process()
         first, last = int(positions[0]), int(positions[-1])
         if first < self.fmt.low or last > self.fmt.high:
-            raise ValueError(
+            raise InputError(
                 f"ramp: the first position is {first}, expected at least {self.fmt.low}; "
                 f"the last position is {last}, expected at most {self.fmt.high}"
             )
@@ -122,7 +123,7 @@ def ramp(fmt: Fix, step: float, stop: float, start: float = 0.0) -> Ramp:
 
     Raises
     ------
-    ValueError
+    InputError
         When the step is not above 0, is no more than half a code, or ``stop`` is not above
         ``start`` by a whole number of steps, both inside ``fmt``.
     """
@@ -133,12 +134,12 @@ def ramp(fmt: Fix, step: float, stop: float, start: float = 0.0) -> Ramp:
     ):
         if not least < value < math.inf:
             expected = f"a number above {least:g}" if least > -math.inf else "a finite number"
-            raise ValueError(f"ramp: {name}={value}, expected {expected}")
+            raise InputError(f"ramp: {name}={value}, expected {expected}")
     # Decimal fractions as written: 0.8 is sixteen times 0.05, which floats are not.
     first, increment = Fraction(str(start)), Fraction(str(step))
     count = (Fraction(str(stop)) - first) / increment
     if count.denominator != 1 or step * 2**fmt.frac <= 0.5:
-        raise ValueError(
+        raise InputError(
             f"ramp: {start:g} to {stop:g} in steps of {step:g}, expected a whole number of steps, "
             f"each more than half an LSB of {fmt}"
         )

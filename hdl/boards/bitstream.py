@@ -13,8 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from golden.boards import Board, Pin
-from golden.cli import BETWEEN, CommandError
+from golden.cli import BETWEEN
 from golden.fingerprint import fingerprint
+from golden.input_error import InputError
 from golden.networks.network import Network
 from golden.rig.finding import Finding, faults, told
 from golden.scene import Scene
@@ -76,7 +77,7 @@ def sources(scene: Scene, design: Network, board: Board) -> Sources:
 
     Raises
     ------
-    CommandError
+    InputError
         When the design's ports are no wires of the board, or there is no such clock; both together
         where both are so.
     """
@@ -87,7 +88,7 @@ def sources(scene: Scene, design: Network, board: Board) -> Sources:
     with told(found):
         clock = clock_for(board, scene.clock_mhz)
     if found:
-        raise CommandError(BETWEEN.join(faults(found)))
+        raise InputError(BETWEEN.join(faults(found)))
     pins = FAMILIES[board.family].pins(board, used | board.high)
     return Sources(wrapper(scene, design, board, clock), pins, clock.mhz, clock.pll)
 
@@ -109,7 +110,7 @@ def build(
 
     Raises
     ------
-    CommandError
+    InputError
         When it does not fit, or its clock is not met.
     """
     family = FAMILIES[board.family]
@@ -123,7 +124,7 @@ def build(
     found = stored(work, verilog, list(family.packages), *facts)
     report = Report(**found["report"])
     if report.clock_mhz < report.needed_mhz:
-        raise CommandError(
+        raise InputError(
             f"{board.title}, {board.device}: {report.clock_mhz:g} MHz reached, "
             f"{report.needed_mhz:g} MHz needed; a scene with a slower hardware.clock_mhz may do"
         )
@@ -135,7 +136,7 @@ def cells(verilog: Path, made: Sources, board: Board) -> str:
 
     Raises
     ------
-    CommandError
+    InputError
         When Yosys fails.
     """
     family = FAMILIES[board.family]
@@ -183,7 +184,7 @@ def _placed(folder: Path, made: Sources, board: Board, family: Family, placer: s
     report.unlink(missing_ok=True)
     said = run_tool(family.nextpnr, options, folder, failing=True)
     if not report.is_file():
-        raise CommandError(f"{board.title}, {board.device}: {_why_not(said, family)}")
+        raise InputError(f"{board.title}, {board.device}: {_why_not(said, family)}")
     found = json.loads(report.read_text(encoding="utf-8"))
     counted = {
         name: found["utilization"].get(kind, {"used": 0, "available": 0})

@@ -116,7 +116,7 @@ def ice40_netlist(verilog: Path, top: str) -> str:
 
     Raises
     ------
-    CommandError
+    InputError
         When Yosys fails.
     """
 

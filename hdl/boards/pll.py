@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from golden.boards import Board
-from golden.cli import CommandError
+from golden.input_error import InputError
 
 # How much slower than asked a clock may be. Never faster: a converter's limits are kept by it.
 SLOWER = Fraction(1, 200)
@@ -44,7 +44,7 @@ def clock_for(board: Board, clock_mhz: float) -> Clock:
 
     Raises
     ------
-    CommandError
+    InputError
         When no PLL comes near the clock.
     """
     source, wanted = Fraction(str(board.clock_mhz)), Fraction(str(clock_mhz))
@@ -53,7 +53,7 @@ def clock_for(board: Board, clock_mhz: float) -> Clock:
     found = {"ecp5": _ecp5, "ice40": _ice40}[board.family](board, source, wanted)
     if found is None or found.mhz < wanted * (1 - SLOWER):
         nearest = f", the nearest is {float(found.mhz):g}" if found else ""
-        raise CommandError(
+        raise InputError(
             f"hardware.clock_mhz: got {clock_mhz:g}, no PLL of {board.device} makes it of "
             f"{board.title}'s {board.clock_mhz:g} MHz{nearest}; expected {board.clock_mhz:g}, "
             "which needs none, or another"

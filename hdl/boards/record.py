@@ -34,7 +34,7 @@ def read_record(path: Path) -> tuple[Report, str]:
 
     Raises
     ------
-    FileNotFoundError, CommandError, ValueError
+    InputError
         When nothing was recorded, or something else stands there.
     """
     return read_json(

@@ -45,7 +45,7 @@ def read_variants(path: Path) -> dict[str, tuple[Report, int]]:
 
     Raises
     ------
-    FileNotFoundError, CommandError, ValueError
+    InputError
         When nothing was recorded, or something else stands there.
     """
     return read_json(

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from golden.boards import Board
 from golden.boards.board import LAMPS, WIRES
-from golden.cli import BETWEEN, CommandError
+from golden.cli import BETWEEN
+from golden.input_error import InputError
 from golden.networks.network import Network
 from golden.port import CLOCKED
 from golden.scene import Scene
@@ -22,7 +23,7 @@ def outside(scene: Scene, design: Network, board: Board) -> dict[str, str]:
 
     Raises
     ------
-    CommandError
+    InputError
         When the design's inputs are no wires of a board, or none of its outputs shows a result, or
         a wire has no pin; all of it in one message.
     """
@@ -46,7 +47,7 @@ def outside(scene: Scene, design: Network, board: Board) -> dict[str, str]:
         if port.name in WIRES and port.name not in board.pins
     ]
     if wrong:
-        raise CommandError(BETWEEN.join(wrong))
+        raise InputError(BETWEEN.join(wrong))
     return {
         port.name: port.direction
         for port in ports
@@ -62,7 +63,7 @@ def wrapper(scene: Scene, design: Network, board: Board, clock: Clock) -> str:
 
     Raises
     ------
-    CommandError
+    InputError
         As ``outside``.
     """
     found = outside(scene, design, board)

@@ -41,7 +41,7 @@ def export(scene: Scene, language: str, folder: Path) -> list[str]:
 
     Raises
     ------
-    FileNotFoundError, ValueError
+    InputError
         For a fault of the scene, its data or its network; nothing is written then.
     """
     design = scene.twin()

@@ -14,8 +14,9 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from golden.cli import CommandError, would
+from golden.cli import would
 from golden.files import replace_folder, write_json
+from golden.input_error import InputError
 from golden.networks.network import Network
 from golden.progress import Progress
 from golden.scene import Scene, load_scene
@@ -123,7 +124,7 @@ def main() -> None:
             print(f"wrote {budget_path(scene.path)} and {timing_path(scene.path)}")
     _compare(scene, cells)
     if timing.clock_mhz < scene.clock_mhz:
-        raise CommandError(
+        raise InputError(
             f"{scene.path}: hardware.clock_mhz: got {scene.clock_mhz:g}, reached {timing.clock_mhz}"
         )
 
@@ -135,7 +136,7 @@ def _compare(scene: Scene, cells: Cells) -> None:
         return
     lines = differences(cells, read_budget(path))
     if lines:
-        raise CommandError(
+        raise InputError(
             f"{path}: {len(lines)} figures differ; RECORD=1 records them\n" + "\n".join(lines)
         )
     print(f"as recorded in {path}")

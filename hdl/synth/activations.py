@@ -21,7 +21,7 @@ def cells(spec: Block, family: str) -> dict[str, int]:
 
     Raises
     ------
-    CommandError
+    InputError
         See ``hdl.synth.cells.synthesise``.
     """
     with tempfile.TemporaryDirectory() as name:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from golden.block import walk
 from golden.files import check_file, reading, replace_file
+from golden.input_error import InputError
 from golden.networks.network import Network
 from hdl.synth.cells import DEPTH
 from hdl.synth.netlist import KINDS
@@ -52,9 +53,9 @@ def read_budget(path: Path) -> Cells:
 
     Raises
     ------
-    FileNotFoundError
+    MissingFileError
         When nothing was recorded.
-    ValueError
+    InputError
         For other columns, or a cell that is no number; the message names file and line.
     """
     check_file(path)
@@ -62,7 +63,7 @@ def read_budget(path: Path) -> Cells:
         reader = csv.DictReader(handle)
         rows = [(reader.line_num, row) for row in reader]
     if reader.fieldnames != COLUMNS:
-        raise ValueError(
+        raise InputError(
             f"{path}: got columns {', '.join(reader.fieldnames or [])}, "
             f"expected {', '.join(COLUMNS)}"
         )
@@ -71,7 +72,7 @@ def read_budget(path: Path) -> Cells:
         try:
             cells = {name: int(row[name]) for name in COLUMNS[2:]}
         except (TypeError, ValueError):
-            raise ValueError(
+            raise InputError(
                 f"{path}:{line}: got {list(row.values())}, expected whole numbers"
             ) from None
         found.setdefault(row["family"], {})[row["entity"]] = cells

@@ -7,7 +7,7 @@ from collections import Counter
 from pathlib import Path
 from typing import Any
 
-from golden.cli import CommandError
+from golden.input_error import InputError
 from hdl.synth.netlist import LATCHES, count, depth, total
 from hdl.synth.tools import run_tool, stored
 
@@ -53,7 +53,7 @@ def synthesise(verilog: Path, top: str, family: str) -> dict[str, dict[str, int]
 
     Raises
     ------
-    CommandError
+    InputError
         When Yosys fails, or for a latch; the message names the entity.
     """
     found: dict[str, dict[str, int]] = _mapped(verilog, top, family)["cells"]
@@ -65,7 +65,7 @@ def netlists(verilog: Path, top: str, family: str) -> dict[str, str]:
 
     Raises
     ------
-    CommandError
+    InputError
         As ``synthesise``.
     """
     found: dict[str, str] = _mapped(verilog, top, family)["netlists"]
@@ -126,7 +126,7 @@ def _synthesise(folder: Path, top: str, family: str) -> dict[str, dict[str, int]
     for name, cells in modules.items():
         latches = [cell for cell in cells if cell.startswith(LATCHES)]
         if latches:
-            raise CommandError(f"{name}, {family}: a latch ({latches[0]}), expected none")
+            raise InputError(f"{name}, {family}: a latch ({latches[0]}), expected none")
     script = "; ".join(
         f"design -load mapped; hierarchy -top {name}; flatten; write_json {name}.json"
         for name in modules

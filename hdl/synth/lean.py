@@ -11,8 +11,9 @@ import argparse
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from golden.cli import CommandError, words, would
+from golden.cli import words, would
 from golden.files import read_json, write_json
+from golden.input_error import InputError
 from golden.progress import Progress
 from golden.scene import Scene, load_scene
 from hdl.export.repeatable import run_repeatable
@@ -53,7 +54,7 @@ def read_lean(path: Path) -> Lean:
 
     Raises
     ------
-    FileNotFoundError, CommandError, ValueError
+    InputError
         When nothing was recorded, or something else stands there.
     """
     return read_json(
@@ -72,11 +73,11 @@ def record(scene: Scene) -> Path:
 
     Raises
     ------
-    CommandError
+    InputError
         When ``make synth`` has recorded nothing.
     """
     if not timing_path(scene.path).is_file() or not budget_path(scene.path).is_file():
-        raise CommandError(f"{scene.path}: no recorded budget; make synth RECORD=1 records it")
+        raise InputError(f"{scene.path}: no recorded budget; make synth RECORD=1 records it")
     verilog, lean = _synthesised(scene)
     design = scene.twin(lean=False)
     whole = lean if design == scene.twin() else cells(design, FAMILY)

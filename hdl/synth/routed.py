@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from golden.cli import CommandError
+from golden.input_error import InputError
 
 Cell = dict[str, Any]
 # A pin of a block that nothing drives is high, and low where it is inverted.
@@ -38,7 +38,7 @@ def simulated(netlist: dict[str, Any], top: str) -> dict[str, Any]:
 
     Raises
     ------
-    CommandError
+    InputError
         For a kind of cell that is not known here.
     """
     (module,) = netlist["modules"].values()
@@ -109,9 +109,9 @@ def _drive(name: str, cell: Cell) -> None:
             if not wires.get(port):
                 wires[port] = [IDLE[state]]
             elif state:
-                raise CommandError(f"{name}: {port}: got {state} of a wire, expected the wire")
+                raise InputError(f"{name}: {port}: got {state} of a wire, expected the wire")
     else:
-        raise CommandError(f"{name}: got a {kind}, expected a cell that is known here")
+        raise InputError(f"{name}: got a {kind}, expected a cell that is known here")
     cell["connections"] = {port: bits for port, bits in wires.items() if bits}
     cell["port_directions"] = {
         port: cell["port_directions"].get(port, "input") for port in cell["connections"]
@@ -122,7 +122,7 @@ def _memory(name: str, parameters: dict[str, str]) -> None:
     """What a memory of one LUT holds, by its address, as Yosys' model has it."""
     for key, plain in (("WREMUX", "WRE"), ("WCKMUX", "WCK")):
         if parameters.get(key, plain) != plain:
-            raise CommandError(f"{name}: {key}: got {parameters[key]}, expected {plain}")
+            raise InputError(f"{name}: {key}: got {parameters[key]}, expected {plain}")
     held = parameters["INITVAL"][::-1]
     weights = [1 << "ABCD".index(pin) for pin in READ_PINS]
     by_address = [

@@ -8,8 +8,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from golden.cli import CommandError
 from golden.files import read_json, write_json
+from golden.input_error import InputError
 from hdl.synth.absorb import absorb
 from hdl.synth.routed import simulated
 from hdl.synth.tools import digest, run_tool, stored
@@ -64,7 +64,7 @@ def route(verilog: Path, top: str, needed_mhz: float = 0.0) -> Timing:
 
     Raises
     ------
-    CommandError
+    InputError
         When a tool fails: the design may be too large for the device.
     """
     return Timing(**_routed(verilog, top, needed_mhz)["timing"])
@@ -75,7 +75,7 @@ def routed_netlist(verilog: Path, top: str, needed_mhz: float = 0.0) -> str:
 
     Raises
     ------
-    CommandError
+    InputError
         As ``route``.
     """
     netlist: str = _routed(verilog, top, needed_mhz)["netlist"]
@@ -107,7 +107,7 @@ def read_timing(path: Path) -> tuple[Timing, str]:
 
     Raises
     ------
-    FileNotFoundError, CommandError, ValueError
+    InputError
         When nothing was recorded, or something else stands there.
     """
     return read_json(
@@ -185,7 +185,7 @@ def _placed(folder: Path, top: str, aim: int, placer: str) -> Timing:
     """What one placer reaches."""
     report = place(folder, aim, placer)
     if len(report["fmax"]) != 1:
-        raise CommandError(f"{top}: {len(report['fmax'])} clocks, expected one")
+        raise InputError(f"{top}: {len(report['fmax'])} clocks, expected one")
     (clock,) = report["fmax"].values()
     (path, *_) = (p for p in report["critical_paths"] if p["from"] == p["to"])
     ends = path["path"][0]["from"]["cell"], path["path"][-1]["to"]["cell"]

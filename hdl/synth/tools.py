@@ -14,9 +14,9 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from golden.cli import CommandError
 from golden.files import read_kept, write_kept
 from golden.fingerprint import fingerprint
+from golden.input_error import InputError
 
 STORE = Path("build") / "synth"
 # Of a process whose processor time was over.
@@ -37,13 +37,13 @@ def run_tool(
 
     Raises
     ------
-    CommandError
+    InputError
         When it is not installed or fails.
     """
     scripts = sysconfig.get_path("scripts")
     path = shutil.which(f"yowasp-{name}", path=scripts)
     if not path:
-        raise CommandError(
+        raise InputError(
             f"not installed: yowasp-{name}; run: {sys.executable} -m pip install yowasp-{name}"
         )
     command = [path, *arguments]
@@ -57,7 +57,7 @@ def run_tool(
     ended = seconds is not None and result.returncode in ENDED
     if result.returncode and not failing and not ended:
         last = (result.stdout + result.stderr).strip().splitlines()[-5:]
-        raise CommandError(f"yowasp-{name}: {' '.join(last)}")
+        raise InputError(f"yowasp-{name}: {' '.join(last)}")
     return result.stdout + result.stderr
 
 

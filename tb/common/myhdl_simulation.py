@@ -37,7 +37,7 @@ def simulate(design: Network, frames: Codes) -> tuple[Codes, float]:
 
     Raises
     ------
-    ValueError
+    InputError
         When a signal leaves its bounds.
     RuntimeError
         When the design refuses a frame, or gives another number of results.

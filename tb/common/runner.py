@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shlex
 import shutil
 import subprocess
@@ -20,9 +21,9 @@ from pathlib import Path
 from typing import Any
 
 from golden.block import Block, walk
-from golden.cli import CommandError
 from golden.files import replace_folder, writing
 from golden.fingerprint import fingerprint
+from golden.input_error import InputError
 from golden.scene import Scene, load_scene, scene_path
 from hdl.export.exporter import MANIFEST, ORDER
 from tb.common.bench import CONFIGURATION
@@ -137,7 +138,7 @@ def ready_scene(name: str) -> Scene:
 
     Raises
     ------
-    CommandError, FileNotFoundError, ValueError
+    InputError
         See ``check_simulator``, ``load_scene`` and ``Scene.vectors``.
     """
     scene = load_scene(name)
@@ -152,14 +153,15 @@ def export(scene: Scene, tongue: str, build: Path = BUILD) -> None:
 
     Raises
     ------
-    CommandError
+    InputError
         With the exporter's message, when the scene cannot be exported.
     """
     command = [sys.executable, "-m", "hdl.export", str(scene.path.resolve()), tongue]
     command += ["--build", str(build)]
     result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     if result.returncode == 2:
-        raise CommandError(result.stderr.strip().removeprefix("error: "))
+        # In front of the message may stand warnings.
+        raise InputError(re.split("^error: ", result.stderr, maxsplit=1, flags=re.M)[-1].strip())
     if result.returncode:
         raise RuntimeError(f"{shlex.join(command)}\n{result.stderr}")
 
@@ -196,7 +198,7 @@ def plan(
 
     Raises
     ------
-    CommandError
+    InputError
         For an unknown or missing simulator, or a block that the scene does not contain.
     """
     simulators = list(simulators)

@@ -22,7 +22,7 @@ import cocotb_test.simulator
 import find_libpython
 from cocotb_tools import config
 
-from golden.cli import CommandError
+from golden.input_error import InputError
 
 # Twice as fast as GHDL's default; where it is not installed, Debian's ghdl takes what is.
 BACKEND = os.environ.get("GHDL_BACKEND", "llvm")
@@ -66,7 +66,7 @@ def machine() -> dict[str, str]:
     """What cocotb needs to find this Python from inside a simulator."""
     python = find_libpython.find_libpython()
     if python is None:
-        raise CommandError("no libpython: run: sudo apt-get install libpython3-dev")
+        raise InputError("no libpython: run: sudo apt-get install libpython3-dev")
     return {
         "GPI_USERS": f"{python};{config.pygpi_entry_point()}",
         "PYGPI_PYTHON_BIN": sys.executable,
@@ -81,7 +81,7 @@ def analyse(sources: Iterable[Path], library: Path) -> None:
 
     Raises
     ------
-    CommandError
+    InputError
         With what GHDL says of a file.
     """
     result = subprocess.run(
@@ -93,7 +93,7 @@ def analyse(sources: Iterable[Path], library: Path) -> None:
         check=False,
     )
     if result.returncode:
-        raise CommandError(result.stderr.strip())
+        raise InputError(result.stderr.strip())
 
 
 # One simulator is set up at a time: each setup changes what the whole process shares.

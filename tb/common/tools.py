@@ -6,7 +6,7 @@ import re
 import shutil
 import subprocess
 
-from golden.cli import CommandError
+from golden.input_error import InputError
 from golden.table import suggest
 
 # Simulator name to (program, Debian package, language).
@@ -18,17 +18,17 @@ def check_simulator(name: str) -> None:
 
     Raises
     ------
-    CommandError
+    InputError
     """
     if name not in SIMULATORS:
         known = list(SIMULATORS)
-        raise CommandError(
+        raise InputError(
             f"SIM={name}: no such simulator, expected one of {', '.join(known)}"
             f"{suggest(name, known)}"
         )
     program, package, _ = SIMULATORS[name]
     if shutil.which(program) is None:
-        raise CommandError(
+        raise InputError(
             f"SIM={name}: {program} is not installed; on Debian: apt-get install {package}"
         )
 

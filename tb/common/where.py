@@ -12,7 +12,7 @@ from functools import cache
 from pathlib import Path
 
 from golden.block import walk
-from golden.cli import CommandError
+from golden.input_error import InputError
 from golden.scene import DEFAULT_SCENES, Scene, load_scene, scene_names
 from golden.table import suggest
 
@@ -42,10 +42,9 @@ def places(scene: str | None, block: str | None) -> list[Place]:
 
     Raises
     ------
-    CommandError
+    InputError
         For a block that there is not, that the named scene does not contain, or that neither a
         shipped scene nor a case of its bench contains.
-    FileNotFoundError, ValueError
         See ``load_scene``.
     """
     if scene is not None:
@@ -71,7 +70,7 @@ def places(scene: str | None, block: str | None) -> list[Place]:
         if block in blocks_in(made):
             why = f"the first of its bench that contains {block}; no shipped scene does"
             return [Place(made, f"case {name}: {why}")]
-    raise CommandError(
+    raise InputError(
         f"BLOCK={block}: neither a shipped scene nor a case of its bench contains it, expected "
         "SCENE= with a scene that does"
     )
@@ -82,7 +81,7 @@ def check_block(scene: Scene, block: str | None) -> None:
 
     Raises
     ------
-    CommandError
+    InputError
     """
     if block is None:
         return
@@ -90,7 +89,7 @@ def check_block(scene: Scene, block: str | None) -> None:
     if block in present:
         return
     _check_name(block)
-    raise CommandError(
+    raise InputError(
         f"BLOCK={block}: scene {scene.name} has no such block, expected one of "
         f"{', '.join(sorted(present))}; {_elsewhere(block)}"
     )
@@ -111,7 +110,7 @@ def _check_name(block: str) -> None:
     known = block_names()
     if block not in known:
         hint = suggest(block, known) or f", expected one of {', '.join(known)}"
-        raise CommandError(f"BLOCK={block}: no such block{hint}")
+        raise InputError(f"BLOCK={block}: no such block{hint}")
 
 
 def _others() -> Iterator[str]:

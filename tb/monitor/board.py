@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from golden.input_error import InputError
 from golden.instruments.uart_instrument import UartInstrument
 from golden.link.packets import Frame, FrameLayout
 from golden.networks.mlp import Real
@@ -31,7 +32,7 @@ class Board:
 
     Raises
     ------
-    ValueError
+    InputError
         When the hardware has no serial line, other inputs, or fewer outputs.
     """
 
@@ -40,14 +41,14 @@ class Board:
 
     def __post_init__(self) -> None:
         if self.hardware.uart is None:
-            raise ValueError(
+            raise InputError(
                 f"{self.hardware.path}: got no section [uart], expected one, as scene digit-board "
                 "has, or HARDWARE= a scene with one"
             )
         for key in ("sensors", "outputs"):
             got, most = (len(getattr(one, key)) for one in (self.scene, self.hardware))
             if got != most and (got > most or key == "sensors"):
-                raise ValueError(
+                raise InputError(
                     f"{self.scene.path}: data.{key}: got {got}, expected {most}"
                     f"{' at most' if key == 'outputs' else ''}, as the packets of "
                     f"{self.hardware.path} hold"
@@ -102,7 +103,7 @@ def board_of(scene: str, hardware: str = "") -> Board:
 
     Raises
     ------
-    FileNotFoundError, ValueError
+    InputError
         See ``load_scene`` and ``Board``.
     """
     own = load_scene(scene)

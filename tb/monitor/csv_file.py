@@ -9,8 +9,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from types import TracebackType
 
-from golden.cli import CommandError
 from golden.files import check_writable, writing
+from golden.input_error import InputError
 
 
 class GrowingCsv:
@@ -27,9 +27,8 @@ class GrowingCsv:
 
     Raises
     ------
-    ValueError
+    InputError
         When the file is there already, or a column stands twice.
-    CommandError
         When it cannot be written, then and later.
     """
 
@@ -37,7 +36,7 @@ class GrowingCsv:
         self.path, self.rows = path, 0
         for name in columns:
             if columns.count(name) > 1:
-                raise ValueError(f"{path}: column {name!r} would stand twice; rename it")
+                raise InputError(f"{path}: column {name!r} would stand twice; rename it")
         refuse_there(path)
         check_writable([path])
         with writing(path):
@@ -73,7 +72,7 @@ class GrowingCsv:
             with writing(self.path):
                 while written < len(data):
                     written += os.write(self._file, data[written:])
-        except CommandError:
+        except InputError:
             os.ftruncate(self._file, self._end)
             raise
         self._end += len(data)
@@ -84,7 +83,7 @@ def refuse_there(path: Path) -> None:
 
     Raises
     ------
-    ValueError
+    InputError
     """
     if path.exists() or path.is_symlink():
-        raise ValueError(f"{path}: is there already; choose another name with TO=")
+        raise InputError(f"{path}: is there already; choose another name with TO=")

@@ -12,7 +12,7 @@ from typing import Protocol
 import serial
 from serial.tools import list_ports
 
-from golden.cli import CommandError
+from golden.input_error import InputError
 
 # Seconds that one call waits at most, for bytes or for a port that is gone.
 PAUSE = 0.1
@@ -50,7 +50,7 @@ class Line:
 
     Raises
     ------
-    CommandError
+    InputError
         When it cannot be opened; the message names the ports that there are.
     """
 
@@ -63,7 +63,7 @@ class Line:
         try:
             self._port = self._opened()
         except FAULTS as error:
-            raise CommandError(f"PORT={self.label}: cannot be opened: {_reason(error)}") from None
+            raise InputError(f"PORT={self.label}: cannot be opened: {_reason(error)}") from None
 
     def __enter__(self) -> Line:
         return self
@@ -102,7 +102,7 @@ class Line:
 
         Raises
         ------
-        CommandError
+        InputError
             When the port is gone.
         """
         try:
@@ -112,7 +112,7 @@ class Line:
                 return
         except FAULTS as error:
             self._lost(error)
-        raise CommandError(f"PORT={self.label}: the line was cut: {self.cut}")
+        raise InputError(f"PORT={self.label}: the line was cut: {self.cut}")
 
     def _opened(self) -> serial.Serial:
         # Two programs that read one port would each get a part.

@@ -6,7 +6,8 @@ import argparse
 import sys
 import time
 
-from golden.cli import CommandError, run, whole, would
+from golden.cli import run, whole, would
+from golden.input_error import InputError
 from golden.link.decoder import Decoder
 from golden.link.packets import image_packet
 from golden.scene.image import scene_image
@@ -26,20 +27,20 @@ def check_readings(board: Board) -> None:
 
     Raises
     ------
-    ValueError
+    InputError
     """
     scene, hardware = board.scene, board.hardware
     if scene.sensors != hardware.sensors:
-        raise ValueError(
+        raise InputError(
             f"{scene.path}: data.sensors: got {', '.join(scene.sensors)}, expected "
             f"{', '.join(hardware.sensors)}, as {hardware.path} reads them"
         )
     if not (scene.window.plain and hardware.window.plain):
-        raise ValueError(f"{scene.path}: data.window: got past samples, expected none for an image")
+        raise InputError(f"{scene.path}: data.window: got past samples, expected none for an image")
     names = scene.sensors
     for name, got, expected in zip(names, scene.scales(names), hardware.scales(names), strict=True):
         if got != expected:
-            raise ValueError(
+            raise InputError(
                 f"{scene.path}: data.scale.{name}: got offset {got.offset:g}, factor "
                 f"{got.factor:g}, expected offset {expected.offset:g}, factor "
                 f"{expected.factor:g}, as {hardware.path} reads it"
@@ -51,9 +52,8 @@ def load(line: Line, board: Board) -> int:
 
     Raises
     ------
-    ValueError
+    InputError
         For a scene that the hardware cannot run; see ``scene_image`` too.
-    CommandError
         When the board refuses the image, or does not answer.
     """
     check_readings(board)
@@ -75,14 +75,14 @@ def load(line: Line, board: Board) -> int:
             if good == SURE:
                 return len(data)
             if refused == SURE:
-                raise CommandError(
+                raise InputError(
                     f"PORT={line.label}: image_error: the board refused the image: it was cut or "
                     f"changed on its way, or the board is not the hardware of {board.hardware.path}"
                 )
         if line.cut:
-            raise CommandError(f"PORT={line.label}: the line was cut: {line.cut}")
+            raise InputError(f"PORT={line.label}: the line was cut: {line.cut}")
     faults = "; ".join(decoder.tally.faults(Decoder(board.layout).tally, board.layout).values())
-    raise CommandError(
+    raise InputError(
         f"PORT={line.label}: the image was sent, but no frame came for {line.patience:g} s"
         + (f": {faults}" if faults else ": is the bitstream loaded, and are TX and RX crossed?")
     )

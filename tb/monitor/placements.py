@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from golden.fixed import Codes
+from golden.input_error import InputError
 from golden.precision import SIGNAL
 from golden.scene import Scene
 from golden.scene.scale import signals
@@ -22,12 +23,12 @@ def nearest_row(scene: Scene, targets: dict[str, float]) -> int:
 
     Raises
     ------
-    ValueError
+    InputError
         When the recording has no such output.
     """
     for name in targets:
         if name not in scene.outputs:
-            raise ValueError(
+            raise InputError(
                 f"{scene.path}: data.outputs: got no {name!r}, expected that of a placement: a "
                 "simulated board is touched where its recording was"
             )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from golden.input_error import InputError
 from tb.monitor.board import Board
 from tb.monitor.line import Line, ports_there
 from tb.monitor.simulated_board import SimulatedBoard
@@ -26,13 +27,12 @@ def open_line(port: str, baud: int | None, board: Board) -> Iterator[Line]:
 
     Raises
     ------
-    ValueError
+    InputError
         Without a port.
-    CommandError
         See ``Line``.
     """
     if not port:
-        raise ValueError(
+        raise InputError(
             f"PORT=: missing, expected sim, twin or a serial port; there is {ports_there()}"
         )
     baud = baud or board.baud

@@ -11,8 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
-from golden.cli import CommandError, run, whole, would
+from golden.cli import run, whole, would
 from golden.files import same_file
+from golden.input_error import InputError
 from golden.link.decoder import Decoder
 from golden.link.packets import Frame
 from golden.networks.mlp import Real
@@ -37,7 +38,7 @@ def labels_of(path: Path) -> tuple[list[str], list[Placement]]:
 
     Raises
     ------
-    ValueError
+    InputError
         See ``read_csv_file``; also for a cell that is no number.
     """
     table = read_csv_file(path)
@@ -60,7 +61,7 @@ def check_labels(names: Sequence[str], path: Path, scene: Scene, simulated: bool
 
     Raises
     ------
-    ValueError
+    InputError
         For every column without a name, with that of a sensor, or, of a simulated board, with that
         of no output.
     """
@@ -85,19 +86,19 @@ def read_placement(line: str, outputs: Sequence[str]) -> Placement:
 
     Raises
     ------
-    ValueError
+    InputError
         For another number of them, or for what is no number.
     """
     cells = tuple(line.replace(",", " ").split())
     if len(cells) != len(outputs):
-        raise ValueError(f"got {len(cells)} values, expected {len(outputs)}: {', '.join(outputs)}")
+        raise InputError(f"got {len(cells)} values, expected {len(outputs)}: {', '.join(outputs)}")
     for name, cell in zip(outputs, cells, strict=True):
         try:
             good = math.isfinite(float(cell))
         except ValueError:
             good = False
         if not good:
-            raise ValueError(f"{name}: got {cell!r}, expected a number")
+            raise InputError(f"{name}: got {cell!r}, expected a number")
     return cells
 
 
@@ -115,7 +116,7 @@ def typed(
             return
         try:
             placement = read_placement(line, outputs)
-        except ValueError as error:
+        except InputError as error:
             say(str(error))
             continue
         yield placement
@@ -139,7 +140,7 @@ def gather(line: Line, board: Board, frames: int) -> Real:
 
     Raises
     ------
-    CommandError
+    InputError
         When no frame comes, or the converter is in error.
     """
     line.drop()
@@ -150,12 +151,12 @@ def gather(line: Line, board: Board, frames: int) -> Real:
         for frame in decoder.feed(line.read()):
             last = time.monotonic()
             if "converter_error" in frame.flags:
-                raise CommandError(f"PORT={line.label}: converter_error: it is missing or stuck")
+                raise InputError(f"PORT={line.label}: converter_error: it is missing or stuck")
             found.append(frame)
         if line.cut:
-            raise CommandError(f"PORT={line.label}: the line was cut: {line.cut}")
+            raise InputError(f"PORT={line.label}: the line was cut: {line.cut}")
         if time.monotonic() - last > line.patience:
-            raise CommandError(f"PORT={line.label}: no packet for {line.patience:g} s")
+            raise InputError(f"PORT={line.label}: no packet for {line.patience:g} s")
     values = board.in_units(found[SETTLE : SETTLE + frames])
     return values[:, : len(board.scene.sensors)]
 
@@ -217,13 +218,13 @@ def check_rows(csv: GrowingCsv, listed: int, interrupted: bool) -> None:
 
     Raises
     ------
-    CommandError
+    InputError
     """
     if not csv.rows:
         why = "interrupted" if interrupted else "the input ended"
-        raise CommandError(f"TO={csv.path}: not written: {why} before the first placement")
+        raise InputError(f"TO={csv.path}: not written: {why} before the first placement")
     if csv.rows < listed and not interrupted:
-        raise CommandError(
+        raise InputError(
             f"TO={csv.path}: got {csv.rows} placements, expected {listed}, those of LABELS=: the "
             "input ended before the others"
         )
@@ -253,7 +254,7 @@ def main() -> None:
     parser.add_argument("--baud", type=whole("BAUD", 300, MOST_BAUD))
     arguments = parser.parse_args()
     if not arguments.to:
-        raise ValueError("TO=: missing, expected a .csv file")
+        raise InputError("TO=: missing, expected a .csv file")
     board = board_of(arguments.scene)
     to = Path(arguments.to)
     refuse_there(to)
@@ -261,7 +262,7 @@ def main() -> None:
     if arguments.labels:
         labels = Path(arguments.labels)
         if same_file(labels, to):
-            raise ValueError(f"TO={to}: is read, expected another file")
+            raise InputError(f"TO={to}: is read, expected another file")
         outputs, placements = labels_of(labels)
         check_labels(outputs, labels, board.scene, arguments.port in (SIMULATED, TWIN))
     would(f"record readings from {arguments.port} into {to}")

@@ -68,7 +68,7 @@ class SimulatedBoard:
 
     Raises
     ------
-    CommandError
+    InputError
         Where the simulator is not installed, or the hardware cannot be built.
     """
 

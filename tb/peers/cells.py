@@ -24,7 +24,7 @@ def in_one_piece(verilog: Path, top: str) -> dict[str, int]:
 
     Raises
     ------
-    CommandError
+    InputError
         When Yosys fails.
     """
     tables = sorted(verilog.glob("*.mem"))

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from golden.cli import CommandError
 from golden.fixed import Codes
+from golden.input_error import InputError
 from tb.peers.cells import in_one_piece
 from tb.peers.comparison import Row, Task
 from tb.peers.installed import asked
@@ -54,7 +54,7 @@ def tried(python: Path, task: Task, folder: Path) -> list[Tried]:
 
     Raises
     ------
-    CommandError
+    InputError
         When da4ml fails.
     """
     answers = asked(python, PROGRAM, task.given(), folder)
@@ -76,7 +76,7 @@ def cheapest(found: Iterable[Tried], task: Task, most: tuple[float, float]) -> T
 
     Raises
     ------
-    CommandError
+    InputError
         When there is none.
     """
     good = [
@@ -85,7 +85,7 @@ def cheapest(found: Iterable[Tried], task: Task, most: tuple[float, float]) -> T
         if all(e <= m for e, m in zip(task.errors(one.outputs), most, strict=True))
     ]
     if not good:
-        raise CommandError(f"da4ml: no setting has errors of at most {most}")
+        raise InputError(f"da4ml: no setting has errors of at most {most}")
     return min(good, key=lambda one: one.cost)
 
 
@@ -94,7 +94,7 @@ def collected(one: Tried, folder: Path, edits: dict[str, tuple[str, str]]) -> No
 
     Raises
     ------
-    CommandError
+    InputError
         When what is to be changed is not there: another da4ml writes something else.
     """
     source = one.folder / "src"
@@ -105,7 +105,7 @@ def collected(one: Tried, folder: Path, edits: dict[str, tuple[str, str]]) -> No
         path = folder / name
         changed, count = re.subn(pattern, text, path.read_text(encoding="utf-8"))
         if count != 1:
-            raise CommandError(f"da4ml: {name}: got {count} times {pattern}, expected once")
+            raise InputError(f"da4ml: {name}: got {count} times {pattern}, expected once")
         path.write_text(changed, encoding="utf-8")
 
 
@@ -114,7 +114,7 @@ def row(one: Tried, task: Task, verilog: Path, kept: bool) -> Row:
 
     Raises
     ------
-    CommandError
+    InputError
         When the Verilog computes anything else than da4ml's model, or a tool fails.
     """
     verilog.mkdir()
@@ -130,10 +130,10 @@ def check(found: Codes, expected: Codes) -> None:
 
     Raises
     ------
-    CommandError
+    InputError
     """
     wrong = int((found != expected).any(axis=1).sum())
     if wrong:
-        raise CommandError(
+        raise InputError(
             f"da4ml: {wrong} of {len(expected)} frames are other in simulation than in its model"
         )

@@ -8,9 +8,9 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from golden.cli import CommandError
 from golden.files import replace_file
 from golden.fingerprint import fingerprint
+from golden.input_error import InputError
 
 REQUIREMENTS = Path(__file__).with_name("requirements.txt")
 READY = ".ready"
@@ -23,7 +23,7 @@ def installed(folder: Path) -> Path:
 
     Raises
     ------
-    CommandError
+    InputError
         When pip cannot install them: without a network, or where there is no wheel.
     """
     python, ready = folder / "bin" / "python", folder / READY
@@ -35,9 +35,9 @@ def installed(folder: Path) -> Path:
     pip = [str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
     try:
         run([*pip, "--only-binary", "da4ml", "--requirement", str(REQUIREMENTS)])
-    except CommandError as error:
+    except InputError as error:
         names = ", ".join(line for line in _lines() if not line.startswith("#"))
-        raise CommandError(
+        raise InputError(
             f"{names}: not installed; make peers needs a network and a wheel for this machine, "
             f"which da4ml has for x86-64 Linux and for macOS on ARM\n{error}"
         ) from None
@@ -62,7 +62,7 @@ def asked(python: Path, program: Path, given: dict[str, Any], folder: Path) -> A
 
     Raises
     ------
-    CommandError
+    InputError
         When it fails.
     """
     (folder / "given.json").write_text(json.dumps(given), encoding="utf-8")
@@ -76,11 +76,11 @@ def run(command: list[str], folder: Path | None = None) -> str:
 
     Raises
     ------
-    CommandError
+    InputError
         When it fails; the message is the last of what it said.
     """
     result = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     if result.returncode:
         last = (result.stdout + result.stderr).strip().splitlines()[-5:]
-        raise CommandError(f"{Path(command[0]).name}: " + "\n".join(last))
+        raise InputError(f"{Path(command[0]).name}: " + "\n".join(last))
     return result.stdout

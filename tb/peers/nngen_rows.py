@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from golden.cli import CommandError
+from golden.input_error import InputError
 from golden.precision import SIGNAL
 from tb.peers.cells import in_one_piece
 from tb.peers.comparison import Row, Task
@@ -21,14 +21,14 @@ def row(python: Path, task: Task, folder: Path) -> Row:
 
     Raises
     ------
-    CommandError
+    InputError
         When NNgen fails, or a simulated frame has other outputs than its model.
     """
     answer = asked(python, PROGRAM, task.given(), folder)
     outputs, simulated = np.array(answer["outputs"]), np.array(answer["simulated"])
     wrong = int((outputs[: len(simulated)] != simulated).any(axis=1).sum())
     if wrong:
-        raise CommandError(
+        raise InputError(
             f"NNgen: {wrong} of {len(simulated)} frames are other in simulation than in its model"
         )
     # Its outputs are 16 bits wide.

@@ -39,7 +39,7 @@ def rows(name: str, design: Design, task: Task) -> list[Row]:
 
     Raises
     ------
-    CommandError
+    InputError
         When Yosys fails.
     """
     errors = task.errors(design.process(task.frames))

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from golden.cli import CommandError
 from golden.fixed import Codes
+from golden.input_error import InputError
 from golden.precision import SIGNAL
 from tb.peers.installed import run
 
@@ -47,7 +47,7 @@ def simulated(verilog: Path, top: str, frames: Codes, outputs: int, clocks: int)
 
     Raises
     ------
-    CommandError
+    InputError
         When Icarus fails, or a bit is unknown.
     """
     taken, given = (SIGNAL.width * n for n in (frames.shape[1], outputs))
@@ -60,7 +60,7 @@ def simulated(verilog: Path, top: str, frames: Codes, outputs: int, clocks: int)
     printed = run(["vvp", "-n", "play.vvp"], verilog).split()
     unknown = [word for word in printed if set(word.lower()) & set("xz")]
     if unknown or len(printed) != len(frames):
-        raise CommandError(
+        raise InputError(
             f"{top}: got {len(printed)} frames of outputs, {len(unknown)} with unknown bits, "
             f"expected {len(frames)} and none"
         )

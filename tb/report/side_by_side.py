@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from golden.errors import held_out_means, scene_errors
+from golden.input_error import InputError
 from golden.scene import Scene, load_scene, thesis_figures, thesis_table
 from hdl.synth.budget import budget_path, read_budget
 from tb.report.measure.clocks import clocks_per_frame
@@ -43,7 +44,7 @@ def side_by_side(
 
     Raises
     ------
-    ValueError
+    InputError
         When scenes have other sensors, outputs or references than the first.
     """
     first = scenes[0]
@@ -51,7 +52,7 @@ def side_by_side(
         got = (scene.sensors, scene.outputs, scene.reference)
         expected = (first.sensors, first.outputs, first.reference)
         if got != expected:
-            raise ValueError(
+            raise InputError(
                 f"{scene.path}: got sensors, outputs and reference {got}, expected {expected}, "
                 f"those of {first.name}"
             )

@@ -14,8 +14,9 @@ import sys
 from typing import Any
 
 from golden.block import Block
-from golden.cli import CommandError, run, would
+from golden.cli import run, would
 from golden.fingerprint import fingerprint
+from golden.input_error import InputError
 from golden.progress import Progress
 from tb.common.coverage import values_of
 from tb.common.runner import Outcome, run_job, run_jobs
@@ -91,7 +92,7 @@ def main() -> int:
                 f"{sum(len(v) for v in facts['ports'].values()):5} values of ports"
             )
     if failed:
-        raise CommandError("\n".join(f"{o.job.block}: {o.complaint()}" for o in failed))
+        raise InputError("\n".join(f"{o.job.block}: {o.complaint()}" for o in failed))
     return 0
 
 

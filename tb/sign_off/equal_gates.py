@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from golden.cli import CommandError
+from golden.input_error import InputError
 
 # Wires and tables that VHDL does not name; no name in MyHDL's text begins so.
 UNNAMED = "ghdl_"
@@ -71,14 +71,14 @@ def synthesise(files: Sequence[Path], top: str, folder: Path) -> dict[str, Modul
 
     Raises
     ------
-    CommandError
+    InputError
         With GHDL's message, when it refuses the files.
     """
     command = ["ghdl", "--synth", "--std=93", f"--workdir={folder}", "--out=dump", "-dm", "-de"]
     command += [*map(str, files), "-e", top]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     if result.returncode:
-        raise CommandError(f"{top}: ghdl --synth: {result.stderr.strip()}")
+        raise InputError(f"{top}: ghdl --synth: {result.stderr.strip()}")
     return read_dump(result.stdout)
 
 

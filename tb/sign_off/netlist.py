@@ -15,8 +15,8 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from itertools import product
 
-from golden.cli import CommandError
 from golden.files import replace_file
+from golden.input_error import InputError
 from golden.networks.network import Network
 from golden.table import suggest
 from hdl.boards.families import ice40_netlist
@@ -42,18 +42,18 @@ def chosen(given: str, simulator: str | None = None) -> list[str]:
 
     Raises
     ------
-    CommandError
+    InputError
         For anything else, and for another simulator than netlists run in.
     """
     if simulator not in (None, NETLISTS_RUN_IN):
-        raise CommandError(
+        raise InputError(
             f"SIM={simulator}: got NETLIST={given} too; netlists run in {NETLISTS_RUN_IN} alone"
         )
     if given == ALL:
         return list(FAMILIES)
     if given not in (*CELLS, UNKNOWN):
         known = [ALL, *CELLS, UNKNOWN]
-        raise CommandError(
+        raise InputError(
             f"NETLIST={given}: no such netlist, expected one of {', '.join(known)}; "
             f"{ALL} is every family's but {ICE40}{suggest(given, known)}"
         )
@@ -75,7 +75,7 @@ def on_cells(job: Job, family: str, top: str = "") -> Job:
 
     Raises
     ------
-    CommandError
+    InputError
         When it cannot be mapped or placed.
     """
     if family == UNKNOWN:
@@ -118,7 +118,7 @@ def mapped(
 
     Raises
     ------
-    CommandError
+    InputError
         When none is: only a whole design is placed.
     """
     found = [
@@ -127,7 +127,7 @@ def mapped(
         if family != ROUTED or entity == design.entity
     ]
     if not found:
-        raise CommandError(f"NETLIST={ROUTED}: only {design.entity}, the whole design, is placed")
+        raise InputError(f"NETLIST={ROUTED}: only {design.entity}, the whole design, is placed")
     return found
 
 
@@ -138,7 +138,7 @@ def on_cells_of(design: Network, jobs: Iterable[Job], families: Iterable[str]) -
 
     Raises
     ------
-    CommandError
+    InputError
         When it cannot be mapped or placed, or when nothing is left to run.
     """
     by_entity = {job.entity: job for job in jobs}

@@ -17,7 +17,8 @@ from pathlib import Path
 from typing import Any
 
 from golden.block import walk
-from golden.cli import CommandError, would
+from golden.cli import would
+from golden.input_error import InputError
 from golden.progress import Progress
 from golden.scene import load_scene
 from tb.common.kept import run_kept
@@ -149,13 +150,13 @@ def record(given: str, block: str | None, tell: Tell) -> list[Outcome]:
 
     Raises
     ------
-    CommandError
+    InputError
         For one family alone, and for a block that has no bench.
     """
     blocks = chosen_blocks(block)
     every = chosen(given) == list(FAMILIES)
     if not every and given != UNKNOWN:
-        raise CommandError(f"NETLIST={given}: RECORD=1 records every family: NETLIST={ALL}")
+        raise InputError(f"NETLIST={given}: RECORD=1 records every family: NETLIST={ALL}")
     would(f"run the benches of {len(blocks)} blocks with NETLIST={given} and record them")
     if every:
         return record_netlists(blocks, tell)

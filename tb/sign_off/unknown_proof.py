@@ -17,7 +17,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from golden.cli import CommandError
+from golden.input_error import InputError
 from hdl.synth.tools import run_tool
 from tb.sign_off.unknown import Netlist, Register
 
@@ -69,7 +69,7 @@ def clocks_to_prove(netlist: Netlist, unreset: Register | None = None) -> int | 
         )
         try:
             said = run_tool("yosys", ["-p", script], folder)
-        except CommandError as error:
+        except InputError as error:
             if "proof did fail" in str(error):
                 return None
             raise

@@ -34,7 +34,7 @@ def write_handover(
 
     Raises
     ------
-    FileNotFoundError, ValueError
+    InputError
         For a fault of the recorded vectors, see ``Scene.vectors``.
     """
     name, top, suffix = plain_name(scene.name), design.entity, SUFFIX[language]

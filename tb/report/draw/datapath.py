@@ -33,7 +33,7 @@ def datapath(scene: Scene) -> str:
 
     Raises
     ------
-    FileNotFoundError, ValueError
+    InputError
         See ``Scene.twin``.
     """
     design = scene.twin()

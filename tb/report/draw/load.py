@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from golden.fixed import Codes
+from golden.input_error import InputError
 from golden.networks.mlp import Real
 from golden.scene import Scene
 from golden.scene.visualisation import KEYS, RESULTS, Visualisation, visualisation
@@ -69,7 +70,7 @@ class Beam:
     def check(self, frame: int, path: Path) -> None:
         """Refuse a frame that the vectors of the scene at ``path`` do not have."""
         if not 0 <= frame < len(self.frames):
-            raise ValueError(f"{path}: frame: got {frame}, expected 0 to {len(self.frames) - 1}")
+            raise InputError(f"{path}: frame: got {frame}, expected 0 to {len(self.frames) - 1}")
 
     def true(self, frame: int) -> tuple[Real, Real]:
         """Corners of the recorded load: millimetres and heights."""
@@ -103,12 +104,12 @@ def beam(scene: Scene) -> Beam:
 
     Raises
     ------
-    FileNotFoundError, ValueError
+    InputError
         See ``Scene.vectors``, ``Scene.twin`` and ``visualisation``; also for a scene without one
         of the four outputs.
     """
     if not has_load(scene):
-        raise ValueError(
+        raise InputError(
             f"{scene.path}: data.outputs: got {', '.join(scene.outputs)}, expected "
             f"{', '.join(RESULTS)} among them, with length_mm and without scale, or a section "
             "[visualisation], to draw the load"

@@ -56,7 +56,7 @@ def network(scene: Scene) -> str:
 
     Raises
     ------
-    FileNotFoundError, ValueError
+    InputError
         See ``Scene.mlps``.
     """
     shapes = [mlp.shape for mlp in scene.mlps()]

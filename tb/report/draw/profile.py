@@ -32,7 +32,7 @@ def profile(scene: Scene, frame: int = FRAME) -> str:
 
     Raises
     ------
-    FileNotFoundError, ValueError
+    InputError
         See ``beam``; also for a frame that the vectors do not have.
     """
     known = beam(scene)

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from golden.input_error import InputError
 from golden.networks.mlp import Real
 from golden.physics.swing_data import RATE
 from golden.precision import SIGNAL
@@ -51,7 +52,7 @@ def follow(scene: Scene, run: Path, seconds: float) -> Followed:
 
     Raises
     ------
-    FileNotFoundError, ValueError
+    InputError
         See ``read_table`` and ``Scene.twin``.
     """
     count, past = round(seconds * RATE), scene.window.past
@@ -87,11 +88,11 @@ def swing(scene: Scene, run: Path = RUN) -> str:
 
     Raises
     ------
-    FileNotFoundError, ValueError
+    InputError
         See ``read_table`` and ``Scene.twin``; also for a scene of other outputs.
     """
     if not moves(scene):
-        raise ValueError(
+        raise InputError(
             f"{scene.path}: swing: got outputs {', '.join(scene.outputs)}, with lengths of "
             f"{', '.join(scene.length_mm) or 'none'}, expected x, y and z, and length_mm of each"
         )

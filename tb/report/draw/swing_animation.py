@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from golden.input_error import InputError
 from golden.networks.mlp import Real
 from golden.scene import Scene
 from tb.report.draw.drawing import ACCENT, FAINT, INK, Point, dot, line, picture, text
@@ -42,12 +43,12 @@ def swing_animation(scene: Scene, run: Path = RUN) -> str:
 
     Raises
     ------
-    FileNotFoundError, ValueError
+    InputError
         See ``follow``; also for a scene without a past.
     """
     other = without_past(scene)
     if other is None:
-        raise ValueError(f"{scene.path}: swing: got no data.window, expected one")
+        raise InputError(f"{scene.path}: swing: got no data.window, expected one")
     found = follow(scene, run, UNTIL)
     before = follow(other, run, UNTIL)
     shown = [int(np.argmin(np.abs(found.time - t))) for t in np.arange(FROM, UNTIL, STEP)]

@@ -15,9 +15,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from golden.cli import MOST_SEED, CommandError, run, whole, would
+from golden.cli import MOST_SEED, run, whole, would
 from golden.files import replace_folder, write_json
 from golden.fingerprint import ROOT, fingerprint, sources
+from golden.input_error import InputError
 from golden.machine import facts, versions
 from golden.table import suggest
 from tb.report.measure import recorded
@@ -35,7 +36,7 @@ def main() -> None:
     known = TABLES | ASKED
     for name in names:
         if name not in known:
-            raise CommandError(
+            raise InputError(
                 f"TABLE={name}: no such table, expected one of {', '.join(known)}"
                 f"{suggest(name, list(known))}"
             )
@@ -72,12 +73,12 @@ def refuse_others(names: list[str], seed: int) -> None:
     kept = (*recorded.RECORDED, *recorded.FOR_PAGES)
     others = [name for name in names if name not in kept]
     if others:
-        raise CommandError(
+        raise InputError(
             f"TABLE={others[0]}: is measured for every report, expected one of "
             f"{', '.join(kept)} with RECORD=1"
         )
     if seed != recorded.SEED:
-        raise CommandError(f"SEED={seed}: expected {recorded.SEED} with RECORD=1")
+        raise InputError(f"SEED={seed}: expected {recorded.SEED} with RECORD=1")
 
 
 if __name__ == "__main__":

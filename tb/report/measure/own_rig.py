@@ -16,9 +16,10 @@ import tempfile
 import time
 from pathlib import Path
 
-from golden.cli import CommandError, run, would
+from golden.cli import run, would
 from golden.files import check_file
 from golden.fingerprint import ROOT
+from golden.input_error import InputError
 from golden.machine import closing
 from golden.scene import load_scene
 from tb.common.runner import BUILD
@@ -40,7 +41,7 @@ def timed(readings: Path, outputs: str, scene: Path) -> dict[str, float]:
 
     Raises
     ------
-    CommandError
+    InputError
         When a step fails, with what it said.
     """
     seconds = {}
@@ -49,7 +50,7 @@ def timed(readings: Path, outputs: str, scene: Path) -> dict[str, float]:
         command = [sys.executable, "-m", module, *words]
         done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
         if done.returncode:
-            raise CommandError(f"make {name}: {done.stdout}{done.stderr}")
+            raise InputError(f"make {name}: {done.stdout}{done.stderr}")
         seconds[name] = time.perf_counter() - started
         print(f"make {name:6} {seconds[name]:6.1f} s   {done.stdout.splitlines()[-1]}", flush=True)
     return seconds

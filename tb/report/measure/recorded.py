@@ -17,6 +17,7 @@ from typing import Any
 from golden import window
 from golden.files import read_json, write_json
 from golden.fingerprint import ROOT, fingerprint, sources
+from golden.input_error import InputError
 from golden.machine import facts
 from golden.physics import swing_data
 from golden.rig import sensors_needed, smooth_map, trained_on
@@ -77,12 +78,12 @@ def machine() -> str:
 
     Raises
     ------
-    ValueError
+    InputError
         When they are of several: record all of them on one.
     """
     found = {_found(name)["machine"]["processor"] for name in FOR_PAGES}
     if len(found) > 1:
-        raise ValueError(f"tables for pages: got {sorted(found)}, expected one processor")
+        raise InputError(f"tables for pages: got {sorted(found)}, expected one processor")
     return str(found.pop())
 
 

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from golden.cli import CommandError
+from golden.input_error import InputError
 from golden.networks.network import Network
 from golden.precision import SIGNAL
 from golden.scene import Scene
@@ -53,22 +53,21 @@ def record(scene: Scene, frame: int = 0, build: Path = BUILD) -> list[Port]:
 
     Raises
     ------
-    CommandError
+    InputError
         When Icarus is not there or refuses the design, or the scene cannot be exported.
-    ValueError
         For a frame that the vectors do not have, or a design that is driven in another way.
     """
     check_simulator("icarus")
     design = scene.twin()
     if design.stream not in ("serial", "words"):
-        raise ValueError(
+        raise InputError(
             f"{scene.path}: waveforms: got the design {design.entity}, whose frames have pauses "
             "of any length, expected a network or a readout"
         )
     codes, past = scene.vectors().recordings[0].tolist(), design.past
     last = len(codes) - past - 1
     if not 0 <= frame <= last:
-        raise ValueError(f"{scene.path}: frame: got {frame}, expected 0 to {last}")
+        raise InputError(f"{scene.path}: frame: got {frame}, expected 0 to {last}")
     *before, shown = codes[frame : frame + past + 1]
     export(scene, "verilog", build)
     folder = build / scene.name / "verilog"
@@ -142,7 +141,7 @@ def _instance(folder: Path, parent: str, entity: str) -> str:
     """The name of an entity's instance in its parent."""
     found = re.search(rf"^{re.escape(entity)} (\w+) \(", _text(folder, parent), re.M)
     if found is None:
-        raise CommandError(f"{folder / parent}.v: expected an instance of {entity}, found none")
+        raise InputError(f"{folder / parent}.v: expected an instance of {entity}, found none")
     return found[1]
 
 
@@ -185,7 +184,7 @@ def _set(values: dict[str, int]) -> list[str]:
 def _run(command: list[str]) -> str:
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     if result.returncode:
-        raise CommandError(f"{command[0]}: {(result.stdout + result.stderr).strip()}")
+        raise InputError(f"{command[0]}: {(result.stdout + result.stderr).strip()}")
     return result.stdout
 
 

@@ -33,8 +33,9 @@ from typing import Any
 import numpy as np
 
 from golden import machine
-from golden.cli import CommandError, run, would
+from golden.cli import run, would
 from golden.fingerprint import ROOT
+from golden.input_error import InputError
 from golden.network_files.network_file import provenance_path
 from golden.networks.mlp import Mlp, Real
 from golden.scene import Scene, load_scene
@@ -60,14 +61,14 @@ def finished(command: Sequence[str], setting: Mapping[str, str]) -> bool:
 
     Raises
     ------
-    CommandError
+    InputError
         With the command's own message, where it fails.
     """
     done = subprocess.run(
         command, cwd=ROOT, env=os.environ | setting, capture_output=True, text=True, check=False
     )
     if done.returncode > 0:
-        raise CommandError(f"{' '.join(command)}: {done.stderr.strip()}")
+        raise InputError(f"{' '.join(command)}: {done.stderr.strip()}")
     return done.returncode == 0
 
 
@@ -161,7 +162,7 @@ def moved(scene: Scene, number: int) -> Iterator[Trained]:
         found: list[Trained] = []
         for hidden, restart in candidates(task):
             # A candidate that the formats cannot hold is none.
-            with suppress(ValueError):
+            with suppress(InputError):
                 mlp = train(task, hidden, restart, partial(Moved, number))
                 found.append(Trained(mlp, *bit_true_errors(task, mlp)))
         best = min(found, key=lambda trained: trained.validation)

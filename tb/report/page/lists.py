@@ -14,11 +14,12 @@ from functools import partial
 from pathlib import Path
 
 from golden.activation.segments import GRADIENT, INTERCEPT, UPPER
-from golden.cli import CommandError, run, would
+from golden.cli import run, would
 from golden.disturbance import Disturbance
 from golden.engine.pipeline import Pipeline
 from golden.errors import disturbed_errors, held_out_means
 from golden.fingerprint import ROOT
+from golden.input_error import InputError
 from golden.scene import DEFAULT_SCENES, load_scene, scene_names
 from hdl.synth.budget import budget_path, read_budget
 from hdl.synth.timing import read_timing, timing_path
@@ -211,7 +212,7 @@ def _row(page: str, heading: str, *start: str) -> list[str]:
     rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in below.splitlines()]
     found = [row[len(start) :] for row in rows if row[: len(start)] == list(start)]
     if len(found) != 1:
-        raise CommandError(
+        raise InputError(
             f"docs/{page}.md: {heading}: got {len(found)} lines that begin with "
             f"{', '.join(start)}, expected one"
         )

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from golden.cli import CommandError
 from golden.files import replace_file
 from golden.fingerprint import ROOT
+from golden.input_error import InputError
 
 END = "<!-- to here -->"
 
@@ -30,13 +30,13 @@ def put(page: Path, old: str, text: str, command: str, section: str = "") -> str
 
     Raises
     ------
-    CommandError
+    InputError
         When the page has not the first marker once, and the last one behind it.
     """
     first = begin(command, section)
     head, _, rest = old.partition(first)
     if old.count(first) != 1 or END not in rest:
-        raise CommandError(f"{page}: expected the markers {first} and {END} once each")
+        raise InputError(f"{page}: expected the markers {first} and {END} once each")
     return f"{head}{first}\n\n{text}\n\n{END}{rest.partition(END)[2]}"
 
 

@@ -7,7 +7,8 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-from golden.cli import CommandError, run, would
+from golden.cli import run, would
+from golden.input_error import InputError
 from golden.scene import load_scene
 from tb.common.runner import Job
 from tb.common.where import check_block
@@ -36,7 +37,7 @@ def main() -> int:
     parser.add_argument("--record", action="store_true")
     arguments = parser.parse_args()
     if arguments.scene and arguments.record:
-        raise CommandError("RECORD=1: got SCENE= too, expected none: records are of benches' cases")
+        raise InputError("RECORD=1: got SCENE= too, expected none: records are of benches' cases")
     if arguments.scene:
         check_block(load_scene(arguments.scene), arguments.block)
         would(f"export scene {arguments.scene} and mutate {arguments.block or 'its blocks'}")

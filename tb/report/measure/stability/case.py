@@ -9,6 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from golden.input_error import InputError
+
 
 @dataclass(frozen=True)
 class Row:
@@ -34,12 +36,12 @@ def largest(*values: ArrayLike) -> float:
 
 
 def accepted(calls: Iterable[Callable[[], object]]) -> int:
-    """How many of some calls with invalid arguments do not raise ``ValueError``."""
+    """How many of some calls with invalid arguments do not raise ``InputError``."""
     count = 0
     for call in calls:
         try:
             call()
-        except ValueError:
+        except InputError:
             continue
         count += 1
     return count
