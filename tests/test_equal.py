@@ -185,5 +185,5 @@ def test_vhdl_that_ghdl_refuses_is_an_error(tmp_path: Path) -> None:
 
 def test_a_latch_is_an_error(tmp_path: Path) -> None:
     gold = VERILOG.replace("assign y", "reg l; always @* if (write) l = u; assign y")
-    with pytest.raises(ValueError, match="dlatch"):
+    with pytest.raises(InputError, match="dlatch"):
         compare("small", gold.replace("{verilog}", "kept <= l;"), small(tmp_path, "kept <= x;"), [])

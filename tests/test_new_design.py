@@ -45,7 +45,8 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for room in ("golden", "hdl", "tb", "docs", "tests"):
         ignore = shutil.ignore_patterns("__pycache__")
         shutil.copytree(ROOT / room, folder / room, ignore=ignore)
-    shutil.copy(ROOT / "pyproject.toml", folder)
+    for name in ("Makefile", "pyproject.toml"):
+        shutil.copy(ROOT / name, folder)
     files = re.findall(NAMED, PAGE, re.M | re.S)
     assert [name for name, _ in files] == [
         "golden/networks/rowwise.py",
