@@ -37,11 +37,11 @@ $(CALLED): $(READY)
 	@$(RUN) -m tb.commands $@
 
 test: $(READY) $(if $(DRY_RUN),,tools browser)
-	@$(RUN) $(if $(MACHINE),tests/machines.py "$$MACHINE" --show --whole,tests/chosen.py $(if $(SAMPLE),--sample="$$SAMPLE") $(if $(filter-out 0,$(RECORD)),--record)) \
+	@$(RUN) $(if $(MACHINE),tests/machines.py --only="$$MACHINE" --show --whole,tests/chosen.py $(if $(SAMPLE),--sample="$$SAMPLE") $(if $(filter-out 0,$(RECORD)),--record)) \
 		--tests="$$TESTS" $(if $(filter-out 0,$(ALL)),--all)
 
 machines: $(READY) $(if $(DRY_RUN),,tools browser)
-	@$(RUN) tests/machines.py "$$ONLY" --tests="$$TESTS" $(if $(filter-out 0,$(WHOLE)),--whole) $(if $(filter-out 0,$(ALL)),--all)
+	@$(RUN) tests/machines.py --only="$$ONLY" --tests="$$TESTS" $(if $(filter-out 0,$(WHOLE)),--whole) $(if $(filter-out 0,$(ALL)),--all)
 
 # Built anew, so that no page is left that is gone from the source, and renamed when it is whole.
 SPHINX = $(RUN) -m sphinx -q -W --keep-going -d "$$SITE.doctrees" docs

@@ -205,13 +205,13 @@ MACHINES = {
 
 def main() -> int:
     parser = argparse.ArgumentParser(prog="make machines", description=__doc__)
-    parser.add_argument("names", nargs="*", metavar="NAME")
+    parser.add_argument("--only", default="", help="names of machines; all if empty")
     parser.add_argument("--tests", default="", help="arguments of pytest instead of the group")
     parser.add_argument("--whole", action="store_true", help="all of make test on each")
     parser.add_argument("--all", action="store_true", help="that, and what make test ALL=1 adds")
     parser.add_argument("--show", action="store_true", help="print what the tests print")
     arguments = parser.parse_args()
-    names = [word for text in arguments.names for word in words("ONLY", text)]
+    names = words("ONLY", arguments.only)
     for name in names:
         if name not in MACHINES:
             print(

@@ -48,8 +48,12 @@ def words_of(item: Documented) -> tuple[str, list[str]]:
     given = item.given
     words = [f"--tests={given.get('TESTS', '')}"]
     if item.command.name == "machines":
-        return "machines", [given.get("ONLY", ""), *words]
-    return ("machines", [given["MACHINE"], *words]) if "MACHINE" in given else ("chosen", words)
+        return "machines", [f"--only={given.get('ONLY', '')}", *words]
+    return (
+        ("machines", [f"--only={given['MACHINE']}", *words])
+        if "MACHINE" in given
+        else ("chosen", words)
+    )
 
 
 def call(item: Documented, folder: Path, monkeypatch: pytest.MonkeyPatch) -> int:

@@ -54,9 +54,10 @@ def test_a_line_for_each_and_red_if_one_is(monkeypatch, tmp_path, capsys, asks) 
 
 
 def test_what_cannot_be_is_an_error_where_it_is_asked_for(monkeypatch, tmp_path, asks) -> None:
-    assert run(monkeypatch, tmp_path, "green", *asks) == 0
-    assert run(monkeypatch, tmp_path, "green", "never", *asks) == 2
-    assert run(monkeypatch, tmp_path, "gren", *asks) == 2
+    assert run(monkeypatch, tmp_path, "--only=green", *asks) == 0
+    assert run(monkeypatch, tmp_path, "--only=green never", *asks) == 2
+    assert run(monkeypatch, tmp_path, "--only=gren", *asks) == 2
+    assert run(monkeypatch, tmp_path, "--only=--help", *asks) == 2
 
 
 def test_the_line_has_what_pytest_counted() -> None:

@@ -112,9 +112,17 @@ def test_an_argument_arrives_as_it_was_given(tmp_path: Path, nasty: str) -> None
                 assert others.count(arrives) == 1, f"{command.name}: {argument.name}"
             assert len(others) == len(command.arguments) + len(command.last)
     tests = f"--tests={given['TESTS']}"
-    as_machine = ["tests/machines.py", given["MACHINE"], "--show", "--whole", tests, "--all"]
+    as_machine = [
+        "tests/machines.py",
+        f"--only={given['MACHINE']}",
+        "--show",
+        "--whole",
+        tests,
+        "--all",
+    ]
     assert arrived["test"] == as_machine
-    assert arrived["machines"] == ["tests/machines.py", given["ONLY"], tests, "--whole", "--all"]
+    only = ["tests/machines.py", f"--only={given['ONLY']}", tests, "--whole", "--all"]
+    assert arrived["machines"] == only
 
 
 @pytest.mark.parametrize("nasty", NASTY)
