@@ -12,6 +12,7 @@ GIVEN := ALL BAUD BESIDE BLOCK BOARD CLUSTER CSV DEVICE DRIFT DRY FRAMES FULL HA
 literal = $(if $(value $(1)),$(eval override $(1) := $$(value $(1)))$(eval export $(1)))
 $(foreach name,$(GIVEN),$(call literal,$(name)))
 
+comma := ,
 # With DRY=1 a command checks what it is given and says what it would do; make's own commands too.
 DRY_RUN := $(filter-out 0,$(DRY))
 # $(1): what a recipe would do; $(2): how.
@@ -61,7 +62,8 @@ pages: $(READY)
 		for page in blocks datasheets boards lists thesis sign_off; do $(RUN) -m tb.report.page.$$page; done)
 
 lint: $(READY)
-	$(call own,run ruff and mypy,$(RUN) -m ruff check . && $(RUN) -m ruff format --check . && $(RUN) -m mypy)
+	$(call own,run ruff$(comma) import-linter and mypy,$(RUN) -m ruff check . && $(RUN) -m ruff format --check . && \
+		"$$VENV/bin/lint-imports" --no-cache --no-logo && $(RUN) -m mypy)
 
 clean:
 	$(call own,remove build and $$VENV,rm -rf build "$$VENV")

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.domain import checked
-from golden.networks.mlp import Real
+from golden.real import Real
 
 MOST = 100.0  # more than any range: the bound only keeps sums finite
 

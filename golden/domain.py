@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.input_error import InputError
-from golden.networks.mlp import Real
+from golden.real import Real
 
 
 def checked(**arguments: tuple[ArrayLike, float, float]) -> list[Real]:

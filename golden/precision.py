@@ -13,7 +13,7 @@ import numpy as np
 
 from golden.fixed import Codes, Fix, Rounding
 from golden.input_error import InputError
-from golden.networks.mlp import Real
+from golden.real import Real
 
 SIGNAL = Fix(14, 13)  # what ADC and DAC carry
 

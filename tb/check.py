@@ -8,10 +8,10 @@ import sys
 from pathlib import Path
 
 from golden.cli import run
+from golden.finding import OK, WARNING, Finding, faults, told
 from golden.input_error import InputError
 from golden.machine import versions
 from golden.rig.check import everything
-from golden.rig.finding import OK, WARNING, Finding, faults, told
 from golden.scene import load_scene
 from tb.common.tools import SIMULATORS, version
 

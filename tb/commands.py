@@ -214,7 +214,7 @@ COMMANDS = (
             option("TO", "my-rig.toml"),
             HARDWARE,
         ),
-        "golden.rig.write_scene",
+        "golden.commands.scene",
     ),
     Command("check", "Finds in seconds what can be wrong with a scene.", (SCENE,), "tb.check"),
     Command(
@@ -222,7 +222,7 @@ COMMANDS = (
         "Trains the networks of a scene and writes them beside it; CLUSTER= is the address of a "
         "Dask scheduler to compute on.",
         (SCENE, option("CLUSTER")),
-        "golden.training",
+        "golden.commands.train",
     ),
     Command(
         "recalibrate",
@@ -237,7 +237,7 @@ COMMANDS = (
             option("NOISE", "0.002"),
             option("DRIFT", "0.05,0.02"),
         ),
-        "golden.recalibration",
+        "golden.commands.recalibrate",
     ),
     Command(
         "predict",
@@ -248,20 +248,20 @@ COMMANDS = (
             word("CSV", "new.csv", default="", needed=True),
             word("TO", "out.csv", default="", needed=True),
         ),
-        "golden.rig.predict",
+        "golden.commands.predict",
     ),
     Command(
         "network",
         "Writes a network of a scene as an .npz, .mat or .onnx file; OUTPUT= says which, where the "
         "scene has several.",
         (SINGLE_SCENE, word("TO", "file.onnx", default="", needed=True), option("OUTPUT")),
-        "golden.network_files.convert",
+        "golden.commands.network",
     ),
     Command(
         "image",
         "Writes the words that make an engine which can be reloaded run the networks of a scene.",
         (RELOADED_SCENE, HARDWARE),
-        "golden.scene.write_image",
+        "golden.commands.image",
     ),
     Command(
         "monitor",
@@ -298,7 +298,7 @@ COMMANDS = (
         "listing",
         "Prints the program of a scene's engine, step by step.",
         (SCENE,),
-        "golden.engine",
+        "golden.commands.listing",
     ),
     Command(
         "activations",
@@ -383,7 +383,7 @@ COMMANDS = (
         (flag("LINKS"),),
     ),
     Command("pages", "Writes anew what is generated in the documentation."),
-    Command("lint", "Runs ruff and mypy."),
+    Command("lint", "Runs ruff, import-linter and mypy."),
     Command("clean", "Removes build and .venv."),
 )
 BY_NAME = {command.name: command for command in COMMANDS}

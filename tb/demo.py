@@ -20,7 +20,13 @@ import numpy as np
 
 from golden.cli import run, would
 from golden.disturbance import Disturbance
-from golden.errors import (
+from golden.machine import closing
+from golden.metrics import millimetres
+from golden.progress import stage
+from golden.scene import DEFAULT_SCENES, Scene, thesis_figures
+from golden.scene.ranges import ranges
+from golden.scene.vectors import warn_outside
+from golden.scene_errors import (
     disturbed_errors,
     held_out_means,
     held_out_text,
@@ -28,12 +34,6 @@ from golden.errors import (
     scene_errors,
     unit_errors,
 )
-from golden.machine import closing
-from golden.metrics import millimetres
-from golden.progress import stage
-from golden.scene import DEFAULT_SCENES, Scene, thesis_figures
-from golden.scene.ranges import ranges
-from golden.scene.vectors import warn_outside
 from golden.training.split import unused_text
 from tb.common.results import left_texts, simulate
 from tb.common.runner import ready_scene

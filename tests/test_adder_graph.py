@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from golden.mlp import Mlp, tanh
 from golden.networks.adder_graph import AdderGraph
-from golden.networks.mlp import Mlp, tanh
 from golden.precision import EXACT, SIGNAL
 from golden.scene import load_scene
 from tb.common.cases import random_mlp

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from refused import Desk
 
-from golden.rig.finding import faults
+from golden.finding import faults
 from tb.check import check
 
 LONG = "1" * 400

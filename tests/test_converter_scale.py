@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 from refused import Desk
 
+from golden.commands.train import train_scene
+from golden.finding import faults
 from golden.input_error import InputError
 from golden.precision import SIGNAL
 from golden.recalibration.folder import write_copy
 from golden.rig.check import before_training, everything
-from golden.rig.finding import faults
 from golden.scene import Scene, load_scene
 from golden.scene.scale import Scale, on_readings
 from golden.sensing.converter_parts import PARTS, TWOS
 from golden.sensing.converter_reader import ConverterReader
 from golden.table import read_table, write_table
-from golden.training.__main__ import train_scene
 from golden.training.scaling import scaled
 from tb.common.cases import FRONT_END, random_mlp, write_scene
 

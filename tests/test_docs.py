@@ -15,9 +15,9 @@ from shared import Shared
 
 from golden.block import Block, walk
 from golden.disturbance import Disturbance
-from golden.errors import disturbed_errors, held_out_means, noises_of, scene_errors
 from golden.networks.designs import DESIGNS
 from golden.scene import load_scene, thesis_figures
+from golden.scene_errors import disturbed_errors, held_out_means, noises_of, scene_errors
 from hdl.synth.budget import budget_path, read_budget
 from hdl.synth.netlist import KINDS
 from tb.commands import BY_NAME
@@ -154,7 +154,7 @@ def test_the_worked_example_works(tmp_path: Path) -> None:
     assert written.returncode == 0, written.stderr
     assert "| `in_data` | in | signed | `in_fmt`: Fix(18,14) |" in (copy / sheet[1]).read_text()
     assert "| [relu](blocks/relu.md) |" in (copy / "docs" / "README.md").read_text()
-    trained = run("golden.training", scene)
+    trained = run("golden.commands.train", scene)
     assert trained.returncode == 0, trained.stderr
     simulated = run("tb.sim", scene, "--block", "relu")
     assert simulated.returncode == 0, simulated.stdout + simulated.stderr

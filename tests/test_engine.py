@@ -15,7 +15,7 @@ from conftest import random_mlp, write_scene
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from golden.engine.__main__ import main
+from golden.commands.listing import main
 from golden.engine.formats import (
     DROPPED,
     HIDDEN,
@@ -36,8 +36,8 @@ from golden.engine.schedule import Step, schedule
 from golden.engine.tanh_table import tanh_table
 from golden.fixed import Codes, Fix
 from golden.input_error import InputError
+from golden.mlp import Mlp
 from golden.networks.engine import Engine
-from golden.networks.mlp import Mlp
 from golden.precision import SIGNAL
 from golden.scene import load_scene
 from tb.common.myhdl_simulation import simulate

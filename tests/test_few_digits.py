@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from golden.commands import train as command
 from golden.input_error import InputError
+from golden.mlp import Mlp
 from golden.network_files.network_file import provenance_path
 from golden.networks.constants import constants_of
-from golden.networks.mlp import Mlp
 from golden.scene import Scene, load_scene
 from golden.signed_digits import signed_digits
-from golden.training import __main__ as command
 from golden.training import few_digits
 from golden.training.few_digits import FewDigits, at_most, count_digits, grid_of, priced
 from golden.training.objective import pack, unpack

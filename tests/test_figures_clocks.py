@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from shared import Shared
 
-from golden.errors import scene_errors
 from golden.scene import DEFAULT_SCENES, load_scene
+from golden.scene_errors import scene_errors
 from tb.report.measure.clocks import clocks_per_frame
 from tb.report.measure.networks import scenes
 from tb.report.measure.table import Table

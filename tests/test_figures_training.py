@@ -7,7 +7,7 @@ import pytest
 from pages import SEARCHED, TRAINED, cells, section, shows
 from shared import Shared
 
-from golden.networks.mlp import tanh
+from golden.mlp import tanh
 from golden.scene import load_scene
 from golden.training.objective import Objective, Rows, pack
 from golden.training.search import measure, starting_weights

@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 from conftest import tiered
 
+from golden.commands.image import main
 from golden.engine.image import Image, Sizes, image_of
 from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.scene import Scene, load_scene, scene_path
 from golden.scene.image import scene_image
-from golden.scene.write_image import main
 from tb.common.cases import Case
 from tb.common.runner import plan, run_jobs
 from tb.common.small import RELOADED
@@ -218,7 +218,7 @@ def test_an_image_that_is_refused_leaves_the_one_before(tmp_path: Path) -> None:
     image = tmp_path / "digit-single" / "image" / "digit-single.bin"
     image.parent.mkdir(parents=True)
     image.write_bytes(b"before")
-    command = [sys.executable, "-m", "golden.scene.write_image", "digit-single"]
+    command = [sys.executable, "-m", "golden.commands.image", "digit-single"]
     command += ["--hardware", str(small), "--build", str(tmp_path)]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     assert result.returncode == 2

@@ -14,7 +14,7 @@ import pytest
 
 from golden.files import write_json
 from golden.input_error import InputError
-from golden.networks.mlp import Mlp
+from golden.mlp import Mlp
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_names
 from hdl.export.exporter import MANIFEST, export

@@ -184,7 +184,7 @@ def test_so_do_paths(tmp_path: Path, nasty: str) -> None:
     venv = tmp_path / nasty
     result = make(tmp_path, f"VENV={venv}", "listing")
     assert result.returncode == 0, result.stderr
-    assert "golden.engine" in log.read_text()
+    assert "golden.commands.listing" in log.read_text()
     (venv / ".ready").unlink()
     python = venv / "bin" / "python"
     result = make(tmp_path, f"VENV={venv}", f"PYTHON={python}", "ready")

@@ -23,11 +23,11 @@ import numpy as np
 import pytest
 
 from golden.cli import run
+from golden.commands.predict import main as predict
 from golden.input_error import InputError
 from golden.link.decoder import Tally
 from golden.link.packets import FLAGS, FRAME, SYNC, Frame, FrameLayout, check_of
 from golden.precision import SIGNAL
-from golden.rig.predict import main as predict
 from golden.scene import Scene, load_scene
 from tb.monitor.__main__ import main
 from tb.monitor.board import Board

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from golden.cli import run
+from golden.commands import train as training
 from golden.networks.engine import Engine
 from golden.rig import write_scene
 from golden.scene import Scene, load_scene
 from golden.scene.image import scene_image
-from golden.training import __main__ as training
 from tb.monitor import load as loading
 from tb.monitor import record as recording
 from tb.monitor.board import Board
@@ -153,11 +153,11 @@ def test_the_page_as_it_stands_on_the_simulated_hardware(hardware: Scene, tmp_pa
     assert f"wrote {folder}/readings.csv, {len(rows)} placements" in said
     rig = f"{folder}/mine.toml"
     command(
-        *("golden.rig.write_scene", f"{folder}/readings.csv", "load,position"),
+        *("golden.commands.scene", f"{folder}/readings.csv", "load,position"),
         *(f"--to={rig}", f"--hardware={HARDWARE}"),
     )
     small(Path(rig))
-    command("golden.training", rig, "--build", f"{folder}/build")
+    command("golden.commands.train", rig, "--build", f"{folder}/build")
     said = command("tb.monitor.load", rig, "sim", f"--hardware={HARDWARE}")
     assert re.fullmatch(r"sim: mine runs, \d+ bytes\n", said)
     said = command(

@@ -11,10 +11,10 @@ from onnx import TensorProto, helper, numpy_helper
 from onnx.reference import ReferenceEvaluator
 from scipy.io import savemat
 
+from golden.commands.network import main as convert
 from golden.input_error import InputError
-from golden.network_files.convert import main as convert
+from golden.mlp import Mlp
 from golden.network_files.network_file import load_network, write_network
-from golden.networks.mlp import Mlp
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene
 from tb.common.cases import random_mlp, write_scene

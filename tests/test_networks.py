@@ -14,15 +14,15 @@ from hypothesis import strategies as st
 
 from golden.activation.segments import gradient_real
 from golden.block import walk
-from golden.errors import held_out_means
 from golden.input_error import InputError
 from golden.metrics import percent_errors, summarise
+from golden.mlp import Mlp
 from golden.networks.arrangement import arrange
 from golden.networks.hybrid import Hybrid
-from golden.networks.mlp import Mlp
 from golden.networks.parallel import Parallel
 from golden.precision import EXACT, PRECISIONS, SIGNAL, THESIS, normalisation
 from golden.scene import FOLDER, Scene, load_scene, scene_names, thesis_figures
+from golden.scene_errors import held_out_means
 from tb.common.cases import random_mlp
 from tb.report.measure.networks import scenes
 

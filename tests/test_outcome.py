@@ -9,9 +9,9 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from golden.errors import noises_of
 from golden.scene import Scene, load_scene
 from golden.scene.scale import Scale
+from golden.scene_errors import noises_of
 from tb.report.draw.outcome import along_plot, disturbance_plots, predicted_plots
 from tb.report.measure.bounds import bounds, bounds_of
 from tb.report.measure.disturbance import noise_and_drift

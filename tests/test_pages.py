@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from pages import TRAINED, same_picture, shows
 
-from golden.errors import held_out_means, held_out_rows
 from golden.fingerprint import ROOT
 from golden.input_error import InputError
 from golden.physics.beam import Beam
@@ -17,6 +16,7 @@ from golden.physics.bound import least_deviations, slopes_by_codes
 from golden.physics.digit_data import RECORDED, SENSORS
 from golden.physics.strain_sensor import COLUMNS, fit_sensors
 from golden.scene import load_scene
+from golden.scene_errors import held_out_means, held_out_rows
 from golden.table import read_table
 from golden.training.split import split_of
 from tb.report.measure import recorded

@@ -11,17 +11,17 @@ import numpy as np
 import pytest
 from refused import Desk
 
+from golden.commands.predict import main as predict
+from golden.commands.recalibrate import main as recalibrate
+from golden.commands.train import train_scene
 from golden.disturbance import Disturbance
-from golden.errors import disturbed_rows, held_out_rows, scene_errors, told
 from golden.input_error import InputError
 from golden.precision import SIGNAL
-from golden.recalibration.__main__ import main as recalibrate
 from golden.rig.check import data
-from golden.rig.predict import main as predict
 from golden.scene import Scene, load_scene, scene_names
 from golden.scene.vectors import read_recorded
+from golden.scene_errors import disturbed_rows, held_out_rows, scene_errors, told
 from golden.table import read_table, write_table
-from golden.training.__main__ import train_scene
 from golden.training.search import train
 from golden.training.split import Split, apart, split_of
 from golden.training.task import task_for

@@ -9,7 +9,7 @@ import pytest
 from scipy.cluster.vq import kmeans2
 
 from golden.input_error import InputError
-from golden.networks.mlp import Mlp
+from golden.mlp import Mlp
 from golden.networks.operations import (
     Operations,
     mlp_operations,

@@ -13,11 +13,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from golden.commands.recalibrate import main
 from golden.disturbance import Disturbance
 from golden.input_error import InputError
 from golden.network_files.network_file import provenance_path
 from golden.precision import SIGNAL
-from golden.recalibration.__main__ import main
 from golden.recalibration.choice import LEAST_PLACEMENTS, plan, proposed
 from golden.recalibration.fit import Fit, fit, left_out, misses
 from golden.recalibration.folder import now_read

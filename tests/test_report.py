@@ -14,10 +14,10 @@ import pytest
 from shared import Shared
 
 from golden.activation.schemes import forms
-from golden.errors import UNKNOWN
 from golden.fingerprint import ROOT
 from golden.scene import load_scene
 from golden.scene.reading import scene_path
+from golden.scene_errors import UNKNOWN
 from tb.commands import BY_NAME
 from tb.common.runner import BUILD
 from tb.report.draw import findings, looks

@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from golden.finding import FAULT, NOTE, OK, WARNING, Finding, faults
 from golden.rig.check import before_training, everything
-from golden.rig.finding import FAULT, NOTE, OK, WARNING, Finding, faults
 from golden.scene import load_scene, scene_names
 from golden.table import read_table, write_table
 from tb.check import check, tools
@@ -257,7 +257,7 @@ def test_no_search_begins_with_a_fault(path: Path) -> None:
     folder_for_a_file(path)
     column(path, "x1", lambda x: 0 * x)
     network = path.with_name("rig.npz").read_bytes()
-    done = run("golden.training", str(path), "--build", str(path.parent / "build"))
+    done = run("golden.commands.train", str(path), "--build", str(path.parent / "build"))
     assert done.returncode == 2
     assert [line.partition(":")[0] for line in done.stderr.splitlines()] == ["error", "error"]
     assert "in every row" in done.stderr

@@ -286,7 +286,7 @@ def test_nothing_that_is_read_is_written_over(scene: Scene, name: str) -> None:
 
 
 def run(*words: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "golden.rig.predict", *words]
+    command = [sys.executable, "-m", "golden.commands.predict", *words]
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
 
 

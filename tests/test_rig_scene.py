@@ -12,11 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from golden.finding import FAULT
 from golden.input_error import InputError
 from golden.rig import readings
 from golden.rig.csv_file import read_csv_file
 from golden.rig.draft import weights
-from golden.rig.finding import FAULT
 from golden.rig.survey import Survey, survey
 from golden.rig.write_scene import names_of, write_scene
 from golden.scene import Scene, load_scene
@@ -349,7 +349,7 @@ def test_the_csv_may_stand_elsewhere(tmp_path: Path) -> None:
 
 
 def run(*words: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "golden.rig.write_scene", *words]
+    command = [sys.executable, "-m", "golden.commands.scene", *words]
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
 
 

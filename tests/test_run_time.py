@@ -11,12 +11,12 @@ from pages import ROUNDING, SEARCHED
 from shared import Shared
 
 from golden.activation.pade import RHO
-from golden.errors import scene_errors
 from golden.physics.plate import TERMS
 from golden.physics.swing import LIGHT, METHODS, STRONG, STRONG_DAMPING
 from golden.precision import EXACT
 from golden.scene import load_scene
 from golden.scene.schema import KEYS
+from golden.scene_errors import scene_errors
 from tb.report.draw.findings import number, rows_of
 from tb.report.draw.run_time import SETTLING, network_rows, rounded
 from tb.report.measure import recorded

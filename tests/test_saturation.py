@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from golden.finding import WARNING
+from golden.mlp import Mlp
 from golden.network_files.network_file import save_network
-from golden.networks.mlp import Mlp
 from golden.precision import SIGNAL
 from golden.rig.check import everything
-from golden.rig.finding import WARNING
 from golden.scene import Scene, load_scene, scene_names
 from golden.scene.saturation import saturating
 from hdl.export.__main__ import export_scene

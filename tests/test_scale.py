@@ -10,14 +10,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from golden.errors import scene_errors, unit_errors
+from golden.commands import train as command
 from golden.input_error import InputError, MissingFileError
 from golden.network_files.network_file import load_network, provenance_path, save_network
 from golden.precision import SIGNAL
 from golden.scene import Scene, comparison_names, load_scene, scene_names
 from golden.scene.scale import Scale, on_readings, on_signals, range_scale, readings, signals
 from golden.scene.vectors import warn_outside
-from golden.training import __main__ as command
+from golden.scene_errors import scene_errors, unit_errors
 from golden.training import search
 from golden.training.scaling import scaled
 from golden.training.split import split_rows

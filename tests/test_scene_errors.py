@@ -10,7 +10,12 @@ import numpy as np
 import pytest
 
 from golden.disturbance import Disturbance
-from golden.errors import (
+from golden.input_error import InputError
+from golden.network_files.network_file import provenance_path, save_network, write_network
+from golden.precision import SIGNAL
+from golden.scene import Scene, load_scene, scene_path
+from golden.scene.scale import Scale, on_readings
+from golden.scene_errors import (
     HELD_OUT,
     NOISE,
     UNKNOWN,
@@ -21,11 +26,6 @@ from golden.errors import (
     noises_of,
     scene_errors,
 )
-from golden.input_error import InputError
-from golden.network_files.network_file import provenance_path, save_network, write_network
-from golden.precision import SIGNAL
-from golden.scene import Scene, load_scene, scene_path
-from golden.scene.scale import Scale, on_readings
 from golden.training.split import split_of, split_story
 from tb.common.cases import random_mlp
 from tb.demo import error_table

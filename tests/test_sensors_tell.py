@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from golden.finding import OK, WARNING
 from golden.fingerprint import ROOT
 from golden.rig.csv_file import read_csv_file
-from golden.rig.finding import OK, WARNING
 from golden.rig.sensors_needed import Recording, recording_of
 from golden.rig.sensors_tell import Telling, findings, measured, telling_of
 from golden.rig.survey import survey
@@ -133,7 +133,7 @@ def test_make_scene_and_make_check_and_the_report_say_it(tmp_path: Path) -> None
     again = tmp_path / "again.toml"
     words = [str(tmp_path / "rig.csv"), ",".join(OUTPUTS), "--to", str(again)]
     for command in (
-        ["golden.rig.write_scene", *words],
+        ["golden.commands.scene", *words],
         ["tb.check", str(scene.path), "--build", str(tmp_path / "build")],
     ):
         done = subprocess.run(

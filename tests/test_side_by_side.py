@@ -9,9 +9,9 @@ import pytest
 from pages import ROUNDING, shows
 from refused import Desk
 
-from golden.errors import held_out_means, scene_errors
 from golden.input_error import InputError
 from golden.scene import DEFAULT_SCENES, Scene, load_scene, thesis_table
+from golden.scene_errors import held_out_means, scene_errors
 from hdl.synth.budget import budget_path, read_budget
 from tb import demo
 from tb.common import results

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from golden.fixed import Fix
-from golden.networks.mlp import Mlp
+from golden.mlp import Mlp
 from golden.precision import normalisation
 from golden.scene import load_scene
 from golden.scene.reference import thesis_table

@@ -99,7 +99,7 @@ def test_a_start_is_moved_by_a_few_last_bits(small_scene: Scene, monkeypatch) ->
 
 def test_what_fails_says_why() -> None:
     with pytest.raises(InputError, match=r"golden\.training nowhere: error: scene 'nowhere'"):
-        spread.finished([sys.executable, "-m", "golden.training", "nowhere"], {})
+        spread.finished([sys.executable, "-m", "golden.commands.train", "nowhere"], {})
 
 
 def test_a_processor_without_the_instructions_is_no_fault() -> None:

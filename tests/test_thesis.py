@@ -13,14 +13,14 @@ from conftest import tiered
 from pages import same_picture
 from shared import Shared
 
-from golden.errors import scene_errors
 from golden.fingerprint import ROOT
-from golden.networks.mlp import Real
 from golden.physics import GRAVITY
 from golden.physics.beam import Beam
 from golden.physics.conditioning import LOW_PASS, SCAN_RATE
 from golden.precision import EXACT, THESIS
+from golden.real import Real
 from golden.scene import load_scene, thesis_table
+from golden.scene_errors import scene_errors
 from hdl.synth.budget import budget_path, read_budget
 from tb.report.draw import along, rigs
 from tb.report.draw.convergence import convergence_plot

@@ -11,17 +11,17 @@ import pytest
 
 from golden.activation.schemes import SCHEMES
 from golden.activation.segments import gradient_real
+from golden.commands import train as command
 from golden.disturbance import Disturbance
 from golden.fingerprint import fingerprint
 from golden.input_error import InputError
 from golden.metrics import percent_errors
+from golden.mlp import tanh
 from golden.network_files.network_file import provenance_path, save_network, save_networks
 from golden.networks.arrangement import arrange
-from golden.networks.mlp import tanh
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_names
 from golden.scene.scale import Scale
-from golden.training import __main__ as command
 from golden.training.objective import Objective, Rows, pack, unpack
 from golden.training.scg import minimise
 from golden.training.search import (

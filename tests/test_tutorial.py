@@ -15,9 +15,9 @@ import pytest
 from pages import TRAINED, cells, shows
 from shared import Shared
 
-from golden.errors import scene_errors
 from golden.network_files.network_file import provenance_path
 from golden.scene import load_scene
+from golden.scene_errors import scene_errors
 from tb.report.measure import outside
 
 ROOT = Path(__file__).parents[1]
@@ -49,9 +49,9 @@ def scene(shared: Shared) -> Path:
             shutil.copy(FILES / name, folder)
         readings = str(folder / "readings.csv")
         for name, words in {
-            "scene": ("golden.rig.write_scene", readings, "force,place", "--to", str(path)),
+            "scene": ("golden.commands.scene", readings, "force,place", "--to", str(path)),
             "check": ("tb.check", str(path), "--build", str(folder / "build")),
-            "train": ("golden.training", str(path), "--build", str(folder / "build")),
+            "train": ("golden.commands.train", str(path), "--build", str(folder / "build")),
         }.items():
             done = run(*words)
             assert done.returncode == 0, done.stderr
@@ -95,7 +95,7 @@ def test_make_train_says_what_is_shown(scene: Path) -> None:
 
 def test_new_readings_get_what_is_shown(scene: Path) -> None:
     out = scene.with_name("out.csv")
-    done = run("golden.rig.predict", str(scene), str(scene.with_name("new.csv")), str(out))
+    done = run("golden.commands.predict", str(scene), str(scene.with_name("new.csv")), str(out))
     assert done.returncode == 0, done.stderr
     with out.open(newline="") as file:
         rows = list(csv.DictReader(file))

@@ -1,4 +1,8 @@
-"""Directive ``package-modules``: the docstrings of every module of a package."""
+"""The reference: a page for each package, with the docstrings of its modules.
+
+The pages are written when the site is built, into ``api`` beside its index: a new package needs no
+page of its own. Each holds the directive ``package-modules``, which this defines.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +13,13 @@ from typing import Any
 
 from docutils import nodes
 from sphinx.application import Sphinx
+from sphinx.config import Config
 from sphinx.util.docutils import SphinxDirective
 
 ROOT = Path(__file__).resolve().parents[2]
+ROOMS = ("golden", "hdl", "tb")
+# They import what only an environment of their own has (make peers), so nothing can be shown.
+LEFT_OUT = ("tb.peers",)
 
 
 class PackageModules(SphinxDirective):
@@ -45,6 +53,29 @@ class PackageModules(SphinxDirective):
         return self.parse_text_to_nodes("\n".join(lines), allow_section_headings=True)
 
 
+def packages() -> list[str]:
+    """Every package of the rooms that can be imported here."""
+    folders = [path.parent for room in ROOMS for path in (ROOT / room).rglob("__init__.py")]
+    names = sorted(".".join(folder.relative_to(ROOT).parts) for folder in folders)
+    return [name for name in names if name not in LEFT_OUT]
+
+
+def write_pages(app: Sphinx, config: Config) -> None:
+    """A page for each package, where the source has a folder for them."""
+    folder = Path(app.srcdir) / "api"
+    if not folder.is_dir():
+        return
+    for name in packages():
+        text = f"{name}\n{'=' * len(name)}\n\n.. package-modules:: {name}\n"
+        page = folder / f"{name}.rst"
+        # What has not changed keeps its time, so Sphinx does not read it again.
+        if not page.is_file() or page.read_text(encoding="utf-8") != text:
+            page.write_text(text, encoding="utf-8")
+    for page in folder.glob("*.rst"):
+        if page.stem not in (*packages(), "index"):
+            page.unlink()
+
+
 def shorten(
     app: Sphinx, what: str, name: str, obj: Any, options: Any, signature: str | None, returned: Any
 ) -> tuple[str, Any] | None:
@@ -54,5 +85,6 @@ def shorten(
 
 def setup(app: Sphinx) -> dict[str, bool]:
     app.add_directive("package-modules", PackageModules)
+    app.connect("config-inited", write_pages)
     app.connect("autodoc-process-signature", shorten)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

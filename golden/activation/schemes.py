@@ -20,7 +20,7 @@ from golden.activation.precise import Precise
 from golden.activation.precise_table import FORMATS, curve_table
 from golden.activation.segments import gradient_real, segment_table
 from golden.input_error import InputError
-from golden.networks.mlp import Activation, tanh
+from golden.mlp import Activation, tanh
 from golden.precision import EXACT, PRECISIONS, SIGNAL, Precision
 from golden.table import suggest
 

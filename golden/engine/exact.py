@@ -21,8 +21,9 @@ from golden.engine.operand_select import OperandSelect
 from golden.engine.table_address import TableAddress
 from golden.engine.tanh_table import TanhTable, tanh_table
 from golden.fixed import Codes, Fix, Overflow, Rounding, requantise
-from golden.networks.mlp import Mlp, Real
+from golden.mlp import Mlp
 from golden.precision import SIGNAL
+from golden.real import Real
 
 
 def exact(graph: Graph, segment_width: int, frames: Codes) -> Codes:

@@ -19,7 +19,7 @@ from golden.engine.formats import (
 )
 from golden.engine.tanh_table import TanhTable
 from golden.fixed import Fix
-from golden.networks.mlp import Mlp
+from golden.mlp import Mlp
 from golden.precision import SIGNAL
 
 _MOST = (1 << (WIDTH - 1)) - 1

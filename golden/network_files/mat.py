@@ -10,8 +10,9 @@ from scipy.io import loadmat, savemat
 
 from golden.files import reading
 from golden.input_error import InputError
+from golden.mlp import Mlp
 from golden.network_files.numbers import real_numbers
-from golden.networks.mlp import Mlp, Real
+from golden.real import Real
 
 # Netlab keeps samples in rows: w1 is inputs x hidden, b1 is 1 x hidden.
 TRANSPOSED = ("w1", "w2")

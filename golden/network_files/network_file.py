@@ -25,7 +25,7 @@ from golden.files import (
     same_file,
 )
 from golden.input_error import InputError
-from golden.networks.mlp import Mlp
+from golden.mlp import Mlp
 from golden.table import suggest
 
 NAMES = ("w1", "b1", "w2", "b2")

@@ -9,8 +9,9 @@ import numpy as np
 
 from golden.files import reading
 from golden.input_error import InputError
+from golden.mlp import Mlp
 from golden.network_files.numbers import real_numbers
-from golden.networks.mlp import Mlp, Real
+from golden.real import Real
 
 # Of the weights, nodes stand in rows.
 TRANSPOSED = ()

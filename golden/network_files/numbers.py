@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from golden.input_error import InputError
-from golden.networks.mlp import Real
+from golden.real import Real
 
 
 def real_numbers(path: Path, name: str, value: Any) -> Real:

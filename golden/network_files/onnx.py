@@ -15,8 +15,9 @@ from onnx import AttributeProto, TensorProto, helper, numpy_helper
 
 from golden.files import reading
 from golden.input_error import InputError
+from golden.mlp import Mlp, shifted
 from golden.network_files.numbers import real_numbers
-from golden.networks.mlp import Mlp, Real, shifted
+from golden.real import Real
 
 # Whichever way they stand in the file, weights are told as of nodes in rows.
 TRANSPOSED = ()

@@ -19,11 +19,12 @@ from golden.flow import Alike, Carried, Flow
 from golden.input_error import InputError
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.input_controller import InputController
+from golden.mlp import Mlp
 from golden.networks.bounds import activation_error
 from golden.networks.constants import Constants, Layer, constants_of, quantised
 from golden.networks.design import Design
-from golden.networks.mlp import Mlp, Real
 from golden.precision import EXACT, SIGNAL, Precision
+from golden.real import Real
 
 # Adders between two registers, where a scene says nothing.
 ADDERS_PER_CLOCK = 5

@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden.input_error import InputError
+from golden.mlp import Activation, Mlp
 from golden.networks.cascade import Cascade
 from golden.networks.design import Design
-from golden.networks.mlp import Activation, Mlp, Real
 from golden.networks.multiple import Multiple
 from golden.networks.network import Network
+from golden.real import Real
 
 ARRANGEMENTS = ("single", "multiple", "cascade")
 

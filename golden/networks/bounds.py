@@ -8,9 +8,10 @@ from functools import lru_cache
 import numpy as np
 
 from golden.activation.activation_block import ActivationBlock
+from golden.mlp import Mlp
 from golden.networks.constants import Layer, quantised
-from golden.networks.mlp import Mlp, Real
 from golden.precision import SIGNAL, Precision
+from golden.real import Real
 
 
 def two_layer_bounds(

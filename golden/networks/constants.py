@@ -12,8 +12,9 @@ from golden.activation.schemes import SCHEMES
 from golden.fixed import Codes, Fix
 from golden.input_error import InputError
 from golden.layers.node_sum import NodeSum
-from golden.networks.mlp import Mlp, Real
+from golden.mlp import Mlp
 from golden.precision import SIGNAL, Precision, normalisation
+from golden.real import Real
 
 
 @dataclass(frozen=True)

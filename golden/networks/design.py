@@ -7,12 +7,13 @@ from dataclasses import dataclass, field
 from typing import ClassVar, Self
 
 from golden.fixed import Codes
+from golden.mlp import Mlp
 from golden.networks.bounds import two_layer_bounds
 from golden.networks.constants import Constants, constants_of
 from golden.networks.exact import ExactLayers
-from golden.networks.mlp import Mlp, Real
 from golden.networks.network import Network
 from golden.precision import PRECISIONS, Precision
+from golden.real import Real
 
 
 @dataclass(frozen=True)

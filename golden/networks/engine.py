@@ -32,10 +32,11 @@ from golden.engine.tanh_table import tanh_table
 from golden.fixed import Codes
 from golden.flow import Carried, Flow
 from golden.input_error import InputError
+from golden.mlp import Mlp
 from golden.networks.design import Design
-from golden.networks.mlp import Mlp, Real
 from golden.port import Port, Unsigned, given, taken
 from golden.precision import EXACT, SIGNAL, Precision
+from golden.real import Real
 
 # What multiplies, the smallest first.
 KINDS = ("serial", "dsp")

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.input_error import InputError
-from golden.networks.mlp import Real
+from golden.real import Real
 
 
 @dataclass(frozen=True)

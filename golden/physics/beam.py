@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.domain import checked
-from golden.networks.mlp import Real
 from golden.physics import GRAVITY
+from golden.real import Real
 
 MOST_MASS = 1e6  # kg; the theory is linear, the bound only keeps products finite
 

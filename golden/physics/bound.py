@@ -19,8 +19,8 @@ from numpy.typing import ArrayLike
 
 from golden.domain import checked
 from golden.input_error import InputError
-from golden.networks.mlp import Real
 from golden.physics.strain_sensor import StrainSensor, loads_from_codes
+from golden.real import Real
 from golden.units import FULL_SCALE, LOAD_G, POSITION_MM, WIDTH_MM
 
 # What is unknown, in the order of the coded targets.

@@ -12,8 +12,8 @@ from scipy import signal
 from golden.domain import checked
 from golden.fixed import Codes
 from golden.input_error import InputError
-from golden.networks.mlp import Real
 from golden.precision import SIGNAL
+from golden.real import Real
 
 RESISTANCE, CAPACITANCE = 560e3, 4.7e-6  # ohm, F: the DC remover of section 6.4.2
 CUTOFF = 0.06  # Hz, as the thesis rounds 1 / (2 pi R C)

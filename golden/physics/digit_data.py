@@ -15,7 +15,6 @@ import numpy as np
 from golden.cli import run, would
 from golden.domain import checked
 from golden.files import check_writable
-from golden.networks.mlp import Real
 from golden.physics.beam import Beam
 from golden.physics.strain_sensor import (
     COLUMNS,
@@ -25,6 +24,7 @@ from golden.physics.strain_sensor import (
     loads_from_codes,
     read_sensors,
 )
+from golden.real import Real
 from golden.table import read_table, write_table
 from golden.units import FULL_SCALE, LOAD_G, POSITION_MM, WIDTH_MM
 

@@ -14,10 +14,10 @@ from functools import cached_property
 import numpy as np
 
 from golden.input_error import InputError
-from golden.networks.mlp import Real
 from golden.physics.bound import MEAN_PER_DEVIATION
 from golden.physics.gauge_rig import OUTPUTS, GaugeRig
 from golden.physics.strain_sensor import StrainSensor
+from golden.real import Real
 
 # Places are tried at this distance: gauges cannot be glued nearer to where they should be.
 STEP = 1e-3  # m

@@ -12,9 +12,9 @@ import numpy as np
 
 from golden.files import check_file, reading
 from golden.input_error import InputError, MissingFileError
-from golden.networks.mlp import Real
 from golden.physics.beam import Beam
 from golden.physics.strain_sensor import Loads
+from golden.real import Real
 from golden.table import refuse_unknown, suggest
 
 FOLDER = Path(__file__).parent / "rigs"

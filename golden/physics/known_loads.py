@@ -11,9 +11,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from golden.networks.mlp import Real
 from golden.physics.bound import least_deviations, slopes_by_codes
 from golden.physics.strain_sensor import StrainSensor, loads_from_codes, read_sensors
+from golden.real import Real
 from golden.units import FULL_SCALE, POSITION_MM
 
 # Where load and position can be after the readings: this many times their bound to either side, in

@@ -10,7 +10,7 @@ from scipy.special import zeta
 
 from golden.domain import checked
 from golden.input_error import InputError
-from golden.networks.mlp import Real
+from golden.real import Real
 
 # Terms times pairs of one chunk of the series: small enough for a cache, large enough for numpy.
 CHUNK = 1 << 16

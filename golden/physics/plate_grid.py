@@ -8,8 +8,8 @@ from scipy import sparse
 from scipy.sparse.linalg import eigsh, spsolve
 
 from golden.domain import checked
-from golden.networks.mlp import Real
 from golden.physics.plate import Plate
+from golden.real import Real
 
 MOST_CELLS = 2000
 

@@ -8,10 +8,10 @@ import numpy as np
 
 from golden.domain import checked
 from golden.input_error import InputError
-from golden.networks.mlp import Real
 from golden.physics import GRAVITY
 from golden.physics.plate import Plate
 from golden.physics.swing import Motion, Swing, foot_forces
+from golden.real import Real
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,9 @@ from scipy.optimize import least_squares
 
 from golden.domain import checked
 from golden.input_error import InputError
-from golden.networks.mlp import Real
 from golden.physics import GRAVITY
 from golden.physics.beam import MOST_MASS, Beam, arm_slopes, mean_arm
+from golden.real import Real
 from golden.units import FULL_SCALE, LOAD_G, POSITION_MM, WIDTH_MM
 
 # Loads and their columns as golden/data/appendix2.csv has them.

@@ -12,8 +12,8 @@ from scipy.special import ellipj, ellipkm1
 
 from golden.domain import checked
 from golden.input_error import InputError
-from golden.networks.mlp import Real
 from golden.physics import GRAVITY
+from golden.real import Real
 
 EXPLICIT = ("RK23", "RK45", "DOP853")
 IMPLICIT = ("Radau", "BDF", "LSODA")

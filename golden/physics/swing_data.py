@@ -21,12 +21,12 @@ from golden.cli import run, would
 from golden.domain import checked
 from golden.files import replace_file
 from golden.input_error import InputError
-from golden.networks.mlp import Real
 from golden.physics.conditioning import Conditioning, ReflectiveSensor
 from golden.physics.rig import Rig
 from golden.physics.swing import Motion, Swing, swing_motion
 from golden.physics.wobble import Wobble
 from golden.precision import SIGNAL
+from golden.real import Real
 from golden.table import write_table
 
 COLUMNS = ("sensor1", "sensor2", "sensor3", "x", "y", "z")

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from golden.domain import checked
-from golden.networks.mlp import Real
+from golden.real import Real
 
 
 @dataclass(frozen=True)

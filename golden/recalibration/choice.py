@@ -8,7 +8,7 @@ from itertools import islice
 
 import numpy as np
 
-from golden.networks.mlp import Real
+from golden.real import Real
 from golden.recalibration.outlook import Planned, planned
 from golden.recalibration.sensitivity import Sensitivity, spread_out
 from golden.scene import Scene

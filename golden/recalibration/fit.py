@@ -27,7 +27,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.special import chdtrc
 
-from golden.networks.mlp import Real
+from golden.real import Real
 from golden.recalibration.placements import Placements
 from golden.recalibration.sensitivity import Sensitivity, outputs_and_slopes
 

@@ -22,8 +22,9 @@ import numpy as np
 
 from golden.files import check_writable, reading, replace_file, same_file
 from golden.input_error import InputError
+from golden.mlp import Mlp
 from golden.network_files.network_file import check_targets, provenance_path, save_networks
-from golden.networks.mlp import Mlp, Real
+from golden.real import Real
 from golden.scene import Scene
 from golden.scene.converter_scale import codes_of
 from golden.scene.scale import Scale, on_readings, on_signals, readings, signals

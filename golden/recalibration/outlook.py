@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
-from golden.networks.mlp import Real
+from golden.real import Real
 from golden.recalibration.fit import Fit, LeftOut, by_chance
 from golden.recalibration.placements import Placements
 from golden.recalibration.sensitivity import Sensitivity, spread_out

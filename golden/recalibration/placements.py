@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from golden.files import reading
 from golden.input_error import InputError
-from golden.networks.mlp import Real
+from golden.real import Real
 from golden.scene import Vectors
 from golden.table import read_table
 

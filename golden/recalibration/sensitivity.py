@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden.disturbance import Disturbance
-from golden.networks.mlp import Real
+from golden.real import Real
 from golden.recalibration.placements import Placements
 from golden.scene import Scene
 from golden.scene.scale import Scale, signals

@@ -16,12 +16,12 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from golden.files import check_writable
+from golden.finding import FAULT, NOTE, OK, WARNING, Finding, fault, faults, told
+from golden.mlp import Mlp
 from golden.network_files.network_file import check_targets, write_network
-from golden.networks.mlp import Mlp
 from golden.precision import SIGNAL
 from golden.rig import readings, sensors_tell
 from golden.rig.csv_file import read_csv_file
-from golden.rig.finding import FAULT, NOTE, OK, WARNING, Finding, fault, faults, told
 from golden.scene import Scene, scene_names
 from golden.scene.saturation import saturating
 from golden.scene.scale import on_readings, signals

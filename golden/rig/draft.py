@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from golden.disturbance import MOST
-from golden.errors import NOISE
-from golden.networks.mlp import Real
+from golden.real import Real
 from golden.rig import readings
 from golden.rig.survey import Survey
 from golden.scene import Scene
 from golden.scene.scale import AUTO
+from golden.scene_errors import NOISE
 
 TEMPLATE = """\
 # Written by make scene from {file}: {rows} rows. Change what you like; every key is explained in

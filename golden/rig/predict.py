@@ -1,25 +1,22 @@
-"""``python -m golden.rig.predict``: what a scene's hardware makes of new readings."""
+"""What a scene's hardware makes of new readings."""
 
 from __future__ import annotations
 
-import argparse
 import csv
 import math
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from golden.cli import run, would
 from golden.files import check_writable, replace_file, same_file
+from golden.finding import fault, refuse
 from golden.input_error import InputError
-from golden.networks.mlp import Real
 from golden.precision import SIGNAL
-from golden.rig.csv_file import CsvFile, read_csv_file
-from golden.rig.finding import fault, refuse
-from golden.rig.trained_on import TrainedOn, hardware_outputs, trained_on
-from golden.scene import Scene, load_scene
+from golden.real import Real
+from golden.rig.csv_file import CsvFile
+from golden.rig.trained_on import TrainedOn, hardware_outputs
+from golden.scene import Scene
 from golden.table import suggest
 
 DISTANCE, OUTSIDE, REASON = "distance", "outside", "reason"
@@ -121,42 +118,3 @@ def check_place(scene: Scene, source: Path, path: Path) -> None:
     if any(same_file(path, file) for file in [source, *scene.files]):
         raise InputError(f"TO={path}: is read, expected another file")
     check_writable([path])
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(prog="make predict", description=__doc__)
-    parser.add_argument("scene")
-    parser.add_argument("csv")
-    parser.add_argument("to")
-    arguments = parser.parse_args()
-    for key, given in (("CSV", arguments.csv), ("TO", arguments.to)):
-        if not given:
-            raise InputError(f"{key}=: missing, expected a .csv file")
-    scene = load_scene(arguments.scene)
-    source, path = Path(arguments.csv), Path(arguments.to)
-    check_place(scene, source, path)
-    recording = read_csv_file(source)
-    readings = readings_of(scene, recording)
-    past = scene.window.past
-    if len(readings) <= past:
-        raise InputError(
-            f"{source}: got {len(readings)} rows, expected more than the {past} that data.window "
-            f"of {scene.path} reaches back"
-        )
-    would(f"write {path}")
-    known, which = trained_on(scene)
-    found = predict(scene, readings, known)
-    write_prediction(scene, recording, found, path)
-    for name, values in zip(scene.outputs, found.outputs.T, strict=True):
-        unit = f" {scene.units[name]}" if name in scene.units else ""
-        print(f"{name}: {values.min():g} to {values.max():g}{unit}")
-    outside = sum(map(bool, found.reasons))
-    if past:
-        print(f"the first {past} of {len(readings)} rows have no whole past and no outputs")
-    print(f"{outside} of {len(found.reasons)} rows are outside {which}")
-    print(f"of rows like the {known.held} that set the limit about 1 in {known.one_in} is too")
-    print(f"wrote {path}")
-
-
-if __name__ == "__main__":
-    sys.exit(run(main))

@@ -10,9 +10,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.networks.mlp import Real
+from golden.finding import FAULT, NOTE, WARNING, Finding, several
 from golden.precision import SIGNAL
-from golden.rig.finding import FAULT, NOTE, WARNING, Finding, several
+from golden.real import Real
 
 # A network has some dozens of weights, and half of the rows train.
 LEAST_ROWS, FEW_ROWS = 8, 50

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from golden.disturbance import Disturbance
 from golden.input_error import InputError
-from golden.networks.mlp import Real, tanh
+from golden.mlp import tanh
+from golden.real import Real
 from golden.scene import Scene
 from golden.scene.scale import Scale, range_scale, readings, signals
 from golden.training.objective import Objective, Rows, pack, unpack

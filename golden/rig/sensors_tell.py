@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.networks.mlp import Real
-from golden.rig.finding import OK, WARNING, Finding
+from golden.finding import OK, WARNING, Finding
+from golden.real import Real
 from golden.rig.sensors_needed import Recording, recording_of
 from golden.rig.smooth_map import SmoothMap, spread, thinned
 from golden.scene import Scene

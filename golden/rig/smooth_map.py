@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import RBFInterpolator
 
-from golden.networks.mlp import Real
+from golden.real import Real
 
 # As a part of the root of the number of inputs, which is how distances grow with it.
 LENGTHS = (0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0)

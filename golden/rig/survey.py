@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from golden.networks.mlp import Real
+from golden.finding import FAULT, NOTE, Finding, fault
 from golden.precision import SIGNAL
+from golden.real import Real
 from golden.rig import readings
 from golden.rig.csv_file import Column, CsvFile
-from golden.rig.finding import FAULT, NOTE, Finding, fault
 from golden.table import suggest
 
 

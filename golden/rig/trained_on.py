@@ -13,13 +13,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from golden.errors import held_out_rows, told
 from golden.fixed import Codes
-from golden.networks.mlp import Real
 from golden.precision import SIGNAL
+from golden.real import Real
 from golden.rig.smooth_map import SmoothMap, fitted, thinned
 from golden.scene import Scene
 from golden.scene.vectors import read_recorded
+from golden.scene_errors import held_out_rows, told
 from golden.training.split import split_of
 
 # Of rows like those that were held out, the part that may be called outside.

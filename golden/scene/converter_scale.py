@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from golden.input_error import InputError
-from golden.networks.mlp import Real
+from golden.real import Real
 from golden.scene.scale import AUTO, Scale
 from golden.scene.vectors import MOST_OUTSIDE, read_recorded
 from golden.sensing.converter_parts import PARTS, STRAIGHT, ConverterPart

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from golden.files import check_file, reading
+from golden.finding import Finding, refuse, told
 from golden.input_error import MissingFileError
 from golden.precision import PRECISIONS
-from golden.rig.finding import Finding, refuse, told
 from golden.scene.front_end import front_end
 from golden.scene.past import check_window, read_window, recordings
 from golden.scene.scale import read_scale

@@ -22,7 +22,8 @@ from typing import Any
 import numpy as np
 
 from golden.input_error import InputError
-from golden.networks.mlp import Mlp, Real, shifted
+from golden.mlp import Mlp, shifted
+from golden.real import Real
 from golden.table import suggest
 
 AUTO = "auto"

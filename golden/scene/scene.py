@@ -11,13 +11,14 @@ from typing import Any
 from golden.activation.schemes import SCHEMES, Scheme
 from golden.cli import naming
 from golden.fixed import Codes
+from golden.mlp import Mlp
 from golden.network_files.network_file import provenance_path
 from golden.networks.arrangement import process_real
 from golden.networks.design import Design
 from golden.networks.designs import DESIGNS
-from golden.networks.mlp import Mlp, Real
 from golden.networks.network import Network
 from golden.precision import SIGNAL, Precision
+from golden.real import Real
 from golden.scene.building import build_twin
 from golden.scene.converter_scale import converter_scales
 from golden.scene.front_end import FrontEnd

@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Any
 
 from golden.activation.schemes import SCHEMES
+from golden.finding import Finding, refuse, told
 from golden.input_error import InputError
 from golden.networks.arrangement import ARRANGEMENTS
 from golden.networks.designs import DESIGNS
 from golden.precision import PRECISIONS
-from golden.rig.finding import Finding, refuse, told
 from golden.scene.front_end import CONVERTERS
 from golden.scene.front_end import KEYS as FRONT_END_KEYS
 from golden.scene.uart import KEYS as UART_KEYS

@@ -12,9 +12,9 @@ from golden.activation.schemes import SCHEMES
 from golden.disturbance import MOST, Disturbance
 from golden.files import same_file
 from golden.input_error import InputError
+from golden.mlp import Mlp
 from golden.network_files.network_file import load_network
 from golden.networks.designs import DESIGNS
-from golden.networks.mlp import Mlp
 from golden.precision import PRECISIONS
 from golden.scene.reference import thesis_figures
 from golden.scene.scale import refuse_other_column

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from golden.input_error import InputError
+from golden.mlp import Mlp
 from golden.network_files.network_file import provenance_path, read_provenance
-from golden.networks.mlp import Mlp
 from golden.scene.scale import AUTO, Scale, read_scale
 
 if TYPE_CHECKING:

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.metrics import error_scale
-from golden.networks.mlp import Real
 from golden.precision import SIGNAL
+from golden.real import Real
 from golden.scene.scale import Scale, readings, signals
 from golden.table import read_table, rows_where
 from golden.window import Window

@@ -7,8 +7,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from golden.finding import Finding, fault, refuse
 from golden.input_error import InputError
-from golden.rig.finding import Finding, fault, refuse
 from golden.scene.scale import AUTO
 from golden.table import suggest
 from golden.visualisation.load_profile import SHAPE_THRESHOLD, LoadProfile, load_profile, width_gain

@@ -1,19 +1,15 @@
-"""``python -m golden.scene.write_image``: the memory image of a scene, in three forms."""
+"""The memory image of a scene as files, in three forms."""
 
 from __future__ import annotations
 
-import argparse
-import sys
 from pathlib import Path
 
-from golden.cli import run, would
 from golden.engine.image import Image
 from golden.engine.program import WORD_WIDTH
 from golden.files import replace_folder
 from golden.input_error import InputError
 from golden.networks.engine import Engine
-from golden.scene import Scene, load_scene
-from golden.scene.image import scene_image
+from golden.scene import Scene
 
 _DIGITS = WORD_WIDTH // 4
 
@@ -56,27 +52,3 @@ def hardware_of(scene: Scene) -> Engine:
     raise InputError(
         f"{scene.path}: hardware.reload: got false, expected true, or HARDWARE= a scene where it is"
     )
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(prog="make image", description=__doc__)
-    parser.add_argument("scene")
-    parser.add_argument("--hardware", help="scene whose hardware it is for; otherwise its own")
-    parser.add_argument("--build", type=Path, default=Path("build"))
-    arguments = parser.parse_args()
-    scene = load_scene(arguments.scene)
-    hardware = load_scene(arguments.hardware) if arguments.hardware else scene
-    image = scene_image(scene, hardware_of(hardware))
-    folder = arguments.build / scene.name / "image"
-    would(f"write {folder}")
-    write_image(image, scene.name, folder)
-    sizes, data = image.sizes, image.to_bytes()
-    print(
-        f"wrote {folder}, {len(image.words)} of {sizes.program_words} program words, "
-        f"{image.program.addresses} of {sizes.operand_words} operand words, {len(data)} bytes, "
-        f"check {data[-2:].hex()}"
-    )
-
-
-if __name__ == "__main__":
-    sys.exit(run(main))

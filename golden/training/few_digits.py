@@ -32,8 +32,9 @@ from scipy.spatial.distance import cdist
 from golden.cli import naming
 from golden.fixed import Fix
 from golden.input_error import InputError
-from golden.networks.mlp import Mlp, Real
+from golden.mlp import Mlp
 from golden.precision import SIGNAL
+from golden.real import Real
 from golden.scene.schema import FEWEST
 from golden.signed_digits import digit_counts, nearest_with
 from golden.training.objective import Objective, Rows, pack, unpack

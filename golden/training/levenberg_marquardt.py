@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from scipy.optimize import least_squares
 
-from golden.networks.mlp import Real
+from golden.real import Real
 from golden.training.objective import Objective
 
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from golden.networks.mlp import Activation, Mlp, Real
+from golden.mlp import Activation, Mlp
+from golden.real import Real
 
 
 @dataclass(frozen=True)

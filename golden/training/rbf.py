@@ -12,8 +12,8 @@ from scipy.cluster.vq import kmeans2
 from scipy.special import softmax
 
 from golden.input_error import InputError
-from golden.networks.mlp import Real
 from golden.networks.rbf import Rbf
+from golden.real import Real
 
 KMEANS_STEPS = 5
 EM_STEPS = 100

@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from golden.networks.mlp import Real
+from golden.real import Real
 from golden.training.objective import Objective
 
 Evaluate = Callable[[Real], tuple[float, Real]]

@@ -28,7 +28,8 @@ from joblib import Parallel, delayed
 
 from golden.files import reading, writing
 from golden.input_error import InputError
-from golden.networks.mlp import Mlp, Real, tanh
+from golden.mlp import Mlp, tanh
+from golden.real import Real
 from golden.scene.scale import Scale, on_readings, on_signals, signals
 from golden.training import levenberg_marquardt, scg
 from golden.training.objective import Objective, pack, unpack

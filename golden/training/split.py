@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden.input_error import InputError
-from golden.networks.mlp import Real
+from golden.real import Real
 from golden.scene.vectors import read_recorded
 from golden.table import read_table, rows_where
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from golden.networks.mlp import Mlp
+from golden.mlp import Mlp
 from golden.scene import Scene
 from golden.scene.scale import on_readings, on_signals
 from golden.training.few_digits import FewDigits, count_digits

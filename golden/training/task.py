@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from golden.fixed import Codes
 from golden.input_error import InputError
+from golden.mlp import Mlp
 from golden.networks.arrangement import seen
-from golden.networks.mlp import Mlp, Real
 from golden.precision import SIGNAL
+from golden.real import Real
 from golden.scene import Scene, Vectors
 from golden.scene.scale import Scale, range_scale, readings
 from golden.training.objective import Rows

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from golden.domain import checked
 from golden.input_error import InputError
-from golden.networks.mlp import Real
+from golden.real import Real
 
 # Values of one chunk of the series: small enough for a cache, large enough for numpy.
 CHUNK = 1 << 16

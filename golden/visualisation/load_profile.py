@@ -13,9 +13,9 @@ from golden.border import Border, State
 from golden.fixed import Codes, Fix, Overflow, Rounding, requantise
 from golden.flow import Carried, Flow
 from golden.input_error import InputError
-from golden.networks.mlp import Real
 from golden.port import CLOCKED, Port, given, taken
 from golden.precision import SIGNAL
+from golden.real import Real
 from golden.units import POSITION_MM, WIDTH_MM
 from golden.visualisation.divider import Divider
 from golden.visualisation.exp_interpolator import ExpInterpolator

@@ -14,10 +14,10 @@ from typing import Any
 
 from golden.boards import Board, Pin
 from golden.cli import BETWEEN
+from golden.finding import Finding, faults, told
 from golden.fingerprint import fingerprint
 from golden.input_error import InputError
 from golden.networks.network import Network
-from golden.rig.finding import Finding, faults, told
 from golden.scene import Scene
 from hdl.boards.families import FAMILIES, NETLIST, Family
 from hdl.boards.pll import clock_for

@@ -4,11 +4,11 @@ from myhdl import block
 
 from golden.networks.cascade import Cascade
 from golden.precision import SIGNAL
-from hdl.common.good_frame import good_frame, judge
 from hdl.common.lookup import hardware
 from hdl.common.signals import Words, fixed, flag
 from hdl.common.stream import catch, late_stream, window
 from hdl.layers.output_collector import output_collector
+from hdl.network_parts.good_frame import good_frame, judge
 from hdl.sensing.stream_multiplexer import stream_multiplexer
 
 

@@ -16,7 +16,6 @@ from golden.engine.program import (
     WORD_WIDTH,
 )
 from golden.networks.engine import Engine
-from hdl.common.serial_steps import serial_steps
 from hdl.common.signals import fixed, flag, signed, unsigned
 from hdl.engine.frame_check import frame_check
 from hdl.engine.frame_guard import frame_guard
@@ -28,6 +27,7 @@ from hdl.engine.program_memory import program_memory
 from hdl.engine.program_ram import program_ram
 from hdl.engine.round_saturate import round_saturate
 from hdl.engine.table_address import table_address
+from hdl.network_parts.serial_steps import serial_steps
 
 
 @block

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
+from golden.mlp import Mlp
 from golden.network_files.network_file import save_network
-from golden.networks.mlp import Mlp
 from golden.scene import Scene, load_scene
 from golden.window import Window
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 from functools import cache
+from pathlib import Path
 
 from golden.fingerprint import ROOT, fingerprint, sources
 
@@ -53,6 +54,23 @@ def _module(name: str) -> tuple[str, list[str]]:
             # Of a package, its modules are imported by name.
             imported += [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
     return _code(tree), imported
+
+
+def code_of(path: Path) -> str:
+    """The lines of a file without docstrings, imports, empty lines, and comments of whole lines.
+
+    So a module that moves, or whose imports move, is still the same. The lines are taken as they
+    stand: what ``ast.unparse`` makes of them differs between versions of Python.
+    """
+    text = path.read_text(encoding="utf-8")
+    lines = text.splitlines()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, (ast.Import, ast.ImportFrom)) or (
+            isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+        ):
+            for number in range(node.lineno, (node.end_lineno or node.lineno) + 1):
+                lines[number - 1] = ""
+    return "\n".join(line for line in lines if line.strip() and not line.lstrip().startswith("#"))
 
 
 def _code(tree: ast.Module) -> str:

@@ -30,7 +30,7 @@ from golden.engine.tanh_table import tanh_table
 from golden.link.packets import IMAGE, SYNC, image_packet, kind_byte
 from golden.link.uart_receiver import UartReceiver
 from golden.link.uart_transmitter import BYTE_BITS, bits_of
-from golden.networks.mlp import Mlp
+from golden.mlp import Mlp
 from tb.common import readout
 from tb.common.bench import RESET_CLOCKS, Bench
 from tb.common.images import image_for

@@ -10,8 +10,8 @@ import numpy as np
 from golden.input_error import InputError
 from golden.instruments.uart_instrument import UartInstrument
 from golden.link.packets import Frame, FrameLayout
-from golden.networks.mlp import Real
 from golden.precision import SIGNAL
+from golden.real import Real
 from golden.rig.predict import decimals
 from golden.scene import Scene, load_scene
 from golden.scene.scale import readings

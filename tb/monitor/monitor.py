@@ -12,8 +12,8 @@ import numpy as np
 
 from golden.link.decoder import Decoder, Tally
 from golden.link.packets import FLAGS, Frame
-from golden.networks.mlp import Real
 from golden.precision import SIGNAL
+from golden.real import Real
 from tb.monitor.board import Board
 from tb.monitor.csv_file import GrowingCsv
 from tb.monitor.line import Line

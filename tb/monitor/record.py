@@ -13,12 +13,12 @@ import numpy as np
 
 from golden.cli import run, whole, would
 from golden.files import same_file
+from golden.finding import fault, refuse
 from golden.input_error import InputError
 from golden.link.decoder import Decoder
 from golden.link.packets import Frame
-from golden.networks.mlp import Real
+from golden.real import Real
 from golden.rig.csv_file import read_csv_file
-from golden.rig.finding import fault, refuse
 from golden.scene import Scene
 from golden.table import suggest
 from tb.monitor.board import MOST_BAUD, Board, board_of

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from golden.fixed import Codes
+from golden.mlp import Mlp, tanh
 from golden.networks.constants import Constants, constants_of
-from golden.networks.mlp import Mlp, tanh
 from golden.precision import SIGNAL
 from golden.scene import Scene
 from tb.report.measure.one_network import mean_error, random_frames

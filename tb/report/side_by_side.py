@@ -11,9 +11,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from golden.errors import held_out_means, scene_errors
 from golden.input_error import InputError
 from golden.scene import Scene, load_scene, thesis_figures, thesis_table
+from golden.scene_errors import held_out_means, scene_errors
 from hdl.synth.budget import budget_path, read_budget
 from tb.report.measure.clocks import clocks_per_frame
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from golden.networks.mlp import Real
+from golden.real import Real
 from golden.scene import Scene
 from tb.report.draw.drawing import (
     ACCENT,

@@ -9,7 +9,7 @@ import numpy as np
 
 from golden.fixed import Codes
 from golden.input_error import InputError
-from golden.networks.mlp import Real
+from golden.real import Real
 from golden.scene import Scene
 from golden.scene.visualisation import KEYS, RESULTS, Visualisation, visualisation
 from golden.visualisation.functions import power_load

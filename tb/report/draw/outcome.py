@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from matplotlib.figure import Figure
 
-from golden.errors import held_out_text
+from golden.scene_errors import held_out_text
 from tb.report.draw.looks import nth
 from tb.report.draw.plots import Plot
 from tb.report.draw.svg import PLOT_INCHES, plain, style, svg

@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from matplotlib.figure import Figure
 
-from golden.networks.mlp import Real
 from golden.physics import GRAVITY
 from golden.physics.beam import Beam
 from golden.physics.digit_data import RECORDED, SENSORS
 from golden.physics.plate import Plate
 from golden.physics.strain_sensor import COLUMNS, fit_sensors, loads_from_codes
 from golden.physics.swing import Swing, bearing_forces, foot_forces, swing_motion
+from golden.real import Real
 from golden.scene import thesis_table
 from golden.table import read_table
 from golden.units import FULL_SCALE, LOAD_G, WIDTH_MM

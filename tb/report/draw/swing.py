@@ -9,9 +9,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from golden.input_error import InputError
-from golden.networks.mlp import Real
 from golden.physics.swing_data import RATE
 from golden.precision import SIGNAL
+from golden.real import Real
 from golden.scene import FOLDER, Scene, load_scene
 from golden.table import read_table
 from tb.report.draw.drawing import identifier

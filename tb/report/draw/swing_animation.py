@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from golden.input_error import InputError
-from golden.networks.mlp import Real
+from golden.real import Real
 from golden.scene import Scene
 from tb.report.draw.drawing import ACCENT, FAINT, INK, Point, dot, line, picture, text
 from tb.report.draw.steps import steps

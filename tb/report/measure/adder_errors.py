@@ -9,7 +9,7 @@ import numpy as np
 from golden.fixed import Codes
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.networks.adder_graph import AdderGraph
-from golden.networks.mlp import Real
+from golden.real import Real
 from golden.scene import load_scene
 from tb.report.measure.one_network import floating_point, mean_error, random_frames
 from tb.report.measure.table import Cell, Table

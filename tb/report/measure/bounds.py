@@ -10,9 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden.disturbance import Disturbance
-from golden.errors import disturbed_rows
 from golden.metrics import error_scale
-from golden.networks.mlp import Real
 from golden.physics.beam import Beam
 from golden.physics.bound import UNKNOWN, least_mean_errors
 from golden.physics.digit_data import RECORDED, SENSORS
@@ -24,8 +22,10 @@ from golden.physics.strain_sensor import (
     loads_from_codes,
     read_sensors,
 )
+from golden.real import Real
 from golden.scene import Scene, load_scene
 from golden.scene.vectors import read_recorded
+from golden.scene_errors import disturbed_rows
 from golden.table import read_table
 from golden.units import FULL_SCALE, POSITION_MM
 from tb.report.measure.table import Cell, Table

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from golden.errors import scene_errors
 from golden.networks.network import Network
+from golden.scene_errors import scene_errors
 from tb.report.measure.networks import scenes
 from tb.report.measure.table import Cell, Table
 

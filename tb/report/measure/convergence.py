@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from golden.disturbance import Disturbance
-from golden.networks.mlp import Real
+from golden.real import Real
 from golden.scene import load_scene
 from golden.training.objective import Objective, unpack
 from golden.training.search import train

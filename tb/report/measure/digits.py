@@ -23,8 +23,9 @@ import numpy as np
 
 from golden.cli import would
 from golden.files import replace_file
+from golden.mlp import Mlp
 from golden.network_files.network_file import provenance_path, save_network
-from golden.networks.mlp import Mlp, Real
+from golden.real import Real
 from golden.scene import Scene, load_scene
 from golden.training.few_digits import FewDigits, count_digits
 from golden.training.search import signed_errors

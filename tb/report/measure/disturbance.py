@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from golden.disturbance import Disturbance
-from golden.errors import FRAMES, disturbed_errors, full_scale_of
 from golden.scene import Scene, load_scene, scene_names
+from golden.scene_errors import FRAMES, disturbed_errors, full_scale_of
 from tb.report.measure.bounds import bounds_of
 from tb.report.measure.table import Cell, Table
 

@@ -6,8 +6,8 @@ import dataclasses
 
 import numpy as np
 
-from golden.errors import scene_errors
 from golden.scene import Scene, load_scene
+from golden.scene_errors import scene_errors
 from tb.common.myhdl_simulation import simulate
 from tb.common.runner import Job, Outcome, plan, run_job
 from tb.common.tools import SIMULATORS, version

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from golden.disturbance import Disturbance
-from golden.networks.mlp import Mlp, Real
+from golden.mlp import Mlp
+from golden.real import Real
 from golden.scene import Scene, Vectors, load_scene
 from golden.training.search import measure, signed_errors
 from golden.training.stages import Stages

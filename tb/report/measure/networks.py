@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from golden.errors import HELD_OUT, held_out_means, scene_errors
 from golden.metrics import millimetres
 from golden.scene import Scene, comparison_names, load_scene, scene_names, thesis_figures
+from golden.scene_errors import HELD_OUT, held_out_means, scene_errors
 from tb.report.measure.table import Cell, Table
 
 

@@ -6,10 +6,10 @@ import numpy as np
 
 from golden.fixed import Codes
 from golden.networks.arrangement import process_real
-from golden.networks.mlp import Real
 from golden.networks.network import Network
 from golden.networks.parallel import Parallel
 from golden.precision import SIGNAL
+from golden.real import Real
 from golden.scene import Scene, load_scene
 from hdl.synth.budget import budget_path, read_budget
 from tb.report.measure.costs import COST, FAMILY

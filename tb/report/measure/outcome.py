@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden.disturbance import Disturbance
-from golden.errors import disturbed_rows, held_out_rows, noises_of
-from golden.networks.mlp import Real
 from golden.precision import SIGNAL
+from golden.real import Real
 from golden.rig.sensors_tell import telling_of
 from golden.scene import Scene
 from golden.scene.scale import signals
 from golden.scene.vectors import read_recorded
+from golden.scene_errors import disturbed_rows, held_out_rows, noises_of
 from tb.report.measure.table import Cell, Table
 
 Rows = NDArray[np.int64]

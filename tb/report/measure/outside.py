@@ -19,10 +19,10 @@ from scipy.spatial import KDTree
 
 from golden.fingerprint import ROOT
 from golden.network_files.network_file import write_network
-from golden.networks.mlp import Real
 from golden.physics.beam import Beam
 from golden.physics.digit_data import RECORDED, SENSORS
 from golden.physics.strain_sensor import COLUMNS, fit_sensors, loads_from_codes, read_sensors
+from golden.real import Real
 from golden.rig.csv_file import read_csv_file
 from golden.rig.survey import survey
 from golden.rig.trained_on import TrainedOn, code_steps, hardware_outputs, learnt

@@ -28,9 +28,9 @@ from tb.common.runner import BUILD
 def steps(readings: Path, outputs: str, scene: Path) -> dict[str, list[str]]:
     """Target to module and words; the bench is that of the design as a whole."""
     return {
-        "scene": ["golden.rig.write_scene", str(readings), outputs, "--to", str(scene)],
+        "scene": ["golden.commands.scene", str(readings), outputs, "--to", str(scene)],
         "check": ["tb.check", str(scene)],
-        "train": ["golden.training", str(scene)],
+        "train": ["golden.commands.train", str(scene)],
         "vhdl": ["hdl.export", str(scene), "vhdl"],
         "sim": ["tb.sim", str(scene), "--block", "engine", "--sim", "ghdl"],
     }

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from golden.errors import HELD_OUT, scene_errors
 from golden.scene import thesis_figures
+from golden.scene_errors import HELD_OUT, scene_errors
 from tb.report.measure.networks import scenes
 from tb.report.measure.table import Cell, Table
 

@@ -13,9 +13,10 @@ from functools import cache
 import numpy as np
 
 from golden.metrics import displacement_errors
-from golden.networks.mlp import Real, tanh
+from golden.mlp import tanh
 from golden.physics.swing_data import ANGLES, GAINS, NOISE, RATE, Coding, record
 from golden.precision import SIGNAL
+from golden.real import Real
 from golden.sensing.frame_window import FrameWindow
 from golden.training.levenberg_marquardt import descend
 from golden.training.objective import Objective, Rows, pack, unpack

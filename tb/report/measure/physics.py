@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from golden.networks.mlp import Real
 from golden.physics.beam import Beam
 from golden.physics.digit_data import RECORDED, SENSORS
 from golden.physics.plate import Plate
 from golden.physics.plate_grid import grid_influence
 from golden.physics.strain_sensor import COLUMNS, fit_sensors, loads_from_codes, read_sensors
 from golden.physics.swing import LIGHT, METHODS, STRONG, Swing, swing_motion, undamped_angle
+from golden.real import Real
 from golden.table import read_table
 from tb.report.measure.table import Cell, Table
 from tb.report.measure.timing import timed

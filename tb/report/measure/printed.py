@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from golden.disturbance import Disturbance
-from golden.errors import NOISE, disturbed_rows
 from golden.metrics import summarise
-from golden.networks.mlp import Real
 from golden.precision import SIGNAL
+from golden.real import Real
 from golden.scene import Scene, load_scene, thesis_table
+from golden.scene_errors import NOISE, disturbed_rows
 from golden.units import FULL_SCALE, POSITION_MM, WIDTH_MM
 from tb.report.measure.table import Cell, Table
 

@@ -9,8 +9,9 @@ import numpy as np
 
 from golden.fingerprint import ROOT
 from golden.metrics import millimetres, percent_errors, summarise
-from golden.networks.mlp import Mlp, Real, tanh
+from golden.mlp import Mlp, tanh
 from golden.networks.operations import mlp_operations, rbf_operations, rbf_operations_drawn
+from golden.real import Real
 from golden.scene import thesis_table
 from golden.table import read_table, rows_where
 from golden.training import levenberg_marquardt

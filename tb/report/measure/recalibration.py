@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from golden.disturbance import Disturbance
-from golden.networks.mlp import Real
+from golden.real import Real
 from golden.recalibration.choice import proposed
 from golden.recalibration.fit import Fit, fit, left_out
 from golden.recalibration.outlook import helps

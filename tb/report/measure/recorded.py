@@ -22,6 +22,7 @@ from golden.machine import facts
 from golden.physics import swing_data
 from golden.rig import sensors_needed, smooth_map, trained_on
 from golden.scene.reference import NUMBERS
+from tb.common.code import code_of
 from tb.report.measure import convergence, honest, outside, past, sensors_dropped, stability, store
 from tb.report.measure.table import Table
 
@@ -46,13 +47,13 @@ SEED = 1
 def state(name: str) -> str:
     """A digest of what a table's figures hang on: what trains, and what is trained on.
 
-    The printed figures that others are compared with train nothing, nor does the command that
-    calls what trains.
+    Comments, docstrings and imports are no part of it. The printed figures that others are
+    compared with train nothing.
     """
     own = [file for module in RECORDED[name] for file in _files(Path(str(module.__file__)))]
     data = sorted(path for path in (ROOT / "golden" / "data").iterdir() if path != NUMBERS)
-    trains = [file for file in sources("golden/training") if file.name != "__main__.py"]
-    return fingerprint([*trains, *own, *data])
+    code = map(code_of, [*sources("golden/training"), *own])
+    return fingerprint(data, *code)
 
 
 def read(name: str) -> Table:

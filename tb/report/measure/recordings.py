@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from golden.metrics import displacement_errors
-from golden.networks.mlp import Mlp, Real, tanh
+from golden.mlp import Mlp, tanh
 from golden.physics.swing_data import ANGLES, NOISE, Coding, record
+from golden.real import Real
 from golden.scene import thesis_table
 from golden.training.levenberg_marquardt import descend
 from golden.training.objective import Objective, Rows, pack, unpack

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from golden.networks.mlp import Real
+from golden.real import Real
 from golden.rig.sensors_needed import (
     Effort,
     Recording,

@@ -36,8 +36,9 @@ from golden import machine
 from golden.cli import run, would
 from golden.fingerprint import ROOT
 from golden.input_error import InputError
+from golden.mlp import Mlp
 from golden.network_files.network_file import provenance_path
-from golden.networks.mlp import Mlp, Real
+from golden.real import Real
 from golden.scene import Scene, load_scene
 from golden.training.objective import Descend, Objective
 from golden.training.search import bit_true_errors, candidates, train
@@ -186,7 +187,7 @@ def training(scene: Scene, settings: Sequence[str], pythons: Sequence[str], more
     found: dict[str, list[Trained]] = {}
     for name, python, setting in runs(settings, pythons):
         with tempfile.TemporaryDirectory() as folder:
-            command = [python, "-m", "golden.training", str(scene.path.resolve())]
+            command = [python, "-m", "golden.commands.train", str(scene.path.resolve())]
             command += ["--into", folder, "--build", f"{folder}/build"]
             if finished(command, SETTINGS[setting]):
                 found[name] = list(written(scene, Path(folder)))

@@ -8,7 +8,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from golden.disturbance import Disturbance
-from golden.networks.mlp import Mlp, Real
+from golden.mlp import Mlp
+from golden.real import Real
 from golden.scene import Scene, load_scene
 from golden.training.objective import Descend, Objective, unpack
 from golden.training.search import bit_true_errors, train

@@ -7,8 +7,8 @@ import itertools
 import numpy as np
 
 from golden.fixed import Codes
-from golden.networks.mlp import Real
 from golden.precision import SIGNAL
+from golden.real import Real
 from golden.table import read_table
 from golden.units import FULL_SCALE, WIDTH_MM
 from golden.visualisation.functions import harmonic_limit, harmonic_load, harmonic_tail

@@ -17,10 +17,10 @@ from golden.activation.segments import GRADIENT, INTERCEPT, UPPER
 from golden.cli import run, would
 from golden.disturbance import Disturbance
 from golden.engine.pipeline import Pipeline
-from golden.errors import disturbed_errors, held_out_means
 from golden.fingerprint import ROOT
 from golden.input_error import InputError
 from golden.scene import DEFAULT_SCENES, load_scene, scene_names
+from golden.scene_errors import disturbed_errors, held_out_means
 from hdl.synth.budget import budget_path, read_budget
 from hdl.synth.timing import read_timing, timing_path
 from tb.commands import CLOSING, COMMANDS

@@ -9,13 +9,13 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from golden.activation.pade import ITERATIONS, RHO
-from golden.errors import held_out_means
 from golden.fingerprint import ROOT
 from golden.physics.plate import TERMS
 from golden.physics.swing import LIGHT, METHODS, STRONG, STRONG_DAMPING, TOLERANCE
 from golden.precision import EXACT
 from golden.scene import load_scene, thesis_table
 from golden.scene.schema import KEYS
+from golden.scene_errors import held_out_means
 from tb.report.draw import run_time as draw
 from tb.report.draw.findings import Row, number, rows_of
 from tb.report.draw.run_time import CASES, SCAN_CLOCKS, WORST, network_rows, rounded

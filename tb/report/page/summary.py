@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 from golden.block import walk
-from golden.errors import UNKNOWN, held_out_means, held_out_text, scene_errors
 from golden.networks.network import Network
 from golden.scene import Scene, thesis_figures
+from golden.scene_errors import UNKNOWN, held_out_means, held_out_text, scene_errors
 from golden.training.split import unused_text
 from hdl.synth.timing import DEVICE_NAME
 from tb.common.runner import ROOT

@@ -15,11 +15,11 @@ from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
 from golden.layers.neuron import Neuron
 from golden.layers.output_integral import OutputIntegral
+from golden.mlp import Mlp
 from golden.networks.arrangement import seen
 from golden.networks.constants import constants_of
 from golden.networks.designs import DESIGNS
 from golden.networks.exact import exact_sum
-from golden.networks.mlp import Mlp
 from golden.precision import EXACT, SIGNAL, THESIS, normalisation
 from golden.scene import Scene, load_scene, scene_names
 from tb.report.measure.stability.case import Row, accepted, largest

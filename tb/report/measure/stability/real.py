@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from golden.fixed import Codes
+from golden.mlp import Mlp
 from golden.networks.constants import quantised
 from golden.networks.design import Design
-from golden.networks.mlp import Mlp
 from golden.precision import SIGNAL, Precision
 
 

@@ -1,4 +1,4 @@
-"""``python -m golden.recalibration SCENE``: gain and offset of each sensor from known placements.
+"""``make recalibrate``: gain and offset of each sensor from known placements.
 
 Without placements it proposes some: those of the recording that lower the expected error most.
 """
@@ -19,7 +19,7 @@ import numpy as np
 from golden.cli import naming, run, would
 from golden.disturbance import MOST, Disturbance
 from golden.input_error import InputError
-from golden.networks.mlp import Real
+from golden.real import Real
 from golden.recalibration.choice import (
     MOST_PLACEMENTS,
     REPEATS,

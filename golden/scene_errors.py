@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from golden.disturbance import Disturbance
 from golden.metrics import OutputError, summarise
 from golden.network_files.network_file import read_provenance
-from golden.networks.mlp import Real
 from golden.precision import SIGNAL
+from golden.real import Real
 from golden.scene import Scene
 from golden.scene.scale import readings
 from golden.training.split import split_of, split_story

@@ -1,4 +1,4 @@
-"""``python -m golden.training SCENE``: trains the networks that a scene names."""
+"""``make train``: trains the networks that a scene names."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ import numpy as np
 import scipy
 
 from golden.cli import run, would
+from golden.finding import refuse
 from golden.fingerprint import fingerprint, sources
 from golden.input_error import InputError
+from golden.mlp import Mlp
 from golden.network_files.network_file import check_targets, provenance_path, save_networks
-from golden.networks.mlp import Mlp
 from golden.progress import Progress
 from golden.rig.check import before_training
-from golden.rig.finding import refuse
 from golden.scene import Scene, load_scene
 from golden.scene.schema import FEWEST
 from golden.scene.trained_scale import story

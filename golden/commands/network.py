@@ -1,4 +1,4 @@
-"""``python -m golden.network_files.convert``: a network of a scene as .npz, .mat or .onnx."""
+"""``make network``: a network of a scene as .npz, .mat or .onnx."""
 
 from __future__ import annotations
 

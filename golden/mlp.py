@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from golden.input_error import InputError
-
-Real = NDArray[np.float64]
+from golden.real import Real
 
 # An activation gives its value and its slope; training needs both.
 Activation = Callable[[Real], tuple[Real, Real]]

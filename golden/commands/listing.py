@@ -1,4 +1,4 @@
-"""``python -m golden.engine SCENE``: the program of a scene's engine, a line for every step.
+"""``make listing``: the program of a scene's engine, a line for every step.
 
 Of a network without a program, whose products are adders, a line for every adder.
 """

@@ -1,0 +1,53 @@
+"""``make predict``: what a scene's hardware makes of new readings."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from golden.cli import run, would
+from golden.input_error import InputError
+from golden.rig.csv_file import read_csv_file
+from golden.rig.predict import check_place, predict, readings_of, write_prediction
+from golden.rig.trained_on import trained_on
+from golden.scene import load_scene
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="make predict", description=__doc__)
+    parser.add_argument("scene")
+    parser.add_argument("csv")
+    parser.add_argument("to")
+    arguments = parser.parse_args()
+    for key, given in (("CSV", arguments.csv), ("TO", arguments.to)):
+        if not given:
+            raise InputError(f"{key}=: missing, expected a .csv file")
+    scene = load_scene(arguments.scene)
+    source, path = Path(arguments.csv), Path(arguments.to)
+    check_place(scene, source, path)
+    recording = read_csv_file(source)
+    readings = readings_of(scene, recording)
+    past = scene.window.past
+    if len(readings) <= past:
+        raise InputError(
+            f"{source}: got {len(readings)} rows, expected more than the {past} that data.window "
+            f"of {scene.path} reaches back"
+        )
+    would(f"write {path}")
+    known, which = trained_on(scene)
+    found = predict(scene, readings, known)
+    write_prediction(scene, recording, found, path)
+    for name, values in zip(scene.outputs, found.outputs.T, strict=True):
+        unit = f" {scene.units[name]}" if name in scene.units else ""
+        print(f"{name}: {values.min():g} to {values.max():g}{unit}")
+    outside = sum(map(bool, found.reasons))
+    if past:
+        print(f"the first {past} of {len(readings)} rows have no whole past and no outputs")
+    print(f"{outside} of {len(found.reasons)} rows are outside {which}")
+    print(f"of rows like the {known.held} that set the limit about 1 in {known.one_in} is too")
+    print(f"wrote {path}")
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))
