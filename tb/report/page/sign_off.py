@@ -31,14 +31,14 @@ def mutation(record: Record) -> str:
     """How many mutants the bench detects, and what becomes of the others."""
     facts = [
         f"{record['killed']} of {record['mutants']} mutants are detected",
-        f"{record['same']} are proved equivalent",
+        f"{_are(record['same'])} proved equivalent",
     ]
     undetected = record["survivors"]
     explained = sum(bool(one["explained"]) for one in undetected)
     if explained:
-        facts.append(f"{explained} undetected with a reason")
+        facts.append(f"{_are(explained)} undetected with a reason")
     if len(undetected) > explained:
-        facts.append(f"{len(undetected) - explained} undetected without a reason")
+        facts.append(f"{_are(len(undetected) - explained)} undetected without a reason")
     return f"{', '.join(facts)}; score **{percent(record)}**"
 
 
@@ -170,6 +170,10 @@ def _clocks(count: int) -> str:
     return _count(count, "clock")
 
 
+def _are(count: int) -> str:
+    return f"{count} {'is' if count == 1 else 'are'}"
+
+
 def _count(count: int, one: str, several: str = "") -> str:
     return f"{count} {one if count == 1 else several or one + 's'}"
 
@@ -212,7 +216,8 @@ def sheet(block: str) -> str:
     ]
     if not lines:
         return "Nothing is recorded."
-    lines = ["| check | command | entity | result |", "|---|---|---|---|", *lines]
+    heads = ["| check | command | entity | result |", "|---|---|---|---|"]
+    lines = ["[Verification](../verification.md) explains these checks.", "", *heads, *lines]
     for kind, details in DETAILS.items():
         lines += details(records[kind])
     return "\n".join(lines)
