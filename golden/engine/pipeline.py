@@ -35,7 +35,7 @@ class Pipeline:
 
     @property
     def weight(self) -> int:
-        """The word of the table is valid, and the coefficient is selected: the weight or that word."""
+        """The word of the table is valid, and the coefficient, weight or table word, is chosen."""
         return self.operand + 1 + self.table
 
     @property
