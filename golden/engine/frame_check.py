@@ -60,15 +60,22 @@ class FrameCheck(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             *CLOCKED,
-            taken("in_valid", "a sample stands on the stream"),
-            taken("in_last", "it is the last of its frame; ignored without `in_valid`"),
-            taken("store", "a result is ready; only while `run`"),
+            taken("in_valid", "the stream holds a sample"),
+            taken("in_last", "the sample is the last of its frame; ignored without `in_valid`"),
+            taken("store", "a result is ready; only while `run` is high"),
             taken("finish", "the last output of the frame leaves"),
             given("start", "the program's first step is done in the next clock"),
             given("run", "a frame is computed"),
-            given("write", "one clock after a sample that is taken or a result"),
-            given("write_addr", "where it goes", Unsigned(self.addr_width), "addr_width"),
-            given("frame_error", "one clock long, one clock after the sample that breaks a frame"),
+            given("write", "high one clock after an accepted sample or a result"),
+            given(
+                "write_addr",
+                "address of that sample or result",
+                Unsigned(self.addr_width),
+                "addr_width",
+            ),
+            given(
+                "frame_error", "high for one clock, one clock after the sample that breaks a frame"
+            ),
         )
 
     @property

@@ -63,18 +63,18 @@ class FrameGuard(Block):
         addr = Unsigned(self.addr_width)
         return (
             *CLOCKED,
-            taken("in_valid", "a sample stands on the stream"),
-            taken("in_last", "it is the last of its frame; ignored without `in_valid`"),
-            taken("halt", "no frame is taken; never while `busy`"),
-            taken("before_last", "samples of a frame less 2", addr, "addr_width"),
-            taken("store", "a result is ready; only while `run`"),
+            taken("in_valid", "the stream holds a sample"),
+            taken("in_last", "the sample is the last of its frame; ignored without `in_valid`"),
+            taken("halt", "no frame is accepted; never high while `busy` is"),
+            taken("before_last", "samples of a frame minus 2", addr, "addr_width"),
+            taken("store", "a result is ready; only while `run` is high"),
             taken("finish", "the last output of the frame leaves"),
             given("start", "the program's first step is done in the next clock"),
             given("run", "a frame is computed"),
-            given("busy", "a frame is computed, or will be"),
-            given("write", "one clock after a sample that is taken or a result"),
-            given("write_addr", "where it goes", addr, "addr_width"),
-            given("frame_error", "one clock long, one clock after what breaks a frame"),
+            given("busy", "a frame is being computed or is about to be"),
+            given("write", "high one clock after an accepted sample or a result"),
+            given("write_addr", "address of that sample or result", addr, "addr_width"),
+            given("frame_error", "high for one clock, one clock after what breaks a frame"),
         )
 
     @property

@@ -74,20 +74,25 @@ class ImageLoader(Block):
             *CLOCKED,
             taken("load_valid", "`load_data` holds a byte of an image"),
             taken("load_data", "the byte", Unsigned(8)),
-            taken("load_last", "it is the last of the image"),
-            taken("busy", "a frame is computed: bytes wait"),
+            taken("load_last", "the byte is the last of the image"),
+            taken("busy", "a frame is computed, so bytes must wait"),
             given("load_ready", "a byte is taken in this clock if there is one"),
-            given("halt", "no frame is taken in this clock"),
-            given("write", "`word` goes to the program memory"),
-            given("write_addr", "where", Unsigned(self.program_addr_width), "program_addr_width"),
+            given("halt", "no frame is accepted in this clock"),
+            given("write", "`word` is written to the program memory"),
+            given(
+                "write_addr",
+                "address of `word`",
+                Unsigned(self.program_addr_width),
+                "program_addr_width",
+            ),
             given("word", "a word of the image", Unsigned(WORD_WIDTH)),
             given(
                 "before_last",
-                "samples of a frame less 2",
+                "samples of a frame minus 2",
                 Unsigned(self.operand_addr_width),
                 "operand_addr_width",
             ),
-            given("image_error", "the image before was not a good one"),
+            given("image_error", "the last image was not valid"),
         )
 
     @property

@@ -32,11 +32,15 @@ class MultiplyAccumulate(Accumulator):
         return (
             CLOCK,
             taken("operand", "multiplicand", WORD),
-            taken("weight", "of the program, 0 where the table has it", Unsigned(WIDTH)),
-            taken("take_intercept", "the table's intercept is meant, not its slope"),
+            taken(
+                "weight",
+                "weight of the program, or 0 if the table gives the coefficient",
+                Unsigned(WIDTH),
+            ),
+            taken("take_intercept", "take the intercept of the table, not its slope"),
             taken("table_word", "intercept and slope, or 0", Unsigned(PRODUCT_WIDTH)),
-            taken("first", "two clocks after an operand: a sum starts with its product"),
-            taken("first_of_output", "the same, and the sum is that of an output"),
+            taken("first", "two clocks after an operand: its product starts a sum"),
+            taken("first_of_output", "its product starts the sum of an output"),
             given("acc", "the sum, four clocks after the operand", Fix(self.acc_width, 0)),
         )
 

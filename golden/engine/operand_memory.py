@@ -41,11 +41,15 @@ class OperandMemory(Block):
         addr = Unsigned(self.addr_width)
         return (
             CLOCK,
-            taken("write", "`data` is kept"),
-            taken("write_addr", "where", addr, "addr_width"),
+            taken("write", "`data` is written"),
+            taken("write_addr", "address of the write", addr, "addr_width"),
             taken("data", "a sample or a result, whose format is that of its neuron", WORD),
-            taken("read_addr", "which word is read", addr, "addr_width"),
-            given("word", f"it, {self.latency} clock{'s' * (self.latency > 1)} later", WORD),
+            taken("read_addr", "address of the read", addr, "addr_width"),
+            given(
+                "word",
+                f"the word at `read_addr`, {self.latency} clock{'s' * (self.latency > 1)} later",
+                WORD,
+            ),
         )
 
     @property

@@ -37,8 +37,12 @@ class OperandSelect(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             CLOCK,
-            taken("word", "what was read", WORD),
-            taken("kind", "0 the word, 1 one with its sign, 2 the distance, 3 one", Unsigned(2)),
+            taken("word", "word that was read", WORD),
+            taken(
+                "kind",
+                "operand: 0 the word, 1 one with its sign, 2 the distance, 3 one",
+                Unsigned(2),
+            ),
             given("operand", "operand, registered", WORD),
         )
 

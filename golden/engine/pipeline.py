@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Pipeline:
-    """Clocks of a step, counted from the one in which the operand's address is there.
+    """Clocks of a step, counted from the clock in which the address of its operand is valid.
 
-    A field that is used k clocks later stands k words later in the program, so control needs no
+    A field that is used k clocks later is stored k words later in the program, so control needs no
     registers of its own.
 
     Parameters
@@ -22,79 +22,80 @@ class Pipeline:
 
     @property
     def operand(self) -> int:
-        """The word that was read is there: its kind chooses the multiplier's operand."""
+        """The word that was read is valid, and its kind selects the operand of the multiplier."""
         return 1 + self.memory_registers
 
     @property
     def table(self) -> int:
-        """Clocks from a segment's address to the table's word.
+        """Clocks from the address of a segment to the word of the table.
 
-        Behind registers there is another one, because the word must also be none.
+        With registers there is one clock more, because a further register can clear the word.
         """
         return 1 + 2 * self.memory_registers
 
     @property
     def weight(self) -> int:
-        """The word of the table is there, a clock behind its address, and the weight is chosen."""
+        """The word of the table is valid, and the coefficient, weight or table word, is chosen."""
         return self.operand + 1 + self.table
 
     @property
     def start(self) -> int:
-        """One clock before the product is there: the flag has a register before the adder."""
+        """One clock before the product is valid: the flag has a register before the adder."""
         return self.weight + 2
 
     @property
     def done(self) -> int:
-        """The sum is there, four registers behind weight and operand."""
+        """The sum is valid, four registers after weight and operand."""
         return self.weight + 4
 
     @property
     def mark(self) -> int:
-        """One clock before that: what becomes of the sum has registers too."""
+        """One clock before `done`: the flags that say what the sum becomes have registers."""
         return self.done - 1
 
     @property
     def result(self) -> int:
-        """The rounded result is there, and goes to the operand memory."""
+        """The rounded result is valid and is written to the operand memory."""
         return self.done + 1
 
     @property
     def result_ready(self) -> int:
-        """Steps from a neuron's last term to the first that reads its result."""
+        """Steps from the last term of a neuron to the first step that can read its result."""
         return self.result + 1
 
     @property
     def run(self) -> int:
         """Clocks from the last sample until the program runs.
 
-        Words that a reset left on their way have passed by then.
+        Words that a reset left in the pipeline have passed by then.
         """
         return 1 + self.memory_registers
 
     @property
     def begin(self) -> int:
-        """Clocks from the last sample until its frame's first step.
+        """Clocks from the last sample until the first step of its frame.
 
-        The word of that step stands ready; the second comes with the counter's first step.
+        The word of that step has been read before; the second one comes when the counter first
+        steps.
         """
         return self.run + self.memory_registers
 
     @property
     def sample_ready(self) -> int:
-        """The first step that reads the last sample, which is written two clocks after it came."""
+        """First step that can read the last sample, which is written two clocks after it comes."""
         return max(0, 2 - self.begin)
 
     @property
     def padding(self) -> int:
-        """Words without effect behind the last one, in the memory of a program.
+        """Words without effect that follow the last one in the memory of a program.
 
-        One more is read until the program stands, and has no effect whatever it holds.
+        One more word is read until the program stops; it has no effect, whatever its contents.
         """
         return 2 + self.memory_registers
 
     @property
     def free(self) -> int:
-        """Clocks from a frame's last output until a sample is taken again."""
+        """Clocks from the last output of a frame until a sample is accepted again."""
         return 1
 
 
@@ -108,5 +109,5 @@ class SerialPipeline(Pipeline):
 
     @property
     def done(self) -> int:
-        """The sum is there, behind the coefficient's register and its own."""
+        """The sum is valid, after the register of the coefficient and its own."""
         return self.weight + 2

@@ -39,12 +39,16 @@ class PlaneSelect(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             CLOCK,
-            taken("word", "what was read", WORD),
-            taken("plane", "one bit of 19, the highest clears", Unsigned(CLEAR + 1)),
-            taken("kind", "0 the word, 1 one with its sign, 2 the distance, 3 one", Unsigned(2)),
-            given("take_weight", "the program's weight counts; one clock later, as the next two"),
-            given("look_up", "the table's word counts"),
-            given("subtract", "it is subtracted"),
+            taken("word", "word that was read", WORD),
+            taken("plane", "one bit of 19 is set; the highest clears the sum", Unsigned(CLEAR + 1)),
+            taken(
+                "kind",
+                "operand: 0 the word, 1 one with its sign, 2 the distance, 3 one",
+                Unsigned(2),
+            ),
+            given("take_weight", "the weight of the program counts; one clock after `word`"),
+            given("look_up", "the word of the table counts; one clock after `word`"),
+            given("subtract", "the coefficient is subtracted; one clock after `word`"),
         )
 
     @property

@@ -34,9 +34,9 @@ class ProgramMemory(ProgramWords, Stepped):
         word = Unsigned(WORD_WIDTH)
         return (
             *self.counter_ports,
-            taken("look_up", "it is read; otherwise `table_word` is 0"),
-            given("word", f"the counter's word, {later(self.latency)}", word),
-            given("table_word", f"that of the table, {later(self.look_up_latency)}", word),
+            taken("look_up", "the word at `segment` is read; otherwise `table_word` is 0"),
+            given("word", f"the word at the counter, {later(self.latency)}", word),
+            given("table_word", f"the word at `segment`, {later(self.look_up_latency)}", word),
         )
 
     def process(

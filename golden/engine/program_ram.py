@@ -61,17 +61,18 @@ class ProgramRam(Stepped):
         return (
             *self.counter_ports,
             taken(
-                "look_up", "it is read; otherwise, and in the clock of a write, `table_word` is 0"
+                "look_up",
+                "the word at `segment` is read; otherwise, and in a write, `table_word` is 0",
             ),
-            taken("write", "`data` is kept, and nothing is read"),
-            taken("write_addr", "where", Unsigned(self.addr_width), "addr_width"),
+            taken("write", "`data` is written, and nothing is read"),
+            taken("write_addr", "address of the write", Unsigned(self.addr_width), "addr_width"),
             taken("data", "a word of an image", word),
             given(
                 "word",
-                f"the counter's word, {later(self.latency)}; in the clock of a write that before",
+                f"the word at the counter, {later(self.latency)}; unchanged by a write",
                 word,
             ),
-            given("table_word", f"that of the table, {later(self.look_up_latency)}", word),
+            given("table_word", f"the word at `segment`, {later(self.look_up_latency)}", word),
         )
 
     @property

@@ -71,9 +71,9 @@ class Stepped(Block):
         return (
             *CLOCKED,
             taken("start", "the counter steps"),
-            taken("run", "so it does; it stands at the program's first word otherwise"),
-            taken("finish", "the counter returns to it"),
-            taken("segment", "which word of the table is read", segment, "segment_addr_width"),
+            taken("run", "the counter steps; otherwise it rests at the first word of the program"),
+            taken("finish", "the counter returns to the first word of the program"),
+            taken("segment", "address of a word of the table", segment, "segment_addr_width"),
         )
 
     @property

@@ -40,19 +40,25 @@ class ReplayMemory(ProgramWords):
     def ports(self) -> tuple[Port, ...]:
         return (
             *CLOCKED,
-            taken("run", "words are read; the program's first one otherwise, in the first plane"),
-            taken("finish", "the same as without `run` from the next clock on"),
+            taken(
+                "run", "words are read; otherwise the first word of the program in the first plane"
+            ),
+            taken("finish", "from the next clock on the same as without `run`"),
             taken(
                 "segment",
-                "which slope or intercept is read",
+                "address of a slope or an intercept",
                 Unsigned(self.segment_addr_width),
                 "segment_addr_width",
             ),
-            taken("look_up", "it is read; otherwise `table_word` is 0"),
-            given("word", "the word of this clock", Unsigned(WORD_WIDTH)),
-            given("plane", "its plane: one bit of 19, the highest clears", Unsigned(CLEAR + 1)),
-            given("first", "it is the first of its pass"),
-            given("table_word", "that of the table, 1 clock later", Unsigned(WIDTH)),
+            taken("look_up", "the word at `segment` is read; otherwise `table_word` is 0"),
+            given("word", "word of the program", Unsigned(WORD_WIDTH)),
+            given(
+                "plane",
+                "plane of `word`: one bit of 19 is set; the highest clears the sum",
+                Unsigned(CLEAR + 1),
+            ),
+            given("first", "`word` is the first of its pass"),
+            given("table_word", "the word at `segment`, 1 clock later", Unsigned(WIDTH)),
         )
 
     @property

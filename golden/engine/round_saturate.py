@@ -41,7 +41,7 @@ class RoundSaturate(Block):
             taken("run", "a frame is computed"),
             taken("acc", "the sum", Fix(self.acc_width, 0)),
             taken("sample", "sample x", SIGNAL),
-            given("word", "what goes to the operand memory, one clock later", WORD),
+            given("word", "word for the operand memory, one clock later", WORD),
         )
 
     @property

@@ -31,13 +31,15 @@ class SerialAccumulate(Accumulator):
     def ports(self) -> tuple[Port, ...]:
         return (
             CLOCK,
-            taken("weight", "of the program", Unsigned(WIDTH)),
-            taken("take_weight", "it counts"),
+            taken("weight", "weight of the program", Unsigned(WIDTH)),
+            taken("take_weight", "`weight` counts"),
             taken("subtract", "the coefficient is subtracted"),
-            taken("plane", "one bit of 19, the highest clears", Unsigned(CLEAR + 1)),
-            taken("first", "the first word of its pass"),
+            taken("plane", "one bit of 19 is set; the highest clears the sum", Unsigned(CLEAR + 1)),
+            taken("first", "the word is the first of its pass"),
             taken("of_output", "the sum is that of an output"),
-            taken("table_word", "of the table, or 0; one clock later", Unsigned(WIDTH)),
+            taken(
+                "table_word", "word of the table, or 0; one clock after `weight`", Unsigned(WIDTH)
+            ),
             given("acc", "the sum, three clocks later", Fix(self.acc_width, 0)),
         )
 

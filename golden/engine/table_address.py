@@ -59,7 +59,7 @@ class TableAddress(Block):
         return (
             CLOCK,
             taken("q", "a hidden sum", HIDDEN),
-            given("addr", "its segment, one clock later", addr, "addr_width"),
+            given("addr", "segment of q, one clock later", addr, "addr_width"),
         )
 
     @property

@@ -85,7 +85,7 @@ class Readout(Network):
             given("profile_valid", "`profile_x` and `profile_y` hold a new point"),
             given("profile_x", "i_p, which stays until the next point", SIGNAL),
             given("profile_y", "f(i_p), which stays until the next point", SIGNAL),
-            given("profile_last", "it is the last point of the ramp, for this clock"),
+            given("profile_last", "the point is the last of the ramp; high for one clock"),
         )
 
     @property

@@ -98,8 +98,8 @@ class InputController(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             *CLOCKED,
-            taken("in_valid", "a sample stands on the stream"),
-            taken("in_last", "it is the last of its frame; ignored without `in_valid`"),
+            taken("in_valid", "the stream holds a sample"),
+            taken("in_last", "the sample is the last of its frame; ignored without `in_valid`"),
             given(
                 "addr",
                 "position of the sample in its frame, in the same clock",
@@ -109,8 +109,13 @@ class InputController(Block):
             given("preset", "two clocks after the first sample of a frame"),
             given("accumulate", "two clocks after each accepted sample"),
             given("capture", "three clocks after the last sample of a good frame"),
-            given("out_valid", "four clocks after it: the nodes hold the sums of the frame"),
-            given("frame_error", "one clock long, one clock after the sample that breaks a frame"),
+            given(
+                "out_valid",
+                "four clocks after the last sample: the nodes hold the sums of the frame",
+            ),
+            given(
+                "frame_error", "high for one clock, one clock after the sample that breaks a frame"
+            ),
         )
 
     @property

@@ -57,7 +57,7 @@ class OutputCollector(Block):
             *group(taken("in_data", "result of network *", self.fmt, "fmt"), self.outputs),
             given("out_valid", "`out_data` holds a result"),
             given("out_data", "result, in the order of the networks", self.fmt, "fmt"),
-            given("out_last", "it is the last of the frame"),
+            given("out_last", "the result is the last of the frame"),
         )
 
     @property

@@ -54,7 +54,7 @@ class OutputController(Block):
             *CLOCKED,
             taken(
                 "in_valid",
-                "one clock long: the activations of a frame are there, for `outputs` clocks",
+                "one clock long: the activations of a frame are valid for `outputs` clocks",
             ),
             given(
                 "addr",
@@ -62,8 +62,8 @@ class OutputController(Block):
                 Unsigned(self.addr_width, last=self.outputs - 1),
                 "addr_width",
             ),
-            given("out_valid", "`addr` names a row"),
-            given("out_last", "it is the last row of the frame"),
+            given("out_valid", "`addr` holds a row"),
+            given("out_last", "the row is the last of the frame"),
         )
 
     @property

@@ -62,8 +62,8 @@ class OutputIntegral(WeightedSum):
         r = taken("in_r", "r of hidden node *", self.in_fmt, "in_fmt")
         return (
             *CLOCKED,
-            taken("in_valid", "`in_addr` names a row and the activations belong to it"),
-            taken("in_last", "it is the last row of the frame"),
+            taken("in_valid", "`in_addr` holds a row, and the activations belong to its frame"),
+            taken("in_last", "the row is the last of the frame"),
             taken(
                 "in_addr",
                 "row, 0 to outputs - 1",
@@ -73,7 +73,7 @@ class OutputIntegral(WeightedSum):
             *group(r, self.hidden),
             given("out_valid", "`out_data` holds an output"),
             given("out_data", "output y", self.out_fmt, "out_fmt"),
-            given("out_last", "it is the last output of the frame"),
+            given("out_last", "the output is the last of the frame"),
         )
 
     @property

@@ -83,7 +83,7 @@ class ImageReceiver(Block):
             taken("load_ready", "a byte of the image is taken in this clock"),
             given("load_valid", "`load_data` holds a byte of an image, until it is taken"),
             given("load_data", "the byte", Unsigned(8)),
-            given("load_last", "it is the last of the image"),
+            given("load_last", "the byte is the last of the image"),
         )
 
     @property

@@ -95,24 +95,24 @@ class PacketSender(Block):
     @property
     def ports(self) -> tuple[Port, ...]:
         told = (
-            taken("frame_error", "a frame is refused, for this clock"),
-            taken("image_error", "the image before was not a good one"),
-            taken("line_error", "a byte without a stop bit came, for this clock"),
+            taken("frame_error", "a frame is refused in this clock"),
+            taken("image_error", "the last image was not valid"),
+            taken("line_error", "a byte without a stop bit came; high for one clock"),
         )
         drawn = (
             taken("profile_valid", "`profile_x` and `profile_y` hold a new point"),
             taken("profile_x", "i_p", SIGNAL),
             taken("profile_y", "f(i_p)", SIGNAL),
-            taken("profile_last", "it is the last point of the ramp"),
+            taken("profile_last", "the point is the last of the ramp"),
         )
         return (
             *CLOCKED,
             taken("sample_valid", "`sample_data` holds an element of the network's frame"),
             taken("sample_data", "the samples, and in a cascade slots", SIGNAL),
-            taken("sample_last", "it is the last of the frame"),
+            taken("sample_last", "the element is the last of the frame"),
             taken("result_valid", "`result_data` holds an output"),
             taken("result_data", "output y", SIGNAL),
-            taken("result_last", "it is the last output of the frame"),
+            taken("result_last", "the output is the last of the frame"),
             taken("converter_error", "no frame leaves the reader"),
             *(told if self.reload else ()),
             *(drawn if self.points else ()),

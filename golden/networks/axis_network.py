@@ -62,17 +62,17 @@ class AxisNetwork(Network):
             replace(CLOCK, meaning=f"{CLOCK.meaning}: ACLK"),
             replace(RESET, meaning=f"{RESET.meaning}: ARESETn the other way round"),
             taken("s_axis_tvalid", "`s_axis_tdata` holds a sample"),
-            given("s_axis_tready", "it is taken in this clock"),
+            given("s_axis_tready", "a valid sample is accepted in this clock"),
             taken(
                 "s_axis_tdata",
                 f"sample x, {SIGNAL}, in the lower {SIGNAL.width} bits; the upper ones are ignored",
                 TDATA,
             ),
-            taken("s_axis_tlast", "it is the last sample of the frame"),
-            given("m_axis_tvalid", "`m_axis_tdata` holds an output, until it is taken"),
-            taken("m_axis_tready", "it is taken in this clock"),
+            taken("s_axis_tlast", "the sample is the last of the frame"),
+            given("m_axis_tvalid", "`m_axis_tdata` holds an output until it is accepted"),
+            taken("m_axis_tready", "a valid output is accepted in this clock"),
             given("m_axis_tdata", f"output y, {SIGNAL}, sign-extended", TDATA),
-            given("m_axis_tlast", "it is the last output of the frame"),
+            given("m_axis_tlast", "the output is the last of the frame"),
             frame_error("of the wrong length"),
         )
 

@@ -49,9 +49,9 @@ WHOLE_ACC_WIDTH = 44
 LOAD_PORTS = (
     taken("load_valid", "`load_data` holds a byte of an image"),
     taken("load_data", "the byte", Unsigned(8)),
-    taken("load_last", "it is the last of the image"),
+    taken("load_last", "the byte is the last of the image"),
     given("load_ready", "a byte is taken in this clock; not while a frame is computed"),
-    given("image_error", "the image before was not a good one"),
+    given("image_error", "the last image was not valid"),
 )
 
 

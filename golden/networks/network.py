@@ -40,9 +40,9 @@ class Network(Block):
         if self.stream == "words":
             return (
                 *CLOCKED,
-                taken("in_valid", "the samples of a frame stand on `in_data_*`"),
+                taken("in_valid", "`in_data_*` hold the samples of a frame"),
                 *group(taken("in_data", "sample x of sensor *", SIGNAL), self.inputs),
-                given("out_valid", "the outputs of a frame stand on `out_data_*`"),
+                given("out_valid", "`out_data_*` hold the outputs of a frame"),
                 *group(given("out_data", "output y, number *", SIGNAL), self.outputs),
                 frame_error("that comes too early"),
             )
@@ -173,14 +173,16 @@ def serial_ports(element: str, meaning: str, refused: str) -> tuple[Port, ...]:
         *CLOCKED,
         taken("in_valid", f"`in_data` holds {element}"),
         taken("in_data", meaning, SIGNAL),
-        taken("in_last", "it is the last of the frame"),
+        taken("in_last", "this is the last element of the frame"),
         given("out_valid", "`out_data` holds an output"),
         given("out_data", "output y, in the order of the scene's outputs", SIGNAL),
-        given("out_last", "it is the last output of the frame"),
+        given("out_last", "the output is the last of the frame"),
         frame_error(refused),
     )
 
 
 def frame_error(refused: str) -> Port:
     """The port that tells of frames that are refused, and which those are."""
-    return given("frame_error", f"one clock long for each frame {refused}, which yields no outputs")
+    return given(
+        "frame_error", f"high for one clock for each frame {refused}, which gives no outputs"
+    )

@@ -153,8 +153,8 @@ class ConverterReader(Scan):
             given("cs_n", "to the converter: low for a transfer; from a register"),
             given("mosi", "to the converter: command; from a register"),
             given("out_valid", "`out_data` holds a new sample"),
-            given("out_data", "sample, which stays until the next", self.fmt, "fmt"),
-            given("out_last", "it is the last of the frame"),
+            given("out_data", "sample, held until the next one", self.fmt, "fmt"),
+            given("out_last", "the sample is the last of the frame"),
             error_port(),
         )
 
@@ -240,6 +240,6 @@ def error_port() -> Port:
     """The flag of a converter that is missing or stuck."""
     return given(
         "converter_error",
-        "from a transfer that no converter can have sent to the first scan without one; of a scan "
-        "with such a transfer no frame leaves",
+        "high from a transfer that no converter can have sent to the first scan without one; a "
+        "scan with such a transfer gives no frame",
     )

@@ -103,20 +103,20 @@ class FrameWindow(Block):
             *CLOCKED,
             taken("in_valid", "`in_data` holds a sample"),
             taken("in_data", "sample x, in the order of the scene's sensors", self.fmt, "fmt"),
-            taken("in_last", "it is the last of the frame"),
+            taken("in_last", "the sample is the last of the frame"),
             given("out_valid", "`out_data` holds an element"),
             given(
                 "out_data",
                 "a sample of the newest frame or of a past one, in the order of `window.taps`; "
-                "behind them `slots` elements, whatever they hold",
+                "then `slots` elements of any content",
                 self.fmt,
                 "fmt",
             ),
-            given("out_last", "it is the last element of the frame"),
+            given("out_last", "the element is the last of the frame"),
             given(
                 "frame_error",
-                "one clock long for each frame of the wrong length or that comes too early, which "
-                "does not enter the past",
+                "high for one clock for each frame of the wrong length or that comes too early, "
+                "which does not enter the past",
             ),
         )
 

@@ -129,8 +129,8 @@ class ScanSequencer(Scan):
                 "address_width",
             ),
             given("out_valid", "`out_data` holds a new sample"),
-            given("out_data", "sample, which stays until the next", self.fmt, "fmt"),
-            given("out_last", "it is the last of the frame"),
+            given("out_data", "sample, held until the next one", self.fmt, "fmt"),
+            given("out_last", "the sample is the last of the frame"),
         )
 
     @property

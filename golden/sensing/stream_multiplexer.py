@@ -52,17 +52,17 @@ class StreamMultiplexer(Block):
             *CLOCKED,
             taken("in_valid", "`in_data` holds an element"),
             taken("in_data", "element", self.fmt, "fmt"),
-            taken("in_last", "it is the last element of the frame"),
+            taken("in_last", "the element is the last of the frame"),
             taken("result_valid", "`result` holds a result"),
             taken("result", "result, held from the next clock on", self.fmt, "fmt"),
             given("out_valid", "`out_data` holds an element"),
             given(
                 "out_data",
-                "the element, or the result held in the place of element `slot`",
+                "the element, or the stored result in place of element `slot`",
                 self.fmt,
                 "fmt",
             ),
-            given("out_last", "it is the last element of the frame"),
+            given("out_last", "the element is the last of the frame"),
         )
 
     @property

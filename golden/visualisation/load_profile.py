@@ -101,7 +101,7 @@ class LoadProfile(Block):
             given("out_valid", "`out_x` and `out_y` hold a new point"),
             given("out_x", "i_p, which stays until the next point", self.fmt, "fmt"),
             given("out_y", "f(i_p), which stays until the next point", self.fmt, "fmt"),
-            given("out_last", "it is the last point of the ramp, for this clock"),
+            given("out_last", "the point is the last of the ramp; high for one clock"),
         )
 
     @property

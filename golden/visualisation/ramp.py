@@ -94,10 +94,10 @@ class Ramp(Block):
     def ports(self) -> tuple[Port, ...]:
         return (
             *CLOCKED,
-            taken("in_valid", "asks for a position"),
+            taken("in_valid", "the next position is requested"),
             given("out_valid", "`out_data` holds a new position"),
             given("out_data", "position i_p, which stays until the next", self.fmt, "fmt"),
-            given("out_last", "it is the last of the ramp; stays as long"),
+            given("out_last", "the position is the last of the ramp; held as long as it"),
         )
 
     @property

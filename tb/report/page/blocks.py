@@ -165,9 +165,15 @@ def clocks(twins: Twins, name: str) -> str:
     )
 
 
-def clocks_line(twins: Twins) -> str:
+def clocks_table(twins: Twins) -> str:
     """Latency and interval of every entity of a block."""
-    return f"Clocks: latency {clocks(twins, 'latency')}, interval {clocks(twins, 'interval')}."
+    return "\n".join(
+        [
+            "| latency, clocks | interval, clocks |",
+            "|---|---|",
+            f"| {clocks(twins, 'latency')} | {clocks(twins, 'interval')} |",
+        ]
+    )
 
 
 def purpose(twins: Twins) -> str:
@@ -215,7 +221,7 @@ def pages() -> dict[Path, str]:
     for name, twins in found.items():
         page = ROOT / "docs" / "blocks" / f"{name}.md"
         text = put(page, page.read_text("utf-8"), port_table(twins), COMMAND, "ports")
-        written[page] = put(page, text, clocks_line(twins), COMMAND, "clocks")
+        written[page] = put(page, text, clocks_table(twins), COMMAND, "clocks")
     return written
 
 

@@ -55,7 +55,8 @@ def block_tables() -> dict[str, str]:
 
 def _block_table(best: dict[str, tuple[int, str, str, dict[str, int]]]) -> str:
     lines = [
-        "The largest entity of all scenes, parts included, by `make synth`:",
+        "For each family, the table shows the entity of this block with the most LUTs in any",
+        "scene, with its parts included (`make synth`):",
         "",
         f"| family | scene, entity | {' | '.join(COLUMNS)} |",
         "|" + "---|" * (len(COLUMNS) + 2),

@@ -28,14 +28,18 @@ def recorded(kind: str, block: str) -> Record:
 
 
 def mutation(record: Record) -> str:
-    """How many mutants the bench finds."""
-    text = (
-        f"{record['killed']} of {record['mutants']} of `{record['entity']}` are found, "
-        f"{record['same']} proved to be the same: **{percent(record)}**"
-    )
-    if not record["survivors"]:
-        return text
-    return "\n".join([f"{text}; left:", *(f"  - {_survivor(s)}" for s in record["survivors"])])
+    """How many mutants the bench detects, and what becomes of the others."""
+    facts = [
+        f"{record['killed']} of {record['mutants']} mutants are detected",
+        f"{_are(record['same'])} proved equivalent",
+    ]
+    undetected = record["survivors"]
+    explained = sum(bool(one["explained"]) for one in undetected)
+    if explained:
+        facts.append(f"{_are(explained)} undetected with a reason")
+    if len(undetected) > explained:
+        facts.append(f"{_are(len(undetected) - explained)} undetected without a reason")
+    return f"{', '.join(facts)}; score **{percent(record)}**"
 
 
 def percent(record: Record) -> str:
@@ -43,106 +47,188 @@ def percent(record: Record) -> str:
     return "100 %" if record["score"] == 1 else f"{min(99.9, 100 * record['score']):.1f} %"
 
 
-def _survivor(survivor: Record) -> str:
-    explained = survivor["explained"] or "not explained"
-    return f"`{survivor['where']}`: `{survivor['what']}`: {explained}"
+def undetected_mutants(record: Record) -> list[str]:
+    """A row for each reason, with the mutants that it explains."""
+    mutants: dict[str, list[str]] = {}
+    for one in record.get("survivors", []):
+        place = f"`{one['where']}`: `{one['what']}`"
+        mutants.setdefault(one["explained"] or "not explained", []).append(place)
+    rows = [[reason, "; ".join(found)] for reason, found in mutants.items()]
+    return _table(
+        "Undetected mutants, and the reason why each is accepted:", ["reason", "mutants"], rows
+    )
 
 
 def proof(record: Record) -> str:
-    """What is proved, by which method, under which assumptions."""
+    """How many properties are proved."""
     properties = record["properties"]
     copies = sum(one["refuted_by"] for one in properties)
-    head = f"{len(properties)} properties, which {copies} broken copies refute:"
-    return "\n".join([head, *(f"  - {_property(one)}" for one in properties)])
+    return (
+        f"{_count(len(properties), 'property', 'properties')} proved; "
+        f"the proof fails for {_count(copies, 'broken copy', 'broken copies')}, as it must"
+    )
 
 
-def _property(one: Record) -> str:
-    method = f"{one['method']} over {_clocks(one['depth'])}" if one["depth"] else one["method"]
-    facts = [
-        f"`{one['entity']}`",
-        method,
-        *(f"assumes: {text.rstrip('.')}" for text in one["assumes"]),
+def proved_properties(record: Record) -> list[str]:
+    """A row for each property: by which method it is proved, and under which assumptions."""
+    rows = [
+        [
+            one["sentence"],
+            f"`{one['entity']}` of {one['case']}",
+            f"{one['method']} over {_clocks(one['depth'])}" if one["depth"] else one["method"],
+            "; ".join(text.rstrip(".") for text in one["assumes"]) or "none",
+            ", ".join(f"`{name}`" for name in one["free"]) or "none",
+        ]
+        for one in record.get("properties", [])
     ]
-    if one["free"]:
-        facts.append(f"whatever {', '.join(f'`{name}`' for name in one['free'])} may be")
-    return f"{one['sentence']} ({'; '.join(facts)})"
+    return _table(
+        "Proved properties. A free signal may take any value in any clock:",
+        ["property", "entity", "method", "assumptions", "free signals"],
+        rows,
+    )
 
 
 def coverage(record: Record) -> str:
-    """What the bench met, and what nothing can reach."""
-    borders = record["borders"]
+    """What the bench met."""
+    borders = len(record["borders"]) - sum("unreachable" in b for b in record["borders"].values())
+    values = sum(len(values) for values in record["ports"].values())
+    states = sum(state["values"] for state in record["states"].values())
+    return (
+        f"the bench meets {_count(borders, 'border')} on both sides, "
+        f"{_count(values, 'port value')} and {_count(states, 'state')}"
+    )
+
+
+def unreachable(record: Record) -> list[str]:
+    """A row for each border or value that no stimulus reaches."""
+    borders = record.get("borders", {})
     closed = {name: b["unreachable"] for name, b in borders.items() if "unreachable" in b}
-    facts = [
-        f"{len(borders) - len(closed)} borders on both sides",
-        f"{sum(len(values) for values in record['ports'].values())} values of ports",
-        f"{sum(state['values'] for state in record['states'].values())} states",
-    ]
-    closed |= record["unreachable"]
-    text = f"the bench meets {', '.join(facts)}"
-    if not closed:
-        return text
-    return "\n".join([f"{text}; nothing can meet:", *(f"  - {n}: {w}" for n, w in closed.items())])
+    closed |= record.get("unreachable", {})
+    return _table(
+        "No stimulus can reach the following:",
+        ["border or value", "reason"],
+        [[name, reason] for name, reason in closed.items()],
+    )
 
 
 def equivalence(record: Record) -> str:
     """How VHDL and Verilog were proved to be the same."""
-    text = f"`{record['entity']}`: {record['method']}"
+    facts = [f"proved by {record['method']}"]
     if record["parts"]:
-        text += f", given {len(record['parts'])} parts that are equal themselves"
-    return f"{text}; broken copies that differ: {record['faults']}"
+        facts.append(f"{_count(len(record['parts']), 'part')} proved separately")
+    facts.append(f"{_count(record['faults'], 'broken copy', 'broken copies')} found to differ")
+    return "; ".join(facts)
 
 
 def netlist(record: Record) -> str:
-    """Which netlists the bench ran on."""
-    return "; ".join(
-        f"{one['family']}: `{one['entity']}` of {one['scene']}, {one['compared']} values"
-        + (f" of {one['frames']} frames" if one["frames"] else "")
-        + _alone(one["tests"])
-        for one in record["runs"]
+    """On how many netlists the bench ran."""
+    runs = _count(len(record["runs"]), "run")
+    return f"the bench passes on the mapped cells in {runs}, listed below"
+
+
+def netlist_runs(record: Record) -> list[str]:
+    """A row for each entity, with the families on whose cells it ran alike."""
+    families: dict[tuple[str, ...], list[str]] = {}
+    for one in record.get("runs", []):
+        frames = str(one["frames"] or "")
+        key = (one["scene"], one["entity"], str(one["compared"]), frames, _tests(one["tests"]))
+        families.setdefault(key, []).append(one["family"])
+    rows = [
+        [scene, f"`{entity}`", ", ".join(found), *rest]
+        for (scene, entity, *rest), found in families.items()
+    ]
+    return _table(
+        "Runs on netlists:",
+        ["scene", "entity", "families", "values compared", "frames", "tests"],
+        rows,
     )
 
 
-def _alone(pattern: str) -> str:
-    """The tests that were played, unless all were: a regular expression names them one by one."""
+def _tests(pattern: str) -> str:
+    """The tests that were played: a regular expression names them one by one."""
     if pattern == "all":
-        return ""
-    return f" ({' and '.join(f'`{name}`' for name in pattern.strip('()').split('|'))} alone)"
+        return "all"
+    return ", ".join(f"`{name}`" for name in pattern.strip("()").split("|"))
 
 
 def unknown(record: Record) -> str:
     """What was found with registers that hold nothing known."""
-    text = (
-        f"`{record['entity']}`: {record['compared']} values, {len(record['not reset'])} registers"
-    )
-    text += f" that no reset clears, {len(record['reset'])} that it does"
-    text += _alone(record["tests"])
+    facts = [
+        f"{record['compared']} values compared",
+        f"{_count(len(record['not reset']), 'register')} without reset, "
+        f"{len(record['reset'])} with reset",
+    ]
+    if record["tests"] != "all":
+        facts.append(f"tests {_tests(record['tests'])}")
     clocks = record["proved over clocks"]
-    return text + (f"; proved by induction over {_clocks(clocks)}" if clocks else "")
+    if clocks:
+        facts.append(f"proved by induction over {_clocks(clocks)}")
+    return "; ".join(facts)
 
 
 def _clocks(count: int) -> str:
-    return f"{count} clock{'s' if count > 1 else ''}"
+    return _count(count, "clock")
+
+
+def _are(count: int) -> str:
+    return f"{count} {'is' if count == 1 else 'are'}"
+
+
+def _count(count: int, one: str, several: str = "") -> str:
+    return f"{count} {one if count == 1 else several or one + 's'}"
+
+
+def _table(title: str, heads: list[str], rows: list[list[str]]) -> list[str]:
+    """The lines of a table below its title; none where it has no rows."""
+    if not rows:
+        return []
+    lines = [heads, ["---"] * len(heads), *([c.replace("|", r"\|") for c in row] for row in rows)]
+    return ["", title, "", *(f"| {' | '.join(line)} |" for line in lines)]
 
 
 # By kind of record: what a datasheet calls it, the command, and what it says.
 KINDS: dict[str, tuple[str, str, Callable[[Record], str]]] = {
-    "mutation": ("Mutants", "make mutate BLOCK={}", mutation),
-    "coverage": ("Coverage", "make coverage BLOCK={}", coverage),
-    "equivalence": ("VHDL is Verilog", "make prove BLOCK={}", equivalence),
-    "netlist": ("Netlist", "make sim BLOCK={} NETLIST=1", netlist),
-    "unknown": ("Unknown registers", "make sim BLOCK={} NETLIST=unknown", unknown),
-    "proof": ("Proved", "make prove BLOCK={}", proof),
+    "mutation": ("mutation score", "make mutate BLOCK={}", mutation),
+    "coverage": ("coverage", "make coverage BLOCK={}", coverage),
+    "equivalence": ("VHDL equals Verilog", "make prove BLOCK={}", equivalence),
+    "netlist": ("netlist simulation", "make sim BLOCK={} NETLIST=1", netlist),
+    "unknown": ("unknown registers", "make sim BLOCK={} NETLIST=unknown", unknown),
+    "proof": ("proved properties", "make prove BLOCK={}", proof),
+}
+
+# What does not fit into a cell of that table, in the order in which it follows.
+DETAILS: dict[str, Callable[[Record], list[str]]] = {
+    "mutation": undetected_mutants,
+    "coverage": unreachable,
+    "netlist": netlist_runs,
+    "proof": proved_properties,
 }
 
 
 def sheet(block: str) -> str:
-    """The list of a datasheet."""
+    """The tables of a datasheet."""
+    records = {kind: recorded(kind, block) for kind in KINDS}
     lines = [
-        f"- {title} (`{command.format(block)}`): {text(record)}"
+        f"| {title} | `{command.format(block)}` | {_entity(records[kind])} "
+        f"| {text(records[kind])} |"
         for kind, (title, command, text) in KINDS.items()
-        if (record := recorded(kind, block))
+        if records[kind]
     ]
-    return "\n".join(lines) or "Nothing is recorded."
+    if not lines:
+        return "Nothing is recorded."
+    heads = ["| check | command | entity | result |", "|---|---|---|---|"]
+    lines = ["[Verification](../verification.md) explains these checks.", "", *heads, *lines]
+    for kind, details in DETAILS.items():
+        lines += details(records[kind])
+    return "\n".join(lines)
+
+
+def _entity(record: Record) -> str:
+    """What was checked; the runs on netlists and the properties name entities of their own."""
+    if "entity" not in record:
+        return "see below"
+    scene = f" of {record['scene']}" if "scene" in record else ""
+    return f"`{record['entity']}`{scene}"
 
 
 def overview() -> str:
