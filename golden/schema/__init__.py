@@ -1,0 +1,46 @@
+"""The TOML files that tactus reads, each declared once.
+
+A file is a ``Table`` of ``Key``, and a key has a ``Kind``, a default and what it means. From that
+one declaration come the check of a file with its messages, what stands in the place of keys that
+are left out, the JSON schema with which an editor completes and checks a file, and the tables of
+keys in the pages. What hangs on two keys together, or on another file, no kind can know: that is
+checked by who reads the file.
+"""
+
+from golden.schema.keys import Key, Table
+from golden.schema.kinds import (
+    Alternatives,
+    Anything,
+    Each,
+    Flag,
+    Kind,
+    List,
+    Map,
+    Number,
+    Text,
+    Whole,
+)
+from golden.schema.page import key_rows
+from golden.schema.reading import check_names, read_toml, refuse_outside, values_of
+from golden.schema.span import Span
+
+__all__ = [
+    "Alternatives",
+    "Anything",
+    "Each",
+    "Flag",
+    "Key",
+    "Kind",
+    "List",
+    "Map",
+    "Number",
+    "Span",
+    "Table",
+    "Text",
+    "Whole",
+    "check_names",
+    "key_rows",
+    "read_toml",
+    "refuse_outside",
+    "values_of",
+]
