@@ -65,7 +65,6 @@ FRONT_END = Table(
         ),
     },
     name="a section",
-    optional=True,
 )
 
 

@@ -124,14 +124,15 @@ def recordings(data: dict[str, Any], path: Path) -> list[str]:
     InputError
         For both or none, and for two names of one file.
     """
-    file, several = data.get("file"), data.get("recordings")
+    file: str | None = data.get("file")
+    several: list[str] | None = data.get("recordings")
     if file is None and several is None:
         raise InputError(
             f"{path}: data.file: missing, expected text, the name of a file, or several in "
             "data.recordings"
         )
-    if several is None and file is not None:
-        return [str(file)]
+    if several is None:
+        return [file or ""]
     if file is not None:
         raise InputError(
             f"{path}: data.recordings: got {several!r} beside data.file, expected one of both keys"

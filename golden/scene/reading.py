@@ -134,10 +134,10 @@ def _parts(values: dict[str, dict[str, Any]], path: Path) -> dict[str, Any]:
     found: list[Finding] = []
     # Of a section with a number that cannot be, nothing else is asked.
     wrong: set[str] = set()
-    for section, given in values.items():
+    for section, key in SCENE.keys.items():
         before = len(found)
         with told(found):
-            refuse_outside(given, SCENE.keys[section].kind, section, path)
+            refuse_outside(values.get(section, {}), key.kind, section, path)
         if len(found) > before:
             wrong.add(section)
     parts: dict[str, Any] = {"front_end": None, "visualisation": None, "uart": None}

@@ -142,13 +142,13 @@ TRAINING = Table(
 )
 SCENE = Table(
     {
-        "data": Key(DATA, meaning="which recordings, sensors and outputs"),
-        "network": Key(NETWORK, meaning="how many networks, of which size, and where they are"),
-        "hardware": Key(HARDWARE, meaning="in which form of hardware"),
-        "training": Key(TRAINING, meaning="how the networks are trained"),
-        "front_end": Key(FRONT_END, meaning="how the sensors are read; without it from a stream"),
-        "visualisation": Key(VISUALISATION, meaning="a profile of the load beside the outputs"),
-        "uart": Key(UART, meaning="a serial line to a computer"),
+        "data": Key(DATA, {}, "which recordings, sensors and outputs"),
+        "network": Key(NETWORK, {}, "how many networks, of which size, and where they are"),
+        "hardware": Key(HARDWARE, {}, "in which form of hardware"),
+        "training": Key(TRAINING, {}, "how the networks are trained"),
+        "front_end": Key(FRONT_END, None, "how the sensors are read; without it from a stream"),
+        "visualisation": Key(VISUALISATION, None, "a profile of the load beside the outputs"),
+        "uart": Key(UART, None, "a serial line to a computer"),
     },
     noun="section ",
 )

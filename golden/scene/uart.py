@@ -21,7 +21,6 @@ UART = Table(
         )
     },
     name="a section",
-    optional=True,
 )
 # What a computer's UART stands, with what its own clock is off.
 TOLERANCE = Fraction(2, 100)

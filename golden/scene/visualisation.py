@@ -42,7 +42,6 @@ VISUALISATION = Table(
         ),
     },
     name="a section",
-    optional=True,
 )
 
 

@@ -7,7 +7,7 @@ keys in the pages. What hangs on two keys together, or on another file, no kind 
 checked by who reads the file.
 """
 
-from golden.schema.keys import Key, Table
+from golden.schema.keys import REQUIRED, Key, Table
 from golden.schema.kinds import (
     Alternatives,
     Anything,
@@ -21,10 +21,11 @@ from golden.schema.kinds import (
     Whole,
 )
 from golden.schema.page import key_rows
-from golden.schema.reading import check_names, read_toml, refuse_outside, values_of
+from golden.schema.reading import check_names, read_checked, read_toml, refuse_outside, values_of
 from golden.schema.span import Span
 
 __all__ = [
+    "REQUIRED",
     "Alternatives",
     "Anything",
     "Each",
@@ -40,6 +41,7 @@ __all__ = [
     "Whole",
     "check_names",
     "key_rows",
+    "read_checked",
     "read_toml",
     "refuse_outside",
     "values_of",

@@ -10,6 +10,8 @@ from typing import Any
 from golden.schema.kinds import Kind, got
 from golden.table import suggest
 
+REQUIRED = object()
+
 
 @dataclass(frozen=True)
 class Key:
@@ -19,8 +21,8 @@ class Key:
     ----------
     kind : Kind
     default : object
-        What stands in its place where it is left out; None makes it required. A table is read as
-        an empty one.
+        What stands in its place where it is left out; for a table ``{}``, which is read as one with
+        no keys. None where nothing does, and ``REQUIRED`` where it may not be left out.
     meaning : str
         For pages and editors, in Markdown.
     shown : str
@@ -28,7 +30,7 @@ class Key:
     """
 
     kind: Kind
-    default: Any = None
+    default: Any = REQUIRED
     meaning: str = ""
     shown: str = ""
 
@@ -47,15 +49,12 @@ class Table(Kind):
     said : str
         What a message expects in the place of a table whose keys are others, or not all there; each
         key is told where it is empty.
-    optional : bool
-        Whether a file without it has no such thing, and no defaults stand in its place.
     """
 
     keys: Mapping[str, Key]
     noun: str = "key "
     name: str = "a table"
     said: str = ""
-    optional: bool = False
 
     @property
     def expected(self) -> str:
@@ -91,27 +90,20 @@ class Table(Kind):
             where = within(place, name)
             if name in value:
                 yield from key.kind.faults(value[name], where)
-            elif isinstance(key.kind, Table) and not key.kind.optional:
-                yield from key.kind.faults({}, where)
-            elif key.default is None and not isinstance(key.kind, Table):
+            elif key.default is REQUIRED:
                 yield f"{where}: missing, expected {key.kind.expected}"
+            elif isinstance(key.kind, Table) and key.default is not None:
+                yield from key.kind.faults(key.default, where)
 
     def outside(self, value: Any, place: str) -> Iterator[str]:
         for kind, inner, where in self._inner(value, place):
             yield from kind.outside(inner, where)
 
     def filled(self, value: Any) -> Any:
-        found = {}
-        for name, key in self.keys.items():
-            if name in value or (isinstance(key.kind, Table) and not key.kind.optional):
-                found[name] = key.kind.filled(value.get(name, {}))
-            elif not isinstance(key.kind, Table):
-                found[name] = key.default
-        return found
-
-    def defaults(self) -> dict[str, Any]:
-        """The value of every key where all are left out."""
-        return {name: key.default for name, key in self.keys.items()}
+        # What is given keeps the order of the file.
+        left_out = {name: self.keys[name].default for name in self.keys if name not in value}
+        given = {**value, **{name: v for name, v in left_out.items() if v is not None}}
+        return {name: self.keys[name].kind.filled(v) for name, v in given.items()}
 
     def schema(self) -> dict[str, Any]:
         properties = {}
@@ -119,7 +111,7 @@ class Table(Kind):
             properties[name] = key.kind.schema()
             if key.meaning:
                 properties[name]["description"] = plain(key.meaning)
-            if key.default not in (None, "", [], {}) and not key.kind.absent:
+            if key.default not in (REQUIRED, None, "", [], {}) and not key.kind.absent:
                 properties[name]["default"] = key.default
         found = {"type": "object", "properties": properties, "additionalProperties": False}
         required = [name for name in self.keys if self._needs(name)]
@@ -127,10 +119,10 @@ class Table(Kind):
 
     def _needs(self, name: str) -> bool:
         """Whether a file without this key is refused."""
-        kind = self.keys[name].kind
-        if isinstance(kind, Table):
-            return not kind.optional and any(kind._needs(inner) for inner in kind.keys)
-        return self.keys[name].default is None
+        key = self.keys[name]
+        if isinstance(key.kind, Table) and key.default is not None:
+            return key.default is REQUIRED or any(map(key.kind._needs, key.kind.keys))
+        return key.default is REQUIRED
 
 
 def within(place: str, name: str) -> str:

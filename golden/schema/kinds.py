@@ -114,17 +114,13 @@ class Text(Kind):
     some : bool
         Whether it may not be empty.
     said : str
-        What a message expects in the place of the choices, or of ``text``.
+        What a message expects in the place of ``text`` and of the choices.
     """
 
     choices: tuple[str, ...] = ()
     some: bool = False
     said: str = ""
     name: str = field(default="text", init=False)
-
-    @property
-    def expected(self) -> str:
-        return self.name if self.choices else self.said or self.name
 
     def accepts(self, value: object) -> bool:
         return type(value) is str and not (self.some and not value)

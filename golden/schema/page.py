@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from golden.schema.keys import Key, Table
+from golden.schema.keys import REQUIRED, Key, Table
 
 
 def key_rows(table: Table) -> str:
@@ -16,7 +16,7 @@ def key_rows(table: Table) -> str:
 
 
 def _default(key: Key) -> str:
-    if key.shown or key.default is None:
+    if key.shown or key.default is REQUIRED:
         return key.shown
     if isinstance(key.default, bool):
         return str(key.default).lower()

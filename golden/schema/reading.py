@@ -26,6 +26,21 @@ def read_toml(path: Path) -> dict[str, Any]:
         return tomllib.loads(path.read_text(encoding="utf-8"))
 
 
+def read_checked(path: Path, table: Table) -> dict[str, Any]:
+    """Every key of the file with its value, each checked by itself, defaults filled in.
+
+    Raises
+    ------
+    InputError
+        See ``read_toml``, ``check_names``, ``values_of`` and ``refuse_outside``.
+    """
+    raw = read_toml(path)
+    check_names(raw, table, path)
+    values = values_of(raw, table, path)
+    refuse_outside(values, table, "", path)
+    return values
+
+
 def check_names(raw: dict[str, Any], table: Table, path: Path) -> None:
     """Refuse names that are not known, what is no table, and numbers that TOML does not hold.
 

@@ -123,7 +123,7 @@ def beam(scene: Scene) -> Beam:
             "length_mm": scene.length_mm,
             "full_scale": scene.full_scale,
         }
-        shown = visualisation(VISUALISATION.defaults(), data, scene.path)
+        shown = visualisation(VISUALISATION.filled({}), data, scene.path)
     vectors, results = scene.vectors(), list(shown.results)
     position, width = (
         scene.length_mm[name] / scene.full_scale[name]
