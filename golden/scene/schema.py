@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from golden.disturbance import MOST
 from golden.networks.arrangement import ARRANGEMENTS
 from golden.scene.data_keys import DATA
@@ -11,6 +13,9 @@ from golden.scene.uart import UART
 from golden.scene.visualisation import VISUALISATION
 from golden.schema import Alternatives, Each, Flag, Key, List, Number, Span, Table, Text, Whole
 
+# SCENE for an editor, which finds it by the first line of what make scene writes; ``make pages``
+# writes it.
+EDITOR_SCHEMA = Path(__file__).with_name("scene.schema.json")
 FEWEST = "fewest"
 # What digits = "fewest" lets an output err more, as a part of its error.
 DIGITS_TOLERANCE = 0.02

@@ -7,6 +7,7 @@ keys in the pages. What hangs on two keys together, or on another file, no kind 
 checked by who reads the file.
 """
 
+from golden.schema.json_schema import json_schema
 from golden.schema.keys import REQUIRED, Key, Table
 from golden.schema.kinds import (
     Alternatives,
@@ -40,6 +41,7 @@ __all__ = [
     "Text",
     "Whole",
     "check_names",
+    "json_schema",
     "key_rows",
     "read_checked",
     "read_toml",

@@ -259,7 +259,7 @@ class List(Kind):
 
     @property
     def within(self) -> str:
-        return self.of.within
+        return f"each {self.of.within}" if self.of.within else ""
 
 
 @dataclass(frozen=True)
