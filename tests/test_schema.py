@@ -37,7 +37,7 @@ FILES = [
 # Of each type some, at the ends of spans and beyond, what is in no list of choices and what is.
 VALUES: list[Any] = [
     *(True, False, -1, 0, 1, 7, 24, 25, 1024, 1025, 100_001, 1_000_001, -0.5, 0.5, 1.0001, 150.5),
-    *(1e-5, 10_000.5, 1e150, "", "a", "auto", "fewest", "scg", "engine", "exact", "mcp3208"),
+    *(1e-5, 10_000.5, "", "a", "auto", "fewest", "scg", "engine", "exact", "mcp3208"),
     *([], [0], [1, 3], [0, 65_537], [1, 2, 3], ["a"], ["a", "a"], [""], [["a"]], [1.5], ["a", 1]),
     *({}, {"a": 1}, {"a": "b"}, {"a": "auto"}, {"a": [0]}, {"a": ["b"]}, {"a": 0}, {"a": {}}),
     *({"gain": 1}, {"gain": 101}, {"gian": 1}, {"a": {"factor": 2}}, {"a": {"factor": 0}}),
@@ -128,7 +128,7 @@ def test_page_and_schema_are_those_of_the_declaration() -> None:
         for name, inner in key.kind.keys.items():
             shown = SCHEMA["properties"][section]["properties"][name]
             assert inner.meaning, name
-            assert not set("`]") & set(shown["description"].replace("[0, 4", "").replace("4]", ""))
+            assert not re.search(r"`|\]\(", shown["description"])
 
 
 @pytest.mark.parametrize(

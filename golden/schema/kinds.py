@@ -177,8 +177,8 @@ class Number(Kind):
         return float(value)
 
     def schema(self) -> dict[str, Any]:
-        span = self.span or Span(above=0 if self.absent else None)
-        return {"type": "number", **span.schema()}
+        absent = {"not": {"const": 0}} if self.absent else {}
+        return {"type": "number", **(self.span.schema() if self.span else absent)}
 
     @property
     def within(self) -> str:
@@ -285,7 +285,7 @@ class Each(Kind):
 
     def schema(self) -> dict[str, Any]:
         one = self.of.schema()
-        return {"anyOf": [one, {"type": "array", "items": one, "minItems": 1}]}
+        return {"anyOf": [one, {"type": "array", "items": one}]}
 
     @property
     def within(self) -> str:
