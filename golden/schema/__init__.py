@@ -6,10 +6,10 @@ are left out, the JSON schema with which an editor completes and checks a file, 
 keys in the pages. What hangs on two keys together, or on another file, no kind can know: that is
 checked by who reads the file.
 
-No library does this. pydantic gives no values where one key is at fault, so faults between other keys
-could not be told beside it; it tells a fault once for each kind that a key may have, and neither what
-was expected of a missing key nor which name is nearest: every message would be made here all the
-same. msgspec stops at the first fault.
+No library does this. pydantic gives no values where one key is at fault, so faults between other
+keys could not be told beside it; it tells a fault once for each kind that a key may have, and
+neither what was expected of a missing key nor which name is nearest: every message would be made
+here all the same. msgspec stops at the first fault.
 """
 
 from golden.schema.json_schema import json_schema
