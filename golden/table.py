@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import difflib
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -112,27 +112,6 @@ def _number(text: str, place: str) -> float:
     if not math.isfinite(value):
         raise InputError(f"{place}: got {text.strip()}, expected a finite number")
     return value
-
-
-def refuse_unknown(given: Iterable[str], known: Iterable[str], place: str) -> None:
-    """Refuse a name that is not known; the nearest is suggested.
-
-    Parameters
-    ----------
-    given, known : iterable of str
-    place : str
-        What the message begins with.
-
-    Raises
-    ------
-    InputError
-    """
-    names = list(known)
-    for name in given:
-        if name not in names:
-            raise InputError(
-                f"{place} {name!r} is not known, expected {', '.join(names)}{suggest(name, names)}"
-            )
 
 
 def suggest(name: str, known: Sequence[str]) -> str:

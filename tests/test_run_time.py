@@ -15,7 +15,7 @@ from golden.physics.plate import TERMS
 from golden.physics.swing import LIGHT, METHODS, STRONG, STRONG_DAMPING
 from golden.precision import EXACT
 from golden.scene import load_scene
-from golden.scene.schema import KEYS
+from golden.scene.schema import TRAINING
 from golden.scene_errors import scene_errors
 from tb.report.draw.findings import number, rows_of
 from tb.report.draw.run_time import SETTLING, network_rows, rounded
@@ -159,7 +159,7 @@ def test_the_default_rho_settles_first(tables: run_time.Tables) -> None:
 
 
 def test_the_default_optimiser_is_ahead_after_a_second(tables: run_time.Tables) -> None:
-    default = str(KEYS["training"]["optimiser"][1])
+    default = str(TRAINING.keys["optimiser"].default)
     for seconds in (run_time.LATE, float("inf")):
         best = {m: run_time.best_error(tables, m, seconds) for m in ("levenberg-marquardt", "scg")}
         assert min(best, key=lambda method: best[method]) == default

@@ -2,59 +2,61 @@
 
 from __future__ import annotations
 
-import math
 import re
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from golden.boards.devices import DEVICES, speeds_of
-from golden.files import check_file, reading
+from golden.files import check_file
 from golden.input_error import InputError, MissingFileError
-from golden.table import refuse_unknown, suggest
+from golden.schema import Flag, Key, List, Map, Number, Span, Table, Text, Whole, read_checked
+from golden.table import suggest
 
 FOLDER = Path(__file__).parent
 # Ports of an instrument that leave the device: wires, without which it is of no use, and lamps.
 WIRES = ("miso", "sclk", "cs_n", "mosi", "rx", "tx", "dac_x", "dac_y")
 LAMPS = ("converter_error",)
-# Key, type, default; None as a default makes the key required.
-KEYS: dict[str, tuple[type, Any]] = {
-    "title": (str, None),
-    "sources": (list, None),
-    "load": (str, ""),
-    "flash": (str, None),
-    "device": (dict, None),
-    "clock": (dict, None),
-    "pins": (dict, None),
-    "high": (dict, {}),
-}
-DEVICE_KEYS: dict[str, tuple[type, Any]] = {
-    "family": (str, None),
-    "names": (list, None),
-    "package": (str, None),
-    "speed": (int, 0),
-    "configuration": (dict, {}),
-}
-CLOCK_KEYS: dict[str, tuple[type, Any]] = {
-    "pin": (str, None),
-    "mhz": (float, None),
-    "pll_pad": (bool, False),
-}
-PIN_KEYS: dict[str, tuple[type, Any]] = {
-    "pin": (str, None),
-    "at": (str, None),
-    "pull_up": (bool, False),
-    "inverted": (bool, False),
-}
-KINDS = {
-    str: "text",
-    bool: "true or false",
-    int: "a whole number",
-    float: "a number",
-    list: "a list of texts",
-    dict: "a table",
-}
+PORTS = (*WIRES, *LAMPS)
+_TEXTS = List(Text(some=True), "a list of texts", "a list of texts")
+PIN = Table(
+    {
+        "pin": Key(Text()),
+        "at": Key(Text()),
+        "pull_up": Key(Flag(), False),
+        "inverted": Key(Flag(), False),
+    }
+)
+BOARD = Table(
+    {
+        "title": Key(Text()),
+        "sources": Key(_TEXTS),
+        "load": Key(Text(), ""),
+        "flash": Key(Text()),
+        "device": Key(
+            Table(
+                {
+                    "family": Key(Text(tuple(DEVICES))),
+                    "names": Key(_TEXTS),
+                    "package": Key(Text()),
+                    "speed": Key(Whole(), None),
+                    "configuration": Key(Map(Text()), {}),
+                }
+            )
+        ),
+        "clock": Key(
+            Table(
+                {
+                    "pin": Key(Text()),
+                    "mhz": Key(Number(Span(above=0))),
+                    "pll_pad": Key(Flag(), False),
+                }
+            )
+        ),
+        "pins": Key(Table({port: Key(PIN, None) for port in PORTS}, noun="port ")),
+        "high": Key(Map(PIN), {}),
+    }
+)
 # What may stand in a pins file between quotes, in a command line or as a name in Verilog.
 PLAIN = re.compile(r"[A-Za-z0-9_.-]+")
 NAME = re.compile(r"[a-z][a-z0-9_]*")
@@ -169,29 +171,19 @@ def load_board(name: str, device: str = "") -> Board:
             f"board {name!r}: no such board, expected a path to a .toml file or one of "
             f"{', '.join(known)}{suggest(name, known)}"
         ) from None
-    with reading(path, "TOML"):
-        raw = tomllib.loads(path.read_text(encoding="utf-8"))
-    return _board(raw, path, device)
+    return _board(read_checked(path, BOARD), path, device)
 
 
-def _board(raw: dict[str, Any], path: Path, device: str) -> Board:
-    values = _table(raw, KEYS, path, "")
-    part = _table(values["device"], DEVICE_KEYS, path, "device.")
-    clock = _table(values["clock"], CLOCK_KEYS, path, "clock.")
-    family = part["family"]
-    if family not in DEVICES:
-        raise InputError(
-            f"{path}: device.family: got {family!r}, expected one of {', '.join(DEVICES)}"
-            f"{suggest(family, list(DEVICES))}"
-        )
-    names = _texts(part["names"], path, "device.names")
+def _board(values: dict[str, Any], path: Path, device: str) -> Board:
+    part, clock = values["device"], values["clock"]
+    family, names = part["family"], tuple(part["names"])
     for name in names:
         if name not in DEVICES[family]:
             raise InputError(
                 f"{path}: device.names: got {name!r}, expected of {', '.join(DEVICES[family])}"
                 f"{suggest(name, list(DEVICES[family]))}"
             )
-    for name in names if "speed" in raw["device"] else ():
+    for name in names if "speed" in part else ():
         speeds = speeds_of(family, name)
         if part["speed"] not in speeds:
             known = " or ".join(map(str, speeds)) or "no such key: the family has no speed grades"
@@ -202,13 +194,10 @@ def _board(raw: dict[str, Any], path: Path, device: str) -> Board:
         raise InputError(
             f"DEVICE={device}: {path} has {', '.join(names)}{suggest(device, list(names))}"
         )
-    if not (0 < clock["mhz"] < math.inf):
-        raise InputError(f"{path}: clock.mhz: got {clock['mhz']}, expected above 0")
-    pins = {name: _pin(pin, path, f"pins.{name}") for name, pin in values["pins"].items()}
-    refuse_unknown(pins, (*WIRES, *LAMPS), f"{path}: pins: port")
-    high = {name: _pin(pin, path, f"high.{name}") for name, pin in values["high"].items()}
+    pins = {name: Pin(**pin) for name, pin in values["pins"].items()}
+    high = {name: Pin(**PIN.filled(pin)) for name, pin in values["high"].items()}
     for name in high:
-        if not NAME.fullmatch(name) or name in (*WIRES, *LAMPS):
+        if not NAME.fullmatch(name) or name in PORTS:
             raise InputError(
                 f"{path}: high.{name}: expected a name of small letters, digits and _ that no port "
                 "has"
@@ -218,7 +207,7 @@ def _board(raw: dict[str, Any], path: Path, device: str) -> Board:
             raise InputError(f"{path}: pins.{name}.inverted: got true, expected it of a lamp alone")
     _refuse_twice({"clock": clock["pin"]} | {n: p.pin for n, p in {**pins, **high}.items()}, path)
     for key, text in {**part["configuration"], "package": part["package"]}.items():
-        if type(text) is not str or not PLAIN.fullmatch(text) or not PLAIN.fullmatch(key):
+        if not PLAIN.fullmatch(text) or not PLAIN.fullmatch(key):
             raise InputError(
                 f"{path}: device: {key}: got {text!r}, expected text of letters, digits, _, . and -"
             )
@@ -226,14 +215,14 @@ def _board(raw: dict[str, Any], path: Path, device: str) -> Board:
         name=path.stem,
         path=path,
         title=values["title"],
-        sources=_texts(values["sources"], path, "sources"),
+        sources=tuple(values["sources"]),
         load=values["load"],
         flash=values["flash"],
         family=family,
         device=device or names[0],
         devices=names,
         package=part["package"],
-        speed=part["speed"],
+        speed=part.get("speed", 0),
         configuration=part["configuration"],
         clock_pin=clock["pin"],
         clock_mhz=clock["mhz"],
@@ -241,34 +230,6 @@ def _board(raw: dict[str, Any], path: Path, device: str) -> Board:
         pins=pins,
         high=high,
     )
-
-
-def _table(raw: Any, keys: dict[str, tuple[type, Any]], path: Path, within: str) -> dict[str, Any]:
-    """Every key with its value, the type checked and defaults filled in."""
-    if not isinstance(raw, dict):
-        raise InputError(f"{path}: {within.rstrip('.')}: got {raw!r}, expected a table")
-    refuse_unknown(raw, keys, f"{path}: {f'{within[:-1]}: ' if within else ''}key")
-    found = {}
-    for key, (kind, default) in keys.items():
-        value = raw.get(key, default)
-        if value is None:
-            raise InputError(f"{path}: {within}{key}: missing, expected {KINDS[kind]}")
-        if kind is float and type(value) is int:
-            value = float(value)
-        if type(value) is not kind:
-            raise InputError(f"{path}: {within}{key}: got {value!r}, expected {KINDS[kind]}")
-        found[key] = value
-    return found
-
-
-def _texts(values: list[Any], path: Path, key: str) -> tuple[str, ...]:
-    if not values or any(type(value) is not str or not value for value in values):
-        raise InputError(f"{path}: {key}: got {values!r}, expected a list of texts")
-    return tuple(values)
-
-
-def _pin(raw: Any, path: Path, key: str) -> Pin:
-    return Pin(**_table(raw, PIN_KEYS, path, f"{key}."))
 
 
 def _refuse_twice(pins: dict[str, str], path: Path) -> None:

@@ -3,59 +3,99 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from golden.files import check_file, reading
+from golden.files import check_file
 from golden.input_error import InputError, MissingFileError
 from golden.physics.beam import Beam
 from golden.physics.strain_sensor import Loads
 from golden.real import Real
-from golden.table import refuse_unknown, suggest
+from golden.schema import (
+    REQUIRED,
+    Key,
+    Kind,
+    List,
+    Map,
+    Number,
+    Span,
+    Table,
+    Text,
+    Whole,
+    read_checked,
+)
+from golden.table import suggest
 
 FOLDER = Path(__file__).parent / "rigs"
 OUTPUTS = ("load", "position", "width")
 OBJECTIVES = ("mean", "worst")
 SHAPES = {"rectangle": False, "triangle": True}
-MOST_GAUGES, MOST_WIDTHS = 32, 16
+MOST_GAUGES = 32
 
 # Positions along the range of the load, for each width, shape and load.
 POSITIONS = 25
 
-# Section, key: the least and the largest number, or what else it is.
-_POSITIVE = (1e-6, 1e6)
-KEYS: dict[str, dict[str, Any]] = {
+
+def _number(least: float, most: float) -> Key:
+    span = Span(least, most)
+    return Key(Number(span, f"a number, {span}"))
+
+
+def _list(of: Kind, said: str, default: Any = REQUIRED, **counts: Any) -> Key:
+    return Key(List(of, said, said, **{"most": MOST_GAUGES, **counts}), default)
+
+
+def _names(known: tuple[str, ...]) -> Key:
+    return _list(Text(known), f"a list of {', '.join(known)}", once=True)
+
+
+_ANY = Number(Span(-1e6, 1e6))
+_COUNT = Span(1, MOST_GAUGES)
+_POSITIVE = _number(1e-6, 1e6)
+_RANGE = _list(_ANY, "the least and the largest, such as [6.0, 23.0]", least=2, most=2, rising=True)
+_LENGTHS = Map(_POSITIVE.kind, OUTPUTS[1:], "{ position = , width = } in mm")
+_SECTIONS = {
     "beam": {
         "length_mm": _POSITIVE,
         "width_mm": _POSITIVE,
-        "thickness_mm": (1e-3, 1e3),
-        "elastic_modulus_gpa": (1e-6, 1e4),
+        "thickness_mm": _number(1e-3, 1e3),
+        "elastic_modulus_gpa": _number(1e-6, 1e4),
     },
     "gauges": {
-        "count": "whole",
-        "from_mm": (0, 1e6),
-        "to_mm": (0, 1e6),
-        "apart_mm": (0.1, 1e6),
+        "count": Key(Whole(_COUNT, f"a whole number, {_COUNT}")),
+        "from_mm": _number(0, 1e6),
+        "to_mm": _number(0, 1e6),
+        "apart_mm": _number(0.1, 1e6),
         "full_scale_v": _POSITIVE,
-        "noise_v": (0, 1e6),
-        "noise_strain": (0, 1),
-        "compare_mm": "numbers",
+        "noise_v": _number(0, 1e6),
+        "noise_strain": _number(0, 1),
+        "compare_mm": _list(_ANY, "a list of numbers", []),
     },
     "load_cell": {"full_scale_v": _POSITIVE, "noise_v": _POSITIVE},
     "loads": {
-        "load_g": "range",
-        "position_mm": "range",
-        "edge_mm": (0, 1e6),
-        "width_mm": "numbers",
-        "shapes": tuple(SHAPES),
+        "load_g": _RANGE,
+        "position_mm": _RANGE,
+        "edge_mm": _number(0, 1e6),
+        "width_mm": _list(_ANY, "a list of numbers"),
+        "shapes": _names(tuple(SHAPES)),
     },
-    "errors": {"outputs": OUTPUTS, "length_mm": "lengths", "objective": "objective"},
+    "errors": {
+        "outputs": _names(OUTPUTS),
+        "length_mm": Key(_LENGTHS),
+        "objective": Key(Text(OBJECTIVES, said=" or ".join(OBJECTIVES))),
+    },
 }
-OPTIONAL = {("load_cell",), ("gauges", "compare_mm")}
+OPTIONAL = ("load_cell",)
+RIG = Table(
+    {
+        section: Key(Table(keys, name="a section"), None if section in OPTIONAL else REQUIRED)
+        for section, keys in _SECTIONS.items()
+    },
+    noun="section ",
+)
 
 
 @dataclass(frozen=True)
@@ -132,13 +172,16 @@ def load_rig(name: str) -> GaugeRig:
             f"{', '.join(known)}{suggest(name, known)}"
         )
     check_file(path)
-    with reading(path, "TOML"):
-        raw = tomllib.loads(path.read_text(encoding="utf-8"))
-    return _rig(_checked(raw, path), path)
+    return _rig(read_checked(path, RIG), path)
 
 
 def _rig(values: dict[str, dict[str, Any]], path: Path) -> GaugeRig:
     beam, gauges, loads, errors = (values[s] for s in ("beam", "gauges", "loads", "errors"))
+    for name in errors["outputs"]:
+        if name != "load" and name not in errors["length_mm"]:
+            raise InputError(
+                f"{path}: errors.length_mm.{name}: missing, expected what 100 % of {name} is"
+            )
     length = beam["length_mm"]
     low, high = loads["position_mm"]
     widths = loads["width_mm"]
@@ -225,79 +268,3 @@ def _refuse(path: Path, *faults: tuple[bool, str, Any, str]) -> None:
     for fault, key, got, expected in faults:
         if fault:
             raise InputError(f"{path}: {key}: got {got!r}, expected {expected}")
-
-
-def _checked(raw: dict[str, Any], path: Path) -> dict[str, dict[str, Any]]:
-    """Every section with every key, of its type and within its range."""
-    refuse_unknown(raw, KEYS, f"{path}: section")
-    values: dict[str, dict[str, Any]] = {}
-    for section, keys in KEYS.items():
-        if section not in raw:
-            if (section,) in OPTIONAL:
-                continue
-            raise InputError(f"{path}: {section}: missing, expected a section")
-        given = raw[section]
-        if not isinstance(given, dict):
-            raise InputError(f"{path}: {section}: got {given!r}, expected a section")
-        refuse_unknown(given, keys, f"{path}: {section}: key")
-        values[section] = {}
-        for key, kind in keys.items():
-            if key not in given and (section, key) in OPTIONAL:
-                values[section][key] = []
-                continue
-            expected = _expected(kind)
-            if key not in given:
-                raise InputError(f"{path}: {section}.{key}: missing, expected {expected}")
-            if not _is(given[key], kind):
-                raise InputError(
-                    f"{path}: {section}.{key}: got {given[key]!r}, expected {expected}"
-                )
-            values[section][key] = given[key]
-    lengths, outputs = values["errors"]["length_mm"], values["errors"]["outputs"]
-    for name in outputs:
-        if name != "load" and name not in lengths:
-            raise InputError(
-                f"{path}: errors.length_mm.{name}: missing, expected what 100 % of {name} is"
-            )
-    return values
-
-
-def _number(value: Any, low: float = -1e6, high: float = 1e6) -> bool:
-    return type(value) in (int, float) and low <= value <= high
-
-
-def _is(value: Any, kind: Any) -> bool:
-    if kind == "whole":
-        return type(value) is int and 1 <= value <= MOST_GAUGES
-    if kind == "objective":
-        return value in OBJECTIVES
-    if kind == "lengths":
-        return isinstance(value, dict) and all(
-            name in OUTPUTS[1:] and _number(size, *_POSITIVE) for name, size in value.items()
-        )
-    if isinstance(kind, tuple) and not isinstance(kind[0], str):
-        return _number(value, *kind)
-    if not isinstance(value, list) or not 1 <= len(value) <= max(MOST_GAUGES, MOST_WIDTHS):
-        return False
-    if isinstance(kind, tuple):
-        return all(name in kind for name in value) and len(set(value)) == len(value)
-    numbers = all(_number(number) for number in value)
-    return numbers and (kind == "numbers" or (len(value) == 2 and value[0] <= value[1]))
-
-
-def _expected(kind: Any) -> str:
-    if isinstance(kind, tuple):
-        return (
-            f"a list of {', '.join(kind)}"
-            if isinstance(kind[0], str)
-            else f"a number, {kind[0]:g} to {kind[1]:g}"
-        )
-    said = {
-        "whole": f"a whole number, 1 to {MOST_GAUGES}",
-        "numbers": "a list of numbers",
-        "range": "the least and the largest, such as [6.0, 23.0]",
-        "lengths": "{ position = , width = } in mm",
-        "objective": " or ".join(OBJECTIVES),
-    }
-    text: str = said[kind]
-    return text

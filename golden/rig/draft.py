@@ -15,9 +15,11 @@ from golden.rig import readings
 from golden.rig.survey import Survey
 from golden.scene import Scene
 from golden.scene.scale import AUTO
+from golden.scene.schema import EDITOR_SCHEMA
 from golden.scene_errors import NOISE
 
 TEMPLATE = """\
+#:schema {schema}
 # Written by make scene from {file}: {rows} rows. Change what you like; every key is explained in
 # docs/scenes.md of tactus.
 
@@ -102,6 +104,7 @@ def draft(found: Survey, path: Path, hardware: Scene | None = None) -> str:
     told = {name: UNIT.fullmatch(name) for name in [*found.sensors, *outputs]}
     units = ", ".join(f"{_key(n)} = {_quoted(u[1] or u[2])}" for n, u in told.items() if u)
     return TEMPLATE.format(
+        schema=_quoted(os.path.relpath(EDITOR_SCHEMA, path.parent))[1:-1],
         file=_quoted(Path(file).name)[1:-1],
         rows=len(found.recording.rows),
         quoted_file=_quoted(file),

@@ -12,22 +12,60 @@ from golden.input_error import InputError
 from golden.networks.network import Network
 from golden.precision import SIGNAL
 from golden.scene.scale import LARGEST
+from golden.schema import Key, Number, Span, Table, Text, Whole
 from golden.sensing.converter_parts import PARTS
 from golden.sensing.converter_reader import ConverterReader
 from golden.sensing.scan import MOST_SCAN_CLOCKS
 from golden.sensing.scan_sequencer import ScanSequencer
 from golden.window import Window
 
-# Key, type, default; see ``golden.scene``.
-KEYS: dict[str, tuple[Any, Any]] = {
-    "counter_width": (int, 12),
-    "sample_at": (float, 0.9),
-    "rate_hz": (float, 0.0),
-    "converter": (str, ""),
-    "reference": (float, 0.0),
-}
 # Parts that can be bought; without one it is a parallel code behind an analogue multiplexer.
 CONVERTERS = tuple(PARTS)
+FRONT_END = Table(
+    {
+        "counter_width": Key(
+            Whole(Span(1, 24)),
+            12,
+            "bits of the counter; a scan takes 2^`counter_width` clocks, two a slot or more, and "
+            "without `rate_hz` no fewer than the network needs from frame to frame",
+        ),
+        "sample_at": Key(
+            Number(Span(above=0, below=1)),
+            0.9,
+            "where in a slot the code is taken, when the multiplexer has settled",
+        ),
+        "rate_hz": Key(
+            Number(),
+            0.0,
+            "scans a second: `200.0` is a scan every 320000 clocks of 64 MHz, with a pause behind "
+            "it. From one scan in 2^30 clocks to one in 2^`counter_width`; 0: each follows the "
+            "last at once. The nearest whole number of clocks is taken; `make check`, `make vhdl`, "
+            "`make verilog` and the report tell it, and how far its rate is from what was asked "
+            "for",
+        ),
+        "converter": Key(
+            Text(CONVERTERS),
+            "",
+            "a part on an SPI, sensor n at its channel n: `mcp3208` (12 bits), `mcp3208-5v` (the "
+            "same with a supply of 5 V), `ads8344` or `ads8345` (16 bits), see "
+            "[converter_reader](blocks/converter_reader.md#parts); `clock_mhz` is then the clock "
+            "by which its limits are kept, and there is no `sample_at`. Without: codes of "
+            "Fix(14,13) behind an analogue multiplexer",
+        ),
+        "reference": Key(
+            Number(
+                Span(above=0, below=LARGEST),
+                "a number above 0: what the converter's reference is in the unit of the readings",
+                absent=True,
+            ),
+            0.0,
+            "what the reference of the `converter` is in the unit of the readings, such as `5.0` "
+            "for volts; not needed where the readings are signals of -1 to 1 or the converter's "
+            "own codes, see [what a converter reads](#what-a-converter-reads)",
+        ),
+    },
+    name="a section",
+)
 
 
 @dataclass(frozen=True)
@@ -143,35 +181,21 @@ class FrontEnd:
 
 
 def front_end(values: dict[str, Any], clock_mhz: float, path: Path) -> FrontEnd:
-    """The section's values, types checked and defaults filled in.
+    """What the section says, each key by itself checked.
 
     Raises
     ------
     InputError
-        For a counter outside 1 to 24 bits, a ``sample_at`` outside its slot or with a converter
-        that has its own time, a reference without a converter or below 0, or a rate that leaves no
-        time for the slots or that no counter reaches.
+        For a ``sample_at`` with a converter that has its own time, a reference without a converter,
+        or a rate that leaves no time for the slots or that no counter reaches.
     """
-    if not 1 <= values["counter_width"] <= 24:
-        raise InputError(
-            f"{path}: front_end.counter_width: got {values['counter_width']}, expected 1 to 24"
-        )
-    if not 0 < values["sample_at"] < 1:
-        raise InputError(
-            f"{path}: front_end.sample_at: got {values['sample_at']}, expected above 0 and below 1"
-        )
-    own = KEYS["sample_at"][1]
+    own = FRONT_END.keys["sample_at"].default
     if values["converter"] and values["sample_at"] != own:
         raise InputError(
             f"{path}: front_end.sample_at: got {values['sample_at']} with converter "
             f"{values['converter']!r}, expected none: the part takes its samples when it is asked"
         )
     reference = values["reference"]
-    if not 0 <= reference < LARGEST:
-        raise InputError(
-            f"{path}: front_end.reference: got {reference:g}, expected a number above 0: what the "
-            "converter's reference is in the unit of the readings"
-        )
     if reference and not values["converter"]:
         raise InputError(
             f"{path}: front_end.reference: got {reference:g} without a converter, expected none"

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Any
 
-from golden.files import check_file, reading
+from golden.files import check_file
 from golden.finding import Finding, refuse, told
 from golden.input_error import MissingFileError
 from golden.precision import PRECISIONS
@@ -14,7 +13,7 @@ from golden.scene.front_end import front_end
 from golden.scene.past import check_window, read_window, recordings
 from golden.scene.scale import read_scale
 from golden.scene.scene import Scene
-from golden.scene.schema import check_names, checked
+from golden.scene.schema import SCENE
 from golden.scene.sections import (
     beside,
     check_activation,
@@ -27,6 +26,7 @@ from golden.scene.sections import (
 )
 from golden.scene.uart import uart
 from golden.scene.visualisation import visualisation
+from golden.schema import check_names, read_toml, refuse_outside, values_of
 from golden.table import suggest
 
 FOLDER = Path(__file__).parents[1] / "scenes"
@@ -72,12 +72,11 @@ def load_scene(name: str) -> Scene:
             f"scene {name!r}: no such scene, expected a path to a .toml file or one of "
             f"{', '.join(known)}{suggest(name, known)}"
         ) from None
-    with reading(path, "TOML"):
-        raw = tomllib.loads(path.read_text(encoding="utf-8"))
-    check_names(raw, path)
+    raw = read_toml(path)
+    check_names(raw, SCENE, path)
     found: list[Finding] = []
     with told(found):
-        values = checked(raw, path)
+        values = values_of(raw, SCENE, path)
     data = raw.get("data", {})
     # What holds no text was told above.
     if not (found and {"file", "recordings"} & set(data)):
@@ -133,29 +132,41 @@ def _parts(values: dict[str, dict[str, Any]], path: Path) -> dict[str, Any]:
     data, hardware = values["data"], values["hardware"]
     clock_mhz = hardware["clock_mhz"]
     found: list[Finding] = []
+    # Of a section with a number that cannot be, nothing else is asked.
+    wrong: set[str] = set()
+    for section, key in SCENE.keys.items():
+        before = len(found)
+        with told(found):
+            refuse_outside(values.get(section, {}), key.kind, section, path)
+        if len(found) > before:
+            wrong.add(section)
     parts: dict[str, Any] = {"front_end": None, "visualisation": None, "uart": None}
-    with told(found):
-        window = parts["window"] = read_window(data, path)
-        check_window(values, window, path)
-        parts["members"] = members(data, values["network"], len(window.taps), path)
+    if not wrong & {"data", "network"}:
+        with told(found):
+            window = parts["window"] = read_window(data, path)
+            check_window(values, window, path)
+            parts["members"] = members(data, values["network"], len(window.taps), path)
     with told(found):
         check_hardware(values, path)
         parts["design_options"] = design_options(hardware, path)
-    with told(found):
-        check_digits(values, path)
+    if "training" not in wrong:
+        with told(found):
+            check_digits(values, path)
     with told(found):
         parts["activation"] = check_activation(hardware, path)
-    with told(found):
-        parts["scale"] = read_scale(data, path)
-    with told(found):
-        parts["training"] = training(values["training"], path)
-    if "front_end" in values:
+    if "data" not in wrong:
+        with told(found):
+            parts["scale"] = read_scale(data, path)
+    if "training" not in wrong:
+        with told(found):
+            parts["training"] = training(values["training"], path)
+    if "front_end" in values and not wrong & {"front_end", "hardware"}:
         with told(found):
             parts["front_end"] = front_end(values["front_end"], clock_mhz, path)
-    if "visualisation" in values:
+    if "visualisation" in values and not wrong & {"visualisation", "data"}:
         with told(found):
             parts["visualisation"] = visualisation(values["visualisation"], data, path)
-    if "uart" in values:
+    if "uart" in values and "hardware" not in wrong:
         with told(found):
             parts["uart"] = uart(values["uart"], clock_mhz, path)
     refuse(found)

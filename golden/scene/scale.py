@@ -13,7 +13,6 @@ their units, whoever trained it; the scales are folded into its weights when it 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -120,37 +119,21 @@ def range_scale(column: Real) -> Scale:
 
 
 def read_scale(data: dict[str, Any], path: Path) -> dict[str, Scale | str]:
-    """``data.scale``, checked: column to its scale, or to "auto".
+    """``data.scale``: column to its scale, or to "auto".
 
     Raises
     ------
     InputError
-        For another column than a sensor or an output, or what is no scale.
+        For another column than a sensor or an output.
     """
     given, columns = data["scale"], [*data["sensors"], *data["outputs"]]
-    if isinstance(given, str):
-        if given != AUTO:
-            raise InputError(
-                f"{path}: data.scale: got {given!r}, expected 'auto' or a table of columns"
-            )
+    if given == AUTO:
         return dict.fromkeys(columns, AUTO)
     found: dict[str, Scale | str] = {}
     for name, value in given.items():
-        place = f"{path}: data.scale.{name}"
         refuse_other_column("scale", name, columns, path)
-        if value == AUTO:
-            found[name] = AUTO
-            continue
-        if not isinstance(value, dict) or not {"factor"} <= set(value) <= {"offset", "factor"}:
-            raise InputError(
-                f"{place}: got {value!r}, expected 'auto' or {{ offset = , factor = }}"
-            )
-        for key, number in value.items():
-            if type(number) not in (int, float) or not math.isfinite(number):
-                raise InputError(f"{place}.{key}: got {number!r}, expected a number")
-        if value["factor"] <= 0:
-            raise InputError(f"{place}.factor: got {value['factor']!r}, expected above 0")
-        found[name] = Scale(float(value.get("offset", 0)), float(value["factor"]))
+        auto = value == AUTO
+        found[name] = AUTO if auto else Scale(**{key: float(value[key]) for key in value})
     return found
 
 

@@ -9,9 +9,19 @@ from typing import Any
 
 from golden.input_error import InputError
 from golden.link.uart_transmitter import LEAST_DIVISOR
+from golden.schema import Key, Table, Whole
 
-# Key, type, default; see ``golden.scene``.
-KEYS: dict[str, tuple[Any, Any]] = {"baud": (int, 1_000_000)}
+UART = Table(
+    {
+        "baud": Key(
+            Whole(),
+            1_000_000,
+            "bits a second; 4 clocks a bit or more, and within 2 % of `clock_mhz` over a whole "
+            "number",
+        )
+    },
+    name="a section",
+)
 # What a computer's UART stands, with what its own clock is off.
 TOLERANCE = Fraction(2, 100)
 
@@ -33,7 +43,7 @@ class Uart:
 
 
 def uart(values: dict[str, Any], clock_mhz: float, path: Path) -> Uart:
-    """The section's values, types checked and defaults filled in.
+    """What the section says, each key by itself checked.
 
     Raises
     ------

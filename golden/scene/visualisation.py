@@ -10,22 +10,39 @@ from typing import Any
 from golden.finding import Finding, fault, refuse
 from golden.input_error import InputError
 from golden.scene.scale import AUTO
+from golden.schema import Key, Number, Span, Table, Text
 from golden.table import suggest
 from golden.visualisation.load_profile import SHAPE_THRESHOLD, LoadProfile, load_profile, width_gain
 
 RESULTS = ("load", "position", "width", "shape")
 
-# Key, type, default; see ``golden.scene``.
-KEYS: dict[str, tuple[Any, Any]] = {
-    **{name: (str, name) for name in RESULTS},
-    "start": (float, 0.0),
-    "stop": (float, 0.8),
-    "step": (float, 0.05),
-    "shape_threshold": (float, SHAPE_THRESHOLD),
-    "analogue": (str, ""),
-}
 # How a profile leaves for an oscilloscope, beside its codes.
 ANALOGUE = ("pulse_density",)
+VISUALISATION = Table(
+    {
+        **{
+            name: Key(Text(), name, f"which output is the {name}; the four are different ones")
+            for name in RESULTS
+        },
+        "start": Key(Number(), 0.0, "first position of the ramp; -1 or more"),
+        "stop": Key(Number(), 0.8, "last position; a whole number of steps above `start`, below 1"),
+        "step": Key(Number(), 0.05, "above half an LSB, 2^-14; 1023 points at most"),
+        "shape_threshold": Key(
+            Number(Span(-1, below=1)),
+            SHAPE_THRESHOLD,
+            "shapes above it are drawn as triangles, others as rectangles",
+        ),
+        "analogue": Key(
+            Text(ANALOGUE),
+            "",
+            "`pulse_density`: two bits, `dac_x` and `dac_y`, whose density of ones is a point of "
+            "the profile, for a low pass each and the x-y input of an oscilloscope "
+            "([pulse_density](blocks/pulse_density.md)); with a section [uart](#uart) "
+            "alone",
+        ),
+    },
+    name="a section",
+)
 
 
 @dataclass(frozen=True)
@@ -47,12 +64,12 @@ class Visualisation:
 
 
 def visualisation(values: dict[str, Any], data: dict[str, Any], path: Path) -> Visualisation:
-    """The section's values, types checked and defaults filled in, as blocks.
+    """What the section says, each key by itself checked, as blocks.
 
     Parameters
     ----------
     values : dict
-        The keys of ``KEYS``.
+        The keys of ``VISUALISATION``.
     data : dict
         The checked section ``[data]``; the lengths of position and width set C.
     path : Path
@@ -62,8 +79,7 @@ def visualisation(values: dict[str, Any], data: dict[str, Any], path: Path) -> V
     ------
     InputError
         For an output that the scene has not, that is named twice or that has a scale, an output
-        whose length in millimetres is not known, a ramp or a threshold outside the format, or a C
-        too large.
+        whose length in millimetres is not known, a ramp outside the format, or a C too large.
     """
     outputs = data["outputs"]
     scaled = outputs if data["scale"] == AUTO else data["scale"]
@@ -79,10 +95,6 @@ def visualisation(values: dict[str, Any], data: dict[str, Any], path: Path) -> V
             found.append(fault(f"{place}, {text} from signals"))
         elif names.count(name) > 1 and names.index(name) == RESULTS.index(key):
             found.append(fault(f"{place}, expected four different outputs"))
-    threshold = values["shape_threshold"]
-    if not -1 <= threshold < 1:
-        text = f"got {threshold!r}, expected -1 to below 1"
-        found.append(fault(f"{path}: visualisation.shape_threshold: {text}"))
     units = []
     for key in ("position", "width"):
         name = values[key]
@@ -93,9 +105,9 @@ def visualisation(values: dict[str, Any], data: dict[str, Any], path: Path) -> V
             text = f"expected that of the output which is the {key} of the visualisation"
             found.append(fault(f"{path}: data.length_mm: got none of {name!r}, {text}"))
     refuse(found)
-    ramp = {key: values[key] for key in ("start", "stop", "step")}
+    drawn = {key: values[key] for key in ("start", "stop", "step", "shape_threshold")}
     try:
-        profile = load_profile(gain=width_gain(*units), shape_threshold=threshold, **ramp)
+        profile = load_profile(gain=width_gain(*units), **drawn)
     except InputError as error:
         raise InputError(f"{path}: visualisation: {error}") from None
     first, second, third, fourth = (outputs.index(name) for name in names)

@@ -11,7 +11,7 @@ from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.real import Real
 from golden.scene import Scene
-from golden.scene.visualisation import KEYS, RESULTS, Visualisation, visualisation
+from golden.scene.visualisation import RESULTS, VISUALISATION, Visualisation, visualisation
 from golden.visualisation.functions import power_load
 from golden.visualisation.load_profile import RECTANGLE, TRIANGLE, LoadProfile
 
@@ -123,8 +123,7 @@ def beam(scene: Scene) -> Beam:
             "length_mm": scene.length_mm,
             "full_scale": scene.full_scale,
         }
-        defaults = {key: default for key, (_, default) in KEYS.items()}
-        shown = visualisation(defaults, data, scene.path)
+        shown = visualisation(VISUALISATION.filled({}), data, scene.path)
     vectors, results = scene.vectors(), list(shown.results)
     position, width = (
         scene.length_mm[name] / scene.full_scale[name]

@@ -32,7 +32,7 @@ from golden.port import Port, Unsigned
 from golden.precision import PRECISIONS
 from golden.scene import load_scene
 from golden.scene.front_end import CONVERTERS
-from golden.scene.schema import CHOICES
+from golden.scene.hardware_keys import HARDWARE
 from tb.report.measure.networks import scenes
 from tb.report.page.markers import put, write
 
@@ -85,7 +85,7 @@ def shipped() -> Iterator[tuple[str, Network]]:
                 for options in choices or [{}]:
                     yield precision.name, design.of(mlp, precision, name, options)
         for key in design.options:
-            for choice in CHOICES.get(("hardware", key), ()):
+            for choice in HARDWARE.keys[key].kind.choices:
                 precision, name = PRECISIONS[design.precisions[0]], design.known_activations[0]
                 yield precision.name, design.of(mlp, precision, name, hardware={key: choice})
         if "reload" in design.options:

@@ -14,7 +14,7 @@ from golden.physics.plate import TERMS
 from golden.physics.swing import LIGHT, METHODS, STRONG, STRONG_DAMPING, TOLERANCE
 from golden.precision import EXACT
 from golden.scene import load_scene, thesis_table
-from golden.scene.schema import KEYS
+from golden.scene.schema import TRAINING
 from golden.scene_errors import held_out_means
 from tb.report.draw import run_time as draw
 from tb.report.draw.findings import Row, number, rows_of
@@ -101,7 +101,7 @@ def defaults(tables: Tables) -> Iterator[str]:
     multiple = _network(tables, MULTIPLE)
     precise = _activation(tables, EXACT.activation, "exact")
     gradient = _activation(tables, "gradient", "thesis")
-    optimiser = str(KEYS["training"]["optimiser"][1])
+    optimiser = str(TRAINING.keys["optimiser"].default)
     (other,) = {str(row["method"]) for row in _descents(tables)} - {optimiser}
     light, strong = (
         _reached(tables, case, method)

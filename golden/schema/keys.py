@@ -1,0 +1,135 @@
+"""A table of a TOML file: its keys, each with its kind, its default and what it means."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from golden.schema.kinds import Kind, got
+from golden.table import suggest
+
+REQUIRED = object()
+
+
+@dataclass(frozen=True)
+class Key:
+    """One key.
+
+    Parameters
+    ----------
+    kind : Kind
+    default : object
+        What stands in its place where it is left out; for a table ``{}``, which is read as one with
+        no keys. None where nothing does, and ``REQUIRED`` where it may not be left out.
+    meaning : str
+        For pages and editors, in Markdown.
+    shown : str
+        What a page shows in the place of the default.
+    """
+
+    kind: Kind
+    default: Any = REQUIRED
+    meaning: str = ""
+    shown: str = ""
+
+
+@dataclass(frozen=True)
+class Table(Kind):
+    """A table of these keys and no others.
+
+    Parameters
+    ----------
+    keys : mapping of str to Key
+    noun : str
+        What a message calls a key, with a blank behind it; nothing where its name is enough.
+    name : str
+        What a message calls the table.
+    said : str
+        What a message expects in the place of a table whose keys are others, or not all there; each
+        key is told where it is empty.
+    """
+
+    keys: Mapping[str, Key]
+    noun: str = "key "
+    name: str = "a table"
+    said: str = ""
+
+    @property
+    def expected(self) -> str:
+        return self.name
+
+    def accepts(self, value: object) -> bool:
+        return type(value) is dict
+
+    def _inner(self, value: Mapping[str, Any], place: str) -> Iterator[tuple[Kind, Any, str]]:
+        """Of the keys that are there: kind, value and place."""
+        for name, key in self.keys.items():
+            if name in value:
+                yield key.kind, value[name], within(place, name)
+
+    def strangers(self, value: Any, place: str) -> Iterator[str]:
+        if not self.accepts(value):
+            yield got(place, value, self.name)
+            return
+        known, begin = list(self.keys), f"{place}: " if place else ""
+        for name in value:
+            if name not in self.keys:
+                text = f"{self.noun}{name!r} is not known, expected {', '.join(known)}"
+                yield f"{begin}{text}{suggest(name, known)}"
+        for kind, inner, where in self._inner(value, place):
+            yield from kind.strangers(inner, where)
+
+    def faults(self, value: Any, place: str) -> Iterator[str]:
+        needed = {name for name in self.keys if self._needs(name)}
+        if self.said and not needed <= set(value) <= set(self.keys):
+            yield got(place, value, self.said)
+            return
+        for name, key in self.keys.items():
+            where = within(place, name)
+            if name in value:
+                yield from key.kind.faults(value[name], where)
+            elif key.default is REQUIRED:
+                yield f"{where}: missing, expected {key.kind.expected}"
+            elif isinstance(key.kind, Table) and key.default is not None:
+                yield from key.kind.faults(key.default, where)
+
+    def outside(self, value: Any, place: str) -> Iterator[str]:
+        for kind, inner, where in self._inner(value, place):
+            yield from kind.outside(inner, where)
+
+    def filled(self, value: Any) -> Any:
+        # What is given keeps the order of the file.
+        left_out = {name: self.keys[name].default for name in self.keys if name not in value}
+        given = {**value, **{name: v for name, v in left_out.items() if v is not None}}
+        return {name: self.keys[name].kind.filled(v) for name, v in given.items()}
+
+    def schema(self) -> dict[str, Any]:
+        properties = {}
+        for name, key in self.keys.items():
+            properties[name] = key.kind.schema()
+            if key.meaning:
+                properties[name]["description"] = plain(key.meaning)
+            if key.default not in (REQUIRED, None, "", [], {}) and not key.kind.absent:
+                properties[name]["default"] = key.default
+        found = {"type": "object", "properties": properties, "additionalProperties": False}
+        required = [name for name in self.keys if self._needs(name)]
+        return found | ({"required": required} if required else {})
+
+    def _needs(self, name: str) -> bool:
+        """Whether a file without this key is refused."""
+        key = self.keys[name]
+        if isinstance(key.kind, Table) and key.default is not None:
+            return key.default is REQUIRED or any(map(key.kind._needs, key.kind.keys))
+        return key.default is REQUIRED
+
+
+def within(place: str, name: str) -> str:
+    """The place of a key in what stands at ``place``."""
+    return f"{place}.{name}" if place else name
+
+
+def plain(markdown: str) -> str:
+    """Markdown without links and code, for an editor that shows it as it stands."""
+    return re.sub(r"\[([^][]*)\]\([^()]*\)", r"\1", markdown).replace("`", "")

@@ -1,0 +1,102 @@
+"""A TOML file, read and checked against what is declared of it."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from golden.cli import BETWEEN
+from golden.files import reading
+from golden.input_error import InputError
+from golden.schema.keys import Table, within
+from golden.schema.kinds import Kind
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """What the file holds.
+
+    Raises
+    ------
+    InputError
+        When it cannot be read, or is not TOML.
+    """
+    with reading(path, "TOML"):
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+
+
+def read_checked(path: Path, table: Table) -> dict[str, Any]:
+    """Every key of the file with its value, each checked by itself, defaults filled in.
+
+    Raises
+    ------
+    InputError
+        See ``read_toml``, ``check_names``, ``values_of`` and ``refuse_outside``.
+    """
+    raw = read_toml(path)
+    check_names(raw, table, path)
+    values = values_of(raw, table, path)
+    refuse_outside(values, table, "", path)
+    return values
+
+
+def check_names(raw: dict[str, Any], table: Table, path: Path) -> None:
+    """Refuse names that are not known, what is no table, and numbers that TOML does not hold.
+
+    Raises
+    ------
+    InputError
+        For all of them.
+    """
+    _refuse([*table.strangers(raw, ""), *_long(raw, "")], path)
+
+
+def values_of(raw: dict[str, Any], table: Table, path: Path) -> dict[str, Any]:
+    """Every key with its value, types and choices checked, defaults filled in.
+
+    Raises
+    ------
+    InputError
+        For all keys that are missing or hold what they cannot.
+    """
+    _refuse([*table.faults(raw, "")], path)
+    found: dict[str, Any] = table.filled(raw)
+    return found
+
+
+def refuse_outside(values: Any, kind: Kind, place: str, path: Path) -> None:
+    """Refuse numbers that are too large or too small.
+
+    Parameters
+    ----------
+    values : object
+        As ``values_of`` gives them.
+    kind : Kind
+    place : str
+        Where in the file they stand; empty for all of it.
+    path : Path
+
+    Raises
+    ------
+    InputError
+        For all of them.
+    """
+    _refuse([*kind.outside(values, place)], path)
+
+
+def _refuse(faults: list[str], path: Path) -> None:
+    if faults:
+        raise InputError(BETWEEN.join(f"{path}: {fault}" for fault in faults))
+
+
+def _long(value: Any, place: str) -> Iterator[str]:
+    """Whole numbers have the 64 bits that TOML gives them, so that each is a float, too."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield from _long(inner, within(place, key))
+    elif isinstance(value, list):
+        for inner in value:
+            yield from _long(inner, place)
+    elif isinstance(value, int) and not -(1 << 63) <= value < 1 << 63:
+        yield f"{place}: got a number of {value.bit_length()} bits, expected 64 at most"

@@ -1,0 +1,218 @@
+"""The one declaration of a TOML file: its check, its schema for editors and its page agree."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from jsonschema import Draft7Validator
+from refused import Desk
+
+from golden.boards import load_board
+from golden.boards.board import BOARD
+from golden.boards.board import FOLDER as BOARDS
+from golden.cli import BETWEEN
+from golden.input_error import InputError
+from golden.physics.gauge_rig import FOLDER as RIGS
+from golden.physics.gauge_rig import RIG, load_rig
+from golden.scene import FOLDER, load_scene
+from golden.scene.schema import EDITOR_SCHEMA, SCENE
+from golden.schema import REQUIRED, Key, Span, Table, json_schema
+from tb.report.page import keys
+
+SCHEMA = json.loads(EDITOR_SCHEMA.read_text(encoding="utf-8"))
+JUDGE = Draft7Validator(SCHEMA)
+SCENES = sorted(p for p in FOLDER.rglob("*.toml") if not p.name.endswith(".provenance.toml"))
+DIGIT = FOLDER / "digit" / "digit.toml"
+FILES = [
+    *((SCENE, path) for path in SCENES),
+    *((BOARD, path) for path in sorted(BOARDS.glob("*.toml"))),
+    *((RIG, path) for path in sorted(RIGS.glob("*.toml"))),
+]
+# Of each type some, at the ends of spans and beyond, what is in no list of choices and what is.
+VALUES: list[Any] = [
+    *(True, False, -1, 0, 1, 7, 24, 25, 1024, 1025, 100_001, 1_000_001, -0.5, 0.5, 1.0001, 150.5),
+    *(1e-5, 10_000.5, "", "a", "auto", "fewest", "scg", "engine", "exact", "mcp3208"),
+    *([], [0], [1, 3], [0, 65_537], [1, 2, 3], ["a"], ["a", "a"], [""], [["a"]], [1.5], ["a", 1]),
+    *({}, {"a": 1}, {"a": "b"}, {"a": "auto"}, {"a": [0]}, {"a": ["b"]}, {"a": 0}, {"a": {}}),
+    *({"gain": 1}, {"gain": 101}, {"gian": 1}, {"a": {"factor": 2}}, {"a": {"factor": 0}}),
+    *({"a": {"offset": 2}}, {"a": {"factor": 2, "offset": 1}}, {"position": 1}, {"width": 0}),
+]
+
+
+def judged(text: str) -> list[str]:
+    return [error.message for error in JUDGE.iter_errors(tomllib.loads(text))]
+
+
+def sections(table: Table) -> Iterator[tuple[str, Key]]:
+    """Every key below, with its place; that of a table after those in it."""
+    for name, key in table.keys.items():
+        if isinstance(key.kind, Table):
+            yield from ((f"{name}.{inner}", below) for inner, below in sections(key.kind))
+        yield name, key
+
+
+KEYS = [(name, key) for table in (SCENE, BOARD, RIG) for name, key in sections(table)]
+
+
+@pytest.mark.parametrize(("table", "path"), FILES, ids=lambda part: getattr(part, "stem", ""))
+def test_every_shipped_file_is_accepted(table: Table, path: Path) -> None:
+    schema = json.loads(json_schema(table, "any"))
+    Draft7Validator.check_schema(schema)
+    raw = tomllib.loads(path.read_text(encoding="utf-8"))
+    assert not [error.message for error in Draft7Validator(schema).iter_errors(raw)]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ("[hardware]", "[hardwear]", "'hardwear' was unexpected"),
+        ("precision =", "precison =", "'precison' was unexpected"),
+        ('design = "engine"\n', "", "'design' is a required property"),
+        ('design = "engine"', 'design = "engin"', "'engin' is not one of"),
+        ('design = "engine"', "design = 3", "3 is not one of"),
+        ('sensors = ["sensor1"', 'sensors = ["sensor4"', "has non-unique elements"),
+        ("[training]", "[training]\nsteps = 2.5", "2.5 is not of type 'integer'"),
+        ("[training]", "[training]\nsteps = 0", "0 is less than or equal to the minimum of 0"),
+        ("[training]", "[training]\nsteps = 1000001", "greater than the maximum of 1000000"),
+        ("[training]", '[training]\nrefit = "yes"', "'yes' is not of type 'boolean'"),
+        ("[training]", '[training]\ndigits = "few"', "'few' is not valid under any"),
+        ("[training]", "[training]\ndrift = { gian = 1 }", "'gian' was unexpected"),
+        ("[training]", "[front_end]\nsample_at = 1\n[training]", "equal to the maximum of 1"),
+        ("[training]", "[front_end]\ncounter_width = 25\n[training]", "the maximum of 24"),
+        ("[training]", '[front_end]\nrate_hz = "fast"\n[training]', "is not of type 'number'"),
+    ],
+)
+def test_an_editor_sees_what_the_check_refuses(
+    tmp_path: Path, old: str, new: str, says: str
+) -> None:
+    text = re.sub(r"^(restarts|steps|refit|digits).*\n", "", DIGIT.read_text(), flags=re.M)
+    assert not judged(text)
+    assert old in text
+    text = text.replace(old, new, 1)
+    assert any(says in message for message in judged(text)), judged(text)
+    path = tmp_path / "mine.toml"
+    path.write_text(text)
+    with pytest.raises(InputError, match=r"mine\.toml: "):
+        load_scene(str(path))
+
+
+@pytest.mark.parametrize(("name", "key"), KEYS, ids=lambda part: part if type(part) is str else "")
+def test_schema_and_check_agree(name: str, key: Key) -> None:
+    """On every value: none that goes is marked, and none that is refused by itself goes unseen."""
+    judge = Draft7Validator(key.kind.schema())
+    for value in VALUES:
+        found = list(key.kind.strangers(value, name)) or list(key.kind.faults(value, name))
+        found = found or list(key.kind.outside(value, name))
+        assert judge.is_valid(value) == (not found), (value, found)
+        assert all(fault.startswith(name) for fault in found), found
+
+
+@pytest.mark.parametrize(("name", "key"), KEYS, ids=lambda part: part if type(part) is str else "")
+def test_a_default_is_what_may_stand_there(name: str, key: Key) -> None:
+    """But for what stands for a key that is left out."""
+    if key.default in (REQUIRED, None, "", [], {}) or (key.kind.absent and not key.default):
+        return
+    assert not [*key.kind.faults(key.default, name), *key.kind.outside(key.default, name)]
+
+
+def test_page_and_schema_are_those_of_the_declaration() -> None:
+    for path, text in keys.pages().items():
+        assert path.read_text(encoding="utf-8") == text, f"{path}: run: {keys.COMMAND}"
+    for section, key in SCENE.keys.items():
+        for name, inner in key.kind.keys.items():
+            shown = SCHEMA["properties"][section]["properties"][name]
+            assert inner.meaning, name
+            assert not re.search(r"`|\]\(", shown["description"])
+
+
+@pytest.mark.parametrize(
+    ("load", "shipped", "changes", "messages"),
+    [
+        (
+            load_board,
+            BOARDS / "ulx3s.toml",
+            {'title = "ULX3S"': "title = 3", "mhz = 25.0": 'mhz = "a"', '"ecp5"': '"ecp6"'},
+            [
+                "title: got 3, expected text",
+                "device.family: got 'ecp6', expected one of ecp5, ice40; did you mean 'ecp5'?",
+                "clock.mhz: got 'a', expected a number",
+            ],
+        ),
+        (
+            load_board,
+            BOARDS / "ulx3s.toml",
+            {"\nmiso =": "\nmisso =", '"A10", at': '"A10", att', "[clock]": "[clock]\nx = 1"},
+            [
+                "clock: key 'x' is not known, expected pin, mhz, pll_pad",
+                "pins: port 'misso' is not known, expected .*; did you mean 'miso'?",
+                "pins.mosi: key 'att' is not known, expected pin, at, .*; did you mean 'at'?",
+            ],
+        ),
+        (
+            load_rig,
+            RIGS / "digit.toml",
+            {"count = 3\n": "", "length_mm = 228.6": "length_mm = true", '"mean"': '"maen"'},
+            [
+                "beam.length_mm: got True, expected a number, 1e-06 to 1000000",
+                "gauges.count: missing, expected a whole number, 1 to 32",
+                "errors.objective: got 'maen', expected mean or worst; did you mean 'mean'?",
+            ],
+        ),
+    ],
+    ids=["board", "names", "rig"],
+)
+def test_all_faults_of_a_file_are_told_at_once(
+    tmp_path: Path, load: Any, shipped: Path, changes: dict[str, str], messages: list[str]
+) -> None:
+    text = shipped.read_text()
+    for old, new in changes.items():
+        assert old in text
+        text = text.replace(old, new, 1)
+    path = tmp_path / "mine.toml"
+    path.write_text(text)
+    with pytest.raises(InputError) as refused:
+        load(str(path))
+    said = str(refused.value).split(BETWEEN)
+    assert len(said) == len(messages), said
+    for line, message in zip(said, messages, strict=True):
+        pattern = re.escape(f"{path}: {message}").replace(r"\.\*", ".*")
+        assert re.fullmatch(pattern, line), line
+
+
+def test_misspelt_names_are_told_at_once(desk: Desk) -> None:
+    desk.edit("[training]", "[traning]")
+    desk.edit("hidden =", "hiden =")
+    desk.refuses("bench", "mine.toml", says="section 'traning' is not known", faults=2)
+
+
+def test_numbers_outside_are_told_with_what_does_not_go_together(desk: Desk) -> None:
+    """A clock that cannot be is told once, and no rate is worked out from it."""
+    sections = "[front_end]\nrate_hz = 5\n[uart]\n[training]\npatience = 0\nseed = -1"
+    desk.edit("[training]", sections)
+    desk.edit('interface = "stream"', 'interface = "axi_stream"\nclock_mhz = nan')
+    desk.refuses("bench", "mine.toml", says="hardware.clock_mhz: got nan, expected", faults=4)
+
+
+@pytest.mark.parametrize(
+    ("span", "text"),
+    [
+        (Span(0), "0 or more"),
+        (Span(1, 24), "1 to 24"),
+        (Span(-1, below=1), "-1 to below 1"),
+        (Span(above=0), "above 0"),
+        (Span(above=0, most=1_000_000), "above 0 and 1000000 at most"),
+        (Span(above=0, below=1), "above 0 and below 1"),
+    ],
+)
+def test_a_span_says_which_numbers_it_holds(span: Span, text: str) -> None:
+    assert str(span) == text
+    judge = Draft7Validator(span.schema())
+    for number in (-2, -1, 0, 1e-9, 0.5, 1, 24, 25, 1_000_000, 1_000_001):
+        assert span.holds(number) == judge.is_valid(number)
+    assert not any(map(span.holds, (float("nan"), float("inf"), float("-inf"))))
