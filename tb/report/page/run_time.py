@@ -81,16 +81,18 @@ def headline(tables: Tables) -> Iterator[str]:
     best = min(printed, key=lambda name: printed[name])
     clock = float(thesis_table("board")["clock_mhz"])
     yield (
-        f"**The default network, scene `{SCENE}`, errs by {_error(default)} % in "
-        f"{_us(default, clock)} µs; the thesis' best by {printed[best]:.2f} %, within a scan of "
-        f"{SCAN_CLOCKS / clock:g} µs.** "
-        f"That is the mean at the worst position of the worst output ({default['worst output']}), "
-        f"bit-true, as recorded, over rows that trained it too; on rows that were held out its "
-        f"outputs err by {min(held):.2f} to {max(held):.2f} % in the mean. The "
-        f"{_count(default)} clocks are {_us(default, clock)} µs at the {clock:g} MHz of the "
-        f"thesis' board and {rounded(number(default, 'us on an ECP5'))} µs at the "
-        f"{number(default, 'ECP5 MHz'):g} MHz that an ECP5 reaches. The thesis' cascade rebuilt in "
-        f"its own arithmetic (`{REBUILT}`) errs by {_error(rebuilt)} % in {_us(rebuilt, clock)} µs."
+        f"**The default network (scene `{SCENE}`) has an error of {_error(default)} % and takes "
+        f"{_us(default, clock)} µs; the best network that the thesis prints has "
+        f"{printed[best]:.2f} %, within a scan of {SCAN_CLOCKS / clock:g} µs.** "
+        f"These errors are the mean at the worst position of the worst output "
+        f"({default['worst output']}), bit-true, on the recorded rows; the networks were trained on "
+        f"these rows too. On held-out rows the mean errors of the outputs are {min(held):.2f} to "
+        f"{max(held):.2f} %. The {_count(default)} clocks of a frame take {_us(default, clock)} µs "
+        f"at the {clock:g} MHz of the thesis' board, and "
+        f"{rounded(number(default, 'us on an ECP5'))} µs at the "
+        f"{number(default, 'ECP5 MHz'):g} MHz that an ECP5 reaches. The thesis' cascade, rebuilt in "
+        f"the thesis' own arithmetic (`{REBUILT}`), has an error of {_error(rebuilt)} % and takes "
+        f"{_us(rebuilt, clock)} µs."
     )
 
 

@@ -60,12 +60,13 @@ def headline(table: Table) -> str:
     reached = [case for case in found if case.reached]
     which = ", ".join(dict.fromkeys(f"`{case.model}` ({case.figure})" for case in reached))
     return (
-        f"**{holding} of {len(found)} hold.**\n\n"
-        f"{exact} of the cases count something that must not happen at all: a code that is off, an "
-        "argument that is\naccepted, a sign that is wrong. They hold if the count is 0. "
-        f"{len(reached)} cases come to their bound and must: the\nbound is the largest code there "
-        "is, the bits that the sum was given, or all the energy that there is. They are\n"
-        f"of {which}. The other {len(found) - exact - len(reached)} have a margin."
+        f"**{holding} of {len(found)} cases hold.**\n\n"
+        f"- {exact} of the cases count something that must never happen: a wrong code, an invalid "
+        "argument that is accepted,\n  or a wrong sign. Such a case holds if the count is 0.\n"
+        f"- {len(reached)} cases reach their bound, and must reach it: the bound is the largest code "
+        "of a format, the number of\n  bits that a sum was given, or all the energy of a swing. "
+        f"These cases are of\n  {which}.\n"
+        f"- The other {len(found) - exact - len(reached)} cases keep a margin to their bound."
     )
 
 
