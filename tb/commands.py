@@ -158,24 +158,25 @@ COMMANDS = (
     ),
     Command(
         "test",
-        "Runs the tests, or those that TESTS= names; ALL=1 adds every constant of every scene, "
-        "SAMPLE= a drawn part of that which takes so many seconds, and RECORD=1 with ALL=1 records "
-        "how long each takes. MACHINE= runs the tests as they would run on another machine.",
+        "Runs the tests, or those that TESTS= names. ALL=1 adds every constant of every scene; "
+        "SAMPLE= adds a random part of these tests that takes about so many seconds. RECORD=1 with "
+        "ALL=1 records how long each test takes. MACHINE= runs the tests as they would run on "
+        "another machine.",
         (TESTS, ALL, option("SAMPLE", "180"), RECORD, word("MACHINE", "name")),
     ),
     Command(
         "machines",
-        "Runs, as on each of several other machines, the tests that this machine may change; "
-        "WHOLE=1 runs all tests.",
+        "Imitates other machines one after the other, and runs on each the tests whose result "
+        "may differ there; WHOLE=1 runs all tests.",
         (word("ONLY", "name"), TESTS, flag("WHOLE"), ALL),
     ),
     Command(
         "sim",
-        "Runs the benches of one block, or of every block of a scene; without SCENE= a block is "
+        "Runs the benches of one block, or of every block of a scene. Without SCENE= a block is "
         "looked for in scenes thesis and digit, then in the other shipped scenes, then in the "
-        "cases of its bench. NETLIST= runs them on the cells of a family, of each family (1), or "
-        "on registers that are unknown until they are written; RECORD=1 with it records the "
-        "result.",
+        "cases of its bench. NETLIST= runs the benches on the mapped cells of a family, of each "
+        "family (1), or on registers that are unknown until they are written; RECORD=1 then "
+        "records the result.",
         (
             OPTIONAL_SCENE,
             BLOCK,
@@ -206,8 +207,8 @@ COMMANDS = (
     ),
     Command(
         "scene",
-        "Writes a scene for your own readings, and prints what they show; HARDWARE= names the "
-        "scene whose board has read them.",
+        "Writes a scene for your own readings, and prints what the readings show; HARDWARE= names "
+        "the scene whose board took them.",
         (
             word("CSV", "readings.csv", default="", needed=True),
             word("OUTPUTS", "a,b", default="", needed=True),
@@ -216,7 +217,12 @@ COMMANDS = (
         ),
         "golden.commands.scene",
     ),
-    Command("check", "Finds in seconds what can be wrong with a scene.", (SCENE,), "tb.check"),
+    Command(
+        "check",
+        "Checks a scene within seconds, and reports every fault that it finds.",
+        (SCENE,),
+        "tb.check",
+    ),
     Command(
         "train",
         "Trains the networks of a scene and writes them beside it; CLUSTER= is the address of a "
@@ -227,9 +233,9 @@ COMMANDS = (
     Command(
         "recalibrate",
         "Finds gain and offset of each sensor from readings at known placements, and writes a "
-        "corrected copy of the scene where that surely helps; without CSV= it prints the "
-        "placements that tell most. NOISE= is that of a reading, DRIFT= the gain and the offset "
-        "that are expected.",
+        "corrected copy of the scene if the correction is sure to help. Without CSV= it prints "
+        "the placements that tell most. NOISE= is the noise of a reading, DRIFT= the expected "
+        "drift of gain and offset.",
         (
             SCENE,
             word("CSV", "placements.csv", default=""),
@@ -241,8 +247,8 @@ COMMANDS = (
     ),
     Command(
         "predict",
-        "Writes the outputs of the hardware for new readings, and which of these are unlike any "
-        "that the networks were trained on.",
+        "Writes the outputs of the hardware for new readings, and marks the readings that are "
+        "unlike any that the networks were trained on.",
         (
             SCENE,
             word("CSV", "new.csv", default="", needed=True),
@@ -252,26 +258,26 @@ COMMANDS = (
     ),
     Command(
         "network",
-        "Writes a network of a scene as an .npz, .mat or .onnx file; OUTPUT= says which, where the "
-        "scene has several.",
+        "Writes a network of a scene as an .npz, .mat or .onnx file; OUTPUT= chooses the network "
+        "if the scene has several.",
         (SINGLE_SCENE, word("TO", "file.onnx", default="", needed=True), option("OUTPUT")),
         "golden.commands.network",
     ),
     Command(
         "image",
-        "Writes the words that make an engine which can be reloaded run the networks of a scene.",
+        "Writes the image with which a reloadable engine runs the networks of a scene.",
         (RELOADED_SCENE, HARDWARE),
         "golden.commands.image",
     ),
     Command(
         "monitor",
-        "Shows in the browser what a board sends; PORT=twin and PORT=sim are a simulated board.",
+        "Shows in the browser what a board sends; PORT=twin and PORT=sim simulate a board.",
         (BOARD_SCENE, PORT, HARDWARE, option("TO", "all.csv"), BAUD),
         "tb.monitor",
     ),
     Command(
         "record",
-        "Records readings at known placements from a board, in the form that make scene takes.",
+        "Records readings of a board at known placements, in the format that make scene reads.",
         (
             BOARD_SCENE,
             PORT,
@@ -308,34 +314,35 @@ COMMANDS = (
     ),
     Command(
         "figures",
-        "Measures the figures that stand beside the thesis' and writes them to build/figures; "
+        "Measures the figures that are compared with the thesis, and writes them to build/figures; "
         "TABLE= names one table, and RECORD=1 records it.",
         (TABLE, SEED, RECORD),
         "tb.report.measure",
     ),
     Command(
         "sensors",
-        "Finds where gauges on a beam should sit, with a picture and a table.",
+        "Finds the best places of gauges on a beam, and writes a picture and a table.",
         (word("RIG", "my-beam.toml", default="digit"),),
         "tb.report.measure.gauges",
     ),
     Command(
         "lean",
         "Prints what the hardware of a scene leaves out, and what that saves; BESIDE= names other "
-        "scenes to compare it with, and RECORD=1 records it for docs/left-out.md.",
+        "scenes to compare with, and RECORD=1 records the result for docs/left-out.md.",
         (SCENE, option("BESIDE", "other"), RECORD),
         "hdl.synth.lean",
     ),
     Command(
         "synth",
-        "Counts the cells of every block of a scene and finds its clock, both beside the thesis, "
-        "and compares them with what is recorded.",
+        "Counts the cells of every block of a scene and finds its highest clock, prints both "
+        "beside "
+        "the thesis, and compares them with the recorded figures.",
         (SCENE, RECORD),
         "hdl.synth",
     ),
     Command(
         "bitstream",
-        "Writes a file to program a board with, and prints what it takes of the board's device.",
+        "Writes a file to program a board with, and prints its resource use on the board's device.",
         (
             BOARD_SCENE,
             word("BOARD", "ulx3s", default="", needed=True),
@@ -352,28 +359,28 @@ COMMANDS = (
     ),
     Command(
         "prove",
-        "Proves properties of one block or of every block, shows that broken copies refute them, "
-        "and proves that the VHDL is the same function as the Verilog.",
+        "Proves properties of one block or of every block, shows that broken copies of a block "
+        "violate them, and proves that VHDL and Verilog compute the same function.",
         (BLOCK, RECORD),
         "tb.sign_off.prove",
     ),
     Command(
         "mutate",
-        "Counts how many random faults of a block its bench finds; ALL=1 tries again those that "
-        "are recorded.",
+        "Counts how many random faults (mutants) of a block its bench detects; ALL=1 tries the "
+        "recorded ones again.",
         (BLOCK, option("SCENE"), ALL, RECORD),
         "tb.sign_off.mutate",
     ),
     Command(
         "coverage",
-        "Counts what each bench meets of the borders and states of its block.",
+        "Counts how often each bench reaches the borders and states of its block.",
         (BLOCK, RECORD),
         "tb.sign_off.coverage",
     ),
     Command(
         "report",
-        "Writes errors, effects of noise, what was verified and pictures of a scene into one HTML "
-        "file; FULL=1 adds the errors and costs of every approximation.",
+        "Writes one HTML file about a scene: errors, effects of noise, results of the verification "
+        "and pictures; FULL=1 adds the errors and costs of every approximation.",
         (SCENE, FULL),
         "tb.report",
     ),
@@ -382,7 +389,7 @@ COMMANDS = (
         "Builds the documentation as a site; LINKS=1 follows the links to other sites too.",
         (flag("LINKS"),),
     ),
-    Command("pages", "Writes anew what is generated in the documentation."),
+    Command("pages", "Rewrites the generated parts of the documentation."),
     Command("lint", "Runs ruff, import-linter and mypy."),
     Command("clean", "Removes build and .venv."),
 )

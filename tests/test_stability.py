@@ -124,7 +124,7 @@ def test_the_headline_counts_what_holds_and_what_does_not() -> None:
     columns = ["model", "case", "must", "figure", "value", "bound", "holds"]
     rows = [["x", "a", "b", "y", 1.0, 2.0, "yes"], ["x", "c", "b", "y", None, 2.0, "no"]]
     broken = Table("stability", columns, rows, "")
-    assert "**1 of 2 hold.**" in page.headline(broken)
+    assert "**1 of 2 cases hold.**" in page.headline(broken)
     assert "1 of 2 cases keep their bound" in margins(broken)
 
 

@@ -180,14 +180,17 @@ def _compared(scenes: Sequence[Scene], results: Mapping[str, dict[str, Any]]) ->
 def _notes(scenes: Sequence[Scene]) -> list[str]:
     """What the figures are of."""
     device = thesis_table("board")["device"]
-    held_out = [f"of {scene.name} {_seen(scene)}" for scene in scenes]
+    held_out = [f"for {scene.name} {_seen(scene)}" for scene in scenes]
     notes = [
-        "error: bit-true, on all recorded frames; largest is the largest mean over the positions, "
-        "held out the mean on frames that the networks had not seen: "
+        "error: bit-true, on all recorded frames. largest is the largest of the mean errors at "
+        "each "
+        "position. held out is the mean on frames that the networks had not seen: "
         + ", ".join(held_out)
-        + ". The thesis simulated its own (Table 5.4).",
-        f"cells: Virtex-II, as make synth recorded them, with percent of an {device}. The thesis "
-        "prints percents alone (Table 5.3), and not whether they hold the profile.",
+        + ". The errors of the thesis are those of its simulation (Table 5.4).",
+        f"cells: Virtex-II, as make synth recorded them, in brackets in percent of an {device}. "
+        "The "
+        "thesis prints percentages only (Table 5.3), and does not say whether they include the "
+        "profile.",
     ]
     bare = [scene for scene in scenes if not (scene.front_end or scene.visualisation)]
     whole = load_scene(WHOLE)
@@ -199,7 +202,8 @@ def _notes(scenes: Sequence[Scene]) -> list[str]:
 
 def _seen(scene: Scene) -> str:
     """How the networks came to have seen frames or not."""
-    return "before it was trained on with all" if scene.training.refit else "those kept for tests"
+    after = "frames held back before the networks were trained again on all"
+    return after if scene.training.refit else "the test frames"
 
 
 def _weights(scene: Scene) -> list[Path]:
@@ -209,4 +213,4 @@ def _weights(scene: Scene) -> list[Path]:
 def _with_all_around(scene: Scene, whole: Scene) -> str:
     cells = read_budget(budget_path(whole.path))[FAMILY][whole.twin().entity]
     counts = ", ".join(f"{cells[kind]:,} {kind}s" for kind in KINDS)
-    return f"{scene.name} with scan and profile is scene {whole.name}: {counts}."
+    return f"Scene {whole.name} is {scene.name} with scan and profile: {counts}."

@@ -21,9 +21,9 @@ def headline(scenes: Table, dropped: Table) -> str:
     (row,) = rows_of(scenes, scene=SCENE)
     sensors, needed = load_scene(SCENE).sensors, fewest(dropped)
     return (
-        f"**Scene `{SCENE}` is built of {row['blocks']} of the {len(every_block())} blocks, and "
-        f"takes {_of(row, 'LUT')} LUTs of the same\nengine built whole. Of its {len(sensors)} "
-        f"sensors {len(needed)} are enough: {' and '.join(needed)}.**"
+        f"**Scene `{SCENE}` uses {row['blocks']} of the {len(every_block())} blocks, and takes "
+        f"{_of(row, 'LUT')} LUTs that the same\nengine takes with everything built in. Of its "
+        f"{len(sensors)} sensors, {len(needed)} are enough: {' and '.join(needed)}.**"
     )
 
 

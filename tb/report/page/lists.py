@@ -121,16 +121,19 @@ def unseen() -> str:
     silent = _row("limits", "The digit at 2 mV", "width", "no")[0]
     return "\n".join(
         [
-            f"- A load that was never trained gets a width that errs by {width} %, and a shape by",
-            f"  {shape} % ([honest](docs/figures.md#honest)), where *held out* shows "
-            f"{held_out['width']:.2f} and {held_out['shape']:.2f}:",
-            "  other rows with the same loads were trained.",
+            "- On a load that was not among the training data, a network errs in width by "
+            f"{width} %",
+            f"  and in shape by {shape} % ([honest](docs/figures.md#honest)). The column *held "
+            "out* "
+            "shows",
+            f"  {held_out['width']:.2f} and {held_out['shape']:.2f}, because other rows with the "
+            "same loads were trained on.",
             f"- The reason: at {silent} of {len(scene.vectors().codes)} placements no sensor feels "
-            "the width, so the networks have",
+            "the width. So the networks have",
             "  learnt which loads exist, and not their widths ([limits](docs/limits.md)).",
-            "- The thesis trained on half of its rows. The networks of `digit` were trained on",
-            "  with all rows after *held out* was measured: *float* and *bit-true* are of rows",
-            "  that they know.",
+            "- The thesis trained on half of its rows. The networks of `digit` were trained on all",
+            "  rows after *held out* had been measured. So their columns *mean* and *largest* come",
+            "  from rows that the networks have seen.",
         ]
     )
 

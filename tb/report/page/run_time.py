@@ -39,12 +39,12 @@ SWING_ERROR, PLATE_ERROR = 1e-9, 1e-6
 # Seconds at which the optimisers are compared.
 EARLY, LATE = 0.01, 1.0
 SHOWS = {
-    "float": "what the trained network errs before anything is rounded",
+    "float": "the error of the trained network before anything is rounded",
     "bit-true, numpy, repeated": "the same in a long run, for sweeps, noise and training",
     "bit-true": "every code that the hardware gives, and so its error: the twin",
-    "MyHDL": "that the source does so clock by clock, and no signal leaves its bounds",
-    "Icarus": "that the exported Verilog does what the twin says, bit for bit",
-    "virtex-2 netlist": "that the cells to which it is mapped do so as well",
+    "MyHDL": "that the MyHDL source does so clock by clock, and that no signal leaves its bounds",
+    "Icarus": "that the exported Verilog computes what the twin computes, bit for bit",
+    "virtex-2 netlist": "that the mapped cells do so as well",
     "GHDL": "that the exported VHDL does so, in a simulator of another language",
 }
 
@@ -81,16 +81,20 @@ def headline(tables: Tables) -> Iterator[str]:
     best = min(printed, key=lambda name: printed[name])
     clock = float(thesis_table("board")["clock_mhz"])
     yield (
-        f"**The default network, scene `{SCENE}`, errs by {_error(default)} % in "
-        f"{_us(default, clock)} µs; the thesis' best by {printed[best]:.2f} %, within a scan of "
-        f"{SCAN_CLOCKS / clock:g} µs.** "
-        f"That is the mean at the worst position of the worst output ({default['worst output']}), "
-        f"bit-true, as recorded, over rows that trained it too; on rows that were held out its "
-        f"outputs err by {min(held):.2f} to {max(held):.2f} % in the mean. The "
-        f"{_count(default)} clocks are {_us(default, clock)} µs at the {clock:g} MHz of the "
-        f"thesis' board and {rounded(number(default, 'us on an ECP5'))} µs at the "
-        f"{number(default, 'ECP5 MHz'):g} MHz that an ECP5 reaches. The thesis' cascade rebuilt in "
-        f"its own arithmetic (`{REBUILT}`) errs by {_error(rebuilt)} % in {_us(rebuilt, clock)} µs."
+        f"**The default network (scene `{SCENE}`) has an error of {_error(default)} % and takes "
+        f"{_us(default, clock)} µs; the best network that the thesis prints has "
+        f"{printed[best]:.2f} %, within a scan of {SCAN_CLOCKS / clock:g} µs.** "
+        f"These errors are the mean at the worst position of the worst output "
+        f"({default['worst output']}), bit-true, on the recorded rows; the networks were trained "
+        "on "
+        f"these rows too. On held-out rows the mean errors of the outputs are {min(held):.2f} to "
+        f"{max(held):.2f} %. The {_count(default)} clocks of a frame take {_us(default, clock)} µs "
+        f"at the {clock:g} MHz of the thesis' board, and "
+        f"{rounded(number(default, 'us on an ECP5'))} µs at the "
+        f"{number(default, 'ECP5 MHz'):g} MHz that an ECP5 reaches. The thesis' cascade, rebuilt "
+        "in "
+        f"the thesis' own arithmetic (`{REBUILT}`), has an error of {_error(rebuilt)} % and takes "
+        f"{_us(rebuilt, clock)} µs."
     )
 
 
@@ -116,57 +120,63 @@ def defaults(tables: Tables) -> Iterator[str]:
     yield "|---|---|---|"
     yield (
         f"| [design](#networks) | `{default['design']}` | {_count(default)} of the "
-        f"{SCAN_CLOCKS:,} clocks of a scan are enough. The same networks folded as the thesis "
-        f"folds (`{FOLDED}`) take {_count(folded)} and err by {_error(folded)} %, but need "
+        f"{SCAN_CLOCKS:,} clocks of a scan are enough. The same networks, folded as in the thesis "
+        f"(`{FOLDED}`), take {_count(folded)} clocks with an error of {_error(folded)} %, but need "
         f"{number(folded, 'LUT'):,.0f} LUTs and {number(folded, 'multiplier'):.0f} multipliers "
         f"instead of {number(default, 'LUT'):.0f} and {number(default, 'multiplier'):.0f}. |"
     )
     yield (
-        f"| [arrangement](#networks) | `{default['arrangement']}` | {_error(default)} % instead of "
-        f"{_error(single)} % from one network and {_error(multiple)} % from independent ones, on "
-        f"the same engine in {_count(default)}, {_count(single)} and {_count(multiple)} clocks. |"
+        f"| [arrangement](#networks) | `{default['arrangement']}` | A cascade has an error of "
+        f"{_error(default)} %, one network {_error(single)} % and independent networks "
+        f"{_error(multiple)} %. On the same engine they take {_count(default)}, {_count(single)} "
+        f"and {_count(multiple)} clocks. |"
     )
     yield (
-        f"| [precision](#networks) | `{default['precision']}` | Folded alike, a cascade errs by "
-        f"{_error(folded)} % in `exact` and by {_error(rebuilt)} % in the thesis' 14 bits, in "
+        f"| [precision](#networks) | `{default['precision']}` | A folded cascade has an error of "
+        f"{_error(folded)} % in `exact` and of {_error(rebuilt)} % in the thesis' 14 bits. It "
+        "takes "
         f"{_count(folded)} and {_count(rebuilt)} clocks. |"
     )
     yield (
-        f"| [activation](#activations) | `{EXACT.activation}` | Within {_units(precise)} of 2^-13 "
-        f"in {number(precise, 'latency clocks'):.0f} clocks and {number(precise, 'LUT'):.0f} LUTs; "
-        f"`gradient`, which the thesis chose, errs by {_units(gradient)} in "
-        f"{number(gradient, 'latency clocks'):.0f} clocks and {number(gradient, 'LUT'):.0f} LUTs. |"
+        f"| [activation](#activations) | `{EXACT.activation}` | Its largest error is "
+        f"{_units(precise)} "
+        f"of 2^-13; it takes {number(precise, 'latency clocks'):.0f} clocks and "
+        f"{number(precise, 'LUT'):.0f} LUTs. `gradient`, which the thesis chose, has an error of "
+        f"{_units(gradient)} and takes {number(gradient, 'latency clocks'):.0f} clocks and "
+        f"{number(gradient, 'LUT'):.0f} LUTs. |"
     )
     yield (
         f"| [rho and iterations of Pade](#activations) | {RHO:g} and {ITERATIONS} | No rho settles "
-        f"up to the gate with fewer iterations than {RHO:g} with its {settled[RHO]:.0f}, and with "
-        f"{ITERATIONS} the mean error halves. |"
+        f"up to the gate in fewer iterations than {RHO:g}, which needs {settled[RHO]:.0f}. With "
+        f"{ITERATIONS} iterations the mean error halves. |"
     )
     yield (
         f"| [optimiser](#optimisers) | `{optimiser}` | After {LATE:g} s of processor time its best "
-        f"start errs by {rounded(best_error(tables, optimiser, LATE))} %, that of `{other}` by "
-        f"{rounded(best_error(tables, other, LATE))} %. |"
+        f"start has an error of {rounded(best_error(tables, optimiser, LATE))} %, that of "
+        f"`{other}` has {rounded(best_error(tables, other, LATE))} %. |"
     )
     yield (
-        f"| [swing](#swing) | {LIGHT}, tolerance {rounded(TOLERANCE)} | It takes the least time to "
-        f"{_small(SWING_ERROR)} rad plain ({rounded(number(light, 'ms'))} ms) and from 179.9 "
-        f"degrees ({rounded(number(_reached(tables, '179.9 degrees', LIGHT), 'ms'))} ms). |"
+        f"| [swing](#swing) | {LIGHT}, tolerance {rounded(TOLERANCE)} | It reaches an error of "
+        f"{_small(SWING_ERROR)} rad in the least time, both from 30 degrees "
+        f"({rounded(number(light, 'ms'))} ms) and from 179.9 degrees "
+        f"({rounded(number(_reached(tables, '179.9 degrees', LIGHT), 'ms'))} ms). |"
     )
     yield (
-        f"| [swing, overdamped](#swing) | {STRONG} | Damped at 1000 1/s it takes "
-        f"{rounded(number(strong, 'ms'))} ms to the same error, {LIGHT} "
-        f"{rounded(number(slow, 'ms'))} ms: stability bounds its steps. From a damping rate of "
-        f"{STRONG_DAMPING:g} natural frequencies on. |"
+        f"| [swing, overdamped](#swing) | {STRONG} | With a damping rate of 1000 1/s "
+        f"it reaches the same error in {rounded(number(strong, 'ms'))} ms. {LIGHT} takes "
+        f"{rounded(number(slow, 'ms'))} ms, because stability bounds its steps. {STRONG} is used "
+        f"from a damping rate of {STRONG_DAMPING:g} natural frequencies on. |"
     )
     yield (
-        f"| [plate](#plate) | {TERMS:,} terms | {rounded(number(near, 'error'))} of the deflection "
-        f"at the load, where it is worst, in {rounded(number(near, 'ms'))} ms; ten times the terms "
-        f"take {rounded(number(exact, 'ms') / number(near, 'ms'))} times as long. |"
+        f"| [plate](#plate) | {TERMS:,} terms | The error at the load, where it is "
+        f"largest, is {rounded(number(near, 'error'))} of the deflection, in "
+        f"{rounded(number(near, 'ms'))} ms. Ten times the terms take "
+        f"{rounded(number(exact, 'ms') / number(near, 'ms'))} times as long. |"
     )
     yield (
         f"| [load profile](#load-profile) | equation 3.18, or the closed form of 3.17 | The sum of "
-        f"equation 3.17 still errs by {rounded(number(series, 'error / d'))} of the load after "
-        f"{number(series, 'terms'):,.0f} terms and {rounded(number(series, 'ms') / 1e3)} s. |"
+        f"equation 3.17 still has an error of {rounded(number(series, 'error / d'))} of the load "
+        f"after {number(series, 'terms'):,.0f} terms and {rounded(number(series, 'ms') / 1e3)} s. |"
     )
     yield (
         f"| [simulator](#simulators) | the twin for figures, Icarus and GHDL for proof | The twin "
@@ -184,10 +194,11 @@ def networks(tables: Tables) -> Iterator[str]:
     yield _picture("networks", "Error against clocks and microseconds, for every network")
     yield ""
     yield (
-        f"The cascade errs least, {_error(default)} %, in {_count(default)} clocks on one "
-        f"multiplier (`{SCENE}`) and in {_count(folded)} folded over its nodes (`{FOLDED}`); "
-        f"`{quick['scene']}` is the quickest, {_count(quick)} clocks, and errs by "
-        f"{_error(quick)} %."
+        f"The cascade has the smallest error, {_error(default)} %. It takes {_count(default)} "
+        f"clocks on one multiplier (`{SCENE}`) and {_count(folded)} clocks if it is folded over "
+        "its "
+        f"nodes (`{FOLDED}`). `{quick['scene']}` is the quickest with {_count(quick)} clocks, and "
+        f"has an error of {_error(quick)} %."
     )
     yield ""
     heads = (
@@ -229,12 +240,12 @@ def schemes(tables: Tables) -> Iterator[str]:
     yield _picture("activations", "Largest error of every activation against clocks and LUTs")
     yield ""
     yield (
-        f"`{best['scheme']}` errs least, {_units(best)} in {_clocks(best)}, and needs "
-        "no multiplier but memory, so only `adder_graph` takes it; "
+        f"`{best['scheme']}` has the smallest error, {_units(best)} in {_clocks(best)}. It needs "
+        "memory instead of a multiplier, so only `adder_graph` uses it. "
         f"`{precise['scheme']}` stays within {_units(precise)} in {_clocks(precise)} on one "
-        f"multiplier. Of the thesis' schemes in its 14 bits `{closest['scheme']}` comes to "
-        f"{_units(closest)} in {_clocks(closest)}, the others are {min(others):.0f} units "
-        "off and more."
+        f"multiplier. Among the thesis' schemes in its 14 bits, `{closest['scheme']}` reaches "
+        f"{_units(closest)} in {_clocks(closest)}; the others have errors of {min(others):.0f} "
+        "units and more."
     )
     yield ""
     yield _picture("pade", "Error of the Pade regression against its iterations")
@@ -243,8 +254,8 @@ def schemes(tables: Tables) -> Iterator[str]:
     settled = settled_after(tables)
     first = min(settled, key=lambda rho: (settled[rho], rho))
     yield (
-        f"In `exact` precision, over every code, the largest error comes down to {floor:.0f} "
-        f"units, the step at the gate, with the fewest iterations for rho {first:g}."
+        f"In `exact` precision, over every code, the largest error falls to {floor:.0f} units, "
+        f"which is the step at the gate. It falls with the fewest iterations for rho {first:g}."
     )
     yield ""
     yield "| rho | stable below abs(q) | iterations until then | mean error there, % |"
@@ -265,12 +276,13 @@ def optimisers(tables: Tables) -> Iterator[str]:
     yield _picture("training", "Validation error against processor time")
     yield ""
     told = [
-        f"`{method}` errs by {rounded(best_error(tables, method, EARLY))} % after {EARLY:g} s, "
+        f"`{method}` has an error of {rounded(best_error(tables, method, EARLY))} % after "
+        f"{EARLY:g} s, "
         f"{rounded(best_error(tables, method, LATE))} % after {LATE:g} s and "
         f"{rounded(best_error(tables, method, float('inf')))} % at the end"
         for method in methods
     ]
-    yield f"The best of three starts with {'; that with '.join(told)}."
+    yield f"The best of three starts with {'; the best with '.join(told)}."
 
 
 def swing(tables: Tables) -> Iterator[str]:
@@ -282,7 +294,7 @@ def swing(tables: Tables) -> Iterator[str]:
         for case, where in CASES.items()
         for method, row in [quickest(tables, case)]
     ]
-    yield f"An error of {_small(SWING_ERROR)} rad takes the least time with {', '.join(best)}."
+    yield f"The quickest way to an error of {_small(SWING_ERROR)} rad is {', '.join(best)}."
     yield ""
     yield f"| swing, evaluations and ms to {_small(SWING_ERROR)} rad | {' | '.join(METHODS)} |"
     yield f"|---|{'---|' * len(METHODS)}"
@@ -310,10 +322,11 @@ def swing(tables: Tables) -> Iterator[str]:
     slow, fast = both[last]
     kept = [number(row, "error rad") for rate, (_, row) in both.items() if rate >= STRONG_DAMPING]
     yield (
-        f"Asked for {_small(DAMPING_TOLERANCE)} rad, {LIGHT} errs by "
-        f"{rounded(number(worst, 'error rad'))} at {number(worst, ratio):g} natural frequencies, "
-        f"and at {last:g} takes {rounded(number(slow, 'ms') / number(fast, 'ms'))} times as long "
-        f"as {STRONG}, which errs by {rounded(max(kept))} at most from {STRONG_DAMPING:g} on."
+        f"With a tolerance of {_small(DAMPING_TOLERANCE)} rad, {LIGHT} has an error of "
+        f"{rounded(number(worst, 'error rad'))} rad at {number(worst, ratio):g} natural "
+        "frequencies. "
+        f"At {last:g} it takes {rounded(number(slow, 'ms') / number(fast, 'ms'))} times as long "
+        f"as {STRONG}, whose error is {rounded(max(kept))} rad at most from {STRONG_DAMPING:g} on."
     )
 
 
@@ -327,10 +340,11 @@ def plate(tables: Tables) -> Iterator[str]:
     yield _picture("plate", "Error of the plate's deflection against terms and run time")
     yield ""
     yield (
-        f"At the load {TERMS:,} terms err by {rounded(number(series, 'error'))} in "
-        f"{rounded(number(series, 'ms'))} ms, the finest grid by "
-        f"{rounded(number(finest, 'error'))} in {rounded(number(finest, 'ms'))} ms; beside the "
-        f"load the sum is exact to the last digit from {exact} terms on, which is drawn at 1e-17."
+        f"At the load, {TERMS:,} terms have an error of {rounded(number(series, 'error'))} in "
+        f"{rounded(number(series, 'ms'))} ms, and the finest grid has "
+        f"{rounded(number(finest, 'error'))} in {rounded(number(finest, 'ms'))} ms. Beside the "
+        f"load the sum is exact to the last digit from {exact} terms on; the picture shows this at "
+        "1e-17."
     )
 
 
@@ -358,12 +372,12 @@ def simulators(tables: Tables) -> Iterator[str]:
     yield ""
     same = " and ".join(sorted(errors))
     yield (
-        f"All of them err by {same} % in the mean for the worst output, and all but the first give "
-        f"the same codes; the slowest takes {rounded(twin / number(rows[-1], RATE))} times as long "
-        "as the twin."
+        f"All of them have a mean error of {same} % for the worst output, and all but the first "
+        f"give the same codes. The slowest takes {rounded(twin / number(rows[-1], RATE))} times as "
+        "long as the twin."
     )
     yield ""
-    yield "| what computes | frames a second | times as long as the twin | what it shows |"
+    yield "| what computes | frames per second | times as long as the twin | what it shows |"
     yield "|---|---|---|---|"
     for row in rows:
         name, rate = str(row["engine"]), number(row, RATE)

@@ -234,8 +234,8 @@ def _entity(record: Record) -> str:
 def overview() -> str:
     """A line a block."""
     lines = [
-        "| block | mutants | found | the same | score | properties | borders | VHDL is Verilog "
-        "| netlists | unknown registers |",
+        "| block | mutants | detected | equivalent | score | properties | borders "
+        "| VHDL equals Verilog by | netlists | registers without reset |",
         "|" + "---|" * 10,
     ]
     for block in sorted(BENCHES):

@@ -8,8 +8,8 @@ from tb.report.measure.table import Table
 CLOSEST = 5
 # By what must happen: which change would make a figure exceed its bound.
 BREAKS = {
-    "refuse them": "a check of arguments that is left out",
-    "refuse it": "a check of arguments that is left out",
+    "refuse them": "a missing check of the arguments",
+    "refuse it": "a missing check of the arguments",
     "stop at the rails": "a conversion that wraps, or that keeps codes beyond the format",
     "count them": "a conversion that clips without counting",
     "count what it clips": "a conversion that clips without counting",
@@ -17,18 +17,18 @@ BREAKS = {
     "equal exact integers": "an accumulator that is a bit too narrow, or a sum that wraps where it "
     "must saturate",
     "err by no more than rounding can cause": "a result that wraps, a lost sign, a format or "
-    "a table that is some bits coarser",
-    "refuse them: the sum would wrap": "weights that are taken although a sum leaves its format",
+    "a table that is a few bits too coarse",
+    "refuse them: the sum would wrap": "accepting weights although a sum leaves its format",
     "keep inside its accumulator": "one bit less of the accumulator, or one weight more than it "
     "was built for",
     "give the largest code: saturate, not wrap": "an ABS that wraps: two's complement has no 8192 "
     "in 14 bits",
     "be exact": "an ABS that inverts the bits and adds no 1",
-    "give the negative of the largest code's result": "a sign that is lost, or an ABS that wraps",
-    "give the largest code beyond the gate": "no gate: Pade's regression diverges there",
-    "keep the sign": "a sign retriever that is left out",
+    "give the negative of the largest code's result": "a lost sign, or an ABS that wraps",
+    "give the largest code beyond the gate": "a missing gate: Pade's regression diverges there",
+    "keep the sign": "a missing sign retriever",
     "stay in the format": "a regression that wraps before it is saturated",
-    "stay in -1 to 1": "the gate left out",
+    "stay in -1 to 1": "a missing gate",
     "diverge without saturation": "nothing in the hardware: it shows that the gate is needed",
     "keep the bound of every quotient": "a power or a table of exp with fewer fraction bits",
     "not exceed the load": "a profile that rounds up at its top",
@@ -38,12 +38,12 @@ BREAKS = {
     "be flat": "an exponential that does not reach 0",
     "be d at the centre, 0 beside it": "a power that overflows to NaN",
     "keep the bound of the terms left out": "hyperbolic functions that overflow to NaN",
-    "give way as 1 / D": "a stiffness that enters a sum and is not a factor of it",
-    "give way as 1 / (E I)": "a stiffness that enters a sum and is not a factor of it",
+    "give way as 1 / D": "a stiffness that is added instead of multiplied",
+    "give way as 1 / (E I)": "a stiffness that is added instead of multiplied",
     "not move": "a series whose terms do not vanish at the edge",
     "obey w(p, q) = w(q, p)": "a series that loses its small terms beside large ones",
     "creep down, never rise": "an explicit integrator: at this damping its steps overshoot",
-    "press less than twice its weight": "an integrator that overshoots: forces hang on its speed",
+    "press less than twice its weight": "an integrator that overshoots: forces depend on its speed",
     "follow Jacobi's closed form": "a looser tolerance of the integrator",
     "pull no more than its energy allows": "an integrator that gains energy",
     "stay upright": "a looser tolerance: the smallest push grows by a factor of e each 1 / omega",
@@ -60,12 +60,14 @@ def headline(table: Table) -> str:
     reached = [case for case in found if case.reached]
     which = ", ".join(dict.fromkeys(f"`{case.model}` ({case.figure})" for case in reached))
     return (
-        f"**{holding} of {len(found)} hold.**\n\n"
-        f"{exact} of the cases count something that must not happen at all: a code that is off, an "
-        "argument that is\naccepted, a sign that is wrong. They hold if the count is 0. "
-        f"{len(reached)} cases come to their bound and must: the\nbound is the largest code there "
-        "is, the bits that the sum was given, or all the energy that there is. They are\n"
-        f"of {which}. The other {len(found) - exact - len(reached)} have a margin."
+        f"**{holding} of {len(found)} cases hold.**\n\n"
+        f"- {exact} of the cases count something that must never happen: a wrong code, an invalid "
+        "argument that is accepted,\n  or a wrong sign. Such a case holds if the count is 0.\n"
+        f"- {len(reached)} cases reach their bound, and must reach it: the bound is the largest "
+        "code "
+        "of a format, the number of\n  bits that a sum was given, or all the energy of a swing. "
+        f"These cases are of\n  {which}.\n"
+        f"- The other {len(found) - exact - len(reached)} cases keep a margin to their bound."
     )
 
 
@@ -85,7 +87,7 @@ def kinds(table: Table) -> str:
     found: dict[str, list[Case]] = {}
     for case in cases(table):
         found.setdefault(case.must, []).append(case)
-    lines = ["| what must happen | of | cases | what would break it |", "|---|---|---|---|"]
+    lines = ["| what must happen | model | cases | what would break it |", "|---|---|---|---|"]
     for must, alike in found.items():
         models = list(dict.fromkeys(case.model for case in alike))
         named = ", ".join(models) if len(models) <= 3 else f"{len(models)} models"
