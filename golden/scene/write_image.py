@@ -10,6 +10,7 @@ from golden.cli import run, would
 from golden.engine.image import Image
 from golden.engine.program import WORD_WIDTH
 from golden.files import replace_folder
+from golden.folders import BUILD
 from golden.input_error import InputError
 from golden.networks.engine import Engine
 from golden.scene import Scene, load_scene
@@ -62,7 +63,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="make image", description=__doc__)
     parser.add_argument("scene")
     parser.add_argument("--hardware", help="scene whose hardware it is for; otherwise its own")
-    parser.add_argument("--build", type=Path, default=Path("build"))
+    parser.add_argument("--build", type=Path, default=BUILD)
     arguments = parser.parse_args()
     scene = load_scene(arguments.scene)
     hardware = load_scene(arguments.hardware) if arguments.hardware else scene
