@@ -57,6 +57,11 @@ def words(name: str, text: str) -> list[str]:
         raise InputError(f"{name}={text}: {error}") from None
 
 
+def dry() -> bool:
+    """Whether a command should do nothing but check what it was given: ``DRY=1``."""
+    return os.environ.get("DRY", "") not in ("", "0")
+
+
 def would(work: str) -> None:
     """End a command here where ``DRY=1`` is given, and print the work that is left.
 
@@ -67,7 +72,7 @@ def would(work: str) -> None:
     work : str
         What the command would do now, such as "simulate 12 benches".
     """
-    if os.environ.get("DRY", "") not in ("", "0"):
+    if dry():
         print(f"DRY=1: nothing done; would {work}")
         raise SystemExit(0)
 

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from golden.cli import DISK
+from golden.folders import refuse_installed
 from golden.input_error import InputError, MissingFileError
 
 Made = TypeVar("Made")
@@ -195,6 +196,7 @@ def _where(error: OSError, path: Path) -> str:
 
 def _beside(path: Path) -> Path:
     """A name in the same folder that nothing has."""
+    refuse_installed(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     return path.with_name(f".{path.name}.{secrets.token_hex(8)}{path.suffix}")
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from golden.cli import run
 from golden.finding import OK, WARNING, Finding, faults, told
+from golden.folders import BUILD
 from golden.input_error import InputError
 from golden.machine import versions
 from golden.rig.check import everything
@@ -41,7 +42,7 @@ def check(name: str, build: Path) -> list[Finding]:
 def main() -> None:
     parser = argparse.ArgumentParser(prog="make check", description=__doc__)
     parser.add_argument("scene")
-    parser.add_argument("--build", type=Path, default=Path("build"))
+    parser.add_argument("--build", type=Path, default=BUILD)
     arguments = parser.parse_args()
     findings = check(arguments.scene, arguments.build)
     print("\n".join(map(str, findings)))

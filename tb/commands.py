@@ -1,7 +1,8 @@
 """Every command of ``make``: what it is for, what it may be given, and the module that does it.
 
-From this one table come ``make help``, the table of commands in ``docs/README.md``, the words that
-a module is called with, and what the tests know of commands. ``make help`` must work before
+From this one table come ``make help``, the command ``tactus`` (``tb.console``), the table of
+commands in ``docs/README.md``, the words that a module is called with, and what the tests know of
+commands. ``make help`` must work before
 anything is installed, so this file imports nothing but the standard library.
 """
 
@@ -13,6 +14,7 @@ import textwrap
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NoReturn
 
 ROOT = Path(__file__).parents[1]
 WIDTH = 100
@@ -432,6 +434,11 @@ def _wrapped(text: str, first: str, others: str) -> list[str]:
     )
 
 
+def start(command: Command, given: Mapping[str, str]) -> NoReturn:
+    """Call what does a command, in the place of this process."""
+    os.execv(sys.executable, [sys.executable, *command.words(given)])
+
+
 def main() -> None:
     """``python -m tb.commands TARGET``: print the help, or call what does it.
 
@@ -441,7 +448,7 @@ def main() -> None:
     if name == "help":
         print(help_text())
         return
-    os.execv(sys.executable, [sys.executable, *BY_NAME[name].words(os.environ)])
+    start(BY_NAME[name], os.environ)
 
 
 if __name__ == "__main__":

@@ -20,6 +20,7 @@ import numpy as np
 
 from golden.cli import run, would
 from golden.disturbance import Disturbance
+from golden.folders import BUILD
 from golden.machine import closing
 from golden.metrics import millimetres
 from golden.progress import stage
@@ -187,7 +188,7 @@ def main() -> int:
             text = report(scene, results[scene.name])
         print(text)
         for simulator in SIMULATORS:
-            print(f"{language(simulator):8} in build/{scene.name}/{language(simulator)}")
+            print(f"{language(simulator):8} in {BUILD / scene.name / language(simulator)}")
         # What is the project's own takes longer than all else, and would be the same in each.
         with stage(f"{scene.name}: writing the report"):
             build_report(scene, arguments.full, own=len(scenes) == 1)

@@ -9,9 +9,12 @@ from __future__ import annotations
 
 import argparse
 import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from golden.block import walk
-from golden.cli import MOST_SEED, run, whole, would
+from golden.cli import MOST_SEED, dry, run, whole, would
+from golden.folders import BUILD
 from golden.input_error import InputError
 from golden.progress import Progress, stage
 from tb.common.kept import run_and_keep
@@ -51,16 +54,18 @@ def main() -> int:
     simulators = [NETLISTS_RUN_IN] if families else [arguments.sim] if arguments.sim else SIMULATORS
     for simulator in simulators:
         check_simulator(simulator)
-    found = places(arguments.scene, arguments.block)
-    for place in found:
-        if place.why:
-            print(place.why, flush=True)
-    count = 0
-    for place in found:
-        design = place.scene.twin()
-        entities = {p.entity for p in walk(design) if arguments.block in (None, p.block)}
-        count += len(mapped(design, entities, families or simulators))
-    would(f"export, then run {count} benches on {', '.join(families or simulators)}")
+    with TemporaryDirectory() as folder:
+        # A dry run leaves no scene of a case behind.
+        build = Path(folder) if dry() else BUILD
+        found = places(arguments.scene, arguments.block, build)
+        count = 0
+        for place in found:
+            if place.why:
+                print(place.why, flush=True)
+            design = place.scene.twin()
+            entities = {p.entity for p in walk(design) if arguments.block in (None, p.block)}
+            count += len(mapped(design, entities, families or simulators))
+        would(f"export, then run {count} benches on {', '.join(families or simulators)}")
     jobs: list[Job] = []
     for place in found:
         with stage(f"{place.scene.name}: exporting, and compiling"):

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from golden.cli import run, would
+from golden.folders import BUILD
 from golden.scene import load_scene
 from golden.scene.image import scene_image
 from golden.scene.write_image import hardware_of, write_image
@@ -16,7 +17,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="make image", description=__doc__)
     parser.add_argument("scene")
     parser.add_argument("--hardware", help="scene whose hardware it is for; otherwise its own")
-    parser.add_argument("--build", type=Path, default=Path("build"))
+    parser.add_argument("--build", type=Path, default=BUILD)
     arguments = parser.parse_args()
     scene = load_scene(arguments.scene)
     hardware = load_scene(arguments.hardware) if arguments.hardware else scene

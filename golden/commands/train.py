@@ -16,6 +16,7 @@ import scipy
 from golden.cli import run, would
 from golden.finding import refuse
 from golden.fingerprint import fingerprint, sources
+from golden.folders import BUILD
 from golden.input_error import InputError
 from golden.mlp import Mlp
 from golden.network_files.network_file import check_targets, provenance_path, save_networks
@@ -64,7 +65,7 @@ def main() -> None:
     parser.add_argument("scene")
     parser.add_argument("--workers", type=int, default=-1, help="processes; -1: one a core")
     parser.add_argument("--cluster", help="address of a Dask scheduler to compute on instead")
-    parser.add_argument("--build", type=Path, default=Path("build"))
+    parser.add_argument("--build", type=Path, default=BUILD)
     parser.add_argument("--into", type=Path, help="folder for the networks; beside the scene")
     arguments = parser.parse_args()
     scene = load_scene(arguments.scene)

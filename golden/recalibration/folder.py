@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from golden.files import check_writable, reading, replace_file, same_file
+from golden.folders import BUILD
 from golden.input_error import InputError
 from golden.mlp import Mlp
 from golden.network_files.network_file import check_targets, provenance_path, save_networks
@@ -65,7 +66,7 @@ def scene_file(scene: Scene, target: str) -> Path:
     InputError
         For the scene itself.
     """
-    folder = Path(target) if target else Path("build") / scene.name / "recalibrated"
+    folder = Path(target) if target else BUILD / scene.name / "recalibrated"
     path = folder if folder.suffix == ".toml" else folder / f"{scene.name}.toml"
     if same_file(path, scene.path) or same_file(path.parent, scene.path.parent):
         raise InputError(

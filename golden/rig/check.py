@@ -17,6 +17,7 @@ import numpy as np
 
 from golden.files import check_writable
 from golden.finding import FAULT, NOTE, OK, WARNING, Finding, fault, faults, told
+from golden.folders import is_installed
 from golden.mlp import Mlp
 from golden.network_files.network_file import check_targets, write_network
 from golden.precision import SIGNAL
@@ -49,7 +50,7 @@ def everything(scene: Scene, build: Path) -> list[Finding]:
         Finding(OK, str(scene.path), _summary(scene)),
         *shown,
         *([] if faults(shown) else sensors_tell.findings(scaled(scene))),
-        *networks_writable(scene),
+        *(networks_installed(scene) if is_installed(scene.path) else networks_writable(scene)),
         *networks,
         *build_writable(scene, build),
         *design(scene, trained=not missing),
@@ -152,6 +153,12 @@ def networks_writable(scene: Scene) -> list[Finding]:
         folders = ", ".join(sorted({str(path.parent) for path in scene.weights_paths}))
         findings.append(Finding(OK, folders, "networks can be written"))
     return findings
+
+
+def networks_installed(scene: Scene) -> list[Finding]:
+    """Of a scene that pip has installed with tactus: it works, and cannot be trained in place."""
+    text = "belongs to the installed package; to train it, copy its folder"
+    return [Finding(NOTE, str(scene.path), text)]
 
 
 def networks_there(scene: Scene) -> list[Finding]:

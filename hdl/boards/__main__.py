@@ -16,6 +16,7 @@ from pathlib import Path
 from golden.boards import Board, board_names, load_board
 from golden.cli import would
 from golden.files import replace_folder, write_json
+from golden.folders import BUILD
 from golden.networks.network import Network
 from golden.progress import Progress
 from golden.scene import load_scene
@@ -31,7 +32,7 @@ def main() -> None:
     parser.add_argument("scene")
     parser.add_argument("board", help=f"a path to a .toml file, or {', '.join(board_names())}")
     parser.add_argument("--device", default="", help="one that the board is sold with")
-    parser.add_argument("--build", type=Path, default=Path("build"))
+    parser.add_argument("--build", type=Path, default=BUILD)
     parser.add_argument(
         "--record", action="store_true", help="write what it takes beside the scene"
     )

@@ -10,6 +10,7 @@ import argparse
 from pathlib import Path
 
 from golden.cli import would
+from golden.folders import BUILD
 from golden.scene import DEFAULT_SCENES, Scene, load_scene
 from golden.scene.ranges import ranges
 from golden.scene.saturation import warn_saturating
@@ -24,7 +25,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m hdl.export", description=__doc__)
     parser.add_argument("scene", nargs="?", help=f"{' and '.join(DEFAULT_SCENES)} when left out")
     parser.add_argument("language", choices=sorted(LANGUAGES))
-    parser.add_argument("--build", type=Path, default=Path("build"))
+    parser.add_argument("--build", type=Path, default=BUILD)
     arguments = parser.parse_args()
     names = DEFAULT_SCENES if arguments.scene is None else (arguments.scene,)
     scenes = [load_scene(name) for name in names]

@@ -16,6 +16,7 @@ from typing import Any
 
 from golden.cli import would
 from golden.files import replace_folder, write_json
+from golden.folders import BUILD
 from golden.input_error import InputError
 from golden.networks.network import Network
 from golden.progress import Progress
@@ -92,7 +93,7 @@ def work(scene: Scene, design: Network, verilog: Path) -> tuple[Cells, Timing]:
 def main() -> None:
     parser = argparse.ArgumentParser(prog="make synth", description=__doc__)
     parser.add_argument("scene")
-    parser.add_argument("--build", type=Path, default=Path("build"))
+    parser.add_argument("--build", type=Path, default=BUILD)
     parser.add_argument("--record", action="store_true", help="write the budget beside the scene")
     arguments = parser.parse_args()
     scene = load_scene(arguments.scene)

@@ -10,15 +10,16 @@ import sys
 import sysconfig
 import tempfile
 from collections.abc import Callable, Iterable
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
 from golden.files import read_kept, write_kept
 from golden.fingerprint import fingerprint
+from golden.folders import BUILD
 from golden.input_error import InputError
 
-STORE = Path("build") / "synth"
+STORE = BUILD / "synth"
 # Of a process whose processor time was over.
 ENDED = (-signal.SIGXCPU, -signal.SIGKILL)
 
@@ -61,6 +62,22 @@ def run_tool(
     return result.stdout + result.stderr
 
 
+def version_of(package: str) -> str:
+    """The version of a package from PyPI.
+
+    Raises
+    ------
+    InputError
+        When it is not installed.
+    """
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        raise InputError(
+            f"not installed: {package}; run: {sys.executable} -m pip install {package}"
+        ) from None
+
+
 def digest(verilog: Path, names: Iterable[str] | None = None) -> str:
     """A digest of the code in the ``.v`` files of a folder, or in some, without its comments."""
     files = sorted(verilog.glob("*.v") if names is None else map(verilog.joinpath, names))
@@ -90,7 +107,7 @@ def stored(
         Whatever else the answer depends on.
     """
     scripts = sorted(Path(__file__).parent.glob("*.py"))
-    key = fingerprint(scripts, digest(verilog), *facts, *map(version, tools))
+    key = fingerprint(scripts, digest(verilog), *facts, *map(version_of, tools))
     kept = STORE / f"{key}.json"
     found = read_kept(kept)
     if isinstance(found, dict):

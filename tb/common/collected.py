@@ -5,10 +5,11 @@ from __future__ import annotations
 from importlib import import_module
 from pathlib import Path
 
+from golden.fingerprint import ROOT
+from golden.folders import BUILD
 from golden.scene import Scene
 from tb.common.cases import Case
 
-ROOT = Path(__file__).parents[2]
 BENCHES = {
     path.stem.removeprefix("tb_"): import_module(f"tb.{path.parent.name}.{path.stem}")
     for path in sorted((ROOT / "tb").glob("*/tb_*.py"))
@@ -40,7 +41,7 @@ def blocks_of(case: str) -> set[str]:
     return {block for block, names in CASES_OF.items() if case in names}
 
 
-def case_scene(name: str, build: Path = ROOT / "build") -> Scene:
+def case_scene(name: str, build: Path = BUILD) -> Scene:
     """The scene of a case, written below ``build``."""
     folder = build / "cases"
     folder.mkdir(parents=True, exist_ok=True)

@@ -13,12 +13,13 @@ from dataclasses import replace
 from typing import Any
 
 from golden.block import walk
+from golden.folders import BUILD
 from golden.networks.network import Network
 from golden.progress import Progress, stage
 from golden.scene import Scene
 from hdl.export.stamp import is_current
 from tb.common.kept import kept, run_and_keep
-from tb.common.runner import BUILD, Job, Outcome, jobs, plan, run_jobs, tell
+from tb.common.runner import Job, Outcome, jobs, plan, run_jobs, tell
 from tb.common.tools import SIMULATORS, language
 
 

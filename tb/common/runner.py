@@ -22,7 +22,8 @@ from typing import Any
 
 from golden.block import Block, walk
 from golden.files import replace_folder, writing
-from golden.fingerprint import fingerprint
+from golden.fingerprint import ROOT, fingerprint
+from golden.folders import BUILD
 from golden.input_error import InputError
 from golden.scene import Scene, load_scene, scene_path
 from hdl.export.exporter import MANIFEST, ORDER
@@ -32,8 +33,6 @@ from tb.common.simulate import Run, analyse, simulate
 from tb.common.tools import SIMULATORS, check_simulator, language
 from tb.common.where import check_block
 
-ROOT = Path(__file__).parents[2]
-BUILD = ROOT / "build"
 SEED = 1
 # Random frames that the bench of a network plays.
 FRAMES = 100
@@ -157,7 +156,7 @@ def export(scene: Scene, tongue: str, build: Path = BUILD) -> None:
         With the exporter's message, when the scene cannot be exported.
     """
     command = [sys.executable, "-m", "hdl.export", str(scene.path.resolve()), tongue]
-    command += ["--build", str(build)]
+    command += ["--build", str(build.resolve())]
     result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     if result.returncode == 2:
         # In front of the message may stand warnings.
@@ -268,7 +267,7 @@ def run_job(job: Job) -> Outcome:
         "scene": str(job.scene.path.resolve()),
         "entity": job.entity,
         "frames": job.frames,
-        "result": str(job.result_file),
+        "result": str(job.result_file.resolve()),
         "trace": str(job.trace_file.resolve()) if job.trace else "",
         "rerun": f"{rerun} SEED={job.seed}",
     }

@@ -12,6 +12,7 @@ from functools import cache
 from pathlib import Path
 
 from golden.block import walk
+from golden.folders import BUILD
 from golden.input_error import InputError
 from golden.scene import DEFAULT_SCENES, Scene, load_scene, scene_names
 from golden.table import suggest
@@ -37,8 +38,10 @@ def blocks_in(scene: Scene) -> set[str]:
     return {part.block for part in walk(scene.twin())}
 
 
-def places(scene: str | None, block: str | None) -> list[Place]:
+def places(scene: str | None, block: str | None, build: Path = BUILD) -> list[Place]:
     """Where benches run, of one block or of all: in the scene that is named, or in several.
+
+    The scene of a case is written below ``build``.
 
     Raises
     ------
@@ -66,7 +69,7 @@ def places(scene: str | None, block: str | None) -> list[Place]:
     from tb.common.collected import CASES_OF, case_scene
 
     for name in CASES_OF[block]:
-        made = case_scene(name)
+        made = case_scene(name, build)
         if block in blocks_in(made):
             why = f"the first of its bench that contains {block}; no shipped scene does"
             return [Place(made, f"case {name}: {why}")]

@@ -12,10 +12,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import TracebackType
 
+from golden.fingerprint import ROOT
 from golden.instruments.uart_instrument import UartInstrument
 from golden.scene import Scene
 from hdl.export.exporter import ORDER
-from tb.common.runner import ROOT, export
+from tb.common.runner import export
 from tb.common.simulate import Ghdl, analyse
 from tb.common.tools import check_simulator, language
 from tb.monitor.inside_simulator import CONFIGURATION

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from golden.cli import MOST_SEED, whole, would
 from golden.files import replace_folder
+from golden.folders import BUILD
 from golden.progress import Progress
 from golden.scene import load_scene
 from hdl.export.repeatable import run_repeatable
@@ -32,7 +33,7 @@ PEERS = ("da4ml", "nngen")
 def main() -> None:
     parser = argparse.ArgumentParser(prog="make peers", description=__doc__)
     parser.add_argument("--seed", type=whole("SEED", 0, MOST_SEED), default=1)
-    parser.add_argument("--build", type=Path, default=Path("build"))
+    parser.add_argument("--build", type=Path, default=BUILD)
     arguments = parser.parse_args()
     check_simulator("icarus")
     would(f"install {' and '.join(PEERS)} and build their hardware of scene {SCENE}")

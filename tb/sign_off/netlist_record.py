@@ -18,11 +18,12 @@ from typing import Any
 
 from golden.block import walk
 from golden.cli import would
+from golden.folders import BUILD
 from golden.input_error import InputError
 from golden.progress import Progress
 from golden.scene import load_scene
 from tb.common.kept import run_kept
-from tb.common.runner import BUILD, Job, Outcome, jobs, prepare, run_jobs
+from tb.common.runner import Job, Outcome, jobs, prepare, run_jobs
 from tb.sign_off.netlist import ALL, FAMILIES, NETLISTS_RUN_IN, ROUTED, chosen, on_cells
 from tb.sign_off.record import write_record
 from tb.sign_off.source import EVERY, source, verilog

@@ -6,7 +6,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from tb.common.collected import ROOT
+from golden.fingerprint import ROOT
 from tb.common.runner import Job
 from tb.sign_off.properties import Property
 

@@ -24,9 +24,10 @@ from typing import Any
 from golden.cli import run, would
 from golden.files import replace_file
 from golden.fingerprint import fingerprint
+from golden.folders import BUILD
 from hdl.synth.tools import digest
 from tb.common.collected import CASES_OF
-from tb.common.runner import BUILD, Job
+from tb.common.runner import Job
 from tb.sign_off.equal import command, prove_equal
 from tb.sign_off.proofs import PROOFS, proof_file, properties_of
 from tb.sign_off.properties import Property

@@ -5,11 +5,12 @@ from __future__ import annotations
 from functools import cache
 from pathlib import Path
 
+from golden.folders import BUILD
 from golden.input_error import InputError
 from golden.scene import load_scene
 from golden.table import suggest
 from tb.common.collected import BENCHES, CASES_OF, case_scene
-from tb.common.runner import BUILD, Job, jobs, plan, prepare
+from tb.common.runner import Job, jobs, plan, prepare
 
 
 def subject(

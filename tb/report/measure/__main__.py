@@ -18,6 +18,7 @@ from typing import Any
 from golden.cli import MOST_SEED, run, whole, would
 from golden.files import replace_folder, write_json
 from golden.fingerprint import ROOT, fingerprint, sources
+from golden.folders import BUILD
 from golden.input_error import InputError
 from golden.machine import facts, versions
 from golden.table import suggest
@@ -29,7 +30,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="make figures", description=__doc__)
     parser.add_argument("tables", nargs="*", metavar="TABLE")
     parser.add_argument("--seed", type=whole("SEED", 0, MOST_SEED), default=1)
-    parser.add_argument("--build", type=Path, default=Path("build"))
+    parser.add_argument("--build", type=Path, default=BUILD)
     parser.add_argument("--record", action="store_true")
     arguments = parser.parse_args()
     names = arguments.tables or list(TABLES)

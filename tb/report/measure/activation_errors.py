@@ -27,6 +27,7 @@ from golden.activation.schemes import Scheme, forms
 from golden.cli import run, would
 from golden.files import replace_file, write_json
 from golden.fingerprint import ROOT
+from golden.folders import BUILD, is_checkout
 from golden.machine import versions
 from golden.metrics import ACTIVATION_RANGE, activation_error
 from golden.precision import EXACT, THESIS, Precision
@@ -222,17 +223,18 @@ def plot(name: str, scheme: Scheme, path: Path) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="make activations", description=__doc__)
-    parser.add_argument("--build", type=Path, default=Path("build"))
-    parser.add_argument("--plots", type=Path, default=PLOTS)
+    parser.add_argument("--build", type=Path, default=BUILD)
+    parser.add_argument("--plots", type=Path, default=PLOTS if is_checkout() else None)
     arguments = parser.parse_args()
-    would(f"measure every activation and write its plot into {arguments.plots}")
+    folder = arguments.build / "activations"
+    plots = arguments.plots or folder
+    would(f"measure every activation and write its plot into {plots}")
     rows = measure()
     print("\n".join(table(rows)))
-    folder = arguments.build / "activations"
     write(rows, folder)
     for name, scheme in forms().items():
-        plot(name, scheme, arguments.plots / plot_file(name))
-    print(f"\nwrote {folder}/errors.csv and errors.json; plots in {arguments.plots}")
+        plot(name, scheme, plots / plot_file(name))
+    print(f"\nwrote {folder}/errors.csv and errors.json; plots in {plots}")
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ from typing import Any
 
 from golden.activation.schemes import SCHEMES
 from golden.block import walk
+from golden.folders import BUILD
 from golden.networks.network import Network
 from golden.scene import Scene, thesis_table
 from hdl.synth.budget import Cells, budget_path, by_block, read_budget
@@ -16,7 +17,7 @@ from hdl.synth.netlist import KINDS
 from hdl.synth.shares import shares
 from hdl.synth.timing import Timing, read_timing, timing_path
 from hdl.synth.tools import digest
-from tb.common.runner import BUILD, export
+from tb.common.runner import export
 from tb.report.measure.networks import scenes
 from tb.report.measure.table import Cell, Table
 

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from golden.cli import run, would
 from golden.files import replace_folder
+from golden.folders import BUILD
 from golden.physics.gauge_places import Placing
 from golden.physics.gauge_rig import OUTPUTS, GaugeRig, load_rig
 from tb.report.draw.gauges import gauges
@@ -88,7 +89,7 @@ def _names(places: Sequence[float]) -> str:
 def main() -> None:
     parser = argparse.ArgumentParser(prog="make sensors", description=__doc__)
     parser.add_argument("rig")
-    parser.add_argument("--build", type=Path, default=Path("build"))
+    parser.add_argument("--build", type=Path, default=BUILD)
     arguments = parser.parse_args()
     rig = load_rig(arguments.rig)
     would(f"find where the gauges of {rig.name} should sit")

@@ -18,11 +18,10 @@ from pathlib import Path
 
 from golden.cli import run, would
 from golden.files import check_file
-from golden.fingerprint import ROOT
+from golden.folders import BUILD
 from golden.input_error import InputError
 from golden.machine import closing
 from golden.scene import load_scene
-from tb.common.runner import BUILD
 
 
 def steps(readings: Path, outputs: str, scene: Path) -> dict[str, list[str]]:
@@ -48,7 +47,7 @@ def timed(readings: Path, outputs: str, scene: Path) -> dict[str, float]:
     for name, (module, *words) in steps(readings, outputs, scene).items():
         started = time.perf_counter()
         command = [sys.executable, "-m", module, *words]
-        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode:
             raise InputError(f"make {name}: {done.stdout}{done.stderr}")
         seconds[name] = time.perf_counter() - started

@@ -13,13 +13,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from golden.folders import BUILD
 from golden.input_error import InputError
 from golden.networks.network import Network
 from golden.precision import SIGNAL
 from golden.scene import Scene
 from hdl.export.exporter import ORDER
 from hdl.export.ports import read_ports
-from tb.common.runner import BUILD, export
+from tb.common.runner import export
 from tb.common.tools import check_simulator
 from tb.report.draw.waveforms import Port
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from golden.files import read_kept, write_kept
-from tb.common.runner import BUILD
+from golden.folders import BUILD
 from tb.report.measure.table import Table
 
 STORE = BUILD / "report"

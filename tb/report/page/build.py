@@ -6,9 +6,9 @@ import dataclasses
 import time
 
 from golden.files import check_writable, replace_file, replace_folder, write_json
+from golden.folders import BUILD
 from golden.machine import facts, versions
 from golden.scene import Scene
-from tb.common.runner import BUILD
 from tb.common.tools import simulator_versions
 from tb.report.measure.table import Table
 from tb.report.page.content import content

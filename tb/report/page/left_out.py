@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from golden.scene import load_scene
+from tb.common.where import block_names
 from tb.report.draw.findings import Row, number, rows_of
 from tb.report.draw.plots import Plot
 from tb.report.measure.left_out import LEAN, WHOLE
 from tb.report.measure.sensors_dropped import EACH, IN_ORDER, PRINTED, SCENE, WORST
 from tb.report.measure.table import Table
-from tb.report.page.summary import every_block
 
 CELLS = {"LUT": "LUTs", "flip-flop": "flip-flops", "multiplier": "multipliers"}
 UNKNOWN = "not recorded"
@@ -21,7 +21,7 @@ def headline(scenes: Table, dropped: Table) -> str:
     (row,) = rows_of(scenes, scene=SCENE)
     sensors, needed = load_scene(SCENE).sensors, fewest(dropped)
     return (
-        f"**Scene `{SCENE}` uses {row['blocks']} of the {len(every_block())} blocks, and takes "
+        f"**Scene `{SCENE}` uses {row['blocks']} of the {len(block_names())} blocks, and takes "
         f"{_of(row, 'LUT')} LUTs that the same\nengine takes with everything built in. Of its "
         f"{len(sensors)} sensors, {len(needed)} are enough: {' and '.join(needed)}.**"
     )

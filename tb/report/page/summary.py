@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 from golden.block import walk
@@ -11,7 +10,7 @@ from golden.scene import Scene, thesis_figures
 from golden.scene_errors import UNKNOWN, held_out_means, held_out_text, scene_errors
 from golden.training.split import unused_text
 from hdl.synth.timing import DEVICE_NAME
-from tb.common.runner import ROOT
+from tb.common.where import block_names
 from tb.report.draw.findings import number, rows_of
 from tb.report.measure.clocks import clocks_per_frame
 from tb.report.measure.costs import Costs
@@ -137,11 +136,7 @@ def left_out(scene: Scene, design: Network) -> list[str]:
     if scene.interface == "stream":
         lines.append("the AXI4-Stream interface")
     here = {part.block for part in walk(design)}
-    others = sorted(name for name in every_block() if name not in here)
-    lines.append(f"{len(others)} of {len(every_block())} blocks: {', '.join(others)}")
+    blocks = block_names()
+    others = [name for name in blocks if name not in here]
+    lines.append(f"{len(others)} of {len(blocks)} blocks: {', '.join(others)}")
     return lines
-
-
-def every_block() -> list[str]:
-    """The blocks of the project: those with a datasheet."""
-    return sorted(path.stem for path in Path(ROOT, "docs", "blocks").glob("*.md"))

@@ -8,8 +8,9 @@ from typing import Any, TypeVar
 
 from golden.files import read_kept, write_kept
 from golden.fingerprint import fingerprint
+from golden.folders import BUILD
 
-STORE = Path("build") / "mutate"
+STORE = BUILD / "mutate"
 # What an answer of each kind comes from.
 SCRIPTS = {
     "replay": ("mutants.py", "replay.py"),

