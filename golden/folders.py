@@ -40,6 +40,6 @@ def refuse_installed(path: Path) -> None:
     """
     if is_installed(path):
         raise InputError(
-            f"{path}: cannot be written: it belongs to the installed package; expected a scene of "
-            "your own, such as a copy of the folder of this one, or a checkout of tactus"
+            f"{path}: cannot be written: it belongs to the installed package; expected a file of "
+            "your own, or a checkout of tactus"
         )

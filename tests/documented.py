@@ -1,4 +1,4 @@
-"""The commands that the pages name: ``make ...`` and ``python -m ...``, in code and in a line."""
+"""The commands that the pages name, in code and in a line: of make, of tactus, and of Python."""
 
 from __future__ import annotations
 
@@ -22,8 +22,9 @@ PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").rglob("*.md")])
 # The change log names commands as they were.
 PAGES = [page for page in PAGES if page.stem != "changelog"]
 # Variables of the shell, or a folder of programs, may stand in front.
-BEGIN = r"(?:[A-Z_]+=\S+ )*(make [a-z]|(?:\S+/)?python3? -m )"
+BEGIN = r"(?:[A-Z_]+=\S+ )*(make [a-z]|tactus [a-z]|(?:\S+/)?python3? -m )"
 FIRST_WORD = re.compile(BEGIN)
+FRONT_DOORS = ("make", "tactus")
 # Stand-ins for what a user has and this project has not, by variable and by what the pages show.
 STAND_INS = {
     ("SCENE", "path/to/rig.toml"): "tutorial/rig.toml",
@@ -65,14 +66,15 @@ class Documented:
 
     @property
     def command(self) -> Command | None:
-        """The command of make that it is; None for another program."""
-        return BY_NAME.get(self.words[1]) if self.words[0] == "make" else None
+        """The command of the table that it is; None for another program."""
+        return BY_NAME.get(self.words[1]) if self.words[0] in FRONT_DOORS else None
 
     @property
     def shown(self) -> dict[str, str]:
         """The variables that it gives. ``SCENE=`` and ``SCENE=...`` stand for any."""
-        pairs = (word.partition("=") for word in self.words[2:])
-        return {name: value for name, _, value in pairs if value not in ("", "...")}
+        of = _given_to_tactus if self.words[0] == "tactus" else _given_to_make
+        pairs = (of(word) for word in self.words[2:])
+        return {name: value for name, value in pairs if value not in ("", "...")}
 
     @property
     def optional(self) -> list[str]:
@@ -89,6 +91,19 @@ class Documented:
         assert self.command
         needed = {a.name: a.example for a in self.command.arguments if a.needed}
         return {n: STAND_INS.get((n, v), v) for n, v in (needed | self.shown).items()}
+
+
+def _given_to_make(word: str) -> tuple[str, str]:
+    name, _, value = word.partition("=")
+    return name, value
+
+
+def _given_to_tactus(word: str) -> tuple[str, str]:
+    """A variable by the name that it has in the table."""
+    if not word.startswith("--"):
+        return "SCENE", word
+    name, _, value = word[2:].partition("=")
+    return name.upper(), value or "1"
 
 
 def documented() -> list[Documented]:

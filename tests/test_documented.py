@@ -13,10 +13,20 @@ from itertools import takewhile
 from pathlib import Path
 
 import pytest
-from documented import PAGES, ROOT, STAND_INS, Documented, commands_of, documented, lay_out
+from documented import (
+    FRONT_DOORS,
+    PAGES,
+    ROOT,
+    STAND_INS,
+    Documented,
+    commands_of,
+    documented,
+    lay_out,
+)
 from refused import main_of
 
 from golden.cli import run
+from tb.commands import BY_NAME
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
@@ -73,7 +83,7 @@ def test_a_documented_command_works(
     item: Documented, place: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
 ) -> None:
     where = f"{item.page.relative_to(ROOT)}: {item.text}"
-    if item.words[0] == "make":
+    if item.words[0] in FRONT_DOORS:
         assert item.command, f"{where}: no such command"
         known = {argument.name for argument in item.command.arguments}
         assert {*item.shown, *item.optional} <= known, f"{where}: expected {', '.join(known)}"
@@ -126,6 +136,7 @@ SIM=ghdl` or `other`, and `a/python -m tb.sim`.
 ```
 $ make demo
 makes nothing
+tactus vhdl my-rig.toml
 ```
 """
     assert sorted(commands_of(page)) == [
@@ -134,7 +145,14 @@ makes nothing
         "make demo",
         "make sim BLOCK=x SIM=ghdl",
         "make test",
+        "tactus vhdl my-rig.toml",
     ]
+
+
+def test_what_tactus_is_given_is_what_make_is_given() -> None:
+    typed = Documented("tactus mutate my-rig.toml --block=x --all", ROOT / "README.md")
+    assert typed.given == {"SCENE": "digit", "BLOCK": "x", "ALL": "1"}
+    assert typed.command is BY_NAME["mutate"]
 
 
 def test_a_command_that_errs_is_seen(

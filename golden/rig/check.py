@@ -157,7 +157,7 @@ def networks_writable(scene: Scene) -> list[Finding]:
 
 def networks_installed(scene: Scene) -> list[Finding]:
     """Of a scene that pip has installed with tactus: it works, and cannot be trained in place."""
-    text = "belongs to the installed package; to train it, copy its folder"
+    text = "belongs to the installed package, so train cannot write its networks"
     return [Finding(NOTE, str(scene.path), text)]
 
 

@@ -84,8 +84,9 @@ def analyse(sources: Iterable[Path], library: Path) -> None:
     InputError
         With what GHDL says of a file.
     """
+    files = [str(source.resolve()) for source in sources]
     result = subprocess.run(
-        ["ghdl", "-a", VHDL, QUICK, f"--workdir={library}", *map(str, sources)],
+        ["ghdl", "-a", VHDL, QUICK, f"--workdir={library.resolve()}", *files],
         cwd=library,
         env=os.environ | {"GHDL_BACKEND": BACKEND},
         capture_output=True,

@@ -1,0 +1,264 @@
+"""The command ``tactus``: what it makes of the table, and that a wheel holds all that it needs."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+import venv
+from importlib.metadata import version
+from pathlib import Path
+
+import pytest
+from click.shell_completion import ShellComplete
+from click.testing import CliRunner, Result
+
+from golden import folders
+from golden.files import check_writable
+from golden.input_error import InputError
+from golden.rig.check import everything
+from golden.rig.finding import faults
+from golden.scene import Scene, scene_names
+from tb import commands, console
+from tb.commands import BY_NAME, COMMANDS, Command
+from tb.common.where import block_names
+
+ROOT = Path(__file__).parents[1]
+OFFERED = [command for command in COMMANDS if command.module]
+MAKES = [command for command in COMMANDS if not command.module]
+# A value for each variable; a flag is given or not.
+VALUE = "a b"
+
+
+@pytest.fixture
+def started(monkeypatch: pytest.MonkeyPatch) -> list[list[str]]:
+    """The words that Python would have been started with, which it is not."""
+    found: list[list[str]] = []
+    monkeypatch.setattr(commands.os, "execv", lambda _, words: found.append(words[1:]))
+    monkeypatch.setenv("DRY", "")
+    monkeypatch.setenv("PYTHONSAFEPATH", "")
+    return found
+
+
+def invoke(*words: str) -> Result:
+    return CliRunner().invoke(console.front(), list(words))
+
+
+def options(command: Command, given: dict[str, str]) -> list[str]:
+    """A command line that gives what make would be given."""
+    words = [command.name]
+    for argument in command.arguments:
+        if argument.name not in given:
+            continue
+        if argument.name == "SCENE":
+            words.append(given["SCENE"])
+        elif argument.flag:
+            words.append(f"--{argument.name.lower()}")
+        else:
+            words.append(f"--{argument.name.lower()}={given[argument.name]}")
+    return words
+
+
+@pytest.mark.parametrize("command", OFFERED, ids=lambda c: c.name)
+def test_a_command_hands_on_what_it_is_given(command: Command, started: list[list[str]]) -> None:
+    """As make does: everything that the table knows, only what is needed, and nothing twice."""
+    everything_given = {a.name: "1" if a.flag else VALUE for a in command.arguments}
+    needed = {a.name: VALUE for a in command.arguments if a.needed}
+    for given in (everything_given, needed):
+        result = invoke(*options(command, given))
+        assert result.exit_code == 0, result.output
+        assert started.pop() == command.words(given)
+        assert not started
+    assert os.environ["DRY"] == ""
+    assert invoke(*options(command, needed), "--dry").exit_code == 0
+    assert os.environ["DRY"] == "1"
+
+
+@pytest.mark.parametrize("command", OFFERED, ids=lambda c: c.name)
+def test_the_help_of_a_command_comes_from_the_table(command: Command) -> None:
+    result = invoke(command.name, "--help")
+    assert result.exit_code == 0
+    told = " ".join(result.output.split())
+    assert console.typed(command.purpose) in told
+    shown = set(re.findall(r"--([a-z]+)\b", result.output))
+    known = {a.name.lower() for a in command.arguments if a.name != "SCENE"}
+    assert known | {"dry", "help"} == shown
+    assert ("SCENE" in told) == any(a.name == "SCENE" for a in command.arguments)
+    assert not re.search(r"\bmake [a-z]+|\b[A-Z]{2,}=", told)
+
+
+def test_the_commands_stand_in_the_order_of_the_table() -> None:
+    told = invoke("--help").output
+    assert re.findall(r"^  ([a-z]+)  ", told, re.M) == [command.name for command in OFFERED]
+    assert ", ".join(scene_names()) in " ".join(told.split()).replace("- ", "-")
+
+
+def test_texts_of_the_table_name_what_is_typed() -> None:
+    assert console.typed("RECORD=1 with CSV= and PORT=twin; as make scene, without SCENE=") == (
+        "--record with --csv and --port=twin; as tactus scene, without SCENE"
+    )
+
+
+def called(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
+    """The exit code of a command line."""
+    monkeypatch.setattr(sys, "argv", ["tactus", *words])
+    return console.main()
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["demoo"], "demoo: no such command, expected one of .*; did you mean 'demo'?"),
+        (["zzz"], "zzz: no such command, expected one of demo, .*, report"),
+        (["sim", "--blok=x"], "tactus sim: No such option.*--blok.*--block.* See: tactus sim"),
+        (["sim", "a", "b"], "tactus sim: Got unexpected extra argument (b). See: tactus sim"),
+        (["predict"], "tactus predict: Missing option '--csv'.* See: tactus predict --help"),
+        (["--dry"], "tactus: No such option.*--dry.* See: tactus --help"),
+        *[([c.name], f"{c.name}: is a command of a checkout.*: make {c.name}") for c in MAKES],
+    ],
+)
+def test_a_wrong_command_line_is_one_message(
+    words: list[str],
+    message: str,
+    started: list[list[str]],
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture,
+) -> None:
+    assert called(monkeypatch, *words) == 2
+    out, said = capfd.readouterr()
+    assert re.fullmatch(f"error: {re.escape(message)}.*\n".replace(r"\.\*", ".*"), said), said
+    assert not out
+    assert not started
+
+
+def test_alone_it_lists_its_commands(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
+) -> None:
+    assert called(monkeypatch) == 0
+    assert capfd.readouterr().out == invoke("--help").output
+    assert called(monkeypatch, "--version") == 0
+    assert capfd.readouterr().out == f"tactus {version('tactus')}\n"
+
+
+@pytest.mark.parametrize(
+    ("words", "begun", "offered"),
+    [
+        ([], "ver", ["verilog"]),
+        (["vhdl"], "digit-s", ["digit-single", "digit-single-thesis"]),
+        (["sim"], "--bl", ["--block"]),
+        (["sim", "--block"], "grad_", [n for n in block_names() if n.startswith("grad_")]),
+        (["sim", "--sim"], "", ["ghdl", "icarus"]),
+        (["lean", "--beside"], "thes", ["thesis"]),
+    ],
+)
+def test_what_a_shell_completes(words: list[str], begun: str, offered: list[str]) -> None:
+    completion = ShellComplete(console.front(), {}, "tactus", "_TACTUS_COMPLETE")
+    assert [item.value for item in completion.get_completions(words, begun)] == offered
+
+
+@pytest.mark.parametrize(
+    ("words", "begun"), [(["vhdl"], "my-"), (["scene", "--csv"], "re"), (["load", "--port"], "/d")]
+)
+def test_a_shell_completes_files(words: list[str], begun: str) -> None:
+    completion = ShellComplete(console.front(), {}, "tactus", "_TACTUS_COMPLETE")
+    (item,) = completion.get_completions(words, begun)
+    assert (item.value, item.type) == (begun, "file")
+
+
+@pytest.fixture
+def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder of packages in which tactus seems to stand, as pip puts it there."""
+    monkeypatch.setattr(folders, "ROOT", tmp_path / "site-packages")
+    return folders.ROOT
+
+
+def test_what_pip_has_installed_is_not_written(installed: Path, tmp_path: Path) -> None:
+    for room in folders.ROOMS:
+        with pytest.raises(InputError, match="cannot be written: it belongs to the installed pack"):
+            check_writable([installed / room / "a.json"])
+    assert not (installed / "tb").exists()
+    check_writable([tmp_path / "build" / "a.json", installed / "build" / "a.json"])
+
+
+def test_a_scene_that_pip_has_installed_has_no_fault(
+    small_scene: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("golden.rig.check.is_installed", lambda _: True)
+    found = everything(small_scene, tmp_path / "build")
+    assert not faults(found)
+    assert any("belongs to the installed package" in finding.text for finding in found)
+
+
+@pytest.mark.parametrize("words", [["prove"], ["figures"], ["sim", "digit"], ["synth", "digit"]])
+def test_records_belong_to_a_checkout(
+    words: list[str],
+    installed: Path,
+    started: list[list[str]],
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture,
+) -> None:
+    assert called(monkeypatch, *words, "--record") == 2
+    assert capfd.readouterr().err.startswith("error: --record: what is recorded of a block, ")
+    assert not started
+    assert called(monkeypatch, "synth", "mine.toml", "--record") == 0
+    assert started.pop() == BY_NAME["synth"].words({"SCENE": "mine.toml", "RECORD": "1"})
+
+
+def test_the_wheel_has_every_kind_of_file() -> None:
+    """A file of another ending would be missing where pip installs it."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    packed = {name.removeprefix("*") for name in project["tool"]["setuptools"]["package-data"]["*"]}
+    rooms = [ROOT / room for room in folders.ROOMS]
+    there = {path.suffix for room in rooms for path in room.rglob("*") if path.is_file()}
+    assert there - {".pyc"} == packed | {".py"}
+
+
+@pytest.mark.all_only
+def test_a_wheel_works_from_any_folder(tmp_path: Path) -> None:
+    """Built from a copy, since setuptools leaves what it builds beside the source."""
+    source, prefix, place = (tmp_path / name for name in ("source", "prefix", "place"))
+    for room in folders.ROOMS:
+        shutil.copytree(ROOT / room, source / room, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("pyproject.toml", "README.md", "LICENSE"):
+        shutil.copy(ROOT / name, source)
+    pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "-q"]
+    offline = ["--no-deps", "--no-build-isolation"]
+    subprocess.run([*pip, "wheel", *offline, "-w", tmp_path, source], check=True)
+    (wheel,) = tmp_path.glob("*.whl")
+    venv.create(prefix, with_pip=False)
+    (packages,) = (prefix / "lib").glob("python*/site-packages")
+    subprocess.run(
+        [*pip, "--python", prefix / "bin" / "python", "install", "--no-deps", wheel], check=True
+    )
+    # All else comes from this environment, but for the tactus that stands there.
+    others = Path(pytest.__file__).parents[1]
+    (packages / "others.pth").write_text(f"{others}\n")
+    shutil.rmtree(source)
+    before = {path for path in packages.rglob("*") if path.suffix != ".pyc"}
+    # What a user has by the names of our packages is not taken for them.
+    (place / "tb").mkdir(parents=True)
+    (place / "tb" / "__init__.py").write_text("raise SystemExit('not this one')\n")
+
+    def tactus(*words: str) -> subprocess.CompletedProcess[str]:
+        tool = prefix / "bin" / "tactus"
+        command = [tool, *words]
+        return subprocess.run(command, cwd=place, capture_output=True, text=True, check=False)
+
+    for words in (
+        ["check", "digit"],
+        ["vhdl", "digit"],
+        ["sim", "digit-single", "--block=round_saturate"],
+    ):
+        done = tactus(*words)
+        assert done.returncode == 0, f"{words}\n{done.stdout}{done.stderr}"
+    assert (place / "build" / "digit" / "vhdl" / "compile_order.txt").is_file()
+    refused = tactus("train", "digit")
+    assert refused.returncode == 2
+    assert "belongs to the installed package" in refused.stderr
+    assert "did you mean 'check'?" in tactus("chekc").stderr
+    after = {path for path in packages.rglob("*") if path.suffix != ".pyc"}
+    assert {path for path in after - before if path.name != "__pycache__"} == set()
+    assert {path.name for path in place.iterdir()} == {"tb", "build"}
