@@ -87,7 +87,7 @@ def widths_plot(table: Table) -> Plot:
     rows = rows_of(table)
     found = groups(rows, lambda row: str(row["network"]), "width mm", "mean %")
     told = [
-        f"{network} by {points[0][1]:.1f} % of {points[0][0]:g} mm and by {points[-1][1]:.1f} % of "
+        f"{network} {points[0][1]:.1f} % of {points[0][0]:g} mm and {points[-1][1]:.1f} % of "
         f"{points[-1][0]:g} mm"
         for network, points in found.items()
     ]
@@ -97,7 +97,7 @@ def widths_plot(table: Table) -> Plot:
         "width of the load, mm",
         "mean error, % of that width",
         found,
-        f"The mean errors are: {'; '.join(told)}.",
+        f"The mean errors of the width: {'; '.join(told)}.",
         [table.name],
         linear="x",
     )
