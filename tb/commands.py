@@ -217,7 +217,9 @@ COMMANDS = (
         ),
         "golden.rig.write_scene",
     ),
-    Command("check", "Checks a scene within seconds, and reports every fault that it finds.", (SCENE,), "tb.check"),
+    Command(
+        "check", "Checks a scene within seconds, and reports every fault.", (SCENE,), "tb.check"
+    ),
     Command(
         "train",
         "Trains the networks of a scene and writes them beside it; CLUSTER= is the address of a "
@@ -329,8 +331,8 @@ COMMANDS = (
     ),
     Command(
         "synth",
-        "Counts the cells of every block of a scene and finds its highest clock, prints both beside "
-        "the thesis, and compares them with the recorded figures.",
+        "Counts the cells of every block of a scene and finds its highest clock, prints both "
+        "beside the thesis, and compares them with the recorded figures.",
         (SCENE, RECORD),
         "hdl.synth",
     ),

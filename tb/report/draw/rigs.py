@@ -75,7 +75,8 @@ def gauges_sentence() -> str:
         missed = np.abs(sensor.read(loads) - table[:, c])
         told.append(f"{100 * missed.max() / np.ptp(table[:, c]):.0f} % for sensor {c + 1}")
     return (
-        "Markers are recorded readings, and lines are equation 3.9, fitted to all of them. The largest "
+        "Markers are recorded readings, and lines are equation 3.9, fitted to all of them. The "
+        "largest "
         f"distance in the {len(table)} rows, in percent of the sensor's span, is {', '.join(told)}."
     )
 

@@ -85,12 +85,14 @@ def headline(tables: Tables) -> Iterator[str]:
         f"{_us(default, clock)} µs; the best network that the thesis prints has "
         f"{printed[best]:.2f} %, within a scan of {SCAN_CLOCKS / clock:g} µs.** "
         f"These errors are the mean at the worst position of the worst output "
-        f"({default['worst output']}), bit-true, on the recorded rows; the networks were trained on "
+        f"({default['worst output']}), bit-true, on the recorded rows; the networks were trained "
+        "on "
         f"these rows too. On held-out rows the mean errors of the outputs are {min(held):.2f} to "
         f"{max(held):.2f} %. The {_count(default)} clocks of a frame take {_us(default, clock)} µs "
         f"at the {clock:g} MHz of the thesis' board, and "
         f"{rounded(number(default, 'us on an ECP5'))} µs at the "
-        f"{number(default, 'ECP5 MHz'):g} MHz that an ECP5 reaches. The thesis' cascade, rebuilt in "
+        f"{number(default, 'ECP5 MHz'):g} MHz that an ECP5 reaches. The thesis' cascade, rebuilt "
+        "in "
         f"the thesis' own arithmetic (`{REBUILT}`), has an error of {_error(rebuilt)} % and takes "
         f"{_us(rebuilt, clock)} µs."
     )
@@ -131,12 +133,12 @@ def defaults(tables: Tables) -> Iterator[str]:
     )
     yield (
         f"| [precision](#networks) | `{default['precision']}` | A folded cascade has an error of "
-        f"{_error(folded)} % in `exact` and of {_error(rebuilt)} % in the thesis' 14 bits. It takes "
-        f"{_count(folded)} and {_count(rebuilt)} clocks. |"
+        f"{_error(folded)} % in `exact` and of {_error(rebuilt)} % in the thesis' 14 bits. It "
+        f"takes {_count(folded)} and {_count(rebuilt)} clocks. |"
     )
     yield (
-        f"| [activation](#activations) | `{EXACT.activation}` | Its largest error is {_units(precise)} "
-        f"of 2^-13; it takes {number(precise, 'latency clocks'):.0f} clocks and "
+        f"| [activation](#activations) | `{EXACT.activation}` | Its largest error is "
+        f"{_units(precise)} of 2^-13; it takes {number(precise, 'latency clocks'):.0f} clocks and "
         f"{number(precise, 'LUT'):.0f} LUTs. `gradient`, which the thesis chose, has an error of "
         f"{_units(gradient)} and takes {number(gradient, 'latency clocks'):.0f} clocks and "
         f"{number(gradient, 'LUT'):.0f} LUTs. |"
@@ -191,7 +193,8 @@ def networks(tables: Tables) -> Iterator[str]:
     yield ""
     yield (
         f"The cascade has the smallest error, {_error(default)} %. It takes {_count(default)} "
-        f"clocks on one multiplier (`{SCENE}`) and {_count(folded)} clocks if it is folded over its "
+        f"clocks on one multiplier (`{SCENE}`) and {_count(folded)} clocks if it is folded over "
+        "its "
         f"nodes (`{FOLDED}`). `{quick['scene']}` is the quickest with {_count(quick)} clocks, and "
         f"has an error of {_error(quick)} %."
     )
@@ -271,7 +274,8 @@ def optimisers(tables: Tables) -> Iterator[str]:
     yield _picture("training", "Validation error against processor time")
     yield ""
     told = [
-        f"`{method}` has an error of {rounded(best_error(tables, method, EARLY))} % after {EARLY:g} s, "
+        f"`{method}` has an error of {rounded(best_error(tables, method, EARLY))} % after "
+        f"{EARLY:g} s, "
         f"{rounded(best_error(tables, method, LATE))} % after {LATE:g} s and "
         f"{rounded(best_error(tables, method, float('inf')))} % at the end"
         for method in methods
@@ -317,7 +321,8 @@ def swing(tables: Tables) -> Iterator[str]:
     kept = [number(row, "error rad") for rate, (_, row) in both.items() if rate >= STRONG_DAMPING]
     yield (
         f"With a tolerance of {_small(DAMPING_TOLERANCE)} rad, {LIGHT} has an error of "
-        f"{rounded(number(worst, 'error rad'))} rad at {number(worst, ratio):g} natural frequencies. "
+        f"{rounded(number(worst, 'error rad'))} rad at {number(worst, ratio):g} natural "
+        "frequencies. "
         f"At {last:g} it takes {rounded(number(slow, 'ms') / number(fast, 'ms'))} times as long "
         f"as {STRONG}, whose error is {rounded(max(kept))} rad at most from {STRONG_DAMPING:g} on."
     )

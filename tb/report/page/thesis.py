@@ -51,8 +51,10 @@ def errors() -> str:
     told = [_below(table, *compared) for compared in COMPARED]
     steps = [after - before for _, before, after in _pairs(table, *MEASURED)]
     return (
-        f"{_table(heads, table.rows)}\n\nOur errors against those of the thesis: {'; '.join(told)}. "
-        f"From simulation to real time the errors of the thesis change by {min(steps):+.2f} to {max(steps):+.2f}."
+        f"{_table(heads, table.rows)}\n\nOur errors against those of the thesis: "
+        f"{'; '.join(told)}. "
+        f"From simulation to real time the errors of the thesis change by {min(steps):+.2f} to "
+        f"{max(steps):+.2f}."
     )
 
 
@@ -68,7 +70,11 @@ COMPARED = [
         "with noise of 2 mV %",
         "in 14 bits with noise of 2 mV are below its errors in real time",
     ),
-    ("printed, floating point %", "floating point %", "in floating point are below its own errors in floating point"),
+    (
+        "printed, floating point %",
+        "floating point %",
+        "in floating point are below its own errors in floating point",
+    ),
 ]
 MEASURED = ("printed, simulation %", "printed, real time %")
 
