@@ -226,6 +226,9 @@ COMMANDS = (
         "tb.check",
     ),
     Command(
+        "check", "Checks a scene within seconds, and reports every fault.", (SCENE,), "tb.check"
+    ),
+    Command(
         "train",
         "Trains the networks of a scene and writes them beside it; CLUSTER= is the address of a "
         "Dask scheduler to compute on.",
@@ -337,8 +340,7 @@ COMMANDS = (
     Command(
         "synth",
         "Counts the cells of every block of a scene and finds its highest clock, prints both "
-        "beside "
-        "the thesis, and compares them with the recorded figures.",
+        "beside the thesis, and compares them with the recorded figures.",
         (SCENE, RECORD),
         "hdl.synth",
     ),

@@ -172,7 +172,7 @@ def test_the_width_counts_against_itself(widths: Table) -> None:
         for row in found:
             assert row["mean %"] == pytest.approx(100 * row["mean mm"] / row["width mm"])
     sentence = along.widths_plot(widths).sentence
-    assert f"single by {rows(widths, network='single')[0]['mean %']:.1f} % of 12.7 mm" in sentence
+    assert f"single {rows(widths, network='single')[0]['mean %']:.1f} % of 12.7 mm" in sentence
 
 
 def test_the_training_error_falls_and_the_validation_error_does_not_always(

@@ -183,13 +183,11 @@ def _notes(scenes: Sequence[Scene]) -> list[str]:
     held_out = [f"for {scene.name} {_seen(scene)}" for scene in scenes]
     notes = [
         "error: bit-true, on all recorded frames. largest is the largest of the mean errors at "
-        "each "
-        "position. held out is the mean on frames that the networks had not seen: "
+        "each position. held out is the mean on frames that the networks had not seen: "
         + ", ".join(held_out)
         + ". The errors of the thesis are those of its simulation (Table 5.4).",
         f"cells: Virtex-II, as make synth recorded them, in brackets in percent of an {device}. "
-        "The "
-        "thesis prints percentages only (Table 5.3), and does not say whether they include the "
+        "The thesis prints percentages only (Table 5.3), and does not say whether they include the "
         "profile.",
     ]
     bare = [scene for scene in scenes if not (scene.front_end or scene.visualisation)]

@@ -77,8 +77,8 @@ def along_sentence(table: Table, arithmetic: str) -> str:
         worst = max(rows, key=lambda row: number(row, MOST))
         largest.append(f"{number(worst, MOST):.1f} % of {output} ({worst['network']})")
     return (
-        f"The least mean error has at most of the positions {', '.join(least)}; the largest single "
-        f"errors are {', '.join(largest)}."
+        f"These networks have the smallest mean error at most positions: {', '.join(least)}. The "
+        f"largest errors of a single row are {', '.join(largest)}."
     )
 
 
@@ -87,7 +87,7 @@ def widths_plot(table: Table) -> Plot:
     rows = rows_of(table)
     found = groups(rows, lambda row: str(row["network"]), "width mm", "mean %")
     told = [
-        f"{network} by {points[0][1]:.1f} % of {points[0][0]:g} mm and by {points[-1][1]:.1f} % of "
+        f"{network} {points[0][1]:.1f} % of {points[0][0]:g} mm and {points[-1][1]:.1f} % of "
         f"{points[-1][0]:g} mm"
         for network, points in found.items()
     ]
@@ -97,7 +97,7 @@ def widths_plot(table: Table) -> Plot:
         "width of the load, mm",
         "mean error, % of that width",
         found,
-        f"In the mean the networks err, {'; '.join(told)}.",
+        f"The mean errors of the width: {'; '.join(told)}.",
         [table.name],
         linear="x",
     )

@@ -24,7 +24,7 @@ def convergence_plot(table: Table) -> Plot:
         rises = sum(number(b, VALIDATION) > number(a, VALIDATION) for a, b in pairwise(rows))
         ratio = number(rows[-1], VALIDATION) / number(rows[-1], TRAINING)
         told.append(
-            f"that of {network} {rises} times between {len(rows)} looks, and it ends at "
+            f"for {network} it rises {rises} times between {len(rows)} points and ends at "
             f"{ratio:.1f} times the training error"
         )
     return Plot(
@@ -33,6 +33,6 @@ def convergence_plot(table: Table) -> Plot:
         "evaluations of the error",
         "root mean square error %",
         found,
-        f"The training error falls all the way; the validation error rises, {'; '.join(told)}.",
+        f"The training error falls throughout. The validation error also rises: {'; '.join(told)}.",
         [table.name],
     )

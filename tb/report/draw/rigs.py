@@ -75,8 +75,9 @@ def gauges_sentence() -> str:
         missed = np.abs(sensor.read(loads) - table[:, c])
         told.append(f"{100 * missed.max() / np.ptp(table[:, c]):.0f} % for sensor {c + 1}")
     return (
-        "Markers are recorded readings, lines equation 3.9 fitted to all of them; the largest "
-        f"distance of the {len(table)} rows is, of the sensor's span, {', '.join(told)}."
+        "Markers are recorded readings, and lines are equation 3.9, fitted to all of them. The "
+        "largest "
+        f"distance in the {len(table)} rows, in percent of the sensor's span, is {', '.join(told)}."
     )
 
 
@@ -146,8 +147,8 @@ def deflections_sentence(found: Deflections) -> str:
     tips = ", ".join(f"{-line[-1]:.1f} mm under {g:g} g" for g, line in found.beams.items())
     plate = " and ".join(f"{line[-1]:.2f} mm {point}" for point, line in found.plate.items())
     return (
-        f"By theory, with 200 GPa, the tip of the beam sinks {tips}, and the plate {plate} under "
-        f"{found.loads[-1]:g} kg, in proportion to the load."
+        f"By theory, with 200 GPa, the tip of the beam sinks by {tips}. The plate sinks by {plate} "
+        f"under {found.loads[-1]:g} kg, in proportion to the load."
     )
 
 
@@ -229,7 +230,7 @@ def forces_sentence(found: Forces) -> str:
     left = np.degrees(np.abs(found.angle[late]).max())
     alike = float(np.asarray(np.corrcoef(found.feet))[0, 1])
     return (
-        f"Without damping {ends}; with it the swing is down to {left:.0f} degrees after "
-        f"{SECONDS_DAMPED:g} s, and the two sides are opposite all the way (correlation "
-        f"{alike:.2f}). Below 0 N a frame without weight would lift its foot."
+        f"Without damping, the forces are {ends}. With damping, the swing has fallen to {left:.0f} "
+        f"degrees after {SECONDS_DAMPED:g} s, and the forces of the two sides are opposite at all "
+        f"times (correlation {alike:.2f}). Below 0 N a frame without weight would lift its foot."
     )

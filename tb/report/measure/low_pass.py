@@ -26,7 +26,7 @@ def low_pass(_: int) -> Table:
         "low_pass",
         ["left of a step", "ms", "scans meanwhile", f"frames of {SCENE} meanwhile"],
         rows,
-        f"A first-order low-pass of {filtered.cutoff:g} Hz (section 3.6) at {filtered.rate:,.0f} "
-        f"scans a second. Of white noise from scan to scan it leaves "
-        f"{100 * filtered.noise_left:.1f} % of the standard deviation.",
+        f"The low-pass is of first order with {filtered.cutoff:g} Hz (section 3.6), at "
+        f"{filtered.rate:,.0f} scans a second. Noise that is white from scan to scan keeps "
+        f"{100 * filtered.noise_left:.1f} % of its standard deviation.",
     )

@@ -187,13 +187,11 @@ def purpose(twins: Twins) -> str:
 def block_table(found: dict[str, Twins]) -> str:
     """A line a block, by area."""
     lines = [
-        "Latency and interval are in clocks. They are ranges over the shipped scenes (scenes "
-        "with an",
-        "engine also in folded form), the scenes for comparison, and a 4:16:4 network in every",
-        "design, activation and precision. Each datasheet says what they depend on. The interval "
-        "is",
-        "the least number of clocks from one input to the next, or for a network from one frame to",
-        "the next.",
+        "Latency and interval are in clocks. They are ranges over the shipped scenes (those with",
+        "an engine also in folded form), the scenes for comparison, and a 4:16:4 network in every",
+        "design, activation and precision. Each datasheet says what they depend on. The interval",
+        "is the least number of clocks from one input to the next, or for a network from one",
+        "frame to the next.",
         "",
         "| block | area | what it does | thesis | latency | interval |",
         "|---|---|---|---|---|---|",

@@ -123,9 +123,8 @@ def unseen() -> str:
         [
             "- On a load that was not among the training data, a network errs in width by "
             f"{width} %",
-            f"  and in shape by {shape} % ([honest](docs/figures.md#honest)). The column *held "
-            "out* "
-            "shows",
+            f"  and in shape by {shape} % ([honest](docs/figures.md#honest)). The column "
+            "*held out* shows",
             f"  {held_out['width']:.2f} and {held_out['shape']:.2f}, because other rows with the "
             "same loads were trained on.",
             f"- The reason: at {silent} of {len(scene.vectors().codes)} placements no sensor feels "

@@ -134,13 +134,11 @@ def defaults(tables: Tables) -> Iterator[str]:
     yield (
         f"| [precision](#networks) | `{default['precision']}` | A folded cascade has an error of "
         f"{_error(folded)} % in `exact` and of {_error(rebuilt)} % in the thesis' 14 bits. It "
-        "takes "
-        f"{_count(folded)} and {_count(rebuilt)} clocks. |"
+        f"takes {_count(folded)} and {_count(rebuilt)} clocks. |"
     )
     yield (
         f"| [activation](#activations) | `{EXACT.activation}` | Its largest error is "
-        f"{_units(precise)} "
-        f"of 2^-13; it takes {number(precise, 'latency clocks'):.0f} clocks and "
+        f"{_units(precise)} of 2^-13; it takes {number(precise, 'latency clocks'):.0f} clocks and "
         f"{number(precise, 'LUT'):.0f} LUTs. `gradient`, which the thesis chose, has an error of "
         f"{_units(gradient)} and takes {number(gradient, 'latency clocks'):.0f} clocks and "
         f"{number(gradient, 'LUT'):.0f} LUTs. |"

@@ -51,8 +51,10 @@ def errors() -> str:
     told = [_below(table, *compared) for compared in COMPARED]
     steps = [after - before for _, before, after in _pairs(table, *MEASURED)]
     return (
-        f"{_table(heads, table.rows)}\n\nOf our errors {'; '.join(told)}. From its simulation to "
-        f"real time the thesis' figures change by {min(steps):+.2f} to {max(steps):+.2f}."
+        f"{_table(heads, table.rows)}\n\nOur errors against those of the thesis: "
+        f"{'; '.join(told)}. "
+        f"From simulation to real time the errors of the thesis change by {min(steps):+.2f} to "
+        f"{max(steps):+.2f}."
     )
 
 
@@ -61,14 +63,18 @@ COMPARED = [
     (
         "printed, simulation %",
         "thesis arithmetic, bit-true %",
-        "in 14 bits are below its simulation",
+        "in 14 bits are below its simulated errors",
     ),
     (
         "printed, real time %",
         "with noise of 2 mV %",
-        "in 14 bits with noise of 2 mV are below its real time",
+        "in 14 bits with noise of 2 mV are below its errors in real time",
     ),
-    ("printed, floating point %", "floating point %", "in floating point are below its own"),
+    (
+        "printed, floating point %",
+        "floating point %",
+        "in floating point are below its own errors in floating point",
+    ),
 ]
 MEASURED = ("printed, simulation %", "printed, real time %")
 
@@ -152,8 +158,8 @@ def lengths() -> str:
         if float(str(row[list(table.columns).index(name)])) < float(str(row[1]))
     ]
     return (
-        f"{_table(heads, rows)}\n\nOf the printed errors these are below what the cameras "
-        f"can tell: {', '.join(below)}."
+        f"{_table(heads, rows)}\n\nThese printed errors are below the error of the "
+        f"cameras: {', '.join(below)}."
     )
 
 
