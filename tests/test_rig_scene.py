@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 import sys
@@ -11,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from jsonschema import Draft7Validator
 
 from golden.finding import FAULT
 from golden.input_error import InputError
@@ -20,6 +22,7 @@ from golden.rig.draft import weights
 from golden.rig.survey import Survey, survey
 from golden.rig.write_scene import names_of, write_scene
 from golden.scene import Scene, load_scene
+from golden.scene.schema import EDITOR_SCHEMA
 from golden.table import read_table
 from golden.training.scaling import scaled
 
@@ -392,3 +395,14 @@ def test_words_that_cannot_be(words: list[str], message: str) -> None:
     assert done.returncode == 2
     assert message in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_an_editor_finds_the_schema_of_what_is_written(tmp_path: Path) -> None:
+    """By the first line, from the folder of the scene on; and marks nothing in it."""
+    path = tmp_path / "rig.toml"
+    write_scene(look(tmp_path), path)
+    text = path.read_text()
+    named = text.splitlines()[0].removeprefix("#:schema ")
+    assert (tmp_path / named).samefile(EDITOR_SCHEMA)
+    judge = Draft7Validator(json.loads(EDITOR_SCHEMA.read_text(encoding="utf-8")))
+    assert judge.is_valid(tomllib.loads(text))
