@@ -12,7 +12,8 @@ import hashlib
 import json
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from itertools import pairwise
 from pathlib import Path
 from typing import TypeVar
 
@@ -47,19 +48,22 @@ class Recording:
         During the initial reset a flag may be undefined, or left from the test before.
         """
         bits = self.columns[port]
-        after = range(RESET_CLOCKS, self.clocks)
         self.looked[port][RESET_CLOCKS:] = True
-        undefined = [t for t in after if bits[t] not in "01"]
-        assert not undefined, f"{port} is {bits[undefined[0]]} in clock {undefined[0]}"
-        return np.array([t for t in after if bits[t] == "1"], dtype=np.int64)
+        after = "".join(bits[RESET_CLOCKS:])
+        if set(after) - {"0", "1"}:
+            undefined = next(t for t in range(RESET_CLOCKS, self.clocks) if bits[t] not in "01")
+            raise AssertionError(f"{port} is {bits[undefined]} in clock {undefined}")
+        return np.flatnonzero(np.frombuffer(after.encode(), np.uint8) == ord("1")) + RESET_CLOCKS
 
     def unsigned(self, port: str, rows: np.ndarray) -> np.ndarray:
         """Codes of an unsigned port in the given rows."""
         bits = self.columns[port]
         self.looked[port][np.asarray(rows, dtype=np.int64)] = True
-        for t in rows:
-            assert set(bits[t]) <= {"0", "1"}, f"{port} is {bits[t]} in clock {t}"
-        return np.array([int(bits[t], 2) for t in rows], dtype=np.int64)
+        words = [bits[t] for t in rows]
+        if set("".join(words)) - {"0", "1"}:
+            t = next(t for t in rows if set(bits[t]) - {"0", "1"})
+            raise AssertionError(f"{port} is {bits[t]} in clock {t}")
+        return np.array([int(word, 2) for word in words], dtype=np.int64)
 
     def signed(self, port: str, rows: np.ndarray) -> np.ndarray:
         """Codes of a signed port in the given rows."""
@@ -125,19 +129,22 @@ class Bench:
         read = reader(self.dut, ports)
         changes = changed([(writer(self.dut, n), c) for n, c in columns.items()])
         clock = writer(self.dut, "clk") if clocked else None
-        half = Timer(5, "ns")
         rows = []
+
+        def halves() -> Iterator[None]:
+            for change in changes:
+                if clock:
+                    clock(0)
+                for write, value in change:
+                    write(value)
+                yield
+                rows.append(read())
+                if clock:
+                    clock(1)
+                    yield
+
         started = time.perf_counter()
-        for change in changes:
-            if clock:
-                clock(0)
-            for write, value in change:
-                write(value)
-            await half
-            rows.append(read())
-            if clock:
-                clock(1)
-                await half
+        await each_half(halves())
         return self.watched(Recording(ports, rows, time.perf_counter() - started))
 
     def watched(self, recording: Recording) -> Recording:
@@ -263,9 +270,42 @@ def write_trace(path: Path, recordings: list[Recording]) -> None:
             handle.write(json.dumps({"columns": one.columns, "looked": looked}) + "\n")
 
 
-# The simulator's own handles: what cocotb wraps around a value, and its wait for a phase in which
-# to write it, take longer than Icarus takes for a clock. Nothing here is written in the step in
-# which it is read, or in which a clock rises.
+# The simulator's own handles and callbacks: what cocotb wraps around a value, its wait for a phase
+# in which to write it, and its way from one await to the next take longer than Icarus takes for a
+# clock. Nothing here is written in the step in which it is read, or in which a clock rises.
+
+
+class _EachHalf(Timer):
+    """Fires when the generator ends, which is resumed after every half of a clock."""
+
+    def __init__(self, halves: Iterator[None]):
+        super().__init__(5, "ns")
+        self.halves = halves
+        self.failed: Exception | None = None
+
+    def _react(self) -> None:
+        try:
+            next(self.halves)
+        except StopIteration:
+            super()._react()
+        except Exception as error:
+            # Not lost in the simulator, but raised where it is awaited.
+            self.failed = error
+            super()._react()
+        else:
+            self._prime()
+
+
+async def each_half(halves: Iterator[None]) -> None:
+    """Run a generator now and to its end; each of its yields waits for half a clock."""
+    try:
+        next(halves)
+    except StopIteration:
+        return
+    ended = _EachHalf(halves)
+    await ended
+    if ended.failed:
+        raise ended.failed
 
 
 def reader(dut, ports: list[str]) -> Callable[[], list[str]]:
@@ -289,8 +329,10 @@ def writer(dut, port: str) -> Callable[[int], None]:
 
 def changed(columns):
     """For every clock the (port, value) pairs that differ from the clock before."""
-    length = len(columns[0][1])
     changes = [[(port, values[0]) for port, values in columns]]
-    for t in range(1, length):
-        changes.append([(p, v[t]) for p, v in columns if v[t] != v[t - 1]])
+    changes += [[] for _ in columns[0][1][1:]]
+    for port, values in columns:
+        for change, (before, now) in zip(changes[1:], pairwise(values), strict=True):
+            if now != before:
+                change.append((port, now))
     return changes

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 
 import numpy as np
-from cocotb.triggers import Timer
 
-from tb.common.bench import RESET_CLOCKS, Bench, Recording, reader, writer
+from tb.common.bench import RESET_CLOCKS, Bench, Recording, each_half, reader, writer
 
 PORTS = [f"{side}_axis_{name}" for side in "sm" for name in ("tvalid", "tready", "tdata", "tlast")]
 
@@ -30,34 +30,37 @@ async def exchange(
         Whether a new element is offered, and whether results are taken, in each clock.
     resets : bool array
     """
-    half = Timer(5, "ns")
     ports = ["rst", *PORTS, "frame_error"]
     read, taking = reader(bench.dut, ports), ports.index("s_axis_tready")
     driven = ("clk", "rst", "s_axis_tvalid", "s_axis_tdata", "s_axis_tlast", "m_axis_tready")
     clock, *writes = (writer(bench.dut, name) for name in driven)
     rows = []
-    at, offered = 0, False
-    started = time.perf_counter()
     clear = np.ones(RESET_CLOCKS, dtype=bool)
-    for reset, wanted, ready in zip(
-        np.concatenate([clear, resets]),
-        np.concatenate([~clear, offer]),
-        np.concatenate([~clear, take]),
-        strict=True,
-    ):
-        offered = (offered or bool(wanted)) and at < len(data)
-        # While nothing is offered another element stands there, which must not matter.
-        shown = at if offered else (at + 7) % len(data)
-        clock(0)
-        values = (reset, offered, data[shown], last[shown], ready)
-        for write, value in zip(writes, values, strict=True):
-            write(int(value))
-        await half
-        rows.append(read())
-        if offered and (reset or rows[-1][taking] == "1"):
-            at, offered = at + 1, False
-        clock(1)
-        await half
+
+    def halves() -> Iterator[None]:
+        at, offered = 0, False
+        for reset, wanted, ready in zip(
+            np.concatenate([clear, resets]),
+            np.concatenate([~clear, offer]),
+            np.concatenate([~clear, take]),
+            strict=True,
+        ):
+            offered = (offered or bool(wanted)) and at < len(data)
+            # While nothing is offered another element stands there, which must not matter.
+            shown = at if offered else (at + 7) % len(data)
+            clock(0)
+            values = (reset, offered, data[shown], last[shown], ready)
+            for write, value in zip(writes, values, strict=True):
+                write(int(value))
+            yield
+            rows.append(read())
+            if offered and (reset or rows[-1][taking] == "1"):
+                at, offered = at + 1, False
+            clock(1)
+            yield
+
+    started = time.perf_counter()
+    await each_half(halves())
     return bench.watched(Recording(ports, rows, time.perf_counter() - started))
 
 

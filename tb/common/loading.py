@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from cocotb.triggers import Timer
 
 from golden.engine.image import Image
-from tb.common.bench import RESET_CLOCKS, Bench, Recording, changed, reader, writer
+from tb.common.bench import RESET_CLOCKS, Bench, Recording, changed, each_half, reader, writer
 
 WATCH = ["out_valid", "out_data", "out_last", "frame_error", "load_ready", "image_error"]
 
@@ -61,7 +60,7 @@ async def exchange(bench: Bench, drive: dict[str, np.ndarray], sent: Sequence[Se
 
     Bytes that a reset meets are lost.
     """
-    dut, half = bench.dut, Timer(5, "ns")
+    dut = bench.dut
     columns = {name: [int(v) for v in column] for name, column in drive.items()}
     columns.setdefault("rst", [0] * len(drive["in_valid"]))
     for name, column in columns.items():
@@ -76,26 +75,31 @@ async def exchange(bench: Bench, drive: dict[str, np.ndarray], sent: Sequence[Se
         for one in sent
         for place, byte in enumerate(one.data)
     ]
-    at, offered, rows = 0, False, []
+    rows = []
+
+    def halves() -> Iterator[None]:
+        at, offered = 0, False
+        for clock, change in enumerate(changes):
+            drive_clock(0)
+            for write, value in change:
+                write(value)
+            if not offered and at < len(queue) and clock >= queue[at][0]:
+                offered = bench.rng.random() >= queue[at][3]
+            if at < len(queue):
+                # While nothing is offered another byte stands there, which must not matter.
+                _, byte, last, _ = queue[at if offered else (at + 7) % len(queue)]
+                data(byte)
+                final(int(last))
+            valid(int(offered))
+            yield
+            rows.append(read())
+            if offered and (columns["rst"][clock] or rows[-1][taking] == "1"):
+                at, offered = at + 1, False
+            drive_clock(1)
+            yield
+
     started = time.perf_counter()
-    for clock, change in enumerate(changes):
-        drive_clock(0)
-        for write, value in change:
-            write(value)
-        if not offered and at < len(queue) and clock >= queue[at][0]:
-            offered = bench.rng.random() >= queue[at][3]
-        if at < len(queue):
-            # While nothing is offered another byte stands there, which must not matter.
-            _, byte, last, _ = queue[at if offered else (at + 7) % len(queue)]
-            data(byte)
-            final(int(last))
-        valid(int(offered))
-        await half
-        rows.append(read())
-        if offered and (columns["rst"][clock] or rows[-1][taking] == "1"):
-            at, offered = at + 1, False
-        drive_clock(1)
-        await half
+    await each_half(halves())
     return bench.watched(Recording(ports, rows, time.perf_counter() - started))
 
 

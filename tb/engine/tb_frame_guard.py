@@ -10,12 +10,12 @@ Does not prove: a halt while a frame is computed, which ``image_loader`` rules o
 """
 
 import time
+from collections.abc import Iterator
 
 import cocotb
 import numpy as np
-from cocotb.triggers import Timer
 
-from tb.common.bench import RESET_CLOCKS, Bench, Recording
+from tb.common.bench import RESET_CLOCKS, Bench, Recording, each_half, reader, writer
 from tb.common.framing import random_lengths
 from tb.common.small import RELOADED
 from tb.common.stimulus import random_resets, spread
@@ -40,26 +40,34 @@ async def play(bench, drive, halts, lengths):
 
     ``finish`` comes when the frame has been computed for the next of ``lengths`` clocks.
     """
-    dut, half = bench.dut, Timer(5, "ns")
     ports = [*INPUTS, *OUTPUTS]
-    handles = [getattr(dut, name) for name in ports]
-    rows, since, number = [], 0, 0
+    read = reader(bench.dut, ports)
+    writes = {name: writer(bench.dut, name) for name in ("clk", *INPUTS)}
+    asked = reader(bench.dut, ["run", "busy"])
+    columns = {name: [int(value) for value in column] for name, column in drive.items()}
+    rows = []
+
+    def halves() -> Iterator[None]:
+        since = number = 0
+        for clock in range(-RESET_CLOCKS, len(halts)):
+            # What a clock changed stands already.
+            run, busy = asked()
+            for name, column in columns.items():
+                writes[name](column[clock] if clock >= 0 else int(name == "rst"))
+            since = since + 1 if run == "1" else 0
+            finish = since >= lengths[number]
+            number += finish
+            writes["finish"](int(finish))
+            writes["store"](int(since and columns["store"][max(clock, 0)]))
+            writes["halt"](int(clock >= 0 and halts[clock] and busy == "0"))
+            writes["clk"](0)
+            yield
+            rows.append(read())
+            writes["clk"](1)
+            yield
+
     started = time.perf_counter()
-    for clock in range(-RESET_CLOCKS, len(halts)):
-        for name, column in drive.items():
-            getattr(dut, name).value = int(column[clock]) if clock >= 0 else int(name == "rst")
-        # What a clock changed stands already.
-        since = since + 1 if str(dut.run.value) == "1" else 0
-        finish = since >= lengths[number]
-        number += finish
-        dut.finish.value = int(finish)
-        dut.store.value = int(since and drive["store"][max(clock, 0)])
-        dut.halt.value = int(clock >= 0 and halts[clock] and str(dut.busy.value) == "0")
-        dut.clk.value = 0
-        await half
-        rows.append([str(handle.value) for handle in handles])
-        dut.clk.value = 1
-        await half
+    await each_half(halves())
     return bench.watched(Recording(ports, rows, time.perf_counter() - started))
 
 
