@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 import re
 import sys
+import textwrap
 from collections.abc import Sequence
 from functools import partial
 from typing import Any
@@ -60,6 +61,11 @@ def _option(argument: Argument) -> str:
     return f"--{argument.name.lower()}"
 
 
+def _paragraph(text: str) -> str:
+    """Lines that click takes as they are: it would break names at their hyphens."""
+    return "\b\n" + textwrap.fill(text, 76, break_long_words=False, break_on_hyphens=False)
+
+
 class Front(click.Group):
     """All commands in the order of the table; of an unknown one it names the nearest."""
 
@@ -97,7 +103,7 @@ def front() -> Front:
         NAME,
         commands={command.name: _command(command) for command in INSTALLED},
         help="Small neural networks for distributive tactile sensing as verified hardware.",
-        epilog="\n\n".join(closing),
+        epilog="\n\n".join(map(_paragraph, closing)),
         context_settings=SETTINGS,
         subcommand_metavar="COMMAND [SCENE] [OPTIONS]",
     )
@@ -108,11 +114,11 @@ def _command(command: Command) -> click.Command:
     purpose = typed(command.purpose)
     first = re.split(r"(?<=[.;]) ", purpose)[0].rstrip(";.")
     default = next((a.default for a in command.arguments if a.name == WORD), None)
-    text = f"\n\nSCENE is {default} where none is given." if default else ""
+    texts = [purpose, *([f"SCENE is {default} where none is given."] if default else [])]
     return click.Command(
         command.name,
         params=[_parameter(argument) for argument in (*command.arguments, DRY)],
-        help=purpose + text,
+        help="\n\n".join(map(_paragraph, texts)),
         short_help=first,
         callback=partial(_call, command),
         context_settings=SETTINGS,
@@ -185,6 +191,7 @@ def _parsed() -> int:
     except click.UsageError as error:
         path = error.ctx.command_path if error.ctx else NAME
         said = " ".join(error.format_message().split())
+        said += "" if said.endswith((".", "?")) else "."
         raise InputError(f"{path}: {said} See: {path} --help") from None
     return int(code or 0)
 

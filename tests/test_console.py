@@ -87,13 +87,13 @@ def test_the_help_of_a_command_comes_from_the_table(command: Command) -> None:
     known = {a.name.lower() for a in command.arguments if a.name != "SCENE"}
     assert known | {"dry", "help"} == shown
     assert ("SCENE" in told) == any(a.name == "SCENE" for a in command.arguments)
-    assert not re.search(r"\bmake [a-z]+|\b[A-Z]{2,}=", told)
+    assert not re.search(rf"\bmake ({'|'.join(BY_NAME)})\b|\b[A-Z]{{2,}}=", told)
 
 
 def test_the_commands_stand_in_the_order_of_the_table() -> None:
     told = invoke("--help").output
     assert re.findall(r"^  ([a-z]+)  ", told, re.M) == [command.name for command in OFFERED]
-    assert ", ".join(scene_names()) in " ".join(told.split()).replace("- ", "-")
+    assert ", ".join(scene_names()) in " ".join(told.split())
 
 
 def test_texts_of_the_table_name_what_is_typed() -> None:
@@ -138,7 +138,8 @@ def test_alone_it_lists_its_commands(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
 ) -> None:
     assert called(monkeypatch) == 0
-    assert capfd.readouterr().out == invoke("--help").output
+    # click takes other widths in a test of its own.
+    assert capfd.readouterr().out.split() == invoke("--help").output.split()
     assert called(monkeypatch, "--version") == 0
     assert capfd.readouterr().out == f"tactus {version('tactus')}\n"
 
