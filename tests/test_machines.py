@@ -107,7 +107,7 @@ def test_a_machine_runs_its_group_or_all(monkeypatch, tmp_path, capsys) -> None:
     ran = []
     monkeypatch.setattr(machines, "run", lambda machine, tests, output: ran.append(tests) or 0)
     for words in ([], ["--whole"], ["--all"], ["--tests", "tests/test_a.py"]):
-        assert run(monkeypatch, tmp_path, "green", *words) == 0
+        assert run(monkeypatch, tmp_path, "--only=green", *words) == 0
     assert ran == [left_out, [], ["--all"], ["tests/test_a.py"]]
     said = [line.split()[2] for line in capsys.readouterr().out.splitlines()]
     assert said == ["few", "everything", "everything", "chosen"]

@@ -138,7 +138,8 @@ def test_a_cut_cable_and_noise_are_told_and_it_goes_on(scene: Scene) -> None:
             before = monitor.decoder.tally.frames
             simulated.mend()
             wait(lambda: monitor.decoder.tally.frames > before + 20)
-            assert monitor.state()["line"] == "packets"
+            # On a busy machine the line may rest for a moment just now.
+            wait(lambda: monitor.state()["line"] == "packets")
         assert monitor.decoder.tally.missed == 0
         assert monitor.decoder.tally.skipped >= 45
     texts = [text.partition(" ")[2] for text in said]
