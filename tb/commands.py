@@ -226,9 +226,6 @@ COMMANDS = (
         "tb.check",
     ),
     Command(
-        "check", "Checks a scene within seconds, and reports every fault.", (SCENE,), "tb.check"
-    ),
-    Command(
         "train",
         "Trains the networks of a scene and writes them beside it; CLUSTER= is the address of a "
         "Dask scheduler to compute on.",

@@ -15,10 +15,10 @@ from pathlib import Path
 import pytest
 from click.shell_completion import ShellComplete
 from click.testing import CliRunner, Result
-from golden.rig.finding import faults
 
 from golden import folders
 from golden.files import check_writable
+from golden.finding import faults
 from golden.input_error import InputError
 from golden.rig.check import everything
 from golden.scene import Scene, scene_names

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from golden.cli import run
+from golden.commands import scene as write_scene
 from golden.commands import train as training
 from golden.networks.engine import Engine
-from golden.rig import write_scene
 from golden.scene import Scene, load_scene
 from golden.scene.image import scene_image
 from tb.monitor import load as loading

@@ -43,7 +43,7 @@ def report(shared: Shared) -> Path:
     """The report of the smallest scene, with the tables that the run has measured."""
     shared.tables()
     shared.once("report", lambda: build.build_report(load_scene(SCENE), full=True))
-    return BUILD / SCENE / "report.html"
+    return (BUILD / SCENE / "report.html").resolve()
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +69,7 @@ def own(shared: Shared) -> Path:
         build.build_report(load_scene(str(folder / f"{OWN}.toml")))
 
     shared.once("own report", make)
-    return BUILD / OWN / "report.html"
+    return (BUILD / OWN / "report.html").resolve()
 
 
 @pytest.fixture(scope="module")

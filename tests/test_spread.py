@@ -98,7 +98,9 @@ def test_a_start_is_moved_by_a_few_last_bits(small_scene: Scene, monkeypatch) ->
 
 
 def test_what_fails_says_why() -> None:
-    with pytest.raises(InputError, match=r"golden\.training nowhere: error: scene 'nowhere'"):
+    with pytest.raises(
+        InputError, match=r"golden\.commands\.train nowhere: error: scene 'nowhere'"
+    ):
         spread.finished([sys.executable, "-m", "golden.commands.train", "nowhere"], {})
 
 
