@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 import time
 from collections.abc import Iterable
 from pathlib import Path
@@ -44,6 +45,9 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "all_only: run by make test ALL=1 alone")
     # Hundreds of processes import the same modules: none of them should compile these anew.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    # matplotlib keeps the list of fonts that it once found, for all environments of a user. One
+    # that ran while its environment was removed leaves a list without the fonts it ships.
+    os.environ["MPLCONFIGDIR"] = str(Path(sys.prefix) / "matplotlib")
     # What this run was given, such as ALL=1, is not given to the commands that tests call.
     for name in ("MAKEFLAGS", "MAKEOVERRIDES", "PYTEST_ADDOPTS", *GIVEN):
         os.environ.pop(name, None)
