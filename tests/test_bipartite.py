@@ -70,6 +70,29 @@ def test_no_sum_overflows_and_every_word_fits(memory: str) -> None:
 
 
 @pytest.mark.parametrize("memory", FORMATS)
+def test_a_wrong_bit_shows_at_the_codes_of_the_bench_or_at_none(
+    memory: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    block = build(memory)
+    right, shown = block.compute(CODES), block.word_codes - FMT.low
+    rng, found = np.random.default_rng(1), []
+    read = map(np.unique, block.formats.addresses(*2 * (CODES[CODES >= 0],)))
+    places = dict(zip(("bases", "corrections"), read, strict=True))
+    for words in ("bases", "corrections") * 40:
+        table = list(getattr(block.table, words))
+        table[rng.choice(places[words])] ^= 1 << int(rng.integers(4))
+        wrong = replace(block.table, **{words: tuple(table)})
+        with monkeypatch.context() as patch:
+            patch.setattr("golden.activation.bipartite.bipartite_table", lambda _, t=wrong: t)
+            differs = block.compute(CODES) != right
+        assert differs[shown].any() == differs.any(), (words, np.flatnonzero(differs)[:3])
+        found.append(bool(differs.any()))
+    # With 3 bits below the result some show at no code at all; without any bit below, all do.
+    assert any(found)
+    assert all(found) == (block.formats.frac == 0)
+
+
+@pytest.mark.parametrize("memory", FORMATS)
 @pytest.mark.parametrize("reach", [0, 1, 1023, 1024, 32767, 32768, 65535, 65536, 80000])
 def test_words_out_of_reach_are_left_out_and_change_nothing(memory: str, reach: int) -> None:
     whole, lean = build(memory), build(memory, reach)

@@ -147,11 +147,30 @@ class Bipartite(ActivationBlock):
 
     @property
     def word_codes(self) -> Codes:
-        """Codes of either sign that read every word which a magnitude within reach has."""
-        mag = np.arange(1 << min(self.reach_width, MAGNITUDE_WIDTH))
-        firsts = [np.unique(a, return_index=True)[1] for a in self.formats.addresses(mag, mag)]
-        found = np.concatenate(firsts)
-        return np.concatenate([found, ~found])
+        """Codes of either sign at which each bit of every word within reach changes the result.
+
+        A low bit that no sum with a word of the other table carries into the result has no such
+        code: whatever it is, every result stays the same.
+        """
+        half = np.arange(1 << min(self.reach_width, MAGNITUDE_WIDTH))
+        mag, sign = np.tile(half, 2), np.repeat([0, -1], len(half))
+        base_addr, slope_addr = self.formats.addresses(mag ^ sign, mag)
+        base = np.take(self.table.bases, base_addr) ^ sign
+        correction = np.take(self.table.corrections, slope_addr)
+        flips = [1 << bit for bit in range(self.table.correction_width)]
+        # The highest bit of a correction is its sign.
+        flips[-1] = -flips[-1]
+        changed = [
+            *((base_addr, base ^ 1 << bit, correction) for bit in range(self.formats.base_width)),
+            *((slope_addr, base, correction ^ flip) for flip in flips),
+        ]
+        result = base + correction >> self.formats.frac
+        found: list[Codes] = []
+        for address, bases, corrections in changed:
+            shown = np.flatnonzero(bases + corrections >> self.formats.frac != result)
+            found.append(shown[np.unique(address[shown], return_index=True)[1]])
+        codes = (mag ^ sign)[np.unique(np.concatenate(found))]
+        return np.unique(np.concatenate([codes, ~codes]))
 
     def quantities(self, *inputs: Codes) -> dict[str, Codes]:
         (data,) = inputs

@@ -1,7 +1,8 @@
 """bipartite against its twin.
 
 Sweeps: a random code of each of 16384 strata of the input, or every code of a narrow one; every
-word of both tables, with either sign; two codes on either side of 2, 4, 8, zero and both ends.
+bit of every word of both tables that changes the result of any code; two codes on either side of
+2, 4, 8, zero and both ends.
 Drives: back to back, then in random order with gaps and resets.
 Checks: the activation bit for bit, and its clock.
 Does not prove: how close the tables are to tanh (tests/test_bipartite.py, over all codes).
@@ -19,6 +20,7 @@ CASES = BIPARTITE
 FAULTS = [
     (r"(bases\[0\]) <= (\d+)", r"\1 <= \2 ^ 8"),
     (r"(corrections\[31\]) <= (\d+)", r"\1 <= \2 ^ 64"),
+    (r"(corrections\[40\]) <= (\d+)", r"\1 <= \2 ^ 1"),
     (r"lower \^ \d+", "lower"),
     (r"upper \^ \d+", "upper"),
     (r"base_word \^ \d+", "base_word"),

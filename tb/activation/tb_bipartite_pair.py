@@ -18,6 +18,7 @@ CASES = {name: case for name, case in BIPARTITE.items() if name != "bipartite-lo
 FAULTS = [
     (r"(bases\[0\]) <= (\d+)", r"\1 <= \2 ^ 8"),
     (r"(corrections\[31\]) <= (\d+)", r"\1 <= \2 ^ 64"),
+    (r"(corrections\[40\]) <= (\d+)", r"\1 <= \2 ^ 1"),
     (r"bases\[node1_base_addr\]", "bases[node0_base_addr]"),
     (r"corrections\[node0_slope_addr\]", "corrections[node1_slope_addr]"),
 ]

@@ -36,11 +36,17 @@ FAULTS = [
     (r"two_bytes\d+_high\[8-1:6\] = 3", "two_bytes0_low = 3"),
     (r"out_ready && \(!sending\)", "(!sending)"),
     (r"if \(rst == 1\) begin", "if (0) begin"),
+    (r"complete <= \(result_valid && result_last\)", "complete <= result_last"),
+    (r"waited <= 0;(\s+end\s+else begin\s+if \(\(free)", r"waited <= waited;\1"),
+    (r"(keep_frame1_\w*word\d*_word) <= 0", r"\1 <= \1"),
 ]
 
 
 def frames_of(rng, length, right, chance):
-    """A stream of frames: valid, data and last, an element in ``chance`` of the clocks."""
+    """A stream of frames: valid, data and last, an element in ``chance`` of the clocks.
+
+    Between elements ``last`` is now high and now low, which must not matter.
+    """
     valid = (rng.random(length) < chance).astype(np.int64)
     data = rng.integers(SIGNAL.low, SIGNAL.high + 1, length)
     data = np.where(rng.random(length) < 1 / 8, rng.choice([SIGNAL.low, SIGNAL.high], length), data)
@@ -50,7 +56,7 @@ def frames_of(rng, length, right, chance):
         place = 0 if last[t] else place + 1
         if last[t]:
             size = right if rng.random() < 3 / 4 else int(rng.integers(1, 2 * right + 2))
-    return valid, data, last
+    return valid, data, np.where(valid, last, rng.integers(0, 2, length))
 
 
 def drive_for(bench, length, chance, ready):
@@ -158,3 +164,29 @@ async def resets(dut):
     into = cut - np.array(expected.begins)[since] - 1
     bench.visit(state, into)
     bench.finish(at_least=500)
+
+
+@cocotb.test()
+async def resets_of_a_quiet_line(dut):
+    """A reset behind some frames, and one while the line waits; then nothing but a free line.
+
+    The packet that comes without a new frame shows that the wait and all samples began anew.
+    """
+    bench = Bench(dut)
+    patience, size = bench.twin.patience, bench.twin.layout.packet_bytes
+    drive = drive_for(bench, 16 * (patience + 2 * size), 0.5, 1.0)
+    column = np.zeros(len(drive["out_ready"]), dtype=np.int64)
+    at, packets_due = 0, 0
+    for _ in range(4):
+        at += 2 * size
+        for wait in (int(bench.rng.integers(1, patience)), patience + 2 * size):
+            column[at] = 1
+            for values in drive.values():
+                values[at + 1 : at + 1 + wait] = 0
+            drive["out_ready"][at + 1 : at + 1 + wait] = 1
+            at += 1 + wait
+        packets_due += 1
+    drive = {name: values[:at] for name, values in (drive | {"rst": column}).items()}
+    *_, expected = await check(bench, drive)
+    assert len(expected.begins) >= packets_due, f"got {len(expected.begins)} packets"
+    bench.finish(at_least=packets_due * size)

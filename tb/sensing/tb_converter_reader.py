@@ -2,7 +2,7 @@
 
 Sweeps: codes at random, both ends and those about the one from which on samples saturate; recorded
 voltages of the sensors; each bit that tells of a converter, wrong in each turn; a reset in each bit
-of a transfer.
+of a transfer, about the end of a wrong one, and while a frame leaves.
 Drives: what the part would send for what the block has asked, and until that is promised anything.
 Checks: ``cs_n`` and ``sclk`` in every clock, the channels that are asked for, every limit of the
 part's timing; samples, ``out_last`` and their clocks; ``converter_error`` in every clock, and that
@@ -38,6 +38,10 @@ FAULTS = [
     (r"out_last <= closing", "out_last <= sending"),
     (r"converter_error <= 1'b0", "converter_error <= converter_error"),
     (r"ring\[0\] <= entering", "ring[0] <= sample"),
+    (r"done <= 0", "done <= done"),
+    (r"done <= 0", "done <= (read && (half == 60))"),
+    (r"out_valid <= 0", "out_valid <= sending"),
+    (r"out_last <= 0", "out_last <= closing"),
 ]
 
 WATCH = [*PINS, "out_valid", "out_data", "out_last", "converter_error"]
@@ -224,4 +228,30 @@ async def resets(dut):
     bits = (since - twin.read_clocks[0, 0]) // (2 * twin.half_clocks)
     state = State("bit of a transfer that a reset cuts", range(part.clocks + 1))
     bench.visit(state, bits)
+    bench.finish(at_least=twin.slots)
+
+
+@cocotb.test()
+async def resets_about_an_end(dut):
+    """A reset in each clock about the end of a wrong transfer, and while samples leave."""
+    bench = Bench(dut)
+    twin = bench.twin
+    first, last = int(twin.read_clocks[0, -1]), int(twin.read_clocks[-1, -1])
+    leaving = last + np.arange(twin.latency + twin.slots + 1)
+    most = max(3, MOST_CLOCKS // twin.scan_clocks)
+    if len(leaving) > most:
+        leaving = bench.rng.choice(leaving, most, replace=False)
+    drawn = random_codes(bench, 4000)
+    for rows, wrong in ((first + np.arange(-1, 3), 1), (leaving, None)):
+        # The scan begins in the clock after a reset.
+        at = np.cumsum(1 + rows) - 1
+        column = np.zeros(at[-1] + twin.scan_clocks + twin.slots + 5, dtype=np.int64)
+        column[at] = 1
+        await check(
+            bench,
+            0,
+            lambda channel, number: int(drawn[number % len(drawn)]),
+            resets=column,
+            fault=lambda number, wrong=wrong: wrong,
+        )
     bench.finish(at_least=twin.slots)
