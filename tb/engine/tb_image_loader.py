@@ -12,8 +12,6 @@ other.
 Does not prove: that every change of an image is found; no check of 16 bits can.
 """
 
-from binascii import crc_hqx
-
 import cocotb
 import numpy as np
 
@@ -21,6 +19,7 @@ from golden.engine.image import CHECK_BYTES, LAST_ADDR, WORD_BYTES, Image, Sizes
 from golden.engine.program import WORD_WIDTH
 from golden.networks.engine import Engine
 from tb.common.bench import RESET_CLOCKS, Bench
+from tb.common.images import fitting_checks, naming, with_check
 from tb.common.small import RELOADED
 from tb.common.stimulus import random_resets
 
@@ -50,19 +49,6 @@ def random_image(bench, words):
     return Image(sizes, inputs, tuple(rng.integers(0, 1 << WORD_WIDTH, words).tolist()))
 
 
-def with_check(sizes, sent):
-    """What is sent, and the check that matches it."""
-    return sent + crc_hqx(sent, sizes.check_start).to_bytes(CHECK_BYTES, "big")
-
-
-def naming(sizes, image, words):
-    """An image whose header names another number of words; its check matches."""
-    count = ((1 << LAST_ADDR[1]) - 1) << LAST_ADDR[0]
-    header = int.from_bytes(image[:WORD_BYTES], "big") & ~count | (words - 1) << LAST_ADDR[0]
-    sent = header.to_bytes(WORD_BYTES, "big") + image[WORD_BYTES:-CHECK_BYTES]
-    return with_check(sizes, sent)
-
-
 def matching(bench, words):
     """Images of so many words that are wrong, though their check or a part of it is right."""
     sizes = bench.around(Engine)[0].loaded.sizes
@@ -74,15 +60,7 @@ def matching(bench, words):
     found += [naming(sizes, image, words + (1 << bit)) for bit in range(LAST_ADDR[1])]
     # What follows the header that does not fit is a good image, but for its place.
     found.append(with_check(sizes, found[0][:WORD_BYTES] + sent))
-    # A word is missing; one is too many.
-    found += [naming(sizes, image, words + 1), with_check(sizes, sent + bytes(WORD_BYTES))]
-    # The first byte of the check is wrong, and the last is right behind it: of what is left of the
-    # check each bit alone is not 0.
-    left = [crc_hqx(bytes([wrong]), 0) & 0xFF for wrong in range(256)]
-    for bit in range(8):
-        changed = sent + bytes([image[-CHECK_BYTES] ^ left.index(1 << bit)])
-        found.append(changed + bytes([crc_hqx(changed, sizes.check_start) >> 8]))
-    return found
+    return found + fitting_checks(sizes, image, words)
 
 
 def streams(bench):

@@ -4,7 +4,7 @@ Sweeps: all recorded frames of the scene; corner frames (rails, alternating rail
 sensor alone); frames that drive each hidden sum to its ends; 100 random frames; frames too short
 and too long among good ones. Where it can be reloaded: its own image, those of shipped scenes and
 of other numbers of samples; images that are cut, too long, changed in one bit, for other hardware,
-or without an end.
+or without an end; wrong ones whose check matches, wholly or in part.
 Drives: as close as the design takes frames, with random gaps, closer than it takes them, with
 resets in mid-frame, and with one reset at each clock of a frame, of a long one at many. Where it
 can be reloaded: images before, between and in the middle of frames, bytes with gaps, resets in
@@ -18,12 +18,13 @@ Does not prove: anything about the accuracy of the network (the report of `make 
 import cocotb
 import numpy as np
 
+from golden.engine.image import CHECK_BYTES, WORD_BYTES
 from golden.precision import SIGNAL
 from golden.scene import load_scene
 from golden.scene.image import scene_image
 from tb.common.bench import Bench
 from tb.common.framing import random_lengths
-from tb.common.images import image_for
+from tb.common.images import fitting_checks, image_for
 from tb.common.loading import Sent, check_loading, exchange
 from tb.common.network import (
     corners_and_random,
@@ -79,7 +80,7 @@ def traffic(bench, samples, most):
     return spread(rng, {"in_data": data, "in_last": last}, "in_valid", 0.1, tail, pause)
 
 
-def wrong_images(rng, image):
+def wrong_images(rng, sizes, image):
     """Byte streams that are not the image: each must be refused."""
     cuts = [1, 4, 5, 6, len(image) // 2, len(image) - 2, len(image) - 1]
     wrong = [image[:count] for count in cuts]
@@ -89,7 +90,8 @@ def wrong_images(rng, image):
         changed = bytearray(image)
         changed[place] ^= 1 << rng.integers(0, 8)
         wrong.append(bytes(changed))
-    return wrong
+    words = (len(image) - CHECK_BYTES) // WORD_BYTES - 1
+    return wrong + fitting_checks(sizes, image, words)
 
 
 @cocotb.test()
@@ -138,7 +140,7 @@ async def wrong_images_among_good_ones(dut):
         return
     rng, image = bench.rng, bench.twin.image
     sent, at, sound = [Sent(0, image)], 0, 1
-    for wrong in wrong_images(rng, image):
+    for wrong in wrong_images(rng, bench.twin.loaded.sizes, image):
         good = rng.random() < 0.3
         sent += [Sent(at, wrong)] + [Sent(at, image)] * good
         sound += good
