@@ -58,7 +58,7 @@ def since_packet(clk, rst, begins, event, told):
 
 @block
 def refused_frame(clk, rst, complete, frame_error, told, flag_out):
-    """``flag_out`` tells that a frame was refused since the last packet, or since the last frame."""
+    """``flag_out`` tells that a frame was refused since the last packet or since the last frame."""
     refused = flag()
 
     @always_seq(clk.posedge, reset=rst)
