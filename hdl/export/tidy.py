@@ -237,7 +237,7 @@ def indent_architecture(text: str) -> str:
 
 
 def shorten_bit_strings(text: str) -> str:
-    """Write ``36X"..."``, which is VHDL-2008, as older VHDL: with four bits a digit or in binary."""
+    """Write ``36X"..."``, which is VHDL-2008, as older VHDL: in whole hex digits or in binary."""
 
     def literal(found: re.Match[str]) -> str:
         width, digits = int(found[1]), found[2]

@@ -1,4 +1,4 @@
-"""``make mutate``: the mutation score of one block, or of every block."""
+"""``make mutate``: find the mutation score of one block, or of every block."""
 
 from __future__ import annotations
 
@@ -57,7 +57,8 @@ def main() -> int:
             write_record(KIND, job.block, facts)
         return facts
 
-    # What one does on a single processor, its bench to begin with, falls beside another.
+    # Two blocks run side by side, because parts of the work, such as the first run of the bench,
+    # use a single processor.
     with ThreadPoolExecutor(BESIDE) as pool:
         for job, facts in zip(planned, pool.map(work, planned), strict=True):
             print(line(job.block, facts), flush=True)
