@@ -31,7 +31,7 @@ def since(name: str, event: str, most: int | str) -> str:
 
 
 def check_byte(data: str) -> str:
-    """Takes a byte into ``sum``, a CRC-16 with x^16 + x^12 + x^5 + 1; its highest bit comes first."""
+    """Takes a byte into ``sum``, a CRC-16 with x^16 + x^12 + x^5 + 1, from its highest bit on."""
     return "\n".join(
         f"sum = {{sum[14:0], 1'b0}} ^ (sum[15] ^ {data}[{n}] ? 16'h1021 : 16'h0);"
         for n in reversed(range(8))
@@ -63,11 +63,12 @@ def pipeline(
         states.append(f"out_last == last_ago[{late}]")
         watch += ago("last_ago", last, twin.latency)
     flags = "out_valid and out_last are" if last else "out_valid is"
-    own = "in_valid and in_last" if last else "in_valid"
+    own = "in_valid and in_last were" if last else "in_valid was"
+    clocks = "1 clock" if twin.latency == 1 else f"{twin.latency} clocks"
     return Property(
         name="one for each",
-        sentence=f"{flags} just what {own} was {twin.latency} clocks before, unless a reset came "
-        "between: no item is lost and none is made up.",
+        sentence=f"{flags} exactly what {own} {clocks} before, unless a reset came between. So no "
+        "item is lost and none is made up.",
         states=tuple(states),
         watch=watch,
         reached=("out_valid", "!out_valid"),
@@ -180,12 +181,12 @@ def network(
         *helps,
     )
     told = frames(inputs, spacing) + watch
-    least = f" or come within {spacing} clocks of a good one" if spacing else ""
+    least = f" or that ends less than {spacing} clocks after a good one" if spacing else ""
     return [
         Property(
             name="frame_error",
-            sentence=f"frame_error is high for just one clock for each frame that has not {inputs} "
-            f"elements{least}, one clock after the element that gives it away.",
+            sentence="frame_error is high for exactly one clock for each frame that does not have "
+            f"{inputs} elements{least}. It comes one clock after the element that shows this.",
             states=("frame_error == wrong_ago[0]",),
             watch=told + ago("wrong_ago", "wrong", 1),
             helps=helps,
@@ -195,9 +196,10 @@ def network(
         ),
         Property(
             name="outputs of good frames",
-            sentence=f"A good frame, and nothing else, yields {outputs} outputs, in clocks "
-            f"{late} to {late + outputs - 1} after its last element, the last of them with "
-            "out_last. A wrong frame yields none, and no frame does that began before a reset.",
+            sentence=f"Each good frame yields {outputs} outputs in clocks {late} to "
+            f"{late + outputs - 1} after its last element, and out_last comes with the last of "
+            "them. Nothing else yields an output: no wrong frame does, and no frame that began "
+            "before a reset.",
             states=("out_valid == (left != 0)", "out_last == (left == 1)"),
             watch=told + ago("good_ago", "good", late) + results(outputs, f"good_ago[{late - 1}]"),
             helps=helps,
