@@ -180,7 +180,7 @@ def _found(
     asked = sample(differ, seed)
     confirmed = found_by_bench(asked)
     if len(confirmed) < len(asked):
-        tell(f"the bench finds {len(confirmed)} of {len(asked)} of these: it is run on all")
+        tell(f"the bench detects {len(confirmed)} of {len(asked)} of these, so it runs on all")
         asked = sorted(differ)
         differ = {n: differ[n] for n in found_by_bench(asked)}
     left = [n for n in numbers if n not in differ]
@@ -189,7 +189,7 @@ def _found(
     verdicts = _proofs(subject, left, explained, trace.masks)
     same = [n for n in left if verdicts[n][0] == SAME]
     left = [n for n in left if n not in same]
-    tell(f"{len(same)} proved the same, {len(left)} left")
+    tell(f"{len(same)} are proved equivalent, {len(left)} are left")
     late = found_by_bench(left)
     survivors = []
     for number in (n for n in left if n not in late):
