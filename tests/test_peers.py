@@ -134,11 +134,11 @@ def test_verilog_that_differs_from_its_model_is_told(
     found = expected.copy()
     da4ml_rows.check(found, expected)
     found[1, 2] = 1
-    with pytest.raises(InputError, match="1 of 3 frames are other in simulation"):
+    with pytest.raises(InputError, match="1 of 3 frames differ between simulation and model"):
         da4ml_rows.check(found, expected)
     answer = {"outputs": expected.tolist(), "simulated": found.tolist()}
     monkeypatch.setattr(nngen_rows, "asked", lambda *_: answer)
-    with pytest.raises(InputError, match="1 of 3 frames are other in simulation"):
+    with pytest.raises(InputError, match="1 of 3 frames differ between simulation and model"):
         nngen_rows.row(Path("python"), task, tmp_path)
 
 

@@ -15,7 +15,7 @@ def abs_unit(clk, rst, in_valid, in_data, out_valid, out_mag, out_negative, *, s
     in_valid, in_data : bool, signed ``spec.fmt``
     out_valid, out_mag, out_negative : bool, unsigned ``spec.mag_width`` bits, bool
     spec : AbsUnit
-        Formats; the twin states rounding and overflow (the most negative code saturates).
+        The formats; the twin states rounding and overflow (the most negative code saturates).
 
     Notes
     -----
@@ -23,7 +23,8 @@ def abs_unit(clk, rst, in_valid, in_data, out_valid, out_mag, out_negative, *, s
     """
     width = spec.fmt.width
     high = spec.fmt.high
-    # One bit wider than the input: VHDL would negate -2**(width - 1) in the input's own width.
+    # These are one bit wider than the input, because VHDL would negate -2**(width - 1) in the
+    # input's own width.
     wide = signed(width + 1)
     opposite = signed(width + 1)
     magnitude = unsigned(spec.mag_width)
@@ -41,7 +42,7 @@ def abs_unit(clk, rst, in_valid, in_data, out_valid, out_mag, out_negative, *, s
         if not in_data[width - 1]:
             magnitude.next = wide[width - 1 :]
         elif opposite[width - 1]:
-            # Only the most negative code; a comparison would be another row of carries.
+            # This is the most negative code alone; to compare would take another row of carries.
             magnitude.next = high
         else:
             magnitude.next = opposite[width - 1 :]

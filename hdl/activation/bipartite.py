@@ -10,7 +10,7 @@ from hdl.common.signals import flag, signed, unsigned
 
 
 def memories(activation: Bipartite) -> tuple[Constants, Constants]:
-    """The words of bases and corrections, for however many nodes read them."""
+    """The tables of bases and of corrections; any number of nodes can read them."""
     fmt, bases, corrections = activation.formats, activation.bases, activation.corrections
     width = activation.table.correction_width
     codes = [word & (1 << width) - 1 for word in corrections]
@@ -22,9 +22,10 @@ def memories(activation: Bipartite) -> tuple[Constants, Constants]:
 
 @block
 def upper_bits(clk, in_data, upper, is_wide, *, activation: Bipartite):
-    """The bits of q from 2 up to 8, saturated, and whether its magnitude reaches 2, a clock later.
+    """One clock later: the bits of q with weights from 2 up to 8, saturated, and ``is_wide``.
 
-    They stand in registers, so that each bit of an address is a function of four of these.
+    ``is_wide`` tells that the magnitude of q reaches 2. All of these stand in registers, so that
+    each bit of an address is a function of four registers.
     """
     sign = activation.in_fmt.width - 1
     end = min(activation.reach_width, MAGNITUDE_WIDTH)
@@ -83,7 +84,7 @@ def upper_bits(clk, in_data, upper, is_wide, *, activation: Bipartite):
 
 @block
 def place(clk, in_data, negative, base_addr, slope_addr, *, activation: Bipartite):
-    """The addresses of base and correction; ``negative`` is the sign, a clock later."""
+    """The addresses of base and correction, and ``negative``, the sign; all come a clock later."""
     fmt = activation.formats
     sign = activation.in_fmt.width - 1
     width = min(activation.reach_width, FINE_WIDTH)
@@ -152,7 +153,7 @@ def place(clk, in_data, negative, base_addr, slope_addr, *, activation: Bipartit
 
 @block
 def turn(word, inverted, turned):
-    """``word``, or its complement."""
+    """``turned`` is ``word``, or its complement where ``inverted`` is high."""
     ones = word.max - 1
 
     @always_comb
@@ -169,8 +170,8 @@ def turn(word, inverted, turned):
 def read(clk, addr, word, *, memory: Constants):
     """A word of ``memory``, two clocks later.
 
-    A block RAM whose word is a register's at once is faster than one behind which it is added, and
-    some have that register inside.
+    A block RAM is faster where its word goes straight into a register and not into an adder, and
+    some block RAMs have that register inside.
     """
     found = unsigned(len(word))
 
@@ -185,7 +186,7 @@ def read(clk, addr, word, *, memory: Constants):
 def from_memories(
     clk, base_addr, slope_addr, negative, base, slope, negative_late, *, bases, corrections
 ):
-    """What is added, two clocks later: the base, turned by the sign, and the correction."""
+    """The two addends, two clocks later: the correction, and the base, inverted for q below 0."""
     base_word, slope_word = unsigned(len(base)), unsigned(len(corrections[0]))
 
     @always_comb
@@ -203,12 +204,15 @@ def from_memories(
 
 @block
 def mirror(slope_addr, half_addr, falls, *, activation: Bipartite):
-    """The address of a correction's magnitude, which an offset shares with its complement."""
+    """The address of a correction's magnitude; ``falls`` tells that the correction is below 0.
+
+    An offset and its complement have the same magnitude, so they share an address.
+    """
     width = activation.formats.offset_width - 1
     above = width + 1
     last = len(slope_addr) - 1
     fine_ones = (1 << width) - 1
-    # From 2 on the last bit is none of the offset.
+    # From 2 on, the last bit does not belong to the offset.
     wide_ones = fine_ones - activation.wide
     offset, folded = unsigned(width), unsigned(width)
 
@@ -235,9 +239,11 @@ def mirror(slope_addr, half_addr, falls, *, activation: Bipartite):
 
 @block
 def masked(clk, addr, mask, addr_late):
-    """``addr`` one clock later. Its first bit is masked in its register, and not behind it.
+    """``addr_late`` is ``addr``, one clock later.
 
-    Of an address that is all registers a synthesiser makes that of a block RAM.
+    In its register the first bit is inverted where ``mask`` is high; behind the register it is
+    inverted back. So the address does not come from registers alone: if it did, a synthesiser would
+    make the table a block RAM.
     """
     last = len(addr) - 1
     lower, first = unsigned(last), flag()
@@ -264,10 +270,10 @@ def masked(clk, addr, mask, addr_late):
 def from_logic(
     clk, base_addr, slope_addr, negative, base, slope, negative_late, *, activation: Bipartite
 ):
-    """What is added, two clocks later, from tables without the half that mirrors the other.
+    """The two addends, two clocks later, from tables without the half that mirrors the other half.
 
-    A correction below 0 is the complement of its magnitude and 1, which both addends carry in a
-    place to the right.
+    A correction below 0 is the complement of its magnitude, plus 1. Both addends have one more bit
+    to the right; where the correction is below 0 these bits are set, and their carry is the 1.
     """
     fmt, table = activation.formats, activation.table
     half = 1 << (fmt.offset_width - 1)
@@ -308,7 +314,7 @@ def from_logic(
 
 @block
 def node(clk, in_data, out_data, memory, *, activation: Bipartite):
-    """tanh of one node; of "block_ram" from a ``memory`` that others may read as well."""
+    """tanh for one node; with "block_ram" it reads a ``memory`` that other nodes may read, too."""
     fmt = activation.formats
     in_logic = activation.memory == "logic"
     cut = fmt.frac + in_logic
@@ -332,7 +338,8 @@ def node(clk, in_data, out_data, memory, *, activation: Bipartite):
 
     @always_comb
     def add():
-        # The correction first: of what carries a LUT has no part, so that it can turn the base.
+        # The operand that stands first feeds the carries directly and not through a LUT. So it is
+        # the correction, and the LUT at the other operand can invert the base.
         total.next = slope + wide_base
 
     @always_comb
@@ -367,7 +374,7 @@ def bipartite(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Biparti
     in_valid, in_data : bool, signed ``spec.in_fmt``
     out_valid, out_data : bool, signed ``spec.out_fmt``
     spec : Bipartite
-        Where the tables stand, and how much of them; the twin states rounding and error.
+        Where the tables stand and how large they are; the twin states rounding and error.
 
     Notes
     -----

@@ -20,7 +20,7 @@ def bipartite_pair(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Bi
     out_data : Words of signed ``spec.activation.out_fmt``
         Ports ``out_data_0`` and ``out_data_1``.
     spec : BipartitePair
-        The activation of both.
+        The activation of both nodes.
 
     Notes
     -----

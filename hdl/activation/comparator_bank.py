@@ -60,7 +60,7 @@ def comparator_bank(
 
     @always_comb
     def locate():
-        # The thresholds rise, so the last one exceeded is also their number.
+        # The thresholds rise, so the place of the last one that is exceeded is also their number.
         found = intbv(0, min=0, max=count + 1)
         found[:] = 0
         for n in range(count):

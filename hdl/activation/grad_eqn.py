@@ -28,7 +28,7 @@ def grad_eqn(
     """
     product_width = spec.mag_width + spec.coeff_width
     aligned_width = spec.intercept_width + spec.intercept_shift
-    # Sum of two numbers below 2**w and 2**v, and half an LSB, stays below 2**(max(w, v) + 1).
+    # The sum of two numbers below 2**w and 2**v and of half an LSB stays below 2**(max(w, v) + 1).
     total_width = max(product_width, aligned_width) + 1
     shift = spec.out_shift
     align = spec.intercept_shift
@@ -47,7 +47,7 @@ def grad_eqn(
 
     @always(clk.posedge)
     def fetch():
-        # Both operands leave registers, which a multiplier of an FPGA has inside.
+        # Both operands come from registers, which the multipliers of FPGAs have inside.
         mag.next = in_mag
         coeff.next = in_coeff
         early_intercept.next = in_intercept
@@ -79,7 +79,7 @@ def grad_eqn(
 
     @always(clk.posedge)
     def keep():
-        # segments.py proves that no magnitude in the neuron's reach has a bit above these.
+        # segments.py proves that no magnitude that the neuron reaches has a bit above these.
         out_data.next = kept[out_width:]
 
     mark = delay(clk, rst, in_valid, out_valid, clocks=3)

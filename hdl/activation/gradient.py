@@ -1,4 +1,4 @@
-"""The modified Gradient activation: tanh by segments on one multiplier."""
+"""The modified Gradient activation: tanh in segments, with one multiplier for all of them."""
 
 from myhdl import block
 

@@ -1,4 +1,4 @@
-"""The Gradient activation as first drawn: tanh by segments, a multiplier for each."""
+"""The Gradient activation as first drawn: tanh in segments, with a multiplier for each segment."""
 
 from myhdl import always_comb, block
 
@@ -13,7 +13,7 @@ from hdl.common.signals import Words, flag, unsigned
 
 @block
 def enable(addr, coeff, intercept, *, segment: int, words):
-    """The constants of ``segment``, or 0 while ``addr`` names another."""
+    """The constants of ``segment``, or 0 while ``addr`` names another segment."""
     gradient, constant_term = words
 
     @always_comb
@@ -44,7 +44,7 @@ def threshold_unit(addr, data, *, segment: int, high: int):
 
 @block
 def add(left, right, total):
-    """Sum of two numbers of which one at most is not 0: no carry, no adder."""
+    """The sum of two numbers, one of which is 0, so that nothing carries and no adder is needed."""
 
     @always_comb
     def merge():

@@ -1,4 +1,4 @@
-"""The look-up table activation: tanh from a table of 128 values."""
+"""The look-up table activation: tanh is read from a table of 128 values."""
 
 from myhdl import always, always_comb, block
 

@@ -15,7 +15,7 @@ from hdl.common.signals import flag, signed, unsigned
 
 @block
 def multiply(clk, left, right, kept, *, shift: int, rounding):
-    """``left`` times ``right``, cut, one clock later; ``kept`` is wide enough for what comes."""
+    """``left`` times ``right``, requantised, one clock later; ``kept`` is wide enough for it."""
     exact = signed(len(left) + len(right))
     rounded = signed(len(exact) + 1 - shift)
 
@@ -32,7 +32,7 @@ def multiply(clk, left, right, kept, *, shift: int, rounding):
 
 @block
 def offset(data, total, *, constant: int):
-    """``data`` plus a constant; ``total`` is wide enough for what comes."""
+    """``data`` plus a constant; ``total`` is wide enough for the sum."""
     magnitude = abs(constant)
 
     if constant < 0:
@@ -73,7 +73,7 @@ def horner(clk, square, total, *, constants: Horner, bracket_width, square_frac,
 
 @block
 def low_signed(data, low):
-    """The low bits of ``data`` as a signed number."""
+    """``low`` is the low bits of ``data`` as a signed number."""
     width = len(low)
 
     @always_comb
@@ -85,7 +85,7 @@ def low_signed(data, low):
 
 @block
 def low_unsigned(data, low):
-    """The low bits of ``data`` as a number that is not negative; ``low`` has a sign beside them."""
+    """``low`` is the low bits of ``data`` as a number that is not negative, and a sign bit of 0."""
     width = len(low) - 1
 
     @always_comb
@@ -97,7 +97,7 @@ def low_unsigned(data, low):
 
 @block
 def hold(clk, enable, data, data_late):
-    """``data`` of the last clock in which ``enable`` was high."""
+    """``data_late`` is ``data`` of the last clock in which ``enable`` was high."""
 
     @always(clk.posedge)
     def keep():
@@ -109,12 +109,13 @@ def hold(clk, enable, data, data_late):
 
 @block
 def regression(clk, enable, busy, ratio, value, *, start: int, ratio_frac: int, rounding):
-    """``value`` is ``start`` after ``enable``, then start - value ratio as long as ``busy``."""
+    """``value`` becomes ``start`` with ``enable``, and ``start - value * ratio`` with ``busy``."""
     high = int(value.max) - 1
     low = int(value.min)
     exact = signed(len(value) + len(ratio))
-    # start - cut(exact) with one row of carries: -x is the inverse of x - 1, and rounding adds a
-    # half, so start, the one and the half are one constant, with one fraction bit where it rounds.
+    # This computes start - cut(exact) with a single row of carries. -x is the inverse of x - 1, and
+    # rounding adds a half; so start, the one and the half together are one constant, which has one
+    # fraction bit where the result is rounded.
     fraction = 1 if rounding is Rounding.ROUND else 0
     dropped = ratio_frac - fraction
     constant = (start << fraction) + 1
@@ -170,10 +171,10 @@ def pade(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Pade):
     Parameters
     ----------
     in_valid, in_data : bool, signed ``spec.in_fmt``
-        One code every ``spec.interval`` clocks at most; one that comes early takes the place of the
-        one before, which then has no result.
+        At most one code comes every ``spec.interval`` clocks. A code that comes earlier takes the
+        place of the one before it, which then has no result.
     out_valid, out_data : bool, signed ``spec.out_fmt``
-        A result stays until the next.
+        A result stays until the next one comes.
     spec : Pade
         Constants and formats; the twin states rounding and error.
 
@@ -187,8 +188,8 @@ def pade(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Pade):
     iterations = spec.iterations
     mag_width, q_width = spec.abs_unit.mag_width, spec.q_width
     high = spec.out_fmt.high
-    # Whatever q the bits hold, nothing wraps before q A and the ratio are cut to what the gate lets
-    # through.
+    # The widths hold for every q that fits into the bits. So nothing wraps before q A and the ratio
+    # are cut to the widths of those values that count: beyond them the result is a constant.
     widths = spec.widths((1 << q_width) - 1)
     mag_valid, q_valid, start, ready, result_valid = flag(), flag(), flag(), flag(), flag()
     mag, late_mag = unsigned(mag_width), unsigned(mag_width)
@@ -277,8 +278,8 @@ def pade(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Pade):
         ),
         delay(clk, None, q, late_q, clocks=3),
         weigh,
-        # What belongs to the code in the regression is held until the next one starts, and what
-        # belongs to the result until the next one is ready.
+        # Values of the code in the regression are held until the next code starts, and values of
+        # the result until the next result is ready.
         delay(clk, rst, q_valid, start, clocks=3),
         delay(clk, None, negative, negative_start, clocks=4),
         delay(clk, None, beyond, beyond_start, clocks=3),

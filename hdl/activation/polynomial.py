@@ -1,4 +1,4 @@
-"""The Polynomial activation: tanh by two quadratics."""
+"""The Polynomial activation: tanh is approximated by two quadratics."""
 
 from myhdl import always, always_comb, block
 
@@ -16,7 +16,7 @@ from hdl.common.widen import widen
 
 @block
 def square_of(clk, mag, square, *, shift: int, rounding):
-    """``mag`` squared, cut and without the bits that no quadratic needs, one clock later."""
+    """``mag`` squared and requantised, one clock later, without bits that no quadratic needs."""
     width = len(square)
     x = signed(len(mag) + 1)
     exact = signed(2 * len(x))
@@ -38,7 +38,7 @@ def square_of(clk, mag, square, *, shift: int, rounding):
 
 @block
 def term(clk, addr, data, product, *, words, fmt, shift: int, rounding):
-    """Constant ``addr`` times ``data``, cut, one clock later."""
+    """The constant at ``addr`` times ``data``, requantised, one clock later."""
     x = signed(len(data) + 1)
     coeff = fixed(fmt)
     exact = signed(len(x) + fmt.width)
@@ -55,7 +55,7 @@ def term(clk, addr, data, product, *, words, fmt, shift: int, rounding):
 
 @block
 def offset(clk, addr, aligned, *, words, fmt, shift: int):
-    """Constant ``addr`` at the sum's binary point, one clock later."""
+    """The constant at ``addr``, aligned to the binary point of the sum, one clock later."""
     coeff = fixed(fmt)
     late = signed(len(aligned))
     table = rom(addr, coeff, words=words, meanings=fmt.texts(words))
@@ -98,7 +98,8 @@ def polynomial(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Polyno
     segment = unsigned(spec.comparator_bank.addr_width)
     segment_late = unsigned(spec.comparator_bank.addr_width)
     square = unsigned(spec.square_width)
-    # Operand and constant with their signs, and a bit for the carry of the rounding.
+    # A product has the bits of operand and constant, each with a sign, and one bit for the carry of
+    # the rounding.
     quadratic = signed(spec.square_width + 1 + formats.quadratic.width + 1 - spec.quadratic_shift)
     linear = signed(mag_width + 1 + formats.linear.width + 1 - spec.linear_shift)
     aligned = signed(formats.constant.width + spec.constant_shift)

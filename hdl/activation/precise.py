@@ -12,7 +12,10 @@ from hdl.common.signals import flag, signed, unsigned
 
 @block
 def gated_row(clk, word, top, row, *, bit: int):
-    """``top``, or 0 where the word has ``bit`` set: a register with a synchronous reset, no LUT."""
+    """``row`` is ``top``, or 0 where ``bit`` of the word is set.
+
+    Synthesis makes it a register with a synchronous reset, without a LUT.
+    """
 
     @always(clk.posedge)
     def keep():
@@ -26,9 +29,10 @@ def gated_row(clk, word, top, row, *, bit: int):
 
 @block
 def row_adder(total, row, low, result):
-    """One step of a multiplication: ``low`` leaves to the right, ``row`` is added to the rest.
+    """One step of a multiplication: ``low`` leaves to the right, and ``row`` is added to the rest.
 
-    Adders of the whole product would be merged into carry-save adders of twice the LUTs.
+    If each adder had the width of the whole product, synthesis would merge them into carry-save
+    adders, which take twice the LUTs.
     """
     rest = unsigned(len(total))
 
@@ -53,7 +57,7 @@ def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
     in_valid, in_data : bool, signed ``spec.in_fmt``
     out_valid, out_data : bool, signed ``spec.out_fmt``
     spec : Precise
-        Where the coefficients stand, and how many; the twin states rounding and error.
+        Where the coefficients stand and how many there are; the twin states rounding and error.
 
     Notes
     -----
@@ -63,7 +67,7 @@ def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
     fmt, table = spec.formats, spec.table
     mag_width = spec.abs_unit.mag_width
     distance_width, top_width = fmt.distance_width, fmt.top_width
-    # Below 1 and unsigned: as wide as their fractions.
+    # These are unsigned and below 1, so they are as wide as their fractions.
     intercept_width, gradient_width = fmt.intercept_frac, fmt.gradient_frac
     curve_width, slope_width = fmt.curve_width, fmt.slope_frac
     # The curve stands inverted in the word: a set bit clears a row.
@@ -154,7 +158,8 @@ def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
 
     @always(clk.posedge)
     def fold():
-        # The carries of all rows and of the slope together would take longer than all else.
+        # Without this register the carries of all rows and of the slope would form one path, longer
+        # than any other.
         curved.next = curve
         gradient_late.next = gradient
         distance_aside.next = distance_late
@@ -167,7 +172,8 @@ def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
 
     @always_comb
     def subtract():
-        # Signed: it may be negative between two deltas of a simulation, though in no clock.
+        # It is signed, because it may be negative between two deltas of a simulation, though never
+        # at a clock edge.
         difference.next = wide_gradient - wide_high
 
     @always_comb
@@ -195,7 +201,7 @@ def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
 
     @always(clk.posedge)
     def hold():
-        # Both operands leave registers, which a multiplier of an FPGA has inside.
+        # Both operands come from registers, which the multipliers of FPGAs have inside.
         slope_late.next = slope
         x_late.next = x
 
@@ -218,7 +224,7 @@ def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
 
     @always(clk.posedge)
     def keep():
-        # The search for the coefficients keeps every result a neuron reaches within 0 to high.
+        # The search for the coefficients has kept every result that a neuron reaches in 0 to high.
         result.next = kept[out_width:]
 
     clocks = spec.memory_latency + STAGES
@@ -239,7 +245,7 @@ def precise(clk, rst, in_valid, in_data, out_valid, out_data, *, spec: Precise):
             flip,
         ),
         *(fill, widen, centre, hold, multiply, move, add, cut, keep),
-        # Reset, though it is data: without it Series 7 puts this chain into LUTs.
+        # This data has a reset, because without one this chain would be put into LUTs on Series 7.
         delay(clk, rst, intercept_early, intercept_late, clocks=1),
         delay(clk, rst, mag_valid, sum_valid, clocks=clocks),
         delay(clk, None, negative, negative_late, clocks=clocks),

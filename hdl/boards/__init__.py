@@ -1,1 +1,1 @@
-"""Bitstreams: a scene on a board."""
+"""Makes bitstreams, which put a scene on a board."""

@@ -1,8 +1,9 @@
-"""``python -m hdl.boards SCENE BOARD``: a file to program a board with.
+"""``python -m hdl.boards SCENE BOARD``: make a file with which a board is programmed.
 
 ``build/<scene>/bitstream/<board>`` gets the bitstream, the Verilog and the pins file that it was
-made of, and ``bitstream.json``: what it takes, the versions of the tools, digests. The same bytes
-on every run of the same tools. A design that does not fit, or whose clock is not met, is an error.
+made of, and ``bitstream.json`` with the resources that it takes, the versions of the tools and a
+digest. The same tools give the same bytes on every run. A design that does not fit, or whose clock
+is not met, is an error.
 """
 
 from __future__ import annotations
@@ -75,7 +76,7 @@ def main() -> None:
 
 
 def tell(design: Network, board: Board, made: Sources, report: Report, file: Path) -> None:
-    """Print what it takes, and how the board is programmed."""
+    """Print which resources the design takes, and how the board is programmed."""
     print(f"\n{design.entity} on {board.title}, {board.device}")
     for name, used in report.used.items():
         available = report.available[name]

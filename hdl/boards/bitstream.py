@@ -1,4 +1,4 @@
-"""A bitstream: what the tools make of a design and its wrapper, and what they say of it."""
+"""Makes a bitstream from a design and its wrapper, and reads what the tools report of it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from hdl.boards.wrapper import OSCILLATOR, TOP, outside, wrapper
 from hdl.synth.tools import run_tool, stored
 
 SEED = 1
-# Called with what a tool does, and entered while it does so.
+# This is called with the name of a step, and its context is entered while a tool does that step.
 Running = Callable[[str], AbstractContextManager[None]]
 WRAPPER = f"{TOP}.v"
 USED = re.compile(r"Info:\s+(\w+):\s*(\d+)/\s*(\d+)")
@@ -34,17 +34,18 @@ FAULT = re.compile(r"^ERROR: (.+)$", re.M)
 
 @dataclass(frozen=True)
 class Sources:
-    """What a bitstream is made of, beside the exported Verilog.
+    """The sources of a bitstream, beside the exported Verilog.
 
     Attributes
     ----------
     verilog : str
-        The top module.
+        The text of the top module.
     pins : str
-        The pins file.
+        The text of the pins file.
     clock_mhz : Fraction
-        That the design gets.
+        The clock that the design gets.
     pll : bool
+        Whether a PLL makes that clock.
     """
 
     verilog: str
@@ -55,15 +56,16 @@ class Sources:
 
 @dataclass(frozen=True)
 class Report:
-    """What nextpnr says.
+    """What nextpnr reports.
 
     Attributes
     ----------
     clock_mhz : float
-        The fastest clock with which what it has placed and routed works, by its own delays.
+        The fastest clock with which the placed and routed design works, by nextpnr's own delays.
     needed_mhz : float
+        The clock that the design gets.
     used, available : dict
-        By kind of resource.
+        Counts, by the kind of resource.
     """
 
     clock_mhz: float
@@ -78,8 +80,8 @@ def sources(scene: Scene, design: Network, board: Board) -> Sources:
     Raises
     ------
     InputError
-        When the design's ports are no wires of the board, or there is no such clock; both together
-        where both are so.
+        When the board has no wires for the design's ports, or no PLL makes the clock. Where both
+        are so, one message says both.
     """
     found: list[Finding] = []
     used = {OSCILLATOR: Pin(board.clock_pin, "oscillator")}
@@ -99,7 +101,7 @@ def build(
     board: Board,
     running: Running = lambda _: nullcontext(),
 ) -> tuple[bytes, Report]:
-    """The bitstream for a folder of Verilog, in which the wrapper is written, and what it takes.
+    """The bitstream for a folder of Verilog, into which the wrapper is written, and the report.
 
     Parameters
     ----------
@@ -111,7 +113,7 @@ def build(
     Raises
     ------
     InputError
-        When it does not fit, or its clock is not met.
+        When the design does not fit, or its clock is not met.
     """
     family = FAMILIES[board.family]
     (verilog / WRAPPER).write_text(made.verilog, encoding="utf-8")
@@ -132,7 +134,7 @@ def build(
 
 
 def cells(verilog: Path, made: Sources, board: Board) -> str:
-    """What is placed and routed: the wrapper and the design as one module of the family's cells.
+    """The netlist that is placed and routed: one module of cells, with wrapper and design in it.
 
     Raises
     ------
@@ -199,7 +201,7 @@ def _placed(folder: Path, made: Sources, board: Board, family: Family, placer: s
 
 
 def _why_not(said: str, family: Family) -> str:
-    """What does not fit, or else what nextpnr complains of."""
+    """Why nextpnr failed: the resources that do not suffice, or else its own message."""
     names = {kind: name for name, kind in family.resources.items()}
     over = [
         f"{names.get(kind, kind)}: {used} of {available}"

@@ -1,4 +1,4 @@
-"""What differs between the families of devices: pins files, and how the tools are called."""
+"""The differences between families of devices: their pins files, and how their tools are called."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from hdl.synth.timing import OPERANDS, UNREAD, mapped
 from hdl.synth.tools import run_tool, stored
 
 NETLIST = "netlist.json"
-# What synth_ice40 -dsp does, but for ice40_dsp, which moves registers into the multipliers: of one
-# that lies between two multipliers it loses bits, and load_profile has one
-# (tests/test_boards.py: test_a_register_between_two_multipliers).
+# These are the steps of synth_ice40 -dsp without ice40_dsp, which moves registers into the
+# multipliers. Where a register lies between two multipliers it loses bits, and load_profile has
+# such a register (tests/test_boards.py: test_a_register_between_two_multipliers).
 MULTIPLIERS = (
     "techmap -map +/mul2dsp.v -map +/ice40/dsp_map.v -D DSP_A_MAXWIDTH=16 -D DSP_B_MAXWIDTH=16 "
     "-D DSP_A_MINWIDTH=2 -D DSP_B_MINWIDTH=2 -D DSP_Y_MINWIDTH=11 -D DSP_NAME=$__MUL16X16; "
@@ -28,32 +28,32 @@ MULTIPLIERS = (
 
 @dataclass(frozen=True)
 class Family:
-    """How a bitstream of a family is made.
+    """How a bitstream for a family is made.
 
     Attributes
     ----------
     nextpnr, packer : str
-        ``yowasp-`` before each is the command.
+        The names of the tools; their commands are these names behind ``yowasp-``.
     packages : tuple of str
-        On PyPI.
+        The packages on PyPI that hold the tools.
     suffix : str
-        Of the bitstream.
+        The suffix of the bitstream's file.
     pins_name : str
-        Of the pins file.
+        The name of the pins file.
     pins : callable
-        Its text, from a board and the names of the pins that are used.
+        Makes the text of that file from a board and the pins that are used, by name.
     synthesise : callable
-        From Verilog in a folder to ``NETLIST``.
+        Makes ``NETLIST`` from the Verilog in a folder.
     options : callable
-        nextpnr's, from a board: its device, and what it is to read.
+        Makes the options of nextpnr for a board: the device, and the pins file that it reads.
     placed : str
-        nextpnr's option for what the packer reads.
+        The option of nextpnr that writes the file for the packer.
     packing : tuple of str
-        The packer's options.
+        The options of the packer.
     placers : tuple of str
-        One after the other, until the clock is met.
+        The placers of nextpnr. They are tried one after the other until the clock is met.
     resources : dict
-        What nextpnr counts, by what it is called.
+        nextpnr's names of the resources that are reported, by the names that are shown.
     """
 
     nextpnr: str
@@ -101,7 +101,7 @@ def _synthesise_ice40(folder: Path) -> None:
 
 
 def _run_ice40(folder: Path, top: str, write: str) -> None:
-    # An engine never uses a word that is read while it is written (hdl/synth/timing.py).
+    # An engine never uses a word that it reads while the word is written (hdl/synth/timing.py).
     promise = f"{UNREAD}; " if any(folder.glob(f"{OPERANDS}.v")) else ""
     synthesise = f"synth_ice40 -top {top} -run"
     script = (
@@ -112,7 +112,7 @@ def _run_ice40(folder: Path, top: str, write: str) -> None:
 
 
 def ice40_netlist(verilog: Path, top: str) -> str:
-    """An entity in one piece as cells of an iCE40, in Verilog.
+    """An entity with all its parts as one module of an iCE40's cells, in Verilog.
 
     Raises
     ------

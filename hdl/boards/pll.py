@@ -1,4 +1,4 @@
-"""The clock of a design from that of a board's oscillator."""
+"""Makes the clock of a design from the oscillator of a board."""
 
 from __future__ import annotations
 
@@ -9,29 +9,32 @@ from fractions import Fraction
 from golden.boards import Board
 from golden.input_error import InputError
 
-# How much slower than asked a clock may be. Never faster: a converter's limits are kept by it.
+# How much slower than wanted a clock may be. It may never be faster, because the limits of the
+# converter hold only up to the wanted clock.
 SLOWER = Fraction(1, 200)
-# In MHz: what enters, what is compared, the oscillator inside, what leaves. As ecppll of
-# github.com/YosysHQ/prjtrellis and icepll of github.com/YosysHQ/icestorm have them.
+# The limits in MHz of the clock that enters a PLL, of the divided clock that is compared, of the
+# oscillator inside, and of the clock that leaves. They are those of ecppll in
+# github.com/YosysHQ/prjtrellis and of icepll in github.com/YosysHQ/icestorm.
 ECP5_IN, ECP5_COMPARED = (8, 400), (Fraction(25, 8), 400)
 ECP5_INSIDE, ECP5_OUT = (400, 800), (10, 400)
 ECP5_MIDDLE = 600
 ICE40_IN, ICE40_COMPARED, ICE40_INSIDE, ICE40_OUT = (10, 133), (10, 133), (533, 1066), (16, 275)
-# Setting of the iCE40's filter by what is compared, which is below the limit.
+# The setting of the iCE40's filter, behind the limit below which the compared clock lies.
 ICE40_FILTERS = ((17, 1), (26, 2), (44, 3), (66, 4), (101, 5), (134, 6))
 
 
 @dataclass(frozen=True)
 class Clock:
-    """What drives a design's clock.
+    """The source of a design's clock.
 
     Attributes
     ----------
     mhz : Fraction
-        What is reached.
+        The clock that is reached.
     text : str
-        Verilog between the wires ``oscillator``, ``clk`` and ``locked``.
+        Verilog that connects the wires ``oscillator``, ``clk`` and ``locked``.
     pll : bool
+        Whether it is a PLL; otherwise it is the oscillator itself.
     """
 
     mhz: Fraction
@@ -45,7 +48,7 @@ def clock_for(board: Board, clock_mhz: float) -> Clock:
     Raises
     ------
     InputError
-        When no PLL comes near the clock.
+        When no setting of a PLL comes near the clock.
     """
     source, wanted = Fraction(str(board.clock_mhz)), Fraction(str(clock_mhz))
     if source == wanted:
@@ -66,12 +69,12 @@ def _within(value: Fraction, limits: tuple[int | Fraction, int | Fraction]) -> b
 
 
 def _ecp5(board: Board, source: Fraction, wanted: Fraction) -> Clock | None:
-    """The first output closes the loop, the second is the clock: finer steps than with one."""
+    """A PLL whose first output closes the loop and whose second is the clock, for finer steps."""
     best = min(_ecp5_settings(source, wanted), default=None)
     if best is None or not _within(source, ECP5_IN) or not _within(wanted, ECP5_OUT):
         return None
     off, _, divide_in, loop, divide_out, divide_loop = best
-    # Charge pump and filter as ecppll sets them.
+    # Charge pump and filter are set as ecppll sets them.
     text = f"""  wire looped;
   (* ICP_CURRENT="12" *) (* LPF_RESISTOR="8" *) (* MFG_ENABLE_FILTEROPAMP="1" *)
   (* MFG_GMCREF_SEL="2" *)
@@ -90,7 +93,11 @@ def _ecp5(board: Board, source: Fraction, wanted: Fraction) -> Clock | None:
 def _ecp5_settings(
     source: Fraction, wanted: Fraction
 ) -> Iterator[tuple[Fraction, Fraction, int, int, int, int]]:
-    """How much slower, how far from the middle inside, and the divisors; the least is the best."""
+    """All settings; the least tuple is the best.
+
+    Each is how much slower the clock is, how far the oscillator inside is from the middle of its
+    range, and then the divisors.
+    """
     for divide_in in range(1, 129):
         compared = source / divide_in
         if not _within(compared, ECP5_COMPARED):
@@ -101,7 +108,8 @@ def _ecp5_settings(
             divide_out = -int(-inside // wanted)
             if not _within(inside, ECP5_INSIDE) or not 1 <= divide_out <= 128:
                 continue
-            # What closes the loop is a clock like any other, and its factor has a limit.
+            # The output that closes the loop has the limits of any output, and the factor of the
+            # loop has a limit, too.
             closing = next(
                 (
                     n

@@ -1,4 +1,4 @@
-"""What a shipped scene takes of a board, recorded beside the scene."""
+"""Records beside a shipped scene which resources of a board it takes."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from hdl.synth.tools import digest
 
 
 def record_path(scene: Scene, board: Board) -> Path:
-    """Where it stands."""
+    """Where the record stands."""
     return scene.path.with_suffix(f".{board.name}.json")
 
 
 def state(verilog: Path, made: Sources) -> str:
-    """A digest of what a bitstream is made of: code, wrapper and pins."""
+    """A digest of the sources of a bitstream: code, wrapper and pins."""
     names = [file.name for file in verilog.glob("*.v") if file.name != WRAPPER]
     return fingerprint([], digest(verilog, names), made.verilog, made.pins)
 
 
 def write_record(path: Path, report: Report, verilog: Path, made: Sources) -> None:
-    """Record what was found, and of what."""
+    """Record a report, and a digest of the sources that it belongs to."""
     write_json(path, {"made of": state(verilog, made), "report": asdict(report)})
 
 
 def read_record(path: Path) -> tuple[Report, str]:
-    """What was recorded, and the digest.
+    """The recorded report, and the digest of its sources.
 
     Raises
     ------

@@ -1,6 +1,7 @@
-"""``python -m hdl.boards.variants SCENE BOARD``: what each thing that a scene may have costs there.
+"""``python -m hdl.boards.variants SCENE BOARD``: show what each option of a scene costs on a board.
 
-The scene is built without some of them, and with the multiplier that it does not choose.
+The scene is built without some of its options, and also with the multiplier that it does not
+choose.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from hdl.export.repeatable import run_repeatable
 
 
 def variants(scene: Scene) -> dict[str, Scene]:
-    """By what the engine multiplies with and what is beside it."""
+    """The variants, by names that say how the engine multiplies and what stands beside it."""
     kinds = {"one multiplier": "dsp", "no multiplier": "serial"}
     found = {}
     for name, kind in kinds.items():
@@ -36,12 +37,12 @@ def variants(scene: Scene) -> dict[str, Scene]:
 
 
 def variants_path(scene: Scene, board: Board) -> Path:
-    """Where they are recorded."""
+    """Where the variants are recorded."""
     return scene.path.with_suffix(f".{board.name}.variants.json")
 
 
 def read_variants(path: Path) -> dict[str, tuple[Report, int]]:
-    """By name what nextpnr says, and the clocks from the last bit of a scan to the last output.
+    """By name: nextpnr's report, and the clocks from the last bit of a scan to the last output.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What stands around a design on a board: its clock, its reset, and which port is which pin."""
+"""The module around a design on a board: it makes clock and reset, and connects ports to pins."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from hdl.boards.pll import Clock
 from hdl.export.handover.core import plain_name
 
 TOP, OSCILLATOR = "board", "oscillator"
-# Block RAMs of an iCE40 read zeros for some microseconds after configuration, 36 clocks of 12 MHz
+# For some microseconds after configuration, 36 clocks of 12 MHz, block RAMs of an iCE40 read zeros
 # (github.com/YosysHQ/icestorm, issue 76). The design is reset for 2**RESET_WIDTH clocks.
 RESET_WIDTH = 10
 
 
 def outside(scene: Scene, design: Network, board: Board) -> dict[str, str]:
-    """Direction of each port of the design that has a pin, by its name.
+    """The direction of each port of the design that has a pin, by name.
 
     Raises
     ------
     InputError
-        When the design's inputs are no wires of a board, or none of its outputs shows a result, or
-        a wire has no pin; all of it in one message.
+        When a board cannot drive the design's inputs, when none of its outputs shows a result, or
+        when a wire has no pin. One message says all of it.
     """
     ports = [port for port in design.ports if port not in CLOCKED]
     others = [port.name for port in ports if port.direction == "in" and port.name not in WIRES]

@@ -1,4 +1,4 @@
-"""Sums of many terms, a register per level."""
+"""Adder trees sum many terms, with registers at every level."""
 
 from myhdl import always, block
 
@@ -19,11 +19,14 @@ def add_pair(clk, left, right, total):
 
 @block
 def adder_tree(clk, terms, total, *, width: int):
-    """Sum of ``terms``, one register per level; no partial sum leaves ``width`` bits."""
+    """``total`` is the sum of ``terms``, with one register per level.
+
+    The caller has proved that every partial sum fits into ``width`` bits.
+    """
     level = list(terms)
     adders = []
     while len(level) > 1:
-        # A pair needs one bit more than its wider term, until the proved bound takes over.
+        # A sum has one bit more than its wider term, but never more bits than the proved width.
         wider = min(width, max(len(t) for t in level) + 1)
         pairs = len(level) // 2
         top = len(level) == 2

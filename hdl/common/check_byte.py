@@ -1,4 +1,4 @@
-"""The check of what is sent, byte by byte."""
+"""A checksum (CRC-16) that takes one byte at a time."""
 
 from myhdl import always_comb, block
 
@@ -7,7 +7,11 @@ from hdl.common.signals import unsigned
 
 @block
 def check_byte(check, data, following):
-    """The check behind a byte: CRC-16, polynomial x^16 + x^12 + x^5 + 1, highest bit first."""
+    """``following`` is the checksum ``check`` after one more byte, ``data``.
+
+    The checksum is a CRC-16 with the polynomial x^16 + x^12 + x^5 + 1. It takes the highest bit of
+    a byte first.
+    """
     mixed, spread = unsigned(8), unsigned(8)
 
     @always_comb
@@ -19,7 +23,8 @@ def check_byte(check, data, following):
         spread.next[8:4] = mixed[8:4]
         spread.next[4:] = mixed[8:4] ^ mixed[4:]
 
-    # The check moves up by a byte; spread is added three times, moved up by 12, 5 and 0 bits.
+    # The checksum moves up by a byte. Then spread is added three times without carry: moved up by
+    # 12 bits, by 5 bits, and not moved.
     @always_comb
     def follow():
         following.next[16:13] = check[8:5] ^ spread[4:1]

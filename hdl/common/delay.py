@@ -5,7 +5,7 @@ from myhdl import Signal, always, always_comb, always_seq, block
 
 @block
 def delay(clk, rst, data, data_late, *, clocks: int):
-    """``data_late`` is ``data`` of ``clocks`` clocks ago; ``rst`` None for data without reset.
+    """``data_late`` is ``data`` of ``clocks`` clocks ago; where ``rst`` is None, it has no reset.
 
     Raises
     ------
@@ -14,7 +14,7 @@ def delay(clk, rst, data, data_late, *, clocks: int):
     """
     if clocks < 1:
         raise ValueError(f"delay: clocks={clocks}, expected 1 or more")
-    # The last register is the output itself.
+    # The output itself is the last register.
     taps = [Signal(data.val) for _ in range(clocks - 1)]
     count = len(taps)
 

@@ -1,4 +1,4 @@
-"""A memory that is written and read in order."""
+"""A first-in first-out memory (FIFO)."""
 
 from myhdl import Signal, always, always_comb, always_seq, block, intbv
 
@@ -7,7 +7,7 @@ from hdl.common.signals import flag, unsigned
 
 @block
 def turn(clk, rst, step, addr, *, stop: int):
-    """``addr`` counts the steps, from 0 to ``stop`` and again from 0."""
+    """``addr`` counts the clocks of ``step`` from 0 to ``stop`` and then begins at 0 again."""
 
     @always_seq(clk.posedge, reset=rst)
     def count():
@@ -22,23 +22,24 @@ def turn(clk, rst, step, addr, *, stop: int):
 
 @block
 def fifo(clk, rst, in_valid, in_data, out_ready, out_valid, out_data, fetch, *, depth: int):
-    """Words in order, kept until they are taken.
+    """Words leave in the order in which they came; each stays until it is taken.
 
     Parameters
     ----------
     in_valid, in_data : bool, any format
-        A word comes; the memory must have room for it.
+        A word comes with ``in_valid``; the memory must have room for it.
     out_ready, out_valid, out_data : bool, bool, the format of ``in_data``
-        A word leaves in a clock in which both flags are high; it stays until then.
+        A word leaves in a clock in which both flags are high, and stays until then.
     fetch : bool
         In this clock a word leaves the memory for ``out_data``.
     depth : int
-        Words of the memory, 1 or more; ``out_data`` holds one more.
+        How many words the memory holds, at least 1. The register ``out_data`` holds one more.
 
     Notes
     -----
-    Latency 2 clocks, one word a clock. ``out_valid`` and ``out_data`` are registers. The memory is
-    read with a clock, never in the clock in which the same word is written. Reset empties it.
+    The latency is 2 clocks, and one word can pass per clock. ``out_valid`` and ``out_data`` are
+    registers. The memory is read at a clock edge, and never at the edge that writes the same word.
+    Reset empties it.
     """
     memory = [Signal(intbv(0, min=in_data.min, max=in_data.max)) for _ in range(depth)]
     write_addr, read_addr = (unsigned(max(1, (depth - 1).bit_length())) for _ in range(2))

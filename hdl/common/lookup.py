@@ -1,4 +1,4 @@
-"""From a twin's constants to the hardware block of the same name."""
+"""Finds the hardware block that has the same name as a twin."""
 
 import importlib
 
@@ -6,5 +6,5 @@ from golden.block import Block
 
 
 def hardware(spec: Block):
-    """The MyHDL block of ``spec``: one name, one address in every room."""
+    """The MyHDL block of ``spec``, which has the same area and name in ``hdl`` as in ``golden``."""
     return getattr(importlib.import_module(f"hdl.{spec.area}.{spec.block}"), spec.block)

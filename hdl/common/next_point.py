@@ -1,4 +1,4 @@
-"""A profile, slowly."""
+"""Shows the points of a profile slowly, one after the other."""
 
 from myhdl import always_seq, block
 
@@ -7,9 +7,10 @@ from hdl.common.signals import unsigned
 
 @block
 def next_point(clk, rst, shown, profile, number, x, y, *, points: int):
-    """Point after point of a profile, each of the newest one.
+    """``number``, ``x`` and ``y`` show one point of the newest profile.
 
-    ``number``, ``x`` and ``y`` change to the next point, when it comes, after a clock of ``shown``.
+    After a clock with ``shown`` they wait for the next point and change to it when it comes. Until
+    then every new profile brings new values of the same point.
     """
     final = points - 1
     width = max(1, final.bit_length())

@@ -1,4 +1,4 @@
-"""Frames that yield nothing because the past is not whole."""
+"""Holds back the first frames, because the past frames that a network needs are not there yet."""
 
 from myhdl import always_comb, always_seq, block
 
@@ -7,7 +7,10 @@ from hdl.common.signals import flag, unsigned
 
 @block
 def past_whole(clk, rst, good, yields, *, past: int):
-    """``yields`` is ``good`` of every frame behind the first ``past``, 1 or more, after a reset."""
+    """``yields`` is ``good``, but stays low for the first ``past`` good frames after a reset.
+
+    ``past`` is at least 1.
+    """
     known = unsigned(past.bit_length())
     whole = flag()
 

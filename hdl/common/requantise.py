@@ -8,17 +8,18 @@ from hdl.common.signals import signed
 
 @block
 def requantise(exact, result, *, shift: int, rounding: Rounding):
-    """``result`` is ``exact`` without its ``shift`` lowest bits, saturated to its own range.
+    """``result`` is ``exact`` without its ``shift`` lowest bits, saturated to the result's range.
 
-    Stages that do nothing are left out: no rounding without bits to drop, no saturation where the
-    shifted sum cannot leave the result. Every step has its own full-width signal, because VHDL and
-    Verilog cut the bits of an expression at different widths.
+    Stages that would do nothing are left out: nothing is rounded where no bits are dropped, and
+    nothing saturates where the shifted sum always fits. Every step has its own full-width signal,
+    because VHDL and Verilog cut the bits of an expression at different widths.
     """
     width = len(exact)
     rounded = exact
     steps = []
     if rounding is Rounding.ROUND and shift > 0:
-        # Each addend is below 2**(max(width, shift) - 1) in magnitude; the sum has one bit more.
+        # Each addend is at most 2**(max(width, shift) - 1) in magnitude, so the sum needs one bit
+        # more.
         width = max(width, shift) + 1
         rounded = signed(width)
         half = 1 << (shift - 1)

@@ -9,9 +9,9 @@ from golden.fixed import Codes
 
 
 def padded(words: Codes, size: int) -> tuple[int, ...]:
-    """``words`` as plain numbers, the last one repeated up to ``size`` of them.
+    """``words`` as plain numbers; the last one is repeated until there are ``size`` of them.
 
-    Padded, because a short table raises IndexError in MyHDL where VHDL reads the last word.
+    Beyond the end of a short table MyHDL raises IndexError where VHDL reads the last word.
     """
     return tuple(int(w) for w in words) + (int(words[-1]),) * (size - len(words))
 
@@ -20,8 +20,8 @@ def padded(words: Codes, size: int) -> tuple[int, ...]:
 def rom(addr, word, *, words: Codes, meanings: Sequence[str] = ()):
     """``word`` is ``words[addr]``; addresses beyond the last word read the last word.
 
-    A tuple read as an entire right-hand side is the one form of a small table that MyHDL converts
-    rightly; it becomes a case statement, which synthesis turns into LUTs.
+    MyHDL converts a small table correctly only where the read of a tuple is the entire right-hand
+    side of an assignment. It writes a case statement, which synthesis turns into LUTs.
     """
     contents = padded(words, addr.max)
 
@@ -34,7 +34,7 @@ def rom(addr, word, *, words: Codes, meanings: Sequence[str] = ()):
 
 @block
 def registered_rom(clk, addr, word, *, words: Codes, meanings: Sequence[str] = ()):
-    """``rom``, one clock later: the form that synthesis turns into a block RAM."""
+    """As ``rom``, but one clock later; synthesis turns this form into a block RAM."""
     contents = padded(words, addr.max)
 
     @always(clk.posedge)
@@ -45,16 +45,17 @@ def registered_rom(clk, addr, word, *, words: Codes, meanings: Sequence[str] = (
 
 
 class Constants(list):
-    """Words as a list that MyHDL writes as one table, whoever reads it.
+    """Words as a list that MyHDL writes as one table, however many processes read it.
 
-    For a memory with more than one read port, which a ``case`` statement would make twice.
+    It serves memories with more than one read port: with ``case`` statements there would be one
+    table per port.
 
     Parameters
     ----------
     words : sequence of int
     width : int
     meanings : sequence of str
-        What each of them stands for; the last holds for all beyond.
+        What each word stands for; the last one holds for all further words, too.
     """
 
     def __init__(self, words: Sequence[int], width: int, meanings: Sequence[str]) -> None:

@@ -7,8 +7,9 @@ from hdl.common.signals import signed, unsigned
 
 @block
 def scale(data, product, *, factor: int):
-    """``product``, wide enough for it, is ``data`` times the positive ``factor``."""
-    # VHDL converts a number to the width of the signal that it multiplies.
+    """``product`` is ``data`` times the positive ``factor``; it must be wide enough for that."""
+    # VHDL converts a number to the width of the signal that it multiplies, so this signal must be
+    # wide enough for the factor, too.
     if data.min < 0:
         wide = signed(max(len(data), factor.bit_length() + 1))
     else:

@@ -52,7 +52,7 @@ class Words:
 
 
 class Group:
-    """Several signals as one port: ``name`` becomes ``name_x`` for each keyword x, maybe none."""
+    """Several signals as one port: ``name`` becomes ``name_x`` for each keyword x, if any."""
 
     def __init__(self, **signals):
         self.__dict__.update(signals)

@@ -1,11 +1,11 @@
-"""An unsigned signal as a signed one."""
+"""Turns an unsigned signal into a signed one."""
 
 from myhdl import always_comb, block
 
 
 @block
 def widen(data, wide):
-    """``wide``, signed and at least a bit wider, is the unsigned ``data``."""
+    """``wide`` has the value of the unsigned ``data``; it is signed and at least a bit wider."""
 
     @always_comb
     def copy():

@@ -30,18 +30,19 @@ def frame_check(
     in_valid, in_last : bool
         The sample stream without its data.
     store : bool
-        A result is ready; only while ``run``, and in the clock after.
+        A result is ready. This may only come while ``run`` is high, and in the clock after.
     finish : bool
         The last output of the frame leaves.
     start : bool
-        One clock before ``run``.
+        It is high in the clock before ``run`` rises.
     run : bool
-        A frame is computed: from ``spec.pipeline.run`` clocks after its last sample to ``finish``.
+        A frame is being computed. It is high from ``spec.pipeline.run`` clocks after the frame's
+        last sample up to ``finish``.
     write, write_addr : bool, unsigned ``spec.addr_width`` bits
-        One clock after a sample that is taken or a result.
+        They come one clock after a sample that is taken, or after a result.
     frame_error : bool
-        One clock long, one clock after the sample that breaks a frame: ``last`` too early or
-        missing, or a first sample that comes while a frame is computed.
+        It is high for one clock, one clock after the sample that breaks a frame: its ``last`` is
+        too early or missing, or it is a first sample that comes while a frame is computed.
     spec : FrameCheck
 
     Notes

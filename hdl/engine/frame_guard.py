@@ -33,24 +33,25 @@ def frame_guard(
     in_valid, in_last : bool
         The sample stream without its data.
     halt : bool
-        No frame is taken, and one of which samples were taken is broken. Never while ``busy``.
+        No frame is taken, and a frame of which samples were taken already is broken. It is never
+        high while ``busy`` is.
     before_last : unsigned ``spec.addr_width`` bits
-        Samples of a frame less 2.
+        The number of samples in a frame, less 2.
     store : bool
-        A result is ready; only while ``run``, and in the clock after.
+        A result is ready. This may only come while ``run`` is high, and in the clock after.
     finish : bool
         The last output of the frame leaves.
     start : bool
-        One clock before ``run``.
+        It is high in the clock before ``run`` rises.
     run, busy : bool
-        A frame is computed: from ``spec.pipeline.run`` clocks after its last sample to ``finish``;
-        ``busy`` from the clock after the sample.
+        A frame is being computed. ``run`` is high from ``spec.pipeline.run`` clocks after the
+        frame's last sample up to ``finish``, and ``busy`` from the clock after that sample.
     write, write_addr : bool, unsigned ``spec.addr_width`` bits
-        One clock after a sample that is taken or a result.
+        They come one clock after a sample that is taken, or after a result.
     frame_error : bool
-        One clock long, one clock after what breaks a frame: ``last`` too early or missing, a first
-        sample that comes while a frame is computed, or ``halt`` at any clock from its first sample
-        to its last.
+        It is high for one clock, one clock after what breaks a frame: its ``last`` is too early or
+        missing, its first sample comes while another frame is computed, or ``halt`` is high at any
+        clock from its first sample to its last.
     spec : FrameGuard
 
     Notes

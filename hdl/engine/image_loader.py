@@ -32,20 +32,21 @@ def image_loader(
     Parameters
     ----------
     load_valid, load_data, load_last : bool, unsigned 8 bits, bool
-        The bytes of an image; ``load_last`` with the last one.
+        The bytes of an image; ``load_last`` comes with the last one.
     busy : bool
-        A frame is computed: no byte is taken.
+        A frame is being computed, so no byte is taken.
     load_ready : bool
-        Not ``busy``.
+        It is the inverse of ``busy``.
     halt : bool
-        From the clock of an image's first byte on, and from reset on, until that of the last byte
-        of a good one.
+        It is high from reset on, and from the clock of an image's first byte on, until the clock of
+        the last byte of a good image.
     write, write_addr, word : bool, unsigned ``spec.program_addr_width`` bits, unsigned 36 bits
-        In the clock of a word's last byte.
+        They are there in the clock of a word's last byte.
     before_last : unsigned ``spec.operand_addr_width`` bits
-        Of the image's header.
+        From the image's header: the number of samples in a frame, less 2.
     image_error : bool
-        From one clock after the last byte of an image that is not good to that of one that is.
+        It rises one clock after the last byte of an image that is not good, and falls one clock
+        after the last byte of an image that is good.
     spec : ImageLoader
 
     Notes
@@ -70,11 +71,13 @@ def image_loader(
     addr = Signal(modbv(0, min=0, max=1 << spec.program_addr_width))
     samples = unsigned(spec.operand_addr_width)
     check, following = Signal(intbv(start, min=0, max=1 << 16)), unsigned(16)
-    # The whole count of the header: its low bits alone would let more words look like fewer.
+    # All bits of the header's count: by its low bits alone a count that is too large could look
+    # small enough.
     named = unsigned(LAST_ADDR[1])
     accept, full, fits, good, whole, failed = (flag() for _ in range(6))
-    # Neither: the header comes. headed alone: words. Both: the check. ended alone: bytes that no
-    # good image has, behind a header that does not fit or a check that was not the end.
+    # These two flags tell what the next bytes are. With neither, they are the header; with headed
+    # alone, words; with both, the check. With ended alone they are bytes that no good image has:
+    # they follow a header that does not fit, or a check that did not end the image.
     headed, ended = flag(), flag()
 
     @always_comb
@@ -97,7 +100,7 @@ def image_loader(
     def compare():
         fits.next = named < words
 
-    # The bytes of the check are those that it was before them.
+    # The image is good if its last two bytes equal the check as it was before them.
     @always_comb
     def judge():
         good.next = headed and ended and place == 1 and check[8:] == 0 and check[16:8] == load_data

@@ -28,15 +28,15 @@ def multiply_accumulate(
     ----------
     operand : signed 18 bits
     weight : unsigned 18 bits
-        A signed code, 0 where the table has the coefficient.
+        A signed code. It is 0 where the coefficient comes from the table.
     take_intercept : bool
-        The high half of ``table_word`` is meant, not the low one.
+        The coefficient is the high half of ``table_word``, not the low one.
     table_word : unsigned 36 bits
-        0 where the program has the coefficient.
+        It is 0 where the coefficient comes from the program.
     first, first_of_output : bool
-        Two clocks after an operand: a sum starts with its product.
+        They come two clocks after an operand, with whose product a sum starts.
     acc : signed ``spec.acc_width`` bits
-        Four clocks after the operand.
+        The sum, four clocks after the operand.
     spec : MultiplyAccumulate
 
     Notes
@@ -52,7 +52,7 @@ def multiply_accumulate(
     chosen = unsigned(WIDTH)
     coeff, coeff_late, factor, factor_late = (fixed(WORD) for _ in range(4))
     product = signed(PRODUCT_WIDTH)
-    # The sums of a frame stay inside; what is added up between frames may wrap.
+    # The sums of a frame stay within this range. What is added up between frames may wrap.
     base, total = (Signal(modbv(0, min=-span, max=span)) for _ in range(2))
 
     @always_comb
@@ -71,7 +71,7 @@ def multiply_accumulate(
         coeff.next = bits[WIDTH:].signed()
         factor.next = operand
 
-    # Registers that a multiplier takes into itself: the way to it is long.
+    # A multiplier takes these registers into itself; the wires to it are long.
     @always(clk.posedge)
     def carry():
         coeff_late.next = coeff
@@ -81,7 +81,8 @@ def multiply_accumulate(
     def multiply():
         product.next = factor_late * coeff_late
 
-    # A register of their own: the way from a block RAM through the adder's carries is too long.
+    # These flags have registers of their own, because the path from a block RAM through the adder's
+    # carries would be too long.
     @always(clk.posedge)
     def mark():
         opening.next = first

@@ -16,7 +16,7 @@ def operand_memory(clk, write, write_addr, data, read_addr, word, *, spec: Opera
     write, write_addr, data : bool, unsigned ``spec.addr_width`` bits, signed 18 bits
     read_addr : unsigned ``spec.addr_width`` bits
     word : signed 18 bits
-        ``spec.latency`` clocks after its address.
+        It comes ``spec.latency`` clocks after its address.
     spec : OperandMemory
 
     Notes

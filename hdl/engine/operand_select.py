@@ -17,9 +17,10 @@ def operand_select(clk, word, kind, operand, *, spec: OperandSelect):
     ----------
     word : signed 18 bits
     kind : unsigned 2 bits
-        0 the word, 1 one with its sign, 2 the distance, 3 one.
+        What becomes the operand: 0 the word, 1 the number one with the word's sign, 2 the word's
+        distance from the middle of its segment, 3 the number one.
     operand : signed 18 bits
-        ``spec.latency`` clocks later.
+        It comes ``spec.latency`` clocks after the word.
     spec : OperandSelect
     """
     sign = WIDTH - 1
@@ -32,7 +33,8 @@ def operand_select(clk, word, kind, operand, *, spec: OperandSelect):
     chosen, late = fixed(WORD), fixed(WORD)
     distance = signed(width)
 
-    # Less half a segment: the highest bit of the distance inverted is a sign.
+    # Half a segment is subtracted: the highest bit of the offset in the segment, inverted, is the
+    # sign of the distance.
     @always_comb
     def invert():
         below.next = not word[middle]

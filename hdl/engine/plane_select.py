@@ -16,13 +16,15 @@ def plane_select(clk, word, plane, kind, take_weight, look_up, subtract, *, spec
     ----------
     word : signed 18 bits
     plane : unsigned 19 bits
-        One bit; the highest one clears.
+        One bit is set, that of the plane; the highest bit clears the sum.
     kind : unsigned 2 bits
-        0 the word, 1 one with its sign, 2 the distance, 3 one.
+        The operand: 0 the word, 1 the number one with the word's sign, 2 the word's distance from
+        the middle of its segment, 3 the number one.
     take_weight, look_up : bool
-        One clock later: the program's weight counts, or the table's word.
+        The program's weight counts, or the table's word does. All outputs come one clock after the
+        word.
     subtract : bool
-        It is subtracted.
+        The coefficient is subtracted.
     spec : PlaneSelect
     """
     width = spec.segment_width
@@ -41,7 +43,7 @@ def plane_select(clk, word, plane, kind, take_weight, look_up, subtract, *, spec
         upper.next = bits[WIDTH:width] & plane[WIDTH:width]
         lower.next = bits[width:] & plane[width:]
 
-    # Registers behind a block RAM.
+    # These registers stand behind a block RAM.
     @always(clk.posedge)
     def look():
         high.next = upper != 0
@@ -51,7 +53,7 @@ def plane_select(clk, word, plane, kind, take_weight, look_up, subtract, *, spec
         in_middle.next = plane[middle]
         late.next = kind
 
-    # The highest bit of a distance inverted is its sign.
+    # The highest bit of the offset in a segment, inverted, is the sign of the distance.
     @always_comb
     def choose():
         take_weight.next = late == 3 or (late == 0 and (high or low))

@@ -18,13 +18,13 @@ def program_memory(
     Parameters
     ----------
     start, run, finish : bool
-        The counter steps with ``start`` and while ``run``; otherwise, and from ``finish`` on, it
-        stands at the program's first word.
+        The counter steps in the clock of ``start`` and while ``run`` is high. Otherwise, and from
+        ``finish`` on, it stands at the program's first word.
     segment : unsigned ``spec.segment_addr_width`` bits
     look_up : bool
-        Without it ``table_word`` is 0.
+        Where it is low, ``table_word`` is 0.
     word, table_word : unsigned 36 bits
-        ``spec.latency`` and ``spec.look_up_latency`` clocks later.
+        They come ``spec.latency`` and ``spec.look_up_latency`` clocks after their addresses.
     spec : ProgramMemory
 
     Notes
@@ -64,7 +64,8 @@ def program_memory(
 
         return decide, step, fetch, read_table, connect(fetched, word)
 
-    # A block RAM whose word is a register's at once is faster than one behind which it is cleared.
+    # A block RAM is faster where its word goes straight into a register, and is cleared only behind
+    # that.
     @always(clk.posedge)
     def read_table():
         found.next = memory[segment]

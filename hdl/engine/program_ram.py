@@ -30,15 +30,15 @@ def program_ram(
     Parameters
     ----------
     start, run, finish : bool
-        The counter steps with ``start`` and while ``run``; otherwise, and from ``finish`` on, it
-        stands at the program's first word.
+        The counter steps in the clock of ``start`` and while ``run`` is high. Otherwise, and from
+        ``finish`` on, it stands at the program's first word.
     segment : unsigned ``spec.segment_addr_width`` bits
     look_up : bool
-        Without it ``table_word`` is 0.
+        Where it is low, ``table_word`` is 0.
     write, write_addr, data : bool, unsigned ``spec.addr_width`` bits, unsigned 36 bits
-        In the clock of a write nothing is read: ``word`` stays, and ``table_word`` is 0.
+        In the clock of a write nothing is read: ``word`` keeps its value, and ``table_word`` is 0.
     word, table_word : unsigned 36 bits
-        ``spec.latency`` and ``spec.look_up_latency`` clocks later.
+        They come ``spec.latency`` and ``spec.look_up_latency`` clocks after their addresses.
     spec : ProgramRam
 
     Notes
@@ -95,7 +95,8 @@ def program_ram(
 
         return common, read_table, connect(fetched, word)
 
-    # A block RAM whose word is a register's at once is faster than one behind which it is cleared.
+    # A block RAM is faster where its word goes straight into a register, and is cleared only behind
+    # that.
     @always(clk.posedge)
     def read_table():
         if not write:

@@ -31,18 +31,18 @@ def replay_memory(
     Parameters
     ----------
     run, finish : bool
-        Words are read while ``run``; otherwise, and from the clock after ``finish`` on, the
-        program's first one in the first plane.
+        Words are read in turn while ``run`` is high. Otherwise, and from the clock after ``finish``
+        on, the program's first word is read, in the first plane.
     segment : unsigned ``spec.segment_addr_width`` bits
     look_up : bool
-        Without it ``table_word`` is 0.
+        Where it is low, ``table_word`` is 0.
     word : unsigned 36 bits
     plane : unsigned 19 bits
-        One bit: the plane of ``word``; the highest one clears.
+        One bit is set, that of the plane of ``word``; the highest bit clears the sum.
     first : bool
-        ``word`` is the first of its pass.
+        ``word`` is the first one of its pass.
     table_word : unsigned 18 bits
-        ``spec.latency`` clocks later.
+        It comes ``spec.latency`` clocks after its address.
     spec : ReplayMemory
 
     Notes
@@ -54,19 +54,20 @@ def replay_memory(
     begin = spec.begin
     memory = Constants(spec.contents, WORD_WIDTH, spec.meanings)
     span = 1 << spec.addr_width
-    # Where the next pass begins, and the next neuron, and the words behind these: no sum stands
-    # behind the memory.
+    # The addresses at which the next pass and the next neuron begin, and those of the words behind
+    # these. They are kept, so that no address need be added up behind the memory.
     base = Signal(intbv(begin, min=0, max=span))
     second = Signal(intbv(begin + 1, min=0, max=span))
     following, beside = unsigned(spec.addr_width), unsigned(spec.addr_width)
     address = unsigned(spec.addr_width)
-    # The word behind that of this clock, and one further.
+    # The address of the word behind that of this clock, and the one after it.
     counter = unsigned(spec.addr_width)
     further = Signal(modbv(0, min=0, max=span))
     second_begin = begin + 1
     top = 1 << CLEAR
     place = Signal(intbv(top, min=0, max=2 * top))
-    # What ends a pass: 3 any word, 2 any end, 1 that of all words, 0 that of wide ones or all.
+    # Which word ends a pass: with 3 any word, with 2 any end, with 1 the end of all words, with 0
+    # the end of the wide ones or of all.
     sort = Signal(intbv(3, min=0, max=4))
     low_planes = unsigned(SAMPLE_SHIFT + 1)
     low, one, stands, ends = flag(), flag(), flag(), flag()
@@ -76,7 +77,7 @@ def replay_memory(
     above_one, above_low = ONE_PLANE + 1, SAMPLE_SHIFT + 1
     last = CLEAR + 1
 
-    # Of the plane that follows; behind plane 0 the one that clears.
+    # These look at the plane that follows; behind plane 0 it is the one that clears.
     @always_comb
     def look():
         low_planes.next = place[above_low:]

@@ -18,11 +18,12 @@ def round_saturate(clk, run, acc, sample, word, *, spec: RoundSaturate):
     acc : signed ``spec.acc_width`` bits
     sample : signed Fix(14,13)
     word : signed 18 bits
-        One clock later.
+        It comes one clock later.
     spec : RoundSaturate
     """
     sign = spec.acc_width - 1
-    # From the highest bit that is kept: all of them are alike where nothing saturates.
+    # The bits from the highest one that is kept up to the sign are all alike where nothing
+    # saturates.
     lowest = DROPPED + WIDTH - 1
     above = unsigned(sign - lowest + 1)
     ones = (1 << (sign - lowest + 1)) - 1

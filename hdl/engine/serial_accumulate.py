@@ -28,21 +28,21 @@ def serial_accumulate(
     Parameters
     ----------
     weight : unsigned 18 bits
-        A signed code, of the program.
+        A signed code from the program.
     take_weight : bool
-        It counts.
+        ``weight`` counts; otherwise 0 takes its place.
     subtract : bool
         The coefficient is subtracted.
     plane : unsigned 19 bits
-        One bit; the highest one clears.
+        One bit is set, that of the plane; the highest bit clears the sum.
     first : bool
-        The first word of its pass.
+        The word is the first one of its pass, so the sum is doubled.
     of_output : bool
         The sum is that of an output.
     table_word : unsigned 18 bits
-        One clock later: of the table, or 0.
+        The word of the table or 0, one clock after the other inputs.
     acc : signed ``spec.acc_width`` bits
-        Three clocks later.
+        The sum, three clocks after the other inputs.
     spec : SerialAccumulate
 
     Notes
@@ -56,7 +56,7 @@ def serial_accumulate(
     wide = signed(width)
     minus, doubles, half, clears = flag(), flag(), flag(), flag()
     minus_late, doubles_late, half_late, clears_late = flag(), flag(), flag(), flag()
-    # The sums of a program stay inside; what is added up between frames may wrap.
+    # The sums of a program stay within this range. What is added up between frames may wrap.
     span = 1 << width
     total, base = unsigned(width), unsigned(width)
     left, right = unsigned(width + 1), unsigned(width + 1)
@@ -91,7 +91,7 @@ def serial_accumulate(
         else:
             turned.next = bits
 
-    # Registers between a block RAM and an adder.
+    # These registers stand between a block RAM and an adder.
     @always(clk.posedge)
     def sign():
         coeff.next = turned[WIDTH:].signed()

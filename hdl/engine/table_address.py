@@ -15,7 +15,7 @@ def table_address(clk, q, addr, *, spec: TableAddress):
     ----------
     q : signed Fix(18,14)
     addr : unsigned ``spec.addr_width`` bits
-        One clock later.
+        It comes one clock later.
     spec : TableAddress
     """
     sign = HIDDEN.width - 1
@@ -44,7 +44,8 @@ def table_address(clk, q, addr, *, spec: TableAddress):
 
         return cut, complement, address
 
-    # The ones at the end of the last address need no comparison, which would be a row of carries.
+    # The ones at the end of the last address need not be compared. A comparison would be a row of
+    # carries.
     ones = (~last & (last + 1)).bit_length() - 1
     most = last >> ones
     top = unsigned(width - ones)

@@ -1,4 +1,4 @@
-"""``python -m hdl.export [SCENE] LANGUAGE``: a scene as VHDL or Verilog, one file an entity.
+"""``python -m hdl.export [SCENE] LANGUAGE``: write a scene as VHDL or Verilog, a file per entity.
 
 Without a scene the default scenes are exported. The same scene gives the same bytes on every run
 (``hdl.export.repeatable``).
@@ -37,7 +37,7 @@ def main() -> None:
 
 
 def export_scene(scene: Scene, language: str, folder: Path) -> None:
-    """Export a scene unless it is there already, and print what it is."""
+    """Export a scene unless its export is current, and print facts about it."""
     warn_outside(scene)
     warn_saturating(scene)
     design = scene.twin()

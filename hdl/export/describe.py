@@ -1,4 +1,4 @@
-"""What an exported file says about itself: its heading and the block's docstring."""
+"""The heading of an exported file, which holds the docstring of its block."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from myhdl._block import _Block
 
 from golden.block import Block
 
-# What the ports carry stands beside them.
+# The parameters are left out, because each port has its own comment.
 _PARAMETERS = re.compile(r"^Parameters\n-+\n(?:.*\n)*?(?=Notes\n-|\Z)", re.M)
 _NOTES = re.compile(r"^Notes\n-+\n", re.M)
 
@@ -35,16 +35,16 @@ def heading(instance: _Block, origin: str | None) -> list[str]:
 
 
 def describe(docstring: str, spec: Block, names: dict[str, Any]) -> str:
-    """A block's docstring for a reader of the export, who sees one instance and no Python.
+    """A block's docstring, written for readers of the export, who see one instance and no Python.
 
     Parameters
     ----------
     docstring : str
-        In NumPy layout. What stands between double backticks and speaks of ``spec`` is an
-        expression; its value takes its place.
+        In NumPy layout. Where the text between double backticks names ``spec``, it is an
+        expression, and its value takes its place.
     spec : Block
     names : dict
-        What else the expressions may name.
+        The other names that the expressions may use.
     """
 
     def value(quoted: re.Match[str]) -> str:

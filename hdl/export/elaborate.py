@@ -1,4 +1,4 @@
-"""From a twin's constants to a MyHDL design with ports."""
+"""Makes a MyHDL design with ports from the constants of a twin."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ def elaborate(spec: Block) -> _Block:
 def port_signals(spec: Block) -> dict[str, Any]:
     """Fresh signals for every argument of the hardware, as the twin publishes its ports.
 
-    An argument is a port, or ``Words`` of the ports ``name_0``, ``name_1``, ..., or a ``Group`` of
-    those whose names begin with its own.
+    An argument is one port, or ``Words`` of the ports ``name_0``, ``name_1``, ..., or a ``Group``
+    of all ports whose names begin with the name of the argument.
     """
     ports = {port.name: port for port in spec.ports}
     found: dict[str, Any] = {}

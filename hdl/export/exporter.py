@@ -1,4 +1,4 @@
-"""A scene as VHDL or Verilog, one file an entity."""
+"""Writes a scene as VHDL or Verilog, with one file for each entity."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from hdl.export.handover.core import plain_name
 from hdl.export.handover.write import write_handover
 from hdl.export.hierarchy import SUFFIX, convert_hierarchy
 
-# Functions that MyHDL's VHDL calls (stdl, bool); MyHDL writes the package beside its output.
+# This package declares functions that MyHDL's VHDL calls (stdl, bool). MyHDL writes it beside its
+# output.
 VHDL_PACKAGE = "pck_myhdl_011"
 ORDER = "compile_order.txt"
 MANIFEST = "manifest.json"
@@ -30,9 +31,9 @@ def export(scene: Scene, language: str, folder: Path) -> list[str]:
     language : str
         "vhdl" or "verilog".
     folder : Path
-        Beside the entities it gets ``compile_order.txt``, the files in compile order, and
-        ``manifest.json``, which names block, file and latency of every entity, and what
-        ``hdl.export.handover`` writes.
+        Beside the entities it gets three things: ``compile_order.txt``, which lists the files in
+        compile order; ``manifest.json``, which names block, file and latency of every entity; and
+        the files that ``hdl.export.handover`` writes.
 
     Returns
     -------
@@ -42,14 +43,14 @@ def export(scene: Scene, language: str, folder: Path) -> list[str]:
     Raises
     ------
     InputError
-        For a fault of the scene, its data or its network; nothing is written then.
+        For a fault of the scene, its data or its network. Nothing is written then.
     """
     design = scene.twin()
     with replace_folder(folder) as temporary, warnings.catch_warnings():
-        # A conversion that MyHDL is not sure of is a fault.
+        # A warning means that MyHDL is not sure of a conversion. That is a fault here.
         warnings.simplefilter("error", ToVHDLWarning)
         warnings.simplefilter("error", ToVerilogWarning)
-        # What is loaded makes the scene, not the hardware.
+        # Where an image is loaded, the image makes the scene, and the hardware serves any scene.
         origin = None if design.image else f"scene {plain_name(scene.name)}"
         specs = convert_hierarchy(elaborate(design), temporary, language, origin)
         suffix = SUFFIX[language]

@@ -2,9 +2,9 @@
 
 MyHDL 0.11 flattens a design on conversion, and its own hooks for sub-modules call a function that
 Python 3.11 no longer has. Here every block that takes a ``spec`` is converted by itself, leaves
-first, and its parent gets a port map in its place; everything else (the parts of ``hdl/common``
-and the private parts of a block) is inlined. The MyHDL version is pinned, because attributes are
-set that MyHDL does not document.
+first, and its parent gets a port map in its place. Everything else (the parts of ``hdl/common``
+and the private parts of a block) is inlined. The version of MyHDL is pinned, because this sets
+attributes that MyHDL does not document.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ SUFFIX = {"vhdl": ".vhd", "verilog": ".v"}
 
 
 class _VhdlInstance(_UserVhdlCode):
-    """A port map; the names of the actual signals are known only when it is written."""
+    """A port map. The names of the actual signals are known only when it is written."""
 
     def __init__(self, label, entity, ports):
         self.label, self.entity, self.ports = label, entity, ports
@@ -58,7 +58,7 @@ _INSTANCE = {"vhdl": _VhdlInstance, "verilog": _VerilogInstance}
 def convert_hierarchy(
     top: _Block, folder: Path, language: str, origin: str | None = None
 ) -> list[Block]:
-    """Convert ``top`` and every block under it, one file an entity, into ``folder``.
+    """Convert ``top`` and every block under it into ``folder``, one file per entity.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def convert_hierarchy(
     Raises
     ------
     ValueError
-        When two blocks share an entity name but not their constants.
+        When two blocks have the same entity name but different constants.
     """
     done: dict[str, Block] = {}
     _convert(top, folder, language, origin, done)
@@ -89,7 +89,9 @@ def _convert(instance: _Block, folder: Path, language: str, origin: str | None, 
     spec = instance.kwargs["spec"]
     if spec.entity in done:
         if done[spec.entity] != spec:
-            raise ValueError(f"{spec.entity}: two different blocks want this entity name")
+            raise ValueError(
+                f"{spec.entity}: got two different blocks with this entity name, expected one"
+            )
         return
     children = list(_entities(instance))
     for child in children:
@@ -112,7 +114,7 @@ def _convert(instance: _Block, folder: Path, language: str, origin: str | None, 
 
 
 def _entities(instance: _Block) -> Iterator[_Block]:
-    """The blocks below ``instance`` that become entities, not looking inside them.
+    """The blocks below ``instance`` that become entities, without those inside them.
 
     On the way the inlined parts get names that do not depend on what was elaborated before.
     """
@@ -145,7 +147,10 @@ def _replaced(instance: _Block, children: list[_Block], language: str):
         child._inferInterface()
         ports = {name: child.argdict[name] for name in child.argnames}
         if len({id(signal) for signal in ports.values()}) < len(ports):
-            raise ValueError(f"{spec.entity}: two ports share a signal; its file would read one")
+            raise ValueError(
+                f"{spec.entity}: got two ports on one signal, expected a signal for each: the "
+                "exported file would read only one of them"
+            )
         label = f"u_{spec.block}_{count[spec.block]}"
         count[spec.block] += 1
         setattr(child, attribute, _INSTANCE[language](label, spec.entity, ports))
@@ -155,7 +160,7 @@ def _replaced(instance: _Block, children: list[_Block], language: str):
             # declares what has no name yet.
             signal._name = None
             signal._markUsed()
-            # Marks outputs too: a parent may leave an output of a child open.
+            # Outputs are marked, too, because a parent may leave an output of a child open.
             signal.read = True
             if name in outputs:
                 signal.driven = "wire"
@@ -171,7 +176,7 @@ def _replaced(instance: _Block, children: list[_Block], language: str):
 
 
 def _name_grouped_signals(instance: _Block) -> None:
-    """MyHDL declares signals that are local variables; declare the members of groups too."""
+    """MyHDL declares signals that are local variables; this declares the members of groups, too."""
     for name, value in list(instance.symdict.items()):
         if isinstance(value, Words | Group):
             for member, signal in vars(value).items():
@@ -181,7 +186,7 @@ def _name_grouped_signals(instance: _Block) -> None:
 
 
 def _meanings(instance: _Block) -> dict[str, tuple[str, ...]]:
-    """By the label of the process that reads a table, or a memory's name: what the words are."""
+    """What the words of tables stand for, by the label of the reading process or by the memory."""
     found: dict[str, tuple[str, ...]] = {
         name: tuple(value.meanings)
         for name, value in instance.symdict.items()

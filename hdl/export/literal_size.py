@@ -1,7 +1,7 @@
-"""MyHDL's size of a large literal, by counting bits.
+"""Gives MyHDL the size of a large literal by counting its bits.
 
-MyHDL 0.11 takes the ceiling of a logarithm for it. Of a word of ones alone that logarithm is whole
-but for its last bit, and the ceiling what the machine makes of that bit.
+MyHDL 0.11 takes the ceiling of a logarithm instead. For a word of ones that logarithm is within a
+rounding error of a whole number, so the ceiling depends on how the machine rounds.
 """
 
 from __future__ import annotations

@@ -1,10 +1,11 @@
-"""The local names of a function in one order, whichever Python runs it.
+"""Puts the local names of a function in the same order whichever Python runs it.
 
-MyHDL declares signals in the order in which a frame lists its names. Python 3.11 lists parameters
-and other locals as the code meets them, then by alphabet those that an inner function or a
-comprehension uses; what is bound between two looks comes last. Python 3.12 runs a comprehension in
-the frame around it, and 3.13 keeps no order between looks, so both would declare otherwise. Here
-all do as 3.11, and every Python exports the same bytes.
+MyHDL declares signals in the order in which a frame lists its names. Python 3.11 first lists
+parameters and other locals in the order in which the code meets them, and then, by alphabet, those
+that an inner function or a comprehension uses. Names that are bound between two looks come last.
+Python 3.12 runs a comprehension in the frame around it, and Python 3.13 keeps no order between
+looks, so both would declare signals in another order. Here all of them do as 3.11 does, so that
+every Python exports the same bytes.
 """
 
 from __future__ import annotations
@@ -17,12 +18,12 @@ from functools import cache
 from types import CodeType, FrameType
 
 _COMPREHENSIONS = (ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
-# Names in the order in which they were seen, of every function that is running.
+# For every function that is running: its names in the order in which they were seen.
 _seen: dict[FrameType, list[str]] = {}
 
 
 class Caller:
-    """What MyHDL reads of a frame."""
+    """The part of a frame that MyHDL reads."""
 
     def __init__(self, frame: FrameType) -> None:
         self._frame = frame
@@ -42,14 +43,14 @@ class Caller:
 
 
 def forget(running: Iterable[FrameType]) -> None:
-    """Keep the order of these frames alone."""
+    """Forget the order of all frames but these."""
     for frame in _seen.keys() - set(running):
         del _seen[frame]
 
 
 @cache
 def _used_inside(code: CodeType) -> frozenset[str]:
-    """Names that functions and comprehensions inside a function take from around them."""
+    """Names of a function that are used by functions and comprehensions inside it."""
     try:
         source = textwrap.dedent(inspect.getsource(code))
     except OSError:
@@ -71,7 +72,7 @@ def _taken(scope: ast.AST) -> set[str]:
 
 
 def _nodes(start: Iterable[ast.AST], skip: Sequence[ast.AST] = ()) -> Iterator[ast.AST]:
-    """Nodes of one scope; of a scope inside it, what it is handed."""
+    """The nodes of one scope; for a scope inside it, only what is evaluated around that."""
     for node in start:
         if node not in skip:
             yield node
@@ -85,7 +86,7 @@ def _is_scope(node: ast.AST) -> bool:
 
 
 def _handed(scope: ast.AST) -> list[ast.AST]:
-    """What is worked out around a scope: first iterable, decorators, defaults."""
+    """The parts of a scope that are evaluated around it: first iterable, decorators, defaults."""
     if isinstance(scope, _COMPREHENSIONS):
         return [scope.generators[0].iter]
     assert isinstance(scope, (ast.FunctionDef, ast.Lambda))

@@ -20,7 +20,7 @@ PATTERN = {"vhdl": _VHDL, "verilog": _VERILOG}
 
 @dataclass(frozen=True)
 class Port:
-    """One port; ``width`` 0 is a single bit, which is no vector."""
+    """One port; a ``width`` of 0 means a single bit, which is no vector."""
 
     name: str
     direction: str
@@ -36,7 +36,7 @@ class Port:
 
     @property
     def verilog(self) -> str:
-        """Signedness and range in Verilog, with a blank behind, or nothing."""
+        """The signedness and range in Verilog, followed by a blank; empty for a single bit."""
         span = f"[{self.width - 1}:0] " if self.width else ""
         return f"signed {span}" if self.signed else span
 
@@ -55,13 +55,13 @@ def read_ports(text: str, language: str) -> list[Port]:
 
 
 def check_ports(spec: Block, text: str, language: str) -> None:
-    """Whether an entity or module has the ports that its twin publishes.
+    """Check that an entity or module has the ports that its twin publishes.
 
     Raises
     ------
     ValueError
-        When it has not; the message names those that differ. The order does not matter: MyHDL puts
-        groups of ports behind the others.
+        When it does not; the message names the ports that differ. The order does not matter,
+        because MyHDL puts groups of ports behind the others.
     """
     found = {(p.name, p.direction, p.width, p.signed) for p in read_ports(text, language)}
     published = {(p.name, p.direction, p.width, p.signed) for p in spec.ports}
@@ -74,7 +74,7 @@ def check_ports(spec: Block, text: str, language: str) -> None:
 
 
 def comment_ports(spec: Block, text: str, language: str) -> str:
-    """The text with format and meaning of every port in a line above it."""
+    """The text, in which a comment above every port gives its format and meaning."""
     comments = {port.name: port.comment for port in spec.ports}
     sign = {"vhdl": "--", "verilog": "//"}[language]
 

@@ -1,7 +1,7 @@
-"""MyHDL's look at its callers and their source, without reading the same files again and again.
+"""Lets MyHDL look at its callers and their source without reading the same files again and again.
 
 MyHDL 0.11 asks for the call stack with its source lines at every instance, and for the source of a
-generator as often as it is instantiated: most of the time of an export.
+generator whenever it is instantiated. That takes most of the time of an export.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from hdl.export.local_names import Caller, forget
 
 
 def _once(function):
-    """``function`` of a Python function, worked out once for all closures of its code."""
+    """``function``, whose answer for a Python function holds for all closures of the same code."""
     answers = {}
 
     def remembered(subject):
@@ -30,7 +30,7 @@ def _once(function):
 
 
 def _stack():
-    """The callers and names of their functions, placed as in ``inspect.stack``."""
+    """The callers and the names of their functions, in the same places as in ``inspect.stack``."""
     frames = []
     frame = sys._getframe(1)
     while frame is not None:
@@ -44,7 +44,7 @@ def _stack():
 
 
 def install() -> None:
-    """Replace the module ``inspect`` in those parts of MyHDL that ask too much of it."""
+    """Replace the module ``inspect`` in those parts of MyHDL that call it too often."""
     quick = SimpleNamespace(**vars(inspect))
     quick.stack = _stack
     for name in ("getsource", "getsourcefile", "getsourcelines"):

@@ -12,7 +12,7 @@ from golden.cli import run
 def run_repeatable(module: str, main: Callable[[], int | None]) -> None:
     """Run a command's ``main`` and exit.
 
-    MyHDL orders sensitivity lists by hash, so the command starts itself again with a fixed hash
+    MyHDL orders sensitivity lists by hash. So the command starts itself again with a fixed hash
     seed.
     """
     if os.environ.get("PYTHONHASHSEED") != "0":

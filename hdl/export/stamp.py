@@ -1,4 +1,4 @@
-"""Whether what is exported is what would be exported now."""
+"""Tells whether an export is current: whether a new one would give the same files."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def is_current(scene: Scene, folder: Path) -> bool:
 
 
 def write_stamp(scene: Scene, folder: Path) -> None:
-    """Say what the folder was exported from, and what it holds."""
+    """Write down what the folder was exported from, and what it holds."""
     with writing(_stamp(folder)):
         _stamp(folder).write_text(_state(scene, folder), encoding="utf-8")
 
@@ -33,6 +33,6 @@ def _stamp(folder: Path) -> Path:
 
 
 def _state(scene: Scene, folder: Path) -> str:
-    """What went in and what came out: a change of either asks for a new export."""
+    """A digest of all inputs and outputs; a change of either asks for a new export."""
     inputs = [*sources("golden", "hdl"), *scene.files, folder]
     return fingerprint(inputs, myhdl.__version__, platform.python_version())

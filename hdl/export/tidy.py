@@ -1,7 +1,7 @@
-"""The text that MyHDL writes, made to read as if written by hand.
+"""Makes the text that MyHDL writes read as if it were written by hand.
 
-Each rule changes the text alone, never what it means: the code of a Verilog file keeps every
-token, but for the last words of a memory, which become a loop where they are equal.
+Each rule changes the text alone and never its meaning. The code of a Verilog file keeps every
+token, except the last words of a memory, which become a loop where they are equal.
 """
 
 from __future__ import annotations
@@ -10,7 +10,8 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 
 _COMMENT = {"vhdl": "--", "verilog": "//"}
-# Calls of what pck_myhdl_011 declares: flags from and to conditions, and a negated unsigned.
+# Calls of functions that pck_myhdl_011 declares: they turn conditions into flags and back, and
+# negate an unsigned.
 _PACKAGE_USED = re.compile(r"\b(?:stdl|bool|tern_op)\(|\bto_(?:un)?signed\((?!-?\d)|\(- (?!\d)")
 
 
@@ -22,14 +23,14 @@ def tidy(
     Parameters
     ----------
     text : str
-        As MyHDL wrote it.
+        The text as MyHDL wrote it.
     language : str
         "vhdl" or "verilog".
     heading : sequence of str
-        Lines of the comment at its top, instead of the docstring that MyHDL copies.
+        The lines of the comment at the top, in place of the docstring that MyHDL copies.
     meanings : mapping of str to sequence of str
-        By the label of a process that reads a table, or the name of a memory: what each word stands
-        for.
+        What each word of a table stands for, by the label of the process that reads the table, or
+        by the name of the memory.
     """
     comment = _COMMENT[language]
     text = re.sub(rf"^{comment}.*\n", "", text, flags=re.M)
@@ -50,9 +51,9 @@ def name_architecture(text: str) -> str:
 
 
 def fold_numbers(text: str) -> str:
-    """A difference of two numbers as a number: ``(4 - 1)`` is 3, ``0 to 9-1`` is ``0 to 8``.
+    """A difference of two numbers becomes one: ``(4 - 1)`` is 3, and ``0 to 9-1`` is ``0 to 8``.
 
-    Strict VHDL-93 wants literals as universal bounds.
+    Strict VHDL-93 wants literals where a bound is universal.
     """
 
     def difference(found: re.Match[str]) -> str:
@@ -65,12 +66,12 @@ def fold_numbers(text: str) -> str:
 
 
 def drop_shifts_by_nothing(text: str) -> str:
-    """``shift_right(x, 0)`` is ``x``."""
+    """``shift_right(x, 0)`` becomes ``x``."""
     return re.sub(r"\bshift_(?:left|right)\((\w+), 0\)", r"\1", text)
 
 
 def compare_flags(text: str) -> str:
-    """``if bool(x) then`` with a std_logic ``x`` is ``if x = '1' then``."""
+    """``if bool(x) then`` becomes ``if x = '1' then`` where ``x`` is a std_logic."""
     flags = set(re.findall(r"^\s*(?:signal )?(\w+): (?:in |out )?std_logic;?$", text, re.M))
 
     def comparison(found: re.Match[str]) -> str:
@@ -80,14 +81,14 @@ def compare_flags(text: str) -> str:
 
 
 def drop_parentheses(text: str) -> str:
-    """None around an assigned expression, a condition or ``- 5``, and none twice."""
+    """Remove parentheses around an assigned expression, a condition or ``- 5``, and double ones."""
     text = re.sub(r"(?<=[<>=] )\(- (\d+)\)", r"-\1", text)
     text = re.sub(r"\(\(([^()]*)\)\)", r"(\1)", text)
     return re.sub(r"( <= |if )\((.*)\)(;| then)$", _bare, text, flags=re.M)
 
 
 def _bare(found: re.Match[str]) -> str:
-    """Without the outermost parentheses, if they belong together."""
+    """The text without the outermost parentheses, if these belong together."""
     depth = 0
     for character in found[2]:
         depth += {"(": 1, ")": -1}.get(character, 0)
@@ -97,12 +98,12 @@ def _bare(found: re.Match[str]) -> str:
 
 
 def drop_empty_loops(text: str) -> str:
-    """No loop from 1 to 0."""
+    """Remove loops from 1 to 0."""
     return re.sub(r"^ *for \w+ in 1 to 0 loop\n.*\n *end loop;\n", "", text, flags=re.M)
 
 
 def fill_arrays(text: str) -> str:
-    """All elements of an array that take the same word, one after the other, take it at once."""
+    """Where all elements of an array take the same word in turn, one assignment does it."""
 
     def fill(found: re.Match[str]) -> str:
         last = re.search(rf"\btype t_array_{found[2]} is array\(0 to (\d+)\)", text)
@@ -114,12 +115,12 @@ def fill_arrays(text: str) -> str:
 
 
 def close_ranges(text: str) -> str:
-    """``signed(13 downto 0)`` without a blank, as ``unsigned(13 downto 0)``."""
+    """``signed(13 downto 0)`` is written without a blank, like ``unsigned(13 downto 0)``."""
     return text.replace("signed (", "signed(")
 
 
 def drop_unused_packages(text: str) -> str:
-    """``use`` of text files and of MyHDL's functions only where they are used."""
+    """Keep the ``use`` of text files and of MyHDL's functions only where the text needs them."""
     if not re.search(r"\b(?:write|writeline)\(|: line\b", text):
         text = text.replace("use std.textio.all;\n", "")
     if not _PACKAGE_USED.search(text):
@@ -128,10 +129,10 @@ def drop_unused_packages(text: str) -> str:
 
 
 def annotate_tables(text: str, language: str, meanings: Mapping[str, Sequence[str]]) -> str:
-    """Beside each word of a table what it stands for; equal last words as one row.
+    """Write beside each word of a table what it stands for; equal last words become one row.
 
-    A table of one word needs no rows, and without a clock no process: the word is assigned. In
-    Verilog a ``case`` keeps its rows.
+    A table of one word needs no rows, and without a clock it needs no process: the word is
+    assigned. In Verilog a ``case`` keeps its rows.
 
     Raises
     ------
@@ -153,7 +154,7 @@ def annotate_tables(text: str, language: str, meanings: Mapping[str, Sequence[st
     return text
 
 
-# From the label to the end of the process or, in Verilog, of the table.
+# A match begins at the label. It ends with the process or, in Verilog, with the table.
 _PROCESS = {
     "vhdl": r"^{label}: process\b.*?^end process {label};",
     "verilog": r"\bbegin: {label}$.*?^ +endcase",
@@ -178,7 +179,7 @@ def _annotate(process: str, language: str, words: Sequence[str]) -> str:
             before, after = "", ""
             lines = [rows[0][2]]
         elif len(rows) == 1:
-            # Where the line of the case begins; the word takes its place.
+            # The word takes the place of the case, whose line begins here.
             case = before.rstrip("\n").rfind("\n") + 1
             indent = before[case:].partition("case")[0]
             before, lines = before[:case], [f"{indent}{rows[0][2]}"]
@@ -223,7 +224,7 @@ def _noted(lines: Sequence[str], language: str, words: Sequence[str]) -> Iterato
 
 
 def indent_architecture(text: str) -> str:
-    """Declarations and statements stand four blanks in."""
+    """Indent declarations and statements by four blanks."""
     begin = re.search(r"^architecture .*\n", text, re.M)
     end = re.search(r"^end architecture ", text, re.M)
     if not begin or not end:
@@ -236,7 +237,7 @@ def indent_architecture(text: str) -> str:
 
 
 def shorten_bit_strings(text: str) -> str:
-    """``36X"..."`` is VHDL-2008; at four bits a digit, or else bit by bit, it is older."""
+    """Write ``36X"..."``, which is VHDL-2008, as older VHDL: in whole hex digits or in binary."""
 
     def literal(found: re.Match[str]) -> str:
         width, digits = int(found[1]), found[2]

@@ -31,9 +31,10 @@ def converter_instrument(
     Parameters
     ----------
     miso, sclk, cs_n, mosi, converter_error
-        Those of converter_reader: to the converter, and whether it is missing or stuck.
+        They are those of converter_reader: the wires of the converter, and whether it is missing or
+        stuck.
     out_valid, out_data, out_last, held, profile
-        Those of readout.
+        They are those of readout.
     spec : ConverterInstrument
 
     Notes
@@ -44,7 +45,7 @@ def converter_instrument(
     that the twin has checked. Reset starts a scan and clears every flag and counter.
     """
     valid, data, last = flag(), fixed(SIGNAL), flag()
-    # Left open.
+    # This stays open: every frame has the right length and distance.
     broken = flag()
     return (
         converter_reader(

@@ -18,9 +18,10 @@ def instrument(
     Parameters
     ----------
     adc, address
-        Those of scan_sequencer: the code of the sensor that ``address`` selects.
+        They are those of scan_sequencer: ``adc`` is the code of the sensor that ``address``
+        selects.
     out_valid, out_data, out_last, held, profile
-        Those of readout.
+        They are those of readout.
     spec : Instrument
 
     Notes
@@ -30,7 +31,7 @@ def instrument(
     distances that its twin has checked. Reset starts a scan and clears every flag and counter.
     """
     valid, data, last = flag(), fixed(SIGNAL), flag()
-    # Left open.
+    # This stays open: every frame has the right length and distance.
     broken = flag()
     return (
         scan_sequencer(clk, rst, adc, address, valid, data, last, spec=spec.scan_sequencer),

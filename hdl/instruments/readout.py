@@ -1,4 +1,4 @@
-"""Readout: a network's outputs held, and the profile that is drawn from them."""
+"""Readout: holds the outputs of a network, and draws the profile from them."""
 
 from myhdl import always_comb, always_seq, block
 
@@ -12,7 +12,7 @@ from hdl.visualisation.load_profile import load_profile
 
 @block
 def show_word(word, shown):
-    """``shown`` is ``word``: an output port, which VHDL cannot read."""
+    """``shown`` is ``word``. It is an output port, which VHDL cannot read."""
 
     @always_comb
     def show():
@@ -23,7 +23,7 @@ def show_word(word, shown):
 
 @block
 def draw(clk, rst, valid, last, words, profile, *, drawing):
-    """The profile of the words, from the clock after the last of them came."""
+    """Draws the profile from the words, beginning in the clock after the last of them came."""
     complete = flag()
     drawn = [words[slot] for slot in drawing.results]
 
@@ -67,16 +67,16 @@ def readout(
     Parameters
     ----------
     in_valid, in_data, in_last, out_valid, out_data, out_last, frame_error
-        Those of the network.
+        They are those of the network.
     held : Words of signed Fix(14,13)
-        Each output until the next one of its kind: ports ``held_0``, ``held_1``, ...
+        Each output, held until the next one of its kind comes: ports ``held_0``, ``held_1``, ...
     profile : Group
         ``profile_valid``, ``profile_x``, ``profile_y``, ``profile_last`` (bool, signed Fix(14,13)
-        twice, bool): a point, i_p and f, which stays until the next, and whether it is the last of
-        the ramp. Empty where ``spec`` draws nothing.
+        twice, bool): a point, i_p and f, which stays until the next one, and whether it is the last
+        of the ramp. The group is empty where ``spec`` draws nothing.
     load, image : Group
-        Those of an engine that can be reloaded. Outputs of an image beyond the held ones are on the
-        stream alone.
+        They are those of an engine that can be reloaded. Where an image has more outputs than there
+        are held ones, the further outputs are on the stream alone.
     spec : Readout
 
     Notes

@@ -17,7 +17,7 @@ from hdl.visualisation.pulse_density import pulse_density
 
 @block
 def show_profile(inner, profile):
-    """Output ports, which VHDL cannot read."""
+    """``profile`` is ``inner``. It is made of output ports, which VHDL cannot read."""
 
     @always_comb
     def show():
@@ -31,7 +31,7 @@ def show_profile(inner, profile):
 
 @block
 def slow_profile(clk, rst, profile, dac, *, design: UartInstrument):
-    """A point of each profile, the next of every next one, as densities of ones."""
+    """One point of each profile as densities of ones; the next profile gives the next point."""
     points, density = design.readout.load_profile.ramp.points, design.pulse_density
     ended = flag()
     number, x, y = unsigned(max(1, (points - 1).bit_length())), fixed(SIGNAL), fixed(SIGNAL)
@@ -73,16 +73,17 @@ def uart_instrument(
     Parameters
     ----------
     miso, sclk, cs_n, mosi, converter_error
-        Those of converter_reader: to the converter, and whether it is missing or stuck.
+        They are those of converter_reader: the wires of the converter, and whether it is missing or
+        stuck.
     rx : bool
-        A line with images, where the engine inside can be reloaded.
+        The line on which images come, where the engine inside can be reloaded.
     tx : bool
-        A line with packets.
+        The line on which packets leave.
     dac : Group
-        ``x`` and ``y``: the profile as bits of pulse density, a point of each; empty without
-        ``spec.analogue``.
+        ``x`` and ``y``: one point of each profile, as bits of pulse density. The group is empty
+        without ``spec.analogue``.
     out_valid, out_data, out_last, held, profile
-        Those of readout.
+        They are those of readout.
     spec : UartInstrument
 
     Notes
@@ -97,7 +98,7 @@ def uart_instrument(
     broken, unsound, wrong = flag(), flag(), flag()
     byte_valid, byte_data, byte_ready = flag(), unsigned(8), flag()
     load, image, drawn = Group(), Group(), Group()
-    # Without a reload frames are not refused, and nothing comes over the line.
+    # Without a reload no frame is refused, and nothing comes over the line.
     told = (broken, unsound, wrong) if spec.reload else (Group(), Group(), Group())
     parts = []
 

@@ -1,4 +1,4 @@
-"""constant_matrix: every sum of a layer as one graph of shifted adds, without a multiplier."""
+"""constant_matrix: all sums of a layer as one graph of shifts and adds, without a multiplier."""
 
 from collections.abc import Callable
 from functools import partial
@@ -9,21 +9,25 @@ from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.shift_add import Alignment, Constant, Input, Row, Sum
 from hdl.common.delay import delay
 
-# What is done to a sum is done in one process, in variables wide enough for each step: simulators
-# take several times as long for a process each. The sum is inverted twice, which costs nothing and
-# changes nothing: without, Yosys merges it with the sum that takes it to a carry-save adder, of a
-# third more LUTs. Where bits pass beside the adder it has no need to.
+# All steps of a sum stand in one process, in variables that are wide enough for each step: with a
+# process for each step, simulators take several times as long. The sum is inverted twice, which
+# costs nothing and changes nothing. Otherwise Yosys would merge it and the sum that uses it into a
+# carry-save adder, which takes a third more LUTs. Yosys does not do so where bits pass beside the
+# adder.
 
 
 def wrapping(width: int):
-    """A signed signal that wraps between two deltas of a simulation, though in no clock."""
+    """A signed signal that may wrap between deltas of a simulation, but never at a clock edge."""
     half = 1 << (width - 1)
     return Signal(modbv(0, min=-half, max=half))
 
 
 @block
 def add(low, high, total, *, step: Alignment):
-    """Sum of two numbers, less their last bits, the high one moved left."""
+    """``total`` is the sum of two numbers.
+
+    Each of them is cut first: it loses its last bits. Then ``high`` is moved left.
+    """
     low_cut, high_cut, move, count = step.low_cut, step.high_cut, step.move, len(total)
     half = 1 << max(len(low), len(high) + move, count)
 
@@ -46,7 +50,7 @@ def add(low, high, total, *, step: Alignment):
 
 @block
 def subtract(low, high, total, *, step: Alignment, reverse: bool):
-    """The low number minus the high one, each as ``add`` takes it; or the other way round."""
+    """``low`` minus ``high``, or with ``reverse`` the opposite; both are taken as in ``add``."""
     low_cut, high_cut, move, count = step.low_cut, step.high_cut, step.move, len(total)
     half = 1 << max(len(low), len(high) + move, count)
 
@@ -86,7 +90,10 @@ def subtract(low, high, total, *, step: Alignment, reverse: bool):
 
 @block
 def add_above(low, high, total, *, step: Alignment, minus: bool):
-    """The low number plus or minus the high one, whose last bits are those of the low one."""
+    """``low`` plus or minus ``high``, where ``high`` is moved beyond the last bits of ``low``.
+
+    So these bits of ``low`` are the last bits of the result, and pass beside the adder.
+    """
     end = step.low_cut
     start, count = end + step.move, len(total) - step.move
     half = 1 << max(len(low), len(high), count)
@@ -116,7 +123,7 @@ def add_above(low, high, total, *, step: Alignment, minus: bool):
 
 @block
 def add_constant(number, total, *, value: int, cut: int, move: int, minus: bool):
-    """A constant plus a number, less its last bits and moved left; or minus that."""
+    """A constant plus or minus a number, which is cut and then moved left."""
     count = len(total)
     half = 1 << max(len(number) + move, count, abs(value).bit_length() + 1)
     # A number is negated by inverting it and adding 1.
@@ -156,7 +163,7 @@ def add_constant(number, total, *, value: int, cut: int, move: int, minus: bool)
 
 @block
 def invert(number, inverted):
-    """Every bit of a number inverted: less by 1 than its negative."""
+    """``inverted`` has every bit of a number inverted; this is the number's negative, less 1."""
 
     @always_comb
     def turn():
@@ -167,9 +174,9 @@ def invert(number, inverted):
 
 @block
 def finish(clk, number, result, *, drop: int):
-    """A row's result a clock later: its number without the last bits, saturated.
+    """The result of a row, one clock later: its number without the last bits, saturated.
 
-    ``drop`` below 0 moves it left.
+    A ``drop`` below 0 moves the number left instead.
     """
     cut, move = max(0, drop), max(0, -drop)
     count, sign = len(result), max(len(number) + move, len(result))
@@ -207,7 +214,7 @@ def finish(clk, number, result, *, drop: int):
 
 @block
 def constant(clk, number, *, value: int):
-    """A constant in a register, which keeps it from being undriven."""
+    """A constant; it stands in a register, so that it has a driver."""
 
     @always(clk.posedge)
     def hold():
@@ -221,9 +228,9 @@ class Numbers:
 
     def __init__(self, clk, in_data, spec: ConstantMatrix):
         self.clk, self.spec, self.graph, self.clocks = clk, spec, spec.graph, spec.clocks
-        # Blocks still to be made, which MyHDL wants made inside a block.
+        # Blocks that are still to be made: MyHDL wants them made inside a block.
         self.parts: list[Callable] = []
-        # By node and clock.
+        # The signals of the numbers, by node and clock.
         self._there = {}
         for place, node in enumerate(self.graph.nodes):
             if isinstance(node, Input):
@@ -273,7 +280,7 @@ class Numbers:
         return partial(add, *pair, total, step=step)
 
     def finish(self, row: Row, result) -> None:
-        """A row's result, in the clock behind the last."""
+        """Make the result of a row, one clock after the last clock of the graph."""
         node = self.graph.nodes[row.node]
         if isinstance(node, Constant):
             number = wrapping(self.graph.widths[row.node])

@@ -29,16 +29,17 @@ def input_controller(
     in_valid, in_last : bool
         The sample stream without its data.
     addr : unsigned ``spec.addr_width`` bits
-        Position of the sample, in the same clock.
+        The position of the sample in its frame, in the same clock.
     preset, accumulate : bool
-        Two clocks after each accepted sample; ``preset`` with the first of a frame.
+        They come two clocks after each accepted sample, ``preset`` only for the first of a frame.
     capture : bool
-        Three clocks after the last sample of a good frame.
+        It comes three clocks after the last sample of a good frame.
     out_valid : bool
-        Four clocks after it: the nodes hold the frame's sums.
+        It comes four clocks after that sample: the nodes hold the frame's sums.
     frame_error : bool
-        One clock long, one clock after the sample that breaks a frame: ``last`` too early or
-        missing, or a frame that ends less than ``spec.spacing`` clocks after the last good one.
+        It is high for one clock, one clock after the sample that breaks a frame: its ``last`` is
+        too early or missing, or it ends the frame less than ``spec.spacing`` clocks after the last
+        good one.
     spec : InputController
 
     Notes

@@ -15,9 +15,9 @@ def input_integral(clk, in_data, addr, preset, accumulate, capture, out_q, *, sp
     Parameters
     ----------
     in_data, preset, accumulate, capture
-        As for ``input_node``; every node takes the same.
+        They are those of ``input_node``; every node takes the same ones.
     addr : unsigned ``spec.addr_width`` bits
-        Position of the sample in its frame, in the same clock.
+        The position of the sample in its frame, in the same clock.
     out_q : Words of signed ``spec.out_fmt``
         One held sum per node: ports ``out_q_0``, ``out_q_1``, ...
     spec : InputIntegral
@@ -35,7 +35,7 @@ def input_integral(clk, in_data, addr, preset, accumulate, capture, out_q, *, sp
             rom(addr, weight[j], words=words, meanings=fmt.texts(words))
             for j, words in enumerate(spec.weights)
         ],
-        # One word for every address: MyHDL has no other constant of a sign.
+        # The table has the same word at every address: in MyHDL there is no other signed constant.
         [
             rom(addr, bias[j], words=[word], meanings=fmt.texts([word]))
             for j, word in enumerate(spec.biases)

@@ -23,9 +23,9 @@ def input_node(
     bias : signed ``spec.coeff_fmt``
         The bias, in the clock of ``preset``.
     preset, accumulate : bool
-        Two clocks after the sample: add its product, to the bias when ``preset``.
+        They come two clocks after the sample: its product is added, with ``preset`` to the bias.
     capture : bool
-        One clock after the last ``accumulate`` of a frame: hand the sum to the output.
+        It comes one clock after the last ``accumulate`` of a frame: the sum goes to the output.
     out_data : signed ``spec.out_fmt``
         The sum of the last complete frame, held until the next one is captured.
     spec : InputNode
@@ -54,7 +54,7 @@ def input_node(
 
     @always(clk.posedge)
     def fetch():
-        # Both operands leave registers, which a multiplier of an FPGA has inside.
+        # Both operands come from registers, which the multipliers of FPGAs have inside.
         sample.next = in_data
         factor.next = weight
 

@@ -14,8 +14,9 @@ from hdl.common.signals import fixed, signed
 
 @block
 def weigh(clk, data, term, *, weight: int, width: int, shift: int):
-    """``data`` times a constant of ``width`` bits one clock later, less ``shift`` bits."""
-    # VHDL converts a number to the width of the signal that it multiplies.
+    """``data`` times a constant of ``width`` bits, without ``shift`` bits, one clock later."""
+    # VHDL converts a number to the width of the signal that it multiplies, so this signal must be
+    # wide enough for the constant, too.
     wide = signed(max(len(data), width))
     product = signed(len(data) + width)
 
@@ -36,9 +37,9 @@ def weigh(clk, data, term, *, weight: int, width: int, shift: int):
 
 @block
 def constant(clk, term, *, value: int, width: int, shift: int):
-    """``value`` moved left by ``shift`` places; the register keeps it from being undriven."""
-    # Shifted as a signal: the shifted number may exceed the 2**30 up to which MyHDL converts a
-    # literal rightly.
+    """``value`` moved left by ``shift`` places; a register holds it, so that it has a driver."""
+    # The signal is shifted and not the number, which may then exceed 2**30: up to there MyHDL
+    # converts literals correctly.
     word = signed(width + shift)
 
     @always(clk.posedge)
@@ -74,7 +75,7 @@ def neuron(clk, in_data, out_data, *, spec: Neuron):
     coeff_width = spec.coeff_fmt.width
     shift = spec.product_shift
     term_width = spec.in_fmt.width + coeff_width - shift
-    # A weight of 0 adds nothing; one term stays, because a sum needs two.
+    # A weight of 0 adds nothing. One term stays even so, because a sum needs two.
     kept = [k for k, weight in enumerate(spec.weights) if weight] or [0]
     for k in range(len(spec.weights)):
         # MyHDL refuses a port that nothing reads.
@@ -89,7 +90,8 @@ def neuron(clk, in_data, out_data, *, spec: Neuron):
     ]
     offset = constant(clk, bias, value=spec.bias, width=coeff_width, shift=spec.bias_shift)
     tree = adder_tree(clk, [*terms, bias], summed, width=spec.acc_width)
-    # As late as with all terms, so that the neurons of a layer keep together.
+    # The sum is as late as it would be with all terms, so that all neurons of a layer have the same
+    # latency.
     late = tree_depth(len(spec.weights) + 1) - tree_depth(len(terms) + 1)
     wait = delay(clk, None, summed, total, clocks=late) if late else connect(summed, total)
 

@@ -8,7 +8,7 @@ from hdl.common.signals import Words, fixed, unsigned
 
 @block
 def shift_word(clk, load, loaded, following, word):
-    """``word`` takes ``loaded`` with ``load``, and the word that follows it otherwise."""
+    """``word`` takes ``loaded`` in a clock with ``load``, otherwise the word that follows it."""
 
     @always(clk.posedge)
     def keep():
@@ -29,11 +29,11 @@ def output_collector(
     Parameters
     ----------
     in_valid : bool
-        The results of a frame are there, for this clock.
+        The results of a frame are there, in this clock alone.
     in_data : Words of signed ``spec.fmt``
         The results: ports ``in_data_0``, ``in_data_1``, ...
     out_valid, out_data, out_last : bool, signed ``spec.fmt``, bool
-        One result a clock.
+        One result leaves per clock.
     spec : OutputCollector
 
     Notes

@@ -13,11 +13,12 @@ def output_controller(clk, rst, in_valid, addr, out_valid, out_last, *, spec: Ou
     Parameters
     ----------
     in_valid : bool
-        One clock long: the activations of a frame are there and stay for ``spec.outputs`` clocks.
+        It is high for one clock: the activations of a frame are there, and stay for
+        ``spec.outputs`` clocks.
     addr : unsigned ``spec.addr_width`` bits
-        Row 0 in the clock of ``in_valid``, then one row a clock.
+        It is row 0 in the clock of ``in_valid``, and then one row more each clock.
     out_valid, out_last : bool
-        ``addr`` names a row; it is the frame's last.
+        ``addr`` names a row; that row is the last one of the frame.
     spec : OutputController
 
     Notes

@@ -1,4 +1,4 @@
-"""Output integral: the outputs, one after the other, on one multiplier per hidden node."""
+"""Output integral: computes the outputs in turn, with one multiplier per hidden node."""
 
 from myhdl import always, always_comb, block
 
@@ -14,7 +14,7 @@ from hdl.common.signals import fixed, signed, unsigned
 
 @block
 def weigh(clk, addr, in_data, term, *, weights, coeff_fmt, shift: int):
-    """``in_data`` times the weight of row ``addr`` two clocks later, less ``shift`` bits."""
+    """``in_data`` times the weight of row ``addr``, two clocks later, without ``shift`` bits."""
     word, weight = fixed(coeff_fmt), fixed(coeff_fmt)
     operand = signed(len(in_data))
     product = signed(len(in_data) + coeff_fmt.width)
@@ -92,9 +92,10 @@ def output_integral(
     Parameters
     ----------
     in_valid, in_last, in_addr : bool, bool, unsigned
-        CONTROLLER 2's row.
+        The row that CONTROLLER 2 names.
     in_r : Words of signed ``spec.in_fmt``
-        The activations, ports ``in_r_0``, ``in_r_1``, ...; steady while rows are stepped through.
+        The activations, ports ``in_r_0``, ``in_r_1``, ... They are steady while the rows are
+        stepped through.
     out_valid, out_data, out_last : bool, signed ``spec.out_fmt``, bool
         The output stream.
     spec : OutputIntegral

@@ -1,4 +1,4 @@
-"""image_receiver: packets become the bytes of an image, as an engine takes them."""
+"""image_receiver: takes an image out of packets, and passes its bytes on to an engine."""
 
 from myhdl import always, always_comb, always_seq, block, concat
 
@@ -9,7 +9,10 @@ from hdl.common.signals import flag, unsigned
 
 @block
 def queue_place(clk, put, take, behind, new, following, here, *, place: int):
-    """One word of a queue: it moves up when the first leaves, and is new behind the last."""
+    """One word of a queue.
+
+    A new word comes in at the place behind the last one. All move up when the first one leaves.
+    """
 
     @always(clk.posedge)
     def move():
@@ -23,9 +26,9 @@ def queue_place(clk, put, take, behind, new, following, here, *, place: int):
 
 @block
 def queue(clk, rst, in_valid, in_data, out_ready, out_valid, out_data, *, depth: int):
-    """Words in order, kept until they are taken, one clock at least.
+    """Words leave in the order in which they came; each stays until it is taken, at least a clock.
 
-    In registers: of so few words a memory is none on every device.
+    The words stand in registers, because not every device has a memory for so few of them.
     """
     stored, behind = unsigned(depth.bit_length()), unsigned(depth.bit_length())
     words = [unsigned(len(in_data)) for _ in range(depth)]
@@ -90,9 +93,9 @@ def image_receiver(
     Parameters
     ----------
     in_valid, in_data : bool, unsigned 8 bits
-        Bytes from the line, never more of them while ``load_ready`` is low than ``spec.depth``.
+        Bytes from the line. While ``load_ready`` is low, at most ``spec.depth`` of them may come.
     load_ready, load_valid, load_data, load_last : bool, bool, unsigned 8 bits, bool
-        Bytes of an image; one leaves in a clock in which ready and valid are high.
+        Bytes of an image; one leaves in each clock in which ready and valid are high.
     spec : ImageReceiver
 
     Notes

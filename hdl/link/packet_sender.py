@@ -1,4 +1,4 @@
-"""packet_sender: what an instrument shows becomes packets, byte after byte."""
+"""packet_sender: sends what an instrument shows as packets, byte after byte."""
 
 from myhdl import Signal, always, always_comb, always_seq, block, intbv, modbv
 
@@ -20,7 +20,7 @@ from hdl.common.stream import position
 
 @block
 def keep_word(clk, rst, valid, count, data, word, *, slot: int):
-    """``word`` is the latest element at position ``slot``, 0 before the first."""
+    """``word`` is the latest element at position ``slot``, and 0 before the first one."""
 
     @always_seq(clk.posedge, reset=rst)
     def keep():
@@ -32,7 +32,7 @@ def keep_word(clk, rst, valid, count, data, word, *, slot: int):
 
 @block
 def keep_frame(clk, rst, valid, data, last, words):
-    """The latest elements of a stream's frames."""
+    """``words`` are the latest elements of a stream's frames, by position."""
     count = unsigned(len(words).bit_length())
     return (
         position(clk, rst, valid, last, count, stop=len(words)),
@@ -42,7 +42,7 @@ def keep_frame(clk, rst, valid, data, last, words):
 
 @block
 def since_packet(clk, rst, begins, event, told):
-    """Whether ``event`` has come since the packet before; this clock counts."""
+    """``told`` is high if ``event`` has come since the last packet, or comes in this clock."""
     seen = flag()
 
     @always_comb
@@ -58,7 +58,7 @@ def since_packet(clk, rst, begins, event, told):
 
 @block
 def refused_frame(clk, rst, complete, frame_error, told, flag_out):
-    """Whether a frame was refused since the packet before, or since the frame before."""
+    """``flag_out`` tells that a frame was refused since the last packet or since the last frame."""
     refused = flag()
 
     @always_seq(clk.posedge, reset=rst)
@@ -74,7 +74,7 @@ def refused_frame(clk, rst, complete, frame_error, told, flag_out):
 
 @block
 def two_bytes(code, high, low):
-    """A code in two's complement of 16 bits."""
+    """``high`` and ``low`` are the bytes of a code in two's complement with 16 bits."""
     width, sign = SIGNAL.width, SIGNAL.width - 1
     above = width - 8
 
@@ -91,7 +91,7 @@ def two_bytes(code, high, low):
 
 @block
 def stage(clk, begins, taken, fresh, following, here):
-    """A byte on its way: it comes with the begin of a packet, or from the byte behind it."""
+    """One byte of a shift register, which is loaded when a packet begins and moves by bytes."""
 
     @always(clk.posedge)
     def move():
@@ -129,15 +129,16 @@ def packet_sender(
     Parameters
     ----------
     sample_valid, sample_data, sample_last : bool, signed Fix(14,13), bool
-        What goes into the network.
+        The samples that go into the network.
     result_valid, result_data, result_last : bool, signed Fix(14,13), bool
-        What comes out of it.
+        The outputs that come out of it.
     converter_error : bool
-        Told as it is now.
+        A packet reports it as it is when the packet begins.
     frame_error, image_error, line_error : bool
-        Told when they come between two packets; only with ``spec.reload``.
+        A packet reports those that came since the packet before; they exist only with
+        ``spec.reload``.
     profile : Group
-        ``valid``, ``x``, ``y`` and ``last`` of load_profile; empty where none is drawn.
+        ``valid``, ``x``, ``y`` and ``last`` of load_profile; it is empty where none is drawn.
     out_ready, out_valid, out_data : bool, bool, unsigned 8 bits
         A byte leaves in a clock in which both flags are high.
     spec : PacketSender
@@ -250,7 +251,7 @@ def packet_sender(
         high.next = count[16:8]
         low.next = count[8:]
 
-    # In the order of golden.link.packets, up to the check.
+    # The bytes of a packet up to the check, in the order of golden.link.packets.
     fresh = [SYNC, kind_byte(FRAME), layout.payload_bytes, number, flags, high, low]
     codes = [*samples, *outputs]
     if spec.points:

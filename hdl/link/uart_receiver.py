@@ -1,4 +1,4 @@
-"""uart_receiver: bits on a line become bytes."""
+"""uart_receiver: turns the bits on a line into bytes."""
 
 from myhdl import Signal, always, always_comb, always_seq, block, concat
 
@@ -14,11 +14,11 @@ def uart_receiver(clk, rst, rx, out_valid, out_data, line_error, *, spec: UartRe
     Parameters
     ----------
     rx : bool
-        The line, which comes at any time; two registers stand behind it.
+        The line, which may change at any time; two registers stand behind it.
     out_valid, out_data : bool, unsigned 8 bits
-        A byte, for one clock.
+        A byte; ``out_valid`` is high for one clock.
     line_error : bool
-        One clock long where the stop bit is 0.
+        It is high for one clock where the stop bit is 0.
     spec : UartReceiver
 
     Notes

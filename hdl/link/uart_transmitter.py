@@ -1,4 +1,4 @@
-"""uart_transmitter: bytes become bits on a line."""
+"""uart_transmitter: turns bytes into bits on a line."""
 
 from myhdl import Signal, always_comb, always_seq, block, concat, intbv
 
@@ -13,9 +13,9 @@ def uart_transmitter(clk, rst, in_valid, in_data, in_ready, tx, *, spec: UartTra
     Parameters
     ----------
     in_valid, in_data, in_ready : bool, unsigned 8 bits, bool
-        A byte is taken in a clock in which both flags are high; it stands until then.
+        A byte is taken in a clock in which both flags are high, and must stay until then.
     tx : bool
-        The line; from a register, so that it does not glitch. Reset raises it.
+        The line; it comes from a register, so that it does not glitch. Reset raises it.
     spec : UartTransmitter
 
     Notes

@@ -1,1 +1,1 @@
-"""Parts that networks share, inlined into these: they hold blocks and are none themselves."""
+"""Parts that networks share. They hold blocks but become no entities: they are inlined."""

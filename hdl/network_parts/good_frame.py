@@ -1,4 +1,4 @@
-"""Which frames are good, and the words of those."""
+"""Finds the good frames, and shows the words of each at once."""
 
 from myhdl import block
 
@@ -11,7 +11,7 @@ from hdl.layers.input_controller import input_controller
 
 @block
 def judge(clk, rst, valid, last, good, frame_error, *, controller: InputController):
-    """What a controller says of whole frames; it steers nothing."""
+    """An input controller that only tells which frames are good; its other outputs stay open."""
     addr = unsigned(controller.addr_width)
     preset, accumulate, capture = flag(), flag(), flag()
     return input_controller(
@@ -33,10 +33,11 @@ def judge(clk, rst, valid, last, good, frame_error, *, controller: InputControll
 def good_frame(
     clk, rst, valid, data, last, words, good, frame_error, *, controller: InputController
 ):
-    """``words`` are those of a whole frame in the clock of ``good``; a wrong one gives its error.
+    """In the clock of ``good``, ``words`` are those of a whole frame; a wrong frame gives an error.
 
-    The controller tells of a good frame some clocks after its last element. The words are caught
-    as much later less one: then they are complete, and the next frame has replaced none of them.
+    The controller reports a good frame ``controller.latency`` clocks after its last element. The
+    words are caught from the stream delayed by one clock less: so they are complete in time, and
+    the next frame has replaced none of them.
     """
     late_valid, late_data, late_last = flag(), fixed(SIGNAL), flag()
     return (

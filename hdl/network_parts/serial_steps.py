@@ -1,4 +1,4 @@
-"""The steps of an engine without a multiplier, from the program to the sum."""
+"""The part of an engine without a multiplier that reads the program and makes the sums."""
 
 from myhdl import always_comb, always_seq, block, concat
 
@@ -18,26 +18,26 @@ from hdl.engine.serial_accumulate import serial_accumulate
 def serial_steps(
     clk, rst, run, finish, segment, read, source, store, leaves, ends, acc, *, design: Engine
 ):
-    """Reads the program in bit planes, and adds up.
+    """Reads the program once for each bit plane of the operands, and adds up the coefficients.
 
     Parameters
     ----------
     run, finish : bool
-        A frame is computed; its last output leaves.
+        A frame is being computed, and its last output leaves.
     segment : unsigned
-        That of ``read``.
+        The segment in which ``read`` lies.
     read : signed 18 bits
-        One clock after ``source``.
+        The operand, one clock after its address ``source``.
     source : unsigned ``design.addr_width`` bits
     store, leaves, ends : bool
-        The sum is a result, an output, the last one.
+        The sum is a result; it is an output; it is the last output.
     acc : signed ``design.acc_width`` bits
     design : Engine
 
     Notes
     -----
-    A neuron's first word says what becomes of the sum before, and clears it in the clock in which
-    it is there.
+    The first word of a neuron says what becomes of the sum of the neuron before, and clears that
+    sum in the clock in which it is complete.
     """
     memory = design.replay_memory
     word, plane, plane_late = unsigned(WORD_WIDTH), unsigned(CLEAR + 1), unsigned(CLEAR + 1)

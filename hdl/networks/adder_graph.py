@@ -13,7 +13,7 @@ from hdl.layers.constant_matrix import constant_matrix
 
 @block
 def never(clk, error):
-    """``error`` is low."""
+    """``error`` is always low."""
 
     @always(clk.posedge)
     def hold():
@@ -35,7 +35,7 @@ def adder_graph(clk, rst, in_valid, in_data, out_valid, out_data, frame_error, *
     out_valid, out_data : bool, Words of signed Fix(14,13)
         The outputs, ports ``out_data_0``, ``out_data_1``, ...
     frame_error : bool
-        Always low: every frame is good.
+        It is always low, because every frame is good.
     spec : AdderGraph
 
     Notes
@@ -47,7 +47,7 @@ def adder_graph(clk, rst, in_valid, in_data, out_valid, out_data, frame_error, *
     r = Words(hidden, lambda: fixed(spec.second.in_fmt))
     q_valid = flag()
     tables = [spec.shared(nodes) for nodes in spec.groups]
-    # Of each q the bits that its nodes can have.
+    # Each q with only those bits that its values can need.
     short = [
         Words(len(nodes), lambda fmt=spec.activations[nodes[0]].in_fmt: fixed(fmt))
         for nodes in spec.groups
@@ -56,7 +56,8 @@ def adder_graph(clk, rst, in_valid, in_data, out_valid, out_data, frame_error, *
     r_valid = Words(len(tables), flag)
     places = [(n, i, j) for n, nodes in enumerate(spec.groups) for i, j in enumerate(nodes)]
     return (
-        # The layer that saturates comes first: the first entity of a block stands for it in proofs.
+        # The layer that saturates comes first, because proofs of a block are made of its first
+        # entity.
         constant_matrix(clk, r, out_data, spec=spec.second),
         constant_matrix(clk, in_data, q, spec=spec.first),
         delay(clk, rst, in_valid, q_valid, clocks=spec.first.latency),

@@ -1,4 +1,4 @@
-"""AXI4-Stream around a network: a network that can be made to wait."""
+"""AXI4-Stream around a network, so that whatever stands before or behind it can make it wait."""
 
 from myhdl import always_comb, always_seq, block
 
@@ -31,11 +31,11 @@ def gate(
     spacing: int,
     whole: bool,
 ):
-    """Samples into the network's stream, the slots behind them, and when to wait.
+    """Passes samples to the network, sends the slots behind them, and decides when samples wait.
 
-    ``done`` comes with the last sample of a good frame; while ``full`` that sample waits. So does
-    one that comes less than ``spacing`` clocks after the last of the good frame before; with
-    ``whole`` so does every sample.
+    ``done`` comes with the last sample of a good frame. That sample waits while ``full`` is high,
+    and until ``spacing`` clocks after the last sample of the good frame before. With ``whole``
+    every sample waits for these clocks.
     """
     final_place = inputs - 1
     bits = SIGNAL.width
@@ -116,8 +116,8 @@ def gate(
             elif empty != 0:
                 empty.next = empty - 1
 
-        # The network refuses a frame that ends before its slots: so end both kinds of wrong
-        # frame. What is dropped does not reach it.
+        # The network refuses a frame that ends before its slots. So both kinds of wrong frame are
+        # ended there; the elements that are dropped do not reach the network.
         @always_comb
         def send():
             valid.next = empty != 0 or (accept and not dropping)
@@ -133,7 +133,7 @@ def gate(
         def look():
             ready.next = dropping or not shut
 
-        # The network drops by itself what is dropped here.
+        # The network itself drops the same elements that are dropped here.
         parts += [look, connect(accept, valid), connect(s_axis_tlast, last)]
 
     return find, judge, show, step, parts
@@ -141,7 +141,7 @@ def gate(
 
 @block
 def credit(clk, rst, done, left, full, *, frames: int):
-    """``full`` while ``frames`` frames are under way, between ``done`` and ``left``."""
+    """``full`` is high while ``frames`` frames are under way; each is from ``done`` to ``left``."""
     used = unsigned(frames.bit_length())
 
     @always_seq(clk.posedge, reset=rst)
@@ -179,12 +179,12 @@ def axis_network(
     Parameters
     ----------
     s_axis_tvalid, s_axis_tready, s_axis_tdata, s_axis_tlast : bool, bool, signed Fix(16,13), bool
-        The samples; ``s_axis_tlast`` with the last sensor of a scan. The lower 14 bits of the data
-        are the sample, the upper two are ignored.
+        The samples; ``s_axis_tlast`` comes with the last sensor of a scan. The lower 14 bits of the
+        data are the sample, and the upper two are ignored.
     m_axis_tvalid, m_axis_tready, m_axis_tdata, m_axis_tlast : bool, bool, signed Fix(16,13), bool
         The outputs, sign-extended.
     frame_error : bool
-        One clock long for each frame of the wrong length, which yields no packet.
+        It is high for one clock for each frame of the wrong length, which yields no packet.
     spec : AxisNetwork
 
     Notes
@@ -211,12 +211,12 @@ def axis_network(
     valid, data, last = flag(), fixed(SIGNAL), flag()
     done, left, full = flag(), flag(), flag()
     result_valid, result = flag(), fixed(SIGNAL)
-    # Left open: the outputs of a frame are counted where they leave.
+    # This stays open, because the outputs of a frame are counted where they leave.
     result_last = flag()
     fetch, word = flag(), fixed(SIGNAL)
     place = unsigned(outputs.bit_length())
     closing = flag()
-    # Of a frame that is the past of others alone nothing will leave.
+    # The first frames only serve later ones as past frames, so nothing leaves for them.
     yields = flag() if spec.past else done
     past = [past_whole(clk, rst, done, yields, past=spec.past)] if spec.past else []
 

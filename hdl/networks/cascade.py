@@ -26,11 +26,11 @@ def stage(
     network,
     multiplexer,
 ):
-    """One network and the stream that the next one sees, with the result in its slot."""
+    """One network, and the stream for the next one, in which the result stands in its slot."""
     seen_valid, seen_last = flag(), flag()
     result_valid, result = flag(), fixed(SIGNAL)
     late_valid, late_data, late_last = flag(), fixed(SIGNAL), flag()
-    # Left open: ends of frames of one output, and errors of parts of frames.
+    # These stay open: each frame has one output, and errors of parts of frames do not matter.
     result_last, broken = flag(), flag()
 
     return (
@@ -89,7 +89,7 @@ def store(
     controller,
     collector,
 ):
-    """Good frames, an element a clock; of others only their error."""
+    """Passes good frames on, one element a clock; a wrong frame only gives its error."""
     words = Words(collector.outputs, lambda: fixed(SIGNAL))
     complete = flag()
     return (
@@ -121,13 +121,14 @@ def cascade(
     Parameters
     ----------
     in_valid, in_data, in_last : bool, signed Fix(14,13), bool
-        One element a clock at most: ``spec.inputs`` samples, then one free slot, whatever it
-        holds, for each output but the last. ``in_last`` closes the last of them.
+        At most one element comes per clock: ``spec.inputs`` samples, then one free slot for each
+        output but the last. What a slot holds does not matter. ``in_last`` comes with the last
+        slot.
     out_valid, out_data, out_last : bool, signed Fix(14,13), bool
-        One output a clock, in the order of the networks.
+        One output leaves per clock, in the order of the networks.
     frame_error : bool
-        One clock long for each frame of the wrong length, or that ends less than ``spec.interval``
-        clocks after the last good one; it yields no result.
+        It is high for one clock for each frame that has the wrong length, or that ends less than
+        ``spec.interval`` clocks after the last good one. Such a frame yields no result.
     spec : Cascade
 
     Notes
@@ -139,15 +140,15 @@ def cascade(
     follow the last after ``spec.interval`` clocks. Reset clears every flag and counter.
     """
     final = spec.outputs - 1
-    # Stream i, counted from 0, has the results up to that of network i.
+    # Stream i, counted from 0, holds the results up to that of network i.
     valid, data, last = Words(final, flag), Words(final, lambda: fixed(SIGNAL)), Words(final, flag)
     tail_valid, tail_data, tail_last = flag(), fixed(SIGNAL), flag()
     gathered_valid = flag()
     gathered = Words(spec.outputs, lambda: fixed(SIGNAL))
-    # Left open: the collector closes the frame, and the judge tells of errors alone.
+    # These stay open: the collector closes the frame, and of the judge only the error is used.
     final_last, broken, complete = flag(), flag(), flag()
-    # The earlier outputs pass by in the last network's stream. One clock short of its latency,
-    # because a word caught is there a clock later.
+    # The earlier outputs pass by in the last network's stream. That is delayed by one clock less
+    # than the network's latency, because a word that is caught is there one clock later.
     wait = spec.networks[final].latency - 1
 
     controller, collector = spec.input_controller, spec.frame_store

@@ -1,4 +1,4 @@
-"""Engine: a whole scene on one multiplier and a program."""
+"""Engine: one multiplier, or none, and a program that computes a whole scene."""
 
 from myhdl import always, always_comb, always_seq, block
 
@@ -51,16 +51,16 @@ def engine(
     Parameters
     ----------
     in_valid, in_data, in_last : bool, signed Fix(14,13), bool
-        One sample a clock at most; ``in_last`` with the last sensor of a scan.
+        At most one sample comes per clock; ``in_last`` comes with the last sensor of a scan.
     out_valid, out_data, out_last : bool, signed Fix(14,13), bool
-        Outputs as the program computes them; ``out_last`` with the last.
+        Outputs come as the program computes them; ``out_last`` comes with the last one.
     frame_error : bool
-        One clock long for each frame of the wrong length, or that begins before the last output of
-        the one before has left; it yields no result.
+        It is high for one clock for each frame that has the wrong length, or that begins before the
+        last output of the frame before has left. Such a frame yields no result.
     load, image : Group
-        Of an engine that can be reloaded: ``valid``, ``data``, ``last`` and ``ready`` of the bytes
-        of an image, and ``error`` after one that is not good. Frames raise ``frame_error`` until
-        a good one is there.
+        An engine that can be reloaded has them: ``valid``, ``data``, ``last`` and ``ready`` of the
+        bytes of an image, and ``error`` after an image that is not good. Frames raise
+        ``frame_error`` until a good image is there.
     spec : Engine
 
     Notes
@@ -171,13 +171,13 @@ def engine(
         first.next = word[first_bit]
         first_of_output.next = word[first_of_output_bit]
 
-    # As late as the segment.
+    # This is as late as the segment is.
     @always(clk.posedge)
     def ask():
         look_up.next = kind == 1 or kind == 2
 
-    # Registers behind a block RAM, before counters. Words that were on their way when a reset or
-    # the last output stopped the program do nothing.
+    # These registers stand between a block RAM and counters. Words that were on their way when a
+    # reset or the last output stopped the program do nothing.
     @always_seq(clk.posedge, reset=rst)
     def mark():
         store.next = run and word[store_bit]

@@ -30,11 +30,11 @@ def hybrid(
     Parameters
     ----------
     in_valid, in_data, in_last : bool, signed Fix(14,13), bool
-        One sample a clock at most; ``in_last`` with the last sensor of a scan.
+        At most one sample comes per clock; ``in_last`` comes with the last sensor of a scan.
     out_valid, out_data, out_last : bool, signed Fix(14,13), bool
-        One output a clock; ``out_last`` with the last output.
+        One output leaves per clock; ``out_last`` comes with the last output.
     frame_error : bool
-        One clock long for each frame of the wrong length, which yields no result.
+        It is high for one clock for each frame of the wrong length, which yields no result.
     spec : Hybrid
 
     Notes

@@ -29,11 +29,11 @@ def multiple(
     Parameters
     ----------
     in_valid, in_data, in_last : bool, signed Fix(14,13), bool
-        One sample a clock at most; every network takes all of them.
+        At most one sample comes per clock; every network takes all of them.
     out_valid, out_data, out_last : bool, signed Fix(14,13), bool
-        One output a clock, in the order of the networks.
+        One output leaves per clock, in the order of the networks.
     frame_error : bool
-        One clock long for each frame of the wrong length, which yields no result.
+        It is high for one clock for each frame of the wrong length, which yields no result.
     spec : Multiple
 
     Notes
@@ -64,7 +64,7 @@ def multiple(
             result_valid[i],
             destination(i),
             result_last[i],
-            # All controllers judge the same frames; one of them speaks.
+            # All controllers judge the same frames, so the error of one of them is enough.
             frame_error if i == 0 else broken[i],
             spec=network,
         )

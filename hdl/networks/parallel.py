@@ -1,4 +1,4 @@
-"""Parallel: a network of two layers, every multiplication at once."""
+"""Parallel: a network of two layers that does every multiplication at once."""
 
 from myhdl import block
 
@@ -13,7 +13,7 @@ from hdl.layers.neuron import neuron
 
 @block
 def late(clk, rst, data, data_late, *, clocks: int):
-    """``delay``, or a connection where there is nothing to wait for."""
+    """As ``delay``, but with 0 clocks it is a connection."""
     return delay(clk, rst, data, data_late, clocks=clocks) if clocks else connect(data, data_late)
 
 
@@ -30,8 +30,8 @@ def parallel(clk, rst, in_valid, in_data, out_valid, out_data, frame_error, *, s
     out_valid, out_data : bool, Words of signed Fix(14,13)
         The outputs, ports ``out_data_0``, ``out_data_1``, ...
     frame_error : bool
-        One clock long for each frame that comes less than ``spec.interval`` clocks after the last
-        good one; it yields no result. Always low where that is 1.
+        It is high for one clock for each frame that comes less than ``spec.interval`` clocks after
+        the last good one; such a frame yields no result. It is always low where the interval is 1.
     spec : Parallel
 
     Notes
@@ -49,8 +49,8 @@ def parallel(clk, rst, in_valid, in_data, out_valid, out_data, frame_error, *, s
     r_valid = Words(hidden, flag)
 
     return (
-        # A frame is one element, which is the last of its frame. Two ports of one entity take two
-        # signals: of one signal, the exported entity would read a single port.
+        # A frame is one element, which is the last of its frame. The two ports take two signals: if
+        # they shared one, the exported entity would read only one of its ports.
         connect(in_valid, last),
         input_controller(
             clk,
@@ -66,7 +66,7 @@ def parallel(clk, rst, in_valid, in_data, out_valid, out_data, frame_error, *, s
             spec=controller,
         ),
         [neuron(clk, in_data, q[j], spec=part) for j, part in enumerate(spec.hidden_neurons)],
-        # A neuron has three stages at the least, as many as the controller to ``capture``.
+        # A neuron has at least three stages, as many as the controller has up to ``capture``.
         late(
             clk,
             rst,

@@ -1,4 +1,4 @@
-"""Windowed: a network that takes samples of past frames, too."""
+"""Windowed: a network that also takes samples of past frames."""
 
 from myhdl import block
 
@@ -28,12 +28,13 @@ def windowed(
     Parameters
     ----------
     in_valid, in_data, in_last : bool, signed Fix(14,13), bool
-        One sample a clock at most; ``in_last`` with the last sensor of a scan.
+        At most one sample comes per clock; ``in_last`` comes with the last sensor of a scan.
     out_valid, out_data, out_last : bool, signed Fix(14,13), bool
-        As those of the network.
+        The outputs of the network.
     frame_error : bool
-        One clock long for each frame of the wrong length, or that ends less than ``spec.interval``
-        clocks after the last good one; it yields no result and does not enter the past.
+        It is high for one clock for each frame that has the wrong length, or that ends less than
+        ``spec.interval`` clocks after the last good one. Such a frame yields no result and is not
+        kept as a past frame.
     spec : Windowed
 
     Notes
@@ -43,7 +44,7 @@ def windowed(
     outputs. Reset clears every flag and counter.
     """
     valid, data, last = flag(), fixed(SIGNAL), flag()
-    # Left open: the frame window sends no frame that the network refuses.
+    # This stays open, because the frame window sends no frame that the network refuses.
     broken = flag()
     return (
         frame_window(

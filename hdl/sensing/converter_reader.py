@@ -1,4 +1,4 @@
-"""Converter reader: frames from a converter of several channels on an SPI."""
+"""Converter reader: makes frames from a converter with several channels on an SPI."""
 
 import numpy as np
 from myhdl import always, always_comb, always_seq, block, concat
@@ -13,7 +13,7 @@ from hdl.common.signals import fixed, flag, signed, unsigned
 
 @block
 def scan(clk, rst, slot, starts, *, reader: ConverterReader):
-    """The turn, and the clock of it in which its transfer begins."""
+    """Counts through a scan: ``slot`` is the turn of a sensor, ``starts`` begins its transfer."""
     top, width = reader.scan_clocks - 1, reader.counter_width
     low, full = width - reader.slot_width, top.bit_length()
     begin_clock, inputs = reader.begin_clock, reader.inputs
@@ -54,10 +54,11 @@ def scan(clk, rst, slot, starts, *, reader: ConverterReader):
 
 @block
 def transfer(clk, rst, starts, running, half, read, turn, *, halves: int, clocks: int):
-    """The half periods of a transfer.
+    """Counts the half periods of a transfer: ``half`` is their number, from 0.
 
-    ``read`` is in the first clock of those in which ``sclk`` is about to fall, and before it rises
-    for the first time; ``turn`` in the last clock of those in which it is about to fall.
+    ``sclk`` is low in the even ones and high in the odd ones, each one clock late, because it comes
+    from a register. ``read`` is high in the first clock of each even one: at its end ``sclk``
+    falls, or, in the first, has not risen yet. ``turn`` is high in the last clock of each odd one.
     """
     final, top = halves - 1, clocks - 1
     whole = flag()
@@ -109,7 +110,7 @@ def transfer(clk, rst, starts, running, half, read, turn, *, halves: int, clocks
 
 @block
 def judge(received, wrong, *, reader: ConverterReader):
-    """Whether no converter can have sent what was received."""
+    """``wrong`` tells that no converter can have sent the bits that were received."""
     part = reader.part
     top, low, bits = part.clocks, part.clocks - part.last, part.bits
     mask = sum(1 << (top - clock) for clock in part.zeros)
@@ -144,7 +145,7 @@ def judge(received, wrong, *, reader: ConverterReader):
 
 @block
 def to_sample(received, sample, *, reader: ConverterReader):
-    """The code among the bits as a sample."""
+    """``sample`` is the code among the received bits, in the format of a sample."""
     part = reader.part
     bits, half, pad = part.bits, 1 << (part.bits - 1), -reader.shift
     low = part.clocks - part.last
@@ -204,13 +205,15 @@ def converter_reader(
     Parameters
     ----------
     miso : bool
-        From the converter; a pull-up holds it at 1 where nothing drives it.
+        It comes from the converter; a pull-up holds it at 1 where nothing drives it.
     sclk, cs_n, mosi : bool
-        To the converter; from registers, so that they do not glitch. Reset raises ``cs_n``.
+        They go to the converter and come from registers, so that they do not glitch. Reset raises
+        ``cs_n``.
     out_valid, out_data, out_last : bool, signed ``spec.fmt``, bool
-        A frame, a sample a clock. The data stay until the next.
+        A frame, one sample per clock. The data stay until the next sample.
     converter_error : bool
-        Up from a transfer that no converter can have sent until a scan without one.
+        It rises after a transfer that no converter can have sent, and stays high until a whole scan
+        has passed without such a transfer.
     spec : ConverterReader
 
     Notes

@@ -1,4 +1,4 @@
-"""Frame window: past frames kept, and the samples of them that a network takes."""
+"""Frame window: keeps past frames, and sends the samples of them that a network takes."""
 
 import numpy as np
 from myhdl import Signal, always, always_comb, always_seq, block, intbv, modbv
@@ -12,7 +12,7 @@ from hdl.common.signals import flag, unsigned
 
 @block
 def judge(clk, rst, in_valid, in_last, accept, good, broken, *, sensors: int, spacing: int):
-    """Which samples belong to frames, and how these end; as input_controller, at once."""
+    """Tells which samples belong to frames, and how frames end: as input_controller, undelayed."""
     final = sensors - 1
     count = unsigned(max(1, final.bit_length()))
     dropping, complete, early = flag(), flag(), flag()
@@ -87,12 +87,13 @@ def frame_window(
     Parameters
     ----------
     in_valid, in_data, in_last : bool, signed ``spec.fmt``, bool
-        One sample a clock at most; ``in_last`` with the last sensor of a scan.
+        At most one sample comes per clock; ``in_last`` comes with the last sensor of a scan.
     out_valid, out_data, out_last : bool, signed ``spec.fmt``, bool
-        The network's frame, an element a clock.
+        The frame for the network, one element per clock.
     frame_error : bool
-        One clock long, one clock after the sample that breaks a frame: ``last`` too early or
-        missing, or a frame that ends less than ``spec.spacing`` clocks after the last good one.
+        It is high for one clock, one clock after the sample that breaks a frame: its ``last`` is
+        too early or missing, or it ends the frame less than ``spec.spacing`` clocks after the last
+        good one.
     spec : FrameWindow
 
     Notes
@@ -103,7 +104,7 @@ def frame_window(
     """
     words, final = spec.words, spec.elements - 1
     ring = [Signal(intbv(0, min=spec.fmt.low, max=spec.fmt.high + 1)) for _ in range(words)]
-    # Where the next sample goes, and where the frame that comes began; both wrap.
+    # The places of the next sample and of the first sample of its frame; both wrap.
     place, start, read_addr = (Signal(modbv(0, min=0, max=words)) for _ in range(3))
     offset = unsigned(spec.addr_width)
     turn = unsigned(max(1, final.bit_length()))

@@ -1,4 +1,4 @@
-"""Scan sequencer: the sensors in turn through an analogue multiplexer."""
+"""Scan sequencer: reads the sensors in turn through an analogue multiplexer."""
 
 import numpy as np
 from myhdl import always, always_comb, always_seq, block
@@ -17,9 +17,9 @@ def scan_sequencer(clk, rst, adc, address, out_valid, out_data, out_last, *, spe
     adc : signed ``spec.fmt``
         The converter's code, which belongs to the sensor that ``address`` selects.
     address : unsigned ``spec.address_width`` bits
-        To the analogue multiplexer; from a register, so that it does not glitch.
+        It goes to the analogue multiplexer and comes from a register, so that it does not glitch.
     out_valid, out_data, out_last : bool, signed ``spec.fmt``, bool
-        A sample; ``out_valid`` is the sample strobe. The data stay until the next.
+        A sample; ``out_valid`` is the sample strobe. The data stay until the next sample.
     spec : ScanSequencer
 
     Notes

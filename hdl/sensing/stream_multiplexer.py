@@ -1,4 +1,4 @@
-"""Stream multiplexer: a network's result in its place among the samples."""
+"""Stream multiplexer: puts a network's result into its place among the samples."""
 
 from myhdl import always, block
 

@@ -1,8 +1,8 @@
-"""``python -m hdl.synth SCENE``: cells of every block, the clock, and both beside the thesis.
+"""``python -m hdl.synth SCENE``: find the cells of every block and the clock, beside the thesis.
 
-``build/<scene>/synth`` gets ``cells.csv``, every entity, and ``synth.json``, every figure with the
-versions of the tools. What costs something else than the recorded budget is an error, and so is
-what costs less.
+``build/<scene>/synth`` gets ``cells.csv`` with every entity, and ``synth.json`` with every figure
+and the versions of the tools. It is an error if an entity does not cost what the recorded budget
+says, even if it costs less.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ from hdl.synth.timing import DEVICE_NAME, TOOLS, Timing, route, timing_path, wri
 
 
 def speed(scene: Scene, design: Network, timing: Timing) -> dict[str, Any]:
-    """Latency and frames a second at the clock that was reached."""
+    """The timing, with latency and frames per second at the clock that was reached."""
     return {
         **asdict(timing),
         "needed_mhz": scene.clock_mhz,
@@ -70,13 +70,13 @@ def tell(scene: Scene, design: Network, cells: Cells, share: dict[str, Any]) -> 
 
 
 def work(scene: Scene, design: Network, verilog: Path) -> tuple[Cells, Timing]:
-    """Every run of the tools, side by side."""
+    """Run the tools side by side, and return cells and timing."""
     top = design.entity
     with (
         ThreadPoolExecutor() as pool,
         Progress(f"{scene.name}: synthesising, placing and routing", 4, "runs") as progress,
     ):
-        # What takes longest first.
+        # The run that takes longest starts first.
         routed = pool.submit(route, verilog, top, scene.clock_mhz)
         jobs = {family: pool.submit(synthesise, verilog, top, family) for family in FAMILIES}
         flat = pool.submit(synthesise_flat, verilog, top)

@@ -1,9 +1,9 @@
-"""Registers into the multipliers and the memories of an ECP5.
+"""Moves registers into the multipliers and the memories of an ECP5.
 
-A MULT18X18D has registers on its operands and on its product, a DP16KD behind each of its two
-ports. Vendors' tools move the registers around them into them; Yosys leaves them outside, where
-their wires take longer than the multiplication, and where a word leaves its memory 5.7 ns after
-the clock instead of 0.6.
+A MULT18X18D has registers on its operands and on its product, and a DP16KD has one behind each of
+its two ports. The vendors' tools move the registers around such a cell into it. Yosys leaves them
+outside: then the wires to them take longer than the multiplication, and a word leaves its memory
+5.7 ns after the clock instead of 0.6 ns.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ Cell = dict[str, Any]
 
 
 def plain(cell: Cell) -> bool:
-    """Whether a register has neither enable nor reset, which all bits of a word share."""
+    """Whether a register has no enable and no reset, which all bits of a word would share."""
     enable, reset = cell["connections"].get("CE", ["1"]), cell["connections"].get("LSR", ["0"])
     always = cell["parameters"].get("CEMUX", "1").strip() == "1" or enable == ["1"]
     clocked: bool = cell["parameters"].get("CLKMUX", "CLK") == "CLK"
@@ -29,16 +29,17 @@ def plain(cell: Cell) -> bool:
 
 
 def absorb(cells: dict[str, Cell], outputs: set[Any]) -> int:
-    """Move registers into the multipliers and memories of a flat netlist; how often.
+    """Move registers into the multipliers and memories of a flat netlist, and count the moves.
 
     ``outputs`` are the bits of the output ports.
 
-    The operands are moved when each of their bits is a constant or a plain register of one clock,
-    both or none, because nextpnr knows no delays of a multiplier with a register on one operand
-    alone; a product, or the word at a memory's port, when every bit that is used enters one plain
-    register of one clock and nothing else. An operand's register that something else reads stays
-    where it is beside that in the multiplier. A word of a memory whose register is enabled
-    otherwise than always, or reset, stays outside.
+    The registers of operands are moved when each bit of both operands is a constant or a plain
+    register of one clock. Either both operands move or none does, because nextpnr knows no delays
+    of a multiplier with a register on one operand alone. The registers of a product, or of the word
+    at a memory's port, are moved when every bit that is used enters one plain register of one clock
+    and nothing else. An operand's register that something else reads, too, stays where it is,
+    beside the one in the multiplier. The register of a memory's word stays outside if it has an
+    enable or a reset.
     """
     registers = {c["connections"]["Q"][0]: c for c in cells.values() if c["type"] == REGISTER}
     moved = 0
@@ -59,7 +60,7 @@ def absorb(cells: dict[str, Cell], outputs: set[Any]) -> int:
 
 
 def _readers(cells: dict[str, Cell]) -> dict[Any, list[tuple[str, str]]]:
-    """By bit the cells and ports that read it."""
+    """For each bit, the cells and ports that read it."""
     found: dict[Any, list[tuple[str, str]]] = defaultdict(list)
     for name, cell in cells.items():
         for port, bits in cell["connections"].items():
@@ -91,7 +92,7 @@ def _behind(
     outputs: set[Any],
     take: Callable[[Cell, set[Any]], bool],
 ) -> bool:
-    """Move the registers behind some ports into a cell if it can ``take`` their clock."""
+    """Move the registers behind some ports into a cell, if the cell can ``take`` their clock."""
     wires, readers = cell["connections"], _readers(cells)
     bits = {port: wires[port][0] for port in ports if wires.get(port)}
     used = {port: readers[bit] for port, bit in bits.items() if bit in readers}
@@ -116,7 +117,7 @@ def _product_clock(cell: Cell, clocks: set[Any]) -> bool:
 
 
 def _word_clock(cell: Cell, clocks: set[Any], side: str) -> bool:
-    """Put the register behind a port of a memory to use, if clock and enables allow it."""
+    """Use the register behind a port of a memory, if its clock and enables allow it."""
     wires, parameters = cell["connections"], cell["parameters"]
     alike = wires[f"CLK{side}"] == [*clocks] and parameters[f"CLK{side}MUX"] == f"CLK{side}"
     always = wires[f"OCE{side}"] == ["1"] and wires[f"RST{side}"] == ["0"]
@@ -127,7 +128,7 @@ def _word_clock(cell: Cell, clocks: set[Any], side: str) -> bool:
 
 
 def _clock(cell: Cell, clocks: set[Any], *names: str) -> bool:
-    """Give a multiplier's registers the clock, unless it has another."""
+    """Give a multiplier's registers the clock, unless they have another one."""
     wires, parameters = cell["connections"], cell["parameters"]
     if len(clocks | set(wires.get("CLK0", clocks))) != 1:
         return False

@@ -1,4 +1,4 @@
-"""``python -m hdl.synth.activations``: what each activation costs, with no segment left out."""
+"""``python -m hdl.synth.activations``: show what each activation costs, with every segment."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from hdl.synth.netlist import KINDS
 
 
 def cells(spec: Block, family: str) -> dict[str, int]:
-    """Cells of a block, with its parts, after ``synth_xilinx``.
+    """The cells of a block and its parts after ``synth_xilinx``.
 
     Raises
     ------

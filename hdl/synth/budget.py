@@ -1,4 +1,4 @@
-"""Recorded cells of a scene's entities, and what differs from them."""
+"""The budget: the recorded cells of a scene's entities. New counts are compared with it."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from hdl.synth.cells import DEPTH
 from hdl.synth.netlist import KINDS
 
 COLUMNS = ["family", "entity", *KINDS, DEPTH]
-# By family, then by entity.
+# Counts by family, by entity, and by the kind of cell.
 Cells = dict[str, dict[str, dict[str, int]]]
 
 
 def by_block(design: Network, cells: Cells, family: str) -> list[tuple[str, int, dict[str, int]]]:
-    """The entity with the most LUTs of each block, how many entities there are, and its cells."""
+    """For each block: the entity with the most LUTs, the number of entities, and its cells."""
     found: dict[str, list[str]] = {}
     for part in walk(design):
         found.setdefault(part.block, []).append(part.entity)
@@ -35,7 +35,7 @@ def budget_path(scene: Path) -> Path:
 
 
 def write_budget(path: Path, found: Cells) -> None:
-    """Record what was found."""
+    """Record the cells that were found."""
     with (
         replace_file(path) as temporary,
         temporary.open("w", newline="", encoding="utf-8") as handle,
@@ -56,7 +56,7 @@ def read_budget(path: Path) -> Cells:
     MissingFileError
         When nothing was recorded.
     InputError
-        For other columns, or a cell that is no number; the message names file and line.
+        For other columns, or a field that is no number; the message names file and line.
     """
     check_file(path)
     with reading(path, "CSV"), path.open(newline="", encoding="utf-8") as handle:
@@ -80,7 +80,7 @@ def read_budget(path: Path) -> Cells:
 
 
 def differences(found: Cells, recorded: Cells) -> list[str]:
-    """Every entity that costs something else than recorded, less included."""
+    """A line for each figure that is not the recorded one; a lower one counts, too."""
     lines = []
     for family, entities in found.items():
         before = recorded.get(family, {})

@@ -1,4 +1,4 @@
-"""Cells of every block of a design after ``synth_xilinx``."""
+"""Counts the cells of every block of a design after ``synth_xilinx``."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from golden.input_error import InputError
 from hdl.synth.netlist import LATCHES, count, depth, total
 from hdl.synth.tools import run_tool, stored
 
-# Yosys' name of the family, and what it is.
+# The families by Yosys' names, and what they are.
 FAMILIES = {"xc2v": "Virtex-II, LUT of 4 inputs", "xc7": "Series 7, LUT of 6 inputs"}
 DEPTH = "depth"
 # The family in which a design is also synthesised as one piece.
 FLAT_FAMILY = "xc2v"
 FLAT = "flattened"
-# Hierarchy is kept, so that the parts add up.
+# The hierarchy is kept, so that the cells of the parts add up.
 XILINX = "synth_xilinx -family {family} -noiopad -noclkbuf -top {top}"
-# Yosys 0.70 may leave copies of a sign in the register of a product or of a sum. Of Series 7,
+# Yosys 0.70 may leave copies of a sign in the register of a product or of a sum. For Series 7,
 # xilinx_dsp moves such a register into the multiplier, and the copies are left without a driver.
-# So registers are narrowed before, and what has no driver behind it is an error; that is asked of a
-# copy, without the bits of registers that nothing reads.
+# So registers are narrowed before that. After it, a wire without a driver is an error; this is
+# checked on a copy of the netlist, without the bits of registers that nothing reads.
 NARROW = "wreduce t:$dff"
 DRIVEN = "design -push-copy; simplemap t:$dff; opt_clean; check -assert; design -pop"
 MENDED = "; ".join(
@@ -38,30 +38,30 @@ SYNTHESISE = {"xc2v": XILINX, "xc7": MENDED}
 
 
 def flat_name(entity: str) -> str:
-    """What an entity in one piece is called among the others."""
+    """The name that an entity has among the others when it is synthesised as one piece."""
     return f"{entity} {FLAT}"
 
 
 def synthesise(verilog: Path, top: str, family: str) -> dict[str, dict[str, int]]:
-    """Cells and logic depth of each entity, parts included, of a folder of Verilog.
+    """The cells and the logic depth of each entity in a folder of Verilog, parts included.
 
     Returns
     -------
     dict
-        By entity: the kinds of ``netlist.KINDS``, and ``depth``, the LUTs and multipliers on the
-        longest path between registers.
+        By entity: the count of each kind of ``netlist.KINDS``, and ``depth``, which is the number
+        of LUTs and multipliers on the longest path between registers.
 
     Raises
     ------
     InputError
-        When Yosys fails, or for a latch; the message names the entity.
+        When Yosys fails, or when there is a latch; the message names the entity.
     """
     found: dict[str, dict[str, int]] = _mapped(verilog, top, family)["cells"]
     return found
 
 
 def netlists(verilog: Path, top: str, family: str) -> dict[str, str]:
-    """The netlist that ``synthesise`` counts: by entity, a module of cells in Verilog.
+    """The netlists whose cells ``synthesise`` counts: for each entity a module in Verilog.
 
     Raises
     ------
@@ -81,10 +81,10 @@ def _mapped(verilog: Path, top: str, family: str) -> dict[str, Any]:
 
 
 def synthesise_flat(verilog: Path, top: str) -> dict[str, int]:
-    """Cells and logic depth of a design in one piece, without wide multiplexers.
+    """The cells and the logic depth of a design in one piece, without wide multiplexers.
 
-    Wide multiplexers are cells of their own beside the LUTs; without them everything is LUTs, which
-    are fewer in all.
+    Wide multiplexers are cells of their own beside the LUTs. Without them all logic is in LUTs, and
+    there are fewer of these in all.
     """
 
     def work(folder: Path) -> dict[str, Any]:
@@ -140,7 +140,7 @@ def _synthesise(folder: Path, top: str, family: str) -> dict[str, dict[str, int]
 
 
 def _verilog(folder: Path, modules: list[str]) -> dict[str, str]:
-    """Each module of what is mapped as it is simulated, without the modules below it."""
+    """Each mapped module as Verilog for simulation, without the modules below it."""
     script = "; ".join(
         f"select -clear; select {name}; write_verilog -noattr -selected {name}.cells"
         for name in modules

@@ -1,8 +1,8 @@
-"""``python -m hdl.synth.lean SCENE``: what a scene leaves out, and what that saves.
+"""``python -m hdl.synth.lean SCENE``: show what a scene leaves out, and what that saves.
 
 The scene is built twice: whole, with every segment of every activation and every hidden node, and
-as it is. Those of ``--beside`` are built as they are, to compare with. ``--record`` keeps the cells
-of both beside the scene, for docs/left-out.md.
+as it is. The scenes of ``--beside`` are built as they are, for comparison. ``--record`` keeps the
+cells of both builds beside the scene, for docs/left-out.md.
 """
 
 from __future__ import annotations
@@ -28,15 +28,15 @@ FAMILY = "xc2v"
 
 @dataclass(frozen=True)
 class Lean:
-    """Cells of a scene whole and as it is, as ``--record`` found them.
+    """The cells of a scene, whole and as it is, as ``--record`` found them.
 
     Attributes
     ----------
     verilog : str
-        The digest of the scene's Verilog as ``make synth`` recorded it; of another the record is
-        stale.
+        The digest of the scene's Verilog as ``make synth`` recorded it. The record is stale when
+        that is another one.
     whole, lean : dict
-        By kind of cell, in FAMILY.
+        Counts in FAMILY, by the kind of cell.
     """
 
     verilog: str
@@ -50,7 +50,7 @@ def lean_path(scene: Path) -> Path:
 
 
 def read_lean(path: Path) -> Lean:
-    """What was recorded.
+    """The recorded cells.
 
     Raises
     ------
@@ -63,7 +63,7 @@ def read_lean(path: Path) -> Lean:
 
 
 def is_stale(scene: Scene) -> bool:
-    """Whether the record of a scene is of other hardware than ``make synth`` recorded last."""
+    """Whether the record of a scene is of other hardware than ``make synth`` has recorded last."""
     found = read_lean(lean_path(scene.path))
     return (found.verilog, found.lean) != _synthesised(scene)
 

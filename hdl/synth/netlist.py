@@ -1,4 +1,4 @@
-"""What stands in a netlist that Yosys has written as JSON."""
+"""Counts cells and levels of logic in a netlist that Yosys has written as JSON."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from graphlib import TopologicalSorter
 from typing import Any
 
-# What is counted, by the beginnings of Yosys' cell names. A shift register sits in a LUT; an
-# inverter is usually absorbed by what is behind it and stands by itself.
+# The kinds that are counted, by the beginnings of Yosys' names of cells. A shift register sits in a
+# LUT. An inverter is a kind of its own, because the logic behind it usually absorbs it.
 KINDS = {
     "LUT": ("LUT", "SRL"),
     "inverter": ("INV",),
@@ -18,14 +18,15 @@ KINDS = {
     "block RAM": ("RAMB",),
 }
 LATCHES = ("LD", "$_DLATCH", "$dlatch")
-# One level each on a path; carries and wide multiplexers run on wires of their own.
+# Each of these is one level on a path. Carries and wide multiplexers have wires of their own and
+# count as none.
 LEVELS = ("LUT", "MULT", "DSP")
-# Cells with a clock, where a path ends.
+# Cells with a clock, at which a path ends.
 CLOCKED = ("FD", "SRL", "RAMB", "LD")
 
 
 def total(modules: dict[str, Any], name: str) -> Counter[str]:
-    """Cells of a module by type, with those of its parts."""
+    """The cells of a module and of its parts, by type."""
     found: Counter[str] = Counter()
     for kind, count in modules[name].items():
         if kind in modules:
@@ -37,7 +38,7 @@ def total(modules: dict[str, Any], name: str) -> Counter[str]:
 
 
 def count(cells: Counter[str]) -> dict[str, int]:
-    """The kinds of ``KINDS`` among cells by type."""
+    """The number of cells of each kind of ``KINDS``, from the number of each type."""
     return {
         kind: sum(n for cell, n in cells.items() if cell.startswith(names))
         for kind, names in KINDS.items()
@@ -45,7 +46,7 @@ def count(cells: Counter[str]) -> dict[str, int]:
 
 
 def clocked(cell: dict[str, Any]) -> bool:
-    """Whether a path ends in a cell: a multiplier of Series 7 may have registers inside."""
+    """Whether a path ends at a cell; a multiplier of Series 7 may have registers inside."""
     if cell["type"].startswith(CLOCKED):
         return True
     return any(
@@ -56,7 +57,9 @@ def clocked(cell: dict[str, Any]) -> bool:
 
 
 def depth(module: dict[str, Any]) -> int:
-    """LUTs and multipliers on the longest path between registers or ports of a flat module.
+    """How many LUTs and multipliers are on the longest path of a flat module.
+
+    Paths run between registers or ports.
 
     Raises
     ------

@@ -1,8 +1,8 @@
-"""What nextpnr has placed and routed on an ECP5, as cells that can be simulated.
+"""Turns the netlist that nextpnr has placed and routed on an ECP5 into cells that can be simulated.
 
-nextpnr writes what it has made of the netlist: pads around it, carry chains in pairs, operands that
-come straight from a wire, constants as the state of a pin that nothing drives, and a memory of LUTs
-as four of them behind one cell that hands on what is written.
+nextpnr changes the netlist: it puts pads around it, pairs the cells of carry chains, connects some
+operands directly to a wire, writes constants as the state of a pin that nothing drives, and makes
+a memory of four LUTs and one cell that passes on what is written.
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ from typing import Any
 from golden.input_error import InputError
 
 Cell = dict[str, Any]
-# A pin of a block that nothing drives is high, and low where it is inverted.
+# A block's pin that nothing drives is high, or low where it is inverted.
 IDLE = {None: "1", "INV": "0", "0": "0", "1": "1"}
 BLOCKS = ("DP16KD", "MULT18X18D")
-# A memory of LUTs is written through a cell beside them: by its outputs, its inputs. The two LUTs
-# whose place it takes are cells without wires.
+# A memory of LUTs is written through a cell beside them. These are the inputs of that cell, by its
+# outputs. It takes the place of two LUTs, which are cells without wires.
 WRITE_PINS = {
     "WADO0": "D0",
     "WADO1": "B0",
@@ -28,8 +28,8 @@ WRITE_PINS = {
     "WDO3": "B1",
 }
 WRITER, WRITER_PLACE = "TRELLIS_RAMW", "RAMW_BLOCK"
-# The inputs of such a LUT in the order of its address, least first; what it holds is ordered as in
-# any LUT, A first.
+# The inputs of such a LUT in the order of its address, the least significant first. Its contents
+# are ordered as in any LUT, where A comes first.
 READ_PINS = "DBCA"
 
 
@@ -39,7 +39,7 @@ def simulated(netlist: dict[str, Any], top: str) -> dict[str, Any]:
     Raises
     ------
     InputError
-        For a kind of cell that is not known here.
+        For a kind of cell that this module does not know.
     """
     (module,) = netlist["modules"].values()
     cells: dict[str, Cell] = module["cells"]
@@ -51,7 +51,7 @@ def simulated(netlist: dict[str, Any], top: str) -> dict[str, Any]:
             renamed[_pin(cell, "CLKO")] = _pin(cell, "CLKI")
         elif cell["type"] == WRITER:
             for to, of in WRITE_PINS.items():
-                # What Yosys gives no value is stored as unknown.
+                # A bit to which Yosys gives no value is stored as unknown.
                 bit = _pin(cell, of)
                 renamed[_pin(cell, to)] = "x" if bit is None else bit
         elif cell["parameters"].get("MODE") == WRITER_PLACE:
@@ -88,7 +88,7 @@ def _pad(cell: Cell, renamed: dict[Any, Any]) -> None:
 
 
 def _drive(name: str, cell: Cell) -> None:
-    """Constants at the pins that nothing drives; parameters that the cell's model has."""
+    """Put constants on pins that nothing drives, and keep the parameters of the cell's model."""
     kind, wires, parameters = cell["type"], cell["connections"], cell["parameters"]
     if kind == "TRELLIS_FF":
         if parameters.pop("SD").strip() == "0":
@@ -119,7 +119,7 @@ def _drive(name: str, cell: Cell) -> None:
 
 
 def _memory(name: str, parameters: dict[str, str]) -> None:
-    """What a memory of one LUT holds, by its address, as Yosys' model has it."""
+    """Order the contents of a memory of one LUT by its address, as in Yosys' model."""
     for key, plain in (("WREMUX", "WRE"), ("WCKMUX", "WCK")):
         if parameters.get(key, plain) != plain:
             raise InputError(f"{name}: {key}: got {parameters[key]}, expected {plain}")

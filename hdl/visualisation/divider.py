@@ -1,4 +1,4 @@
-"""Divider: the distance from the load in units of its half width."""
+"""Divider: gives the distance from the load in units of the load's half width."""
 
 from myhdl import always, always_comb, always_seq, block, concat
 
@@ -16,11 +16,11 @@ def divider(clk, rst, in_valid, in_distance, in_width, out_valid, out_data, *, s
     Parameters
     ----------
     in_valid : bool
-        One pair every ``spec.interval`` clocks at most; one that comes early takes the place of the
-        one before, which then has no result.
+        At most one pair comes every ``spec.interval`` clocks. A pair that comes earlier takes the
+        place of the one before it, which then has no result.
     in_distance, in_width : unsigned ``spec.distance_width`` and ``spec.width_width`` bits
     out_valid, out_data : bool, unsigned ``spec.out_width`` bits
-        A quotient stays until ``out_width`` clocks before the next.
+        A quotient stays until ``out_width`` clocks before the next one.
     spec : Divider
         The gain; the twin states rounding and saturation.
 
@@ -31,7 +31,7 @@ def divider(clk, rst, in_valid, in_distance, in_width, out_valid, out_data, *, s
     """
     width_bits, out_bits = spec.width_width, spec.out_width
     shift = spec.out_frac - spec.gain_frac
-    # One bit of the head at least, also where the numerator is shorter than the quotient.
+    # The head has at least one bit, even where the numerator is shorter than the quotient.
     all_bits = max(spec.numerator_width + shift, out_bits + 1)
     sign = width_bits + 1
     product = unsigned(spec.numerator_width)
@@ -41,7 +41,8 @@ def divider(clk, rst, in_valid, in_distance, in_width, out_valid, out_data, *, s
     rest = unsigned(out_bits)
     load, beyond, beyond_held, fits = flag(), flag(), flag(), flag()
     remaining = unsigned(out_bits.bit_length())
-    # The numerator's lower bits leave to the left, the quotient's come in from the right.
+    # The lower bits of the numerator leave to the left, and those of the quotient come in from the
+    # right.
     digits = unsigned(out_bits)
     top = flag()
     remainder = unsigned(width_bits)

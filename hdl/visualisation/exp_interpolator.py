@@ -1,4 +1,4 @@
-"""exp_interpolator: exp(-x) between two words of the memory."""
+"""exp_interpolator: computes exp(-x) between two words of the memory."""
 
 from myhdl import always, always_comb, block
 
@@ -19,7 +19,7 @@ def exp_interpolator(
     in_word : unsigned ``spec.word_width`` bits
         exp(-x) in the middle of the interval.
     in_offset : unsigned ``spec.offset_width`` bits
-        x above the interval's lower end.
+        The part of x above the lower end of the interval.
     out_valid, out_data : bool, unsigned ``spec.word_width`` bits
     spec : ExpInterpolator
         The twin states rounding and error.
@@ -31,7 +31,8 @@ def exp_interpolator(
     frac, word_width = spec.frac, spec.word_width
     factor_width = spec.factor_width
     ones = (1 << spec.offset_width) - 1
-    # 1 + half - offset, where half is that of the interval and -offset is flipped - ones.
+    # The factor is 1 + half - offset, where half is half the interval, and -offset is the same as
+    # flipped - ones.
     base = (1 << frac) + (1 << (spec.offset_width - 1)) - ones
     flipped, factor = unsigned(factor_width), unsigned(factor_width)
     word = unsigned(word_width)

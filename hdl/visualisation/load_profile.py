@@ -1,4 +1,4 @@
-"""load_profile: the load along the beam, position by position."""
+"""load_profile: draws the load along the beam, position by position."""
 
 from myhdl import always, always_comb, always_seq, block
 
@@ -17,7 +17,7 @@ from hdl.visualisation.ramp import ramp
 
 @block
 def results(clk, enable, in_words, out_words):
-    """The four results of a frame, taken over together."""
+    """The four results of a frame, which are all taken in a clock with ``enable``."""
     load, position, width, shape = in_words
     load_held, position_held, width_held, shape_held = out_words
 
@@ -82,10 +82,10 @@ def load_profile(
     Parameters
     ----------
     in_valid : bool
-        The results of a frame are there, for this clock.
+        The results of a frame are there, in this clock alone.
     in_load, in_position, in_width, in_shape : signed ``spec.fmt``
     out_valid, out_x, out_y, out_last : bool, signed ``spec.fmt`` twice, bool
-        A point, which stays until the next; ``out_last`` with the last of the ramp.
+        A point, which stays until the next one; ``out_last`` comes with the last of the ramp.
     spec : LoadProfile
         The twin states rounding and error.
 
@@ -138,7 +138,7 @@ def load_profile(
             busy.next = False
         again.next = point_valid and not point_last
 
-    # A width of 0 is the narrowest load to the divider; so is one below.
+    # For the divider a width of 0 is the narrowest load. A width below 0 counts as 0.
     @always_comb
     def clip():
         if width[magnitude_width]:

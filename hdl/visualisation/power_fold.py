@@ -1,4 +1,4 @@
-"""Power folding: a number to the power P on one multiplier."""
+"""Power folding: raises a number to the power P with one multiplier."""
 
 from myhdl import always, always_comb, always_seq, block
 
@@ -16,10 +16,10 @@ def power_fold(clk, rst, in_valid, in_data, in_power, out_valid, out_data, *, sp
     Parameters
     ----------
     in_valid : bool
-        One pair every ``spec.interval`` clocks at most; one that comes early takes the place of the
-        one before, which then has no result.
+        At most one pair comes every ``spec.interval`` clocks. A pair that comes earlier takes the
+        place of the one before it, which then has no result.
     in_data, in_power : unsigned ``spec.in_width`` and ``spec.power_width`` bits
-        t and P, which is 1 to ``spec.max_power``.
+        t and P; P is from 1 to ``spec.max_power``.
     out_valid, out_data : bool, unsigned ``spec.out_width`` bits
         A power stays until the clock in which the next pair comes.
     spec : PowerFold
@@ -36,7 +36,8 @@ def power_fold(clk, rst, in_valid, in_data, in_power, out_valid, out_data, *, sp
     product = unsigned(spec.product_width)
     wide_data, wide_product = signed(spec.in_width + 1), signed(spec.product_width + 1)
     remaining = unsigned(clocks.bit_length())
-    # Uses of the multiplier to come; with P below the largest, the last ones are left out.
+    # How many more times the multiplier is used. Where P is below the largest power, the last uses
+    # are left out.
     uses = unsigned(spec.power_width)
     rounded = flag()
 

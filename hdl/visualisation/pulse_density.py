@@ -1,4 +1,4 @@
-"""pulse_density: codes become a bit whose density is the code."""
+"""pulse_density: turns codes into a bit whose density of ones follows the code."""
 
 from myhdl import always_comb, always_seq, block
 
@@ -13,9 +13,10 @@ def pulse_density(clk, rst, in_data, out_bit, *, spec: PulseDensity):
     Parameters
     ----------
     in_data : signed ``spec.fmt``
-        The code, in every clock.
+        The code; there is one in every clock.
     out_bit : bool
-        From a register; its density is the code's place between the ends of the format.
+        It comes from a register. Its density of ones is the place of the code between the ends of
+        the format.
     spec : PulseDensity
 
     Notes
@@ -23,7 +24,7 @@ def pulse_density(clk, rst, in_data, out_bit, *, spec: PulseDensity):
     Latency 1 clock. Reset forgets what was not given yet.
     """
     width, sign = spec.fmt.width, spec.fmt.width - 1
-    # From 0 on.
+    # The code, counted from the lower end of the format.
     asked = unsigned(width)
     remainder = unsigned(width)
     total = unsigned(width + 1)

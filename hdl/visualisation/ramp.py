@@ -14,9 +14,9 @@ def ramp(clk, rst, in_valid, out_valid, out_data, out_last, *, spec: Ramp):
     Parameters
     ----------
     in_valid : bool
-        Asks for a position.
+        It asks for a position.
     out_valid, out_data, out_last : bool, signed ``spec.fmt``, bool
-        The position and whether it is the last; both stay until the next.
+        The position, and whether it is the last one; both stay until the next position.
     spec : Ramp
         The twin states rounding.
 

@@ -35,9 +35,9 @@ def properties(twin):
     return [
         Property(
             name="frame_error",
-            sentence=f"frame_error is high for just one clock for each frame that has not "
-            f"{twin.inputs} samples or begins while another is computed, one clock after the "
-            "sample that gives it away.",
+            sentence=f"frame_error is high for exactly one clock for each frame that does not have "
+            f"{twin.inputs} samples or that begins while another is computed. It comes one clock "
+            "after the sample that shows this.",
             states=("frame_error == wrong_ago[0]",),
             watch=watch + ago("wrong_ago", "wrong", 1),
             reached=("frame_error", "skipping && in_valid"),
@@ -63,9 +63,9 @@ def properties(twin):
         ),
         Property(
             name="operands in order",
-            sentence="Each sample that is taken goes to the operand memory one clock later, the "
-            f"first of a frame to address 0, and results behind the samples: but for {top}, where "
-            "nothing is kept, no address is written twice for a frame.",
+            sentence="Each sample that is taken is written to the operand memory one clock later. "
+            "The first sample of a frame goes to address 0, and results go behind the samples. No "
+            f"address is written twice for a frame, except {top}, where nothing is kept.",
             states=(
                 "write == wrote_ago[0]",
                 f"!write || write_addr == expected || (broke_ago[0] && write_addr == {top})",

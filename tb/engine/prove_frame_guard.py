@@ -59,9 +59,10 @@ def properties(twin):
     return [
         Property(
             name="frame_error",
-            sentence="frame_error is high for just one clock for each frame that is not of the "
-            "length that the image names, begins while another is computed, or has a clock with "
-            "halt from its first sample to its last: one clock after what breaks it.",
+            sentence="frame_error is high for exactly one clock for each frame that does not have "
+            "the length that the image names, that begins while another is computed, or that has a "
+            "clock with halt from its first sample to its last. It comes one clock after what "
+            "breaks the frame.",
             states=("frame_error == wrong_ago[0]",),
             watch=watch + ago("wrong_ago", "is_wrong", 1),
             reached=("frame_error", "spoiled && in_valid", "inside && halt && !spoiled"),
@@ -76,7 +77,7 @@ def properties(twin):
         Property(
             name="good frames only",
             sentence="The program starts with the last sample of a good frame, in a clock without "
-            "halt, and in no other; it runs until the last output leaves or a reset comes.",
+            "halt, and in no other clock. It runs until the last output leaves or a reset comes.",
             states=("start == is_good", "run == computing", "busy == run", "!(start && halt)"),
             watch=watch,
             reached=("start", "run && in_valid"),
@@ -90,8 +91,9 @@ def properties(twin):
         ),
         Property(
             name="operands in order",
-            sentence="Each sample that is taken, and each result, goes to the operand memory one "
-            "clock later, the first of a frame to address 0, each other behind the one before.",
+            sentence="Each sample that is taken, and each result, is written to the operand memory "
+            "one clock later. The first of a frame goes to address 0, and each other goes behind "
+            "the one before.",
             states=(
                 "write == wrote_ago[0]",
                 f"!write || write_addr == expected || (broke_ago[0] && write_addr == {top})",

@@ -67,14 +67,19 @@ def properties(twin):
         "held == before[27:0]",
         f"count == 0 || !room || count > words + 1 || samples == header[{17 + samples}:18]",
     )
-    # Both may be anything, but the same.
-    same = {"Before the first byte something is held.": "after_reset || held == before[27:0]"}
+    # Both may be anything, but must be the same.
+    same = {
+        "Before the first byte, the register of bytes and its copy in the proof are equal.": (
+            "after_reset || held == before[27:0]"
+        )
+    }
     return [
         Property(
             name="good images only",
             sentence="halt ends with the last byte of an image that names no more words than the "
-            "memory has, has all of them, no byte more, and the right check, and begins with the "
-            "first byte of the next; no other image ends it, and image_error says so.",
+            "memory has, that has all of them and no byte more, and whose check is right. It "
+            "begins with the first byte of the next image. No other image ends it, and image_error "
+            "says so.",
             states=("halt == (byte_taken || !image_is_good)", "image_error == image_failed"),
             watch=watch,
             helps=helps,
@@ -92,8 +97,8 @@ def properties(twin):
         Property(
             name="words in order",
             sentence="Each word that the header names is written once, with its last byte, from "
-            "the last address to address 0, unless it names more than the memory has; nothing else "
-            "is, and nothing while busy.",
+            "the last address to address 0, unless the header names more words than the memory "
+            "has. Nothing else is written, and nothing is written while busy is high.",
             states=(
                 f"write == (byte_taken && inside && part == {last_part})",
                 f"!write || write_addr == ((words - count) & {(1 << addr) - 1})",
@@ -115,8 +120,8 @@ def properties(twin):
         ),
         Property(
             name="length stays",
-            sentence="The samples of a frame are those of the header when an image is found good, "
-            "and change in no clock without halt.",
+            sentence="The number of samples of a frame is that of the header when an image is "
+            "found good, and it changes only in clocks with halt.",
             states=(f"!ends_good || before_last == header[{17 + samples}:18]", "steady"),
             watch=watch
             + f"""

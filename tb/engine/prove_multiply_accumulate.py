@@ -17,8 +17,9 @@ def properties(twin):
     return [
         Property(
             name="products",
-            sentence="Each product is that of the operand and the coefficient three clocks before: "
-            "of the program's weight or the half of the table's word that take_intercept names.",
+            sentence="Each product is that of the operand and the coefficient three clocks before. "
+            "The coefficient is the program's weight or the half of the table's word that "
+            "take_intercept names.",
             states=(
                 "!there[1] || ($signed(factor_late) == taken_1 && $signed(coeff_late) == code_1)",
                 "!there[2] || $signed(product) == expected",
@@ -46,7 +47,7 @@ def properties(twin):
         Property(
             name="no overflow",
             sentence=f"The sum loses no bit as long as its {twin.acc_width} bits can hold it, "
-            f"whatever it is of; sums of up to {most} products always can.",
+            f"whatever its products are. They can hold every sum of up to {most} products.",
             states=(
                 "!begun || !fits || $signed(acc) == exact",
                 f"!begun || count > {most} || fits",
@@ -57,7 +58,7 @@ def properties(twin):
                 value=f"(opening_output ? 64'sd{half_output} : opening ? 64'sd{half} : exact)"
                 " + $signed(product)",
             ),
-            assumes={f"A product of two codes is {least} to {largest}.": in_range},
+            assumes={f"A product of two codes lies between {least} and {largest}.": in_range},
             helps=(
                 "!begun || acc == exact[" + f"{twin.acc_width - 1}:0]",
                 "!begun || count != 0",

@@ -9,9 +9,9 @@ def properties(twin):
     return [
         Property(
             name="what was written",
-            sentence=f"What is read at each of {1 << width} addresses, {late} clock"
-            f"{'s' * (late > 1)} later, is the word that was written there last, in a clock before "
-            "the address.",
+            sentence=f"The word that is read at each of {1 << width} addresses, {late} clock"
+            f"{'s' * (late > 1)} later, is the one that was written there last, in a clock before "
+            "that of the address.",
             states=(f"!there[{late - 1}] || !met_{late - 1} || word == kept_{late - 1}",),
             watch=f"""
                 // Any one address, and the word that was written there last.

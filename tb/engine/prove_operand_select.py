@@ -12,9 +12,9 @@ def properties(twin):
     return [
         Property(
             name="operand",
-            sentence="The operand is the word, the number one with its sign, its distance from the "
-            f"middle of a segment of {span} codes, or the number one, as its kind says; {late} "
-            "clocks later.",
+            sentence=f"The operand comes {late} clocks later and is what its kind says: the word, "
+            "the number one with the word's sign, the word's distance from the middle of a segment "
+            f"of {span} codes, or the number one.",
             states=(f"!there[{late - 1}] || $signed(operand) == expected_{late - 1}",),
             watch=f"""
                 wire signed [31:0] whole = $signed(word);

@@ -12,11 +12,13 @@ def properties(twin):
     return [
         Property(
             name="what is added",
-            sentence="Of each kind of operand the bit in the plane says whether a coefficient "
-            "counts, the program's or the table's, and, where one does, its plane and sign whether "
-            "it is subtracted; one clock later.",
+            sentence="For each kind of operand, the bit in the plane says whether a coefficient "
+            "counts, the program's or the table's. Where one counts, plane and sign say whether it "
+            "is subtracted. Both are told one clock later.",
             states=tuple(f"!after_reset || ({text})" for text in states),
-            assumes={"plane is one bit.": "plane != 0 && (plane & (plane - 19'd1)) == 0"},
+            assumes={
+                "Exactly one bit of plane is set.": "plane != 0 && (plane & (plane - 19'd1)) == 0"
+            },
             watch=f"""
                 wire [31:0] number = {{14'b0, word}}, planes = {{13'b0, plane}};
                 wire is_word = kind == {Kind.WORD:d}, is_one = kind == {Kind.ONE:d};

@@ -12,9 +12,9 @@ def properties(twin):
         counted(twin, words),
         Property(
             name="words",
-            sentence=f"Each of the {words} addresses gives the twin's word: the counter's {late} "
-            f"clock{'s' * (late > 1)} later, the segment's {looked} clock{'s' * (looked > 1)} "
-            "later, or 0 where none is looked up.",
+            sentence=f"Each of the {words} addresses gives the twin's word. The counter's word "
+            f"comes {late} clock{'s' * (late > 1)} later. The segment's word comes {looked} "
+            f"clock{'s' * (looked > 1)} later, or 0 where none is looked up.",
             states=(
                 f"!there[{late - 1}] || word == contents(here_{late - 1})",
                 f"!there[{looked - 1}] || table_word == "
@@ -49,7 +49,8 @@ def counted(twin, words):
     return Property(
         name="counter",
         sentence=f"The counter stands at {twin.begin}, the program's first word, after a reset, "
-        "after finish and without start or run, and steps to the next word otherwise.",
+        "after finish, and after a clock with neither start nor run. Otherwise it steps to the "
+        "next word.",
         states=("counter == expected",),
         watch=f"""
             reg [31:0] expected;

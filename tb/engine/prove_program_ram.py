@@ -1,6 +1,6 @@
 """What is proved of program_ram, whatever steers it.
 
-What its words hold is left to the bench: of so large a memory z3 has not answered in minutes.
+The contents of its words are left to the bench: for so large a memory z3 gave no answer in minutes.
 """
 
 from tb.engine.prove_program_memory import counted

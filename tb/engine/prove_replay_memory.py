@@ -15,10 +15,10 @@ def properties(twin):
         Property(
             name="passes",
             sentence=f"Whatever the words are, each pass ends with the word that says so for its "
-            f"plane, that of plane {CLEAR} with its first. The next one begins with the neuron's "
-            "first word, that behind plane 0 with the next neuron's, which stands behind the last "
-            f"word of plane {ONE_PLANE}. A reset, finish, and no run lead back to the program's "
-            "first word.",
+            f"plane; the pass of plane {CLEAR} ends with its first word. The next pass begins with "
+            "the neuron's first word. The pass behind plane 0 begins with the first word of the "
+            f"next neuron, which stands behind the last word of plane {ONE_PLANE}. A reset, finish "
+            "and a clock without run lead back to the program's first word.",
             states=(
                 "place == 1 << number",
                 "!known || first == begins",
@@ -74,8 +74,8 @@ def properties(twin):
         ),
         Property(
             name="words",
-            sentence=f"Each of the {words} addresses gives the twin's word, one clock later, to "
-            "the program and, where it is looked up, to the table; 0 otherwise.",
+            sentence=f"Each of the {words} addresses gives the twin's word one clock later, as "
+            "word and, where it is looked up, as table_word, which is 0 otherwise.",
             states=(
                 "!there[0] || word == contents(here_0)",
                 f"!there[0] || table_word == (asked_0 ? contents(below_0) % {1 << WIDTH} : 0)",

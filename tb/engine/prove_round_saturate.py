@@ -10,9 +10,9 @@ def properties(twin):
     return [
         Property(
             name="word",
-            sentence=f"The word is the sum less its lowest {DROPPED} bits, or the end of the "
-            f"word's range where that lies beyond it; without run it is {1 << SAMPLE_SHIFT} times "
-            "the sample; one clock later.",
+            sentence=f"One clock later the word is the sum without its lowest {DROPPED} bits, or "
+            "the end of the word's range where that lies beyond it. Without run the word is "
+            f"{1 << SAMPLE_SHIFT} times the sample.",
             states=("!after_reset || $signed(word) == expected",),
             watch=f"""
                 wire signed [63:0] sum = $signed(acc);

@@ -21,9 +21,9 @@ def properties(twin):
     return [
         Property(
             name="coefficients",
-            sentence="What is added is the program's weight, where it counts, or the table's "
-            "word; what is subtracted its negative; and half a unit of the result comes in when "
-            "the sum is doubled in its plane.",
+            sentence="The program's weight, where it counts, or the table's word is added, or its "
+            "negative where it is subtracted. Half a unit of the result comes in when the sum is "
+            "doubled in the plane of that half.",
             states=(
                 "!there[1] || $signed(coeff) + $signed({1'b0, minus_late}) == change",
                 f"!there[1] || (clears_late == plane_1[{CLEAR}] && doubles_late == first_1)",
@@ -55,7 +55,8 @@ def properties(twin):
         Property(
             name="no overflow",
             sentence=f"The sum loses no bit as long as its {twin.acc_width} bits can hold it, "
-            f"whatever it is of; that of a neuron of up to {most} words in each plane always can.",
+            f"whatever it is made of. They can hold that of every neuron with up to {most} words "
+            "in each plane.",
             states=(
                 "!begun || !fits || $signed(acc) == exact",
                 f"!begun || words > {most} || planes > {WIDTH} || fits",

@@ -9,9 +9,9 @@ def properties(twin):
     return [
         Property(
             name="segment",
-            sentence=f"The address is the segment of {span} codes in which q lies, counted from 0 "
-            "up and from -1 down, one clock later"
-            + (f"; beyond the last of them it is {last}." if twin.beyond else "."),
+            sentence=f"One clock later the address is the segment of {span} codes in which q lies, "
+            "counted from 0 up and from -1 down"
+            + (f". Beyond the last segment it is {last}." if twin.beyond else "."),
             states=("!after_reset || addr == expected",),
             watch=f"""
                 wire signed [31:0] whole = $signed(q);

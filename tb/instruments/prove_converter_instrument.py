@@ -11,11 +11,11 @@ def properties(twin):
     return [
         Property(
             name="right frames",
-            sentence=f"Its network never sees a wrong frame: all are of {slots} samples, one a "
-            "clock, whatever the converter sends and from every reset on.",
+            sentence=f"Its network never sees a wrong frame: all frames have {slots} samples, one "
+            "per clock, whatever the converter sends and from every reset on.",
             states=("!broken",),
             assumes={
-                f"Transfers end {turn} clocks apart or more, proved of converter_reader.": (
+                f"Transfers end at least {turn} clocks apart, as is proved of converter_reader.": (
                     f"!({at}done && since != {turn})"
                 ),
             },

@@ -15,8 +15,9 @@ def properties(twin):
     return [
         Property(
             name="right frames",
-            sentence=f"Its network never sees a wrong frame: each scan of {clocks} clocks is one "
-            f"of {scan.slots} samples, far enough behind the one before, from every reset on.",
+            sentence=f"Its network never sees a wrong frame: each scan of {clocks} clocks is a "
+            f"frame of {scan.slots} samples, far enough behind the one before, from every reset "
+            "on.",
             states=("!broken",),
             watch=f"""
                 reg [31:0] clock_of_scan = 0;

@@ -21,8 +21,9 @@ def properties(twin):
     found = [
         Property(
             name="held outputs",
-            sentence="Each output is held from the clock after it left until the next of its kind, "
-            "whatever the network gives; a reset begins a frame anew and changes none.",
+            sentence="Each output is held from the clock after it left until the next of its kind "
+            "has left, whatever the network gives. A reset begins a new frame and changes no held "
+            "output.",
             states=tuple(f"!known_{n} || held_{n} == newest_{n}" for n in range(outputs)),
             watch="""
                 // Outputs of this frame so far.

@@ -25,7 +25,7 @@ def no_half_image(engine):
     return Property(
         name="no half image",
         sentence="A frame starts, and is computed, only while the last byte that the engine took "
-        "was the last of an image; after a reset none does before one has come.",
+        "was the last byte of an image. After a reset no frame starts before such a byte has come.",
         states=(f"!({engine}.start || {engine}.run) || ended",),
         watch="""
             reg ended = 0;
@@ -55,8 +55,8 @@ def room(twin, engine):
     longest = 1 << twin.core.image_loader.program_addr_width
     return Property(
         name="room for bytes",
-        sentence=f"Bytes for the engine wait only while a frame is computed, and none starts while "
-        f"one waits; so fewer than {depth} do, for which there is room.",
+        sentence=f"Bytes for the engine wait only while a frame is computed, and no frame starts "
+        f"while a byte waits. So fewer than {depth} bytes wait, and there is room for them.",
         states=(
             f"{RECEIVER}.queue0_stored == 0 || {engine}.busy || {RECEIVER}.queue0_take",
             f"!{engine}.start || {RECEIVER}.queue0_stored == 0",
@@ -69,10 +69,9 @@ def room(twin, engine):
             always @(posedge clk) computing <= {engine}.busy ? computing + 1 : 0;
         """,
         assumes={
-            f"Bytes are {apart} clocks apart or more, proved of uart_receiver, image_receiver.": (
-                f"!({RECEIVER}.put && since_put != {apart})"
-            ),
-            f"A program ends within {longest} clocks, one for each word of its memory.": (
+            f"Bytes come at least {apart} clocks apart, as is proved of uart_receiver and "
+            "image_receiver.": (f"!({RECEIVER}.put && since_put != {apart})"),
+            f"A program ends within {longest} clocks, as many as its memory has words.": (
                 f"computing < {longest}"
             ),
         },
@@ -103,9 +102,9 @@ def told():
     streams += ("profile_x profile_x", "profile_y profile_y", "profile_last profile_last")
     return Property(
         name="what packets tell",
-        sentence="Packets tell of the frames that the network is given, of the outputs that leave, "
-        "of the points that are drawn and of the errors of converter, frames, images and line; "
-        "they count the frames that leave, from a reset on.",
+        sentence="Packets report the frames that the network is given, the outputs that leave, the "
+        "points that are drawn, and the errors of converter, frames, images and line. They count "
+        "the frames that leave, from a reset on.",
         states=(
             *(f"{SENDER}.{here} == {there}" for here, there in map(str.split, streams)),
             f"{SENDER}.count == frames",

@@ -118,9 +118,10 @@ def sums(twin, signals, places, number):
     kept = ("in_data", "add_above")
     return Property(
         name=f"sums {number}",
-        sentence=f"Each of {len(places)} sums is the exact sum of products that it stands for, "
-        "moved by no more than the twin says of what is cut, if both its operands are, and if the "
-        "exact sum lies between the ends that weights and samples give it; so none wraps.",
+        sentence=f"Each of {len(places)} sums differs from the exact sum of products that it "
+        "stands for by no more than the twin allows for the bits that are cut, if the same holds "
+        "for both its operands, and if the exact sum lies between the ends that weights and "
+        "samples give it. So no sum wraps.",
         states=tuple(states),
         watch="\n".join(watch),
         free=tuple(s for s in signals.there.values() if s not in own and not s.startswith(kept)),
@@ -152,8 +153,8 @@ def results(twin, signals):
         states.append(f"!begun || {late} == ago_{late}")
     return Property(
         name="results",
-        sentence="Each result is the number of its row a clock before, without its last bits, "
-        f"saturated; {len(signals.late)} numbers that a later clock needs are kept as they were.",
+        sentence="Each result is the number of its row one clock before, without its last bits and "
+        f"saturated. {len(signals.late)} numbers that a later clock needs are kept as they were.",
         states=tuple(states),
         watch="\n".join(watch),
         refuted_by=(

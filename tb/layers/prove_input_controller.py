@@ -16,13 +16,14 @@ def properties(twin):
         "!skipping || place == 0",
     ]
     helps += ["closed == remaining"] if twin.spacing else ["closed == 0"]
-    least = "" if not twin.spacing else f" or comes within {twin.spacing} clocks of a good one"
+    apart = f" or that ends less than {twin.spacing} clocks after a good one"
+    least = apart if twin.spacing else ""
     shared = {"watch": watch, "helps": tuple(helps)}
     return [
         Property(
             name="frame_error",
-            sentence=f"frame_error is high for just one clock for each frame that has not "
-            f"{twin.inputs} samples{least}, one clock after the sample that gives it away.",
+            sentence=f"frame_error is high for exactly one clock for each frame that does not have "
+            f"{twin.inputs} samples{least}. It comes one clock after the sample that shows this.",
             states=("frame_error == wrong_ago[0]",),
             reached=("frame_error", "skipping && in_valid"),
             refuted_by=(
@@ -34,8 +35,9 @@ def properties(twin):
         ),
         Property(
             name="good frames only",
-            sentence=f"capture and out_valid are high 3 and {twin.latency} clocks after the last "
-            "sample of a good frame and in no other clock; a reset between ends them.",
+            sentence=f"capture is high 3 clocks, and out_valid {twin.latency} clocks, after the "
+            "last sample of a good frame, unless a reset came between. They are high in no other "
+            "clock.",
             states=("capture == good_ago[2]", f"out_valid == good_ago[{twin.latency - 1}]"),
             reached=("out_valid",),
             refuted_by=(
@@ -49,8 +51,9 @@ def properties(twin):
         ),
         Property(
             name="every sample once",
-            sentence="Each sample of a frame not yet known to be wrong is asked for by its place, "
-            "and added two clocks later; preset comes with the first of a frame alone.",
+            sentence="For each sample of a frame that is not yet known to be wrong, addr is its "
+            "position, and it is added two clocks later. preset comes only with the first sample "
+            "of a frame.",
             states=(
                 "!taken || addr == place",
                 "accumulate == taken_ago[1]",

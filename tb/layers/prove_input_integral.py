@@ -38,7 +38,7 @@ def properties(twin):
     """
     in_frame = {f"Positions are 0 to {inputs - 1}.": f"addr < {inputs}"}
     products = {
-        f"The product of node {node} is what the weight of its position and a sample can give.": (
+        f"The product of node {node} is one that a sample and its weight can give.": (
             "clocks < 2 || ("
             + " && ".join(
                 f"(at_2 != {k} || {within(f'u_input_node_{node}.product', ends)})"
@@ -50,7 +50,7 @@ def properties(twin):
         for node in range(hidden)
     }
     controls = {
-        "Products are added in the order of their positions, preset with the first of a frame.": (
+        "Products are added in the order of their positions, the first of a frame with preset.": (
             "!accumulate || (clocks == 2 && preset == (at_2 == 0) && (at_2 == 0 || at_2 == added))"
         )
     }
@@ -84,8 +84,8 @@ def properties(twin):
         ),
         Property(
             name="no overflow",
-            sentence="No sum of a node loses a bit, and the sum of a frame stays within what the "
-            "twin says of the node, whatever the products are.",
+            sentence="No sum of a node loses a bit, and the sum of a frame stays within the limits "
+            "that the twin gives for the node, whatever the products are.",
             states=tuple(
                 text
                 for node in range(hidden)

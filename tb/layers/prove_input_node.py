@@ -1,6 +1,7 @@
 """What is proved of input_node, whatever samples and weights are.
 
-That no sum of a layer leaves its bits is proved of input_integral, which knows the weights.
+That no sum of a layer needs more bits than it has is proved of input_integral, which knows the
+weights.
 """
 
 from tb.sign_off.properties import Property
@@ -50,7 +51,8 @@ def properties(twin):
         Property(
             name="no overflow",
             sentence=f"The sum of a bias and cut products loses no bit as long as its "
-            f"{twin.acc_width} bits can hold it and all before it, whatever they are.",
+            f"{twin.acc_width} bits can hold it and all sums before it, whatever bias and products "
+            "are.",
             states=("!begun || !fits || $signed(acc) == exact",),
             watch=exact_sum(
                 twin.acc_width,
@@ -76,7 +78,7 @@ def properties(twin):
         Property(
             name="result",
             sentence="The result is the sum before the last capture, rounded half up, or the end "
-            "of its range where it lies beyond that.",
+            "of the result's range where that lies beyond it.",
             states=("!captured || $signed(out_data) == expected",),
             watch=f"""
                 wire signed [63:0] sum = $signed(acc);

@@ -51,8 +51,8 @@ def properties(twin):
         ),
         Property(
             name="no overflow",
-            sentence=f"No sum loses a bit: {depth} clocks behind the products stands the bias with "
-            "all of them, whatever they are.",
+            sentence=f"No sum loses a bit: {depth} clocks behind the products stands the exact sum "
+            "of the bias and all of them, whatever they are.",
             states=(f"!there[{depth}] || $signed(total) == sum_{depth - 1}",),
             watch=wires
             + f"""
@@ -76,8 +76,8 @@ def properties(twin):
         ),
         Property(
             name="result",
-            sentence="The result is the sum one clock before, rounded half up, or the end of its "
-            "range where it lies beyond that.",
+            sentence="The result is the sum one clock before, rounded half up, or the end of the "
+            "result's range where that lies beyond it.",
             states=("!there[0] || $signed(out_data) == expected_0",),
             watch=f"""
                 wire signed [63:0] exact = $signed(total);

@@ -30,8 +30,8 @@ def properties(twin):
         Property(
             name="all words once",
             sentence=f"After an in_valid, and after nothing else, the {outputs} words that came "
-            "with it leave in the next clocks, each once and in order, the last with out_last; "
-            "a reset ends them.",
+            "with it leave in the next clocks, each once and in order. out_last comes with the "
+            "last of them. A reset ends them.",
             states=(
                 "out_valid == (left != 0)",
                 "out_last == (left == 1)",

@@ -27,8 +27,8 @@ def properties(twin):
         ),
         Property(
             name="rows in order",
-            sentence="Row after row is asked for, the first with in_valid, and out_last marks the "
-            "last one and no other.",
+            sentence="One row after the other is asked for. The first one comes with in_valid, and "
+            "out_last marks the last one and no other.",
             states=(
                 f"!out_valid || addr == {outputs} - left",
                 "out_last == (left == 1)",

@@ -21,7 +21,7 @@ def properties(twin):
 
 
 def no_overflow(twin):
-    """Products within what the twin says of them, and sums of such products."""
+    """Products stay within the limits that the twin gives for them, and so do their sums."""
     low, high = twin.in_fmt.low, twin.in_fmt.high
     terms = [*(f"weigh{n}_term" for n in range(twin.hidden)), "bias"]
     registers = tree(terms, "total")
@@ -54,7 +54,7 @@ def no_overflow(twin):
         )
 
     products = {
-        f"{name} is what its weight and an activation can give": within(name, (n,), 2)
+        f"{name} is one that its weight and an activation can give.": within(name, (n,), 2)
         for n, name in enumerate(terms)
     }
     sums = [within(r.name, r.terms, 2 + r.clock) for r in registers]
@@ -94,8 +94,8 @@ def no_overflow(twin):
         ),
         Property(
             name="no overflow",
-            sentence="No sum of the adder tree loses a bit, and the whole sum stays within what "
-            "the twin says of its row, whatever the products are.",
+            sentence="No sum of the adder tree loses a bit, and the whole sum stays within the "
+            "limits that the twin gives for its row, whatever the products are.",
             states=(
                 *(f"!settled || {text}" for text in exact),
                 f"!settled || ({sums[-1]})",

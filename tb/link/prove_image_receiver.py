@@ -8,17 +8,16 @@ from tb.sign_off.watch import since
 def properties(twin):
     depth, idle = twin.depth, twin.idle_clocks
     queue = {
-        "No more bytes come while the engine computes than are kept, proved of uart_instrument.": (
-            f"!(put && queue0_stored == {depth} && !queue0_take)"
-        )
+        "While the engine computes, no more bytes come than are kept, as is proved of "
+        "uart_instrument.": (f"!(put && queue0_stored == {depth} && !queue0_take)")
     }
     return [
         Property(
             name="bytes of an image",
             sentence=f"Behind SYNC, the byte of version and kind, and a length above 0, as many "
-            "bytes as the length says go to the engine, the last of them with load_last; or fewer, "
-            f"when no byte comes for {idle} clocks, and then a byte 0 with load_last. Nothing else "
-            "goes there.",
+            "bytes as the length says go to the engine, the last of them with load_last. If no "
+            f"byte comes for {idle} clocks, fewer go, and then a byte 0 with load_last. Nothing "
+            "else goes there.",
             states=(
                 "put == (left != 0 && (in_valid || silent))",
                 "!put || ends == (silent || left == 1)",
@@ -73,8 +72,8 @@ def properties(twin):
         ),
         Property(
             name="silence",
-            sentence="The clocks since a byte are counted, and a packet is over in just those "
-            f"clocks in which none has come for {idle}.",
+            sentence="The clocks since the last byte are counted. A packet is over in exactly "
+            f"those clocks in which no byte has come for {idle} clocks.",
             states=("idle == quiet", f"over == (quiet == {idle - 1} && !in_valid)"),
             watch=f"""
                 reg [15:0] quiet = 0;
@@ -90,15 +89,16 @@ def properties(twin):
         ),
         Property(
             name="distance of bytes",
-            sentence="Bytes that go to the engine are as far apart as those that come at least.",
+            sentence="Bytes that go to the engine are at least as far apart as those that come.",
             states=("!put || since_put >= apart",),
             # From any distance on.
             watch="reg [15:0] apart; always @(posedge clk) apart <= apart;"
             + since("since_in", "in_valid", "apart")
             + since("since_put", "put", "apart"),
             assumes={
-                "Bytes come so far apart.": "!after_reset || !in_valid || since_in == apart",
-                f"That is not more than {idle} clocks.": f"apart > 0 && apart <= {idle}",
+                "Bytes come at least a certain number of clocks apart.": "!after_reset || "
+                "!in_valid || since_in == apart",
+                f"That number is at most {idle}.": f"apart > 0 && apart <= {idle}",
             },
             helps=(
                 "since_in <= apart && since_put <= apart",
@@ -111,8 +111,8 @@ def properties(twin):
         ),
         Property(
             name="in order",
-            sentence=f"What goes there leaves in order, each byte with its load_last, none twice "
-            f"and none lost, and stays until it is taken; at most {depth} wait.",
+            sentence=f"The bytes for the engine leave in order, each with its load_last. None is "
+            f"lost and none leaves twice. Each stays until it is taken, and at most {depth} wait.",
             states=(
                 "load_valid == (puts != takes)",
                 "!(load_valid && takes == chosen) || {load_last, load_data} == word",

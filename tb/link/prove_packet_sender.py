@@ -43,9 +43,9 @@ def follow_each_other(twin):
     watch, helps = left_of(twin)
     return Property(
         name="bytes of a packet",
-        sentence="A packet begins only in a clock in which the line takes a byte and none is "
-        f"there. Its {size} bytes follow from the next clock on, each until it is taken, and "
-        "nothing else does.",
+        sentence="A packet begins only in a clock in which the line is ready and no byte of "
+        f"another packet is left. Its {size} bytes follow from the next clock on, each until it is "
+        "taken, and nothing else follows.",
         states=(
             "!begins || (out_ready && left == 0)",
             "out_valid == (left != 0)",
@@ -95,8 +95,8 @@ def check_behind(twin):
     watch, helps = left_of(twin)
     return Property(
         name="check behind",
-        sentence=f"The last {CHECK_BYTES} bytes of a packet are the upper byte of check, and none "
-        "before them is.",
+        sentence=f"The last {CHECK_BYTES} bytes of a packet are the upper byte of check, and no "
+        "byte before them is.",
         states=(f"left == 0 || out_data == (left > {CHECK_BYTES} ? first : check[15:8])",),
         watch=watch,
         helps=helps,
@@ -113,8 +113,8 @@ def check_behind(twin):
 def checked(twin):
     return Property(
         name="check",
-        sentence="check is that of the bytes that were taken behind SYNC, bit by bit; where its "
-        "own upper byte is taken, its lower one comes up.",
+        sentence="check is the CRC of the bytes that were taken behind SYNC, computed bit by bit. "
+        "Where its own upper byte is taken, its lower byte moves up.",
         states=(
             "!known || check == sum_before",
             "out_data != check[15:8] || following == {check[7:0], 8'h0}",
@@ -152,8 +152,8 @@ def begin(twin):
     return Property(
         name="begin of a packet",
         sentence="A packet begins one clock after the last output of a frame, if the line is free "
-        f"then, or where the line has been free for {twin.patience} clocks; and nothing else "
-        "begins one.",
+        f"then, or where the line has been free for {twin.patience} clocks. Nothing else begins "
+        "one.",
         states=(
             "begins == (out_ready && !sending && (ended || quiet == LONG - 1))",
             "waited == quiet",
@@ -226,8 +226,8 @@ def tell(twin):
         name="what a packet tells",
         sentence="The bytes of a packet are SYNC, version and kind, the length, how many packets "
         "have begun before, the flags, how many frames have ended, the newest sample and the "
-        "newest output of each place in a frame, and the point where there is one: all of the "
-        "clock in which it begins, and nothing of what came before a reset.",
+        "newest output of each place in a frame, and the point where there is one. All of these "
+        "are of the clock in which the packet begins, and none is from before a reset.",
         states=(
             f"!(sending && place == chosen && place < {count}) || out_data == word",
             "number == packets",
@@ -276,8 +276,9 @@ def tell(twin):
 def point_by_point(twin):
     return Property(
         name="points",
-        sentence="The point of a packet is that of the ramp behind the point of the packet before, "
-        "as it came last; the same again where it has not come since, and point 0 behind the last.",
+        sentence="The point of a packet is the one that follows the point of the packet before on "
+        "the ramp, as it came last. It is the same point again where the next one has not come "
+        "since, and point 0 follows the last one.",
         states=("next_point0_number == point", "next_point0_x == x", "next_point0_y == y"),
         watch=f"""
             reg [7:0] at = 0, next = 0, point = 0;
@@ -300,7 +301,7 @@ def point_by_point(twin):
             end
         """,
         assumes={
-            f"Each ramp has {twin.points} points, proved of ramp.": "!profile_valid || "
+            f"Each ramp has {twin.points} points, as is proved of ramp.": "!profile_valid || "
             f"profile_last == (at == {twin.points - 1})"
         },
         helps=(
@@ -322,9 +323,9 @@ def point_by_point(twin):
 def nothing_untold():
     return Property(
         name="nothing goes untold",
-        sentence="When a packet begins, it tells of every error of a frame, an image or the line "
-        "that came since the packet before, the clock of its begin included, and of every frame "
-        "that was refused since the frame before; converter_error is told as it is.",
+        sentence="When a packet begins, it reports every error of a frame, an image or the line "
+        "that came since the packet before, including the clock in which it begins, and every "
+        "frame that was refused since the frame before. converter_error is reported as it is.",
         states=(
             "flags == {4'b0, lines_seen || line_error, images_seen || image_error, "
             "frames_seen || late || frame_error, converter_error}",

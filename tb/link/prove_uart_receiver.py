@@ -52,10 +52,10 @@ def properties(twin):
     return [
         Property(
             name="looks",
-            sentence=f"Where the line falls while no byte is under way it is read {half} clocks "
-            "later, and the byte ends there if it is 1. If it is 0, it is read every "
-            f"{bit} clocks from then on, nine times, and the byte ends with the last. The line is "
-            "read at no other time.",
+            sentence=f"Where the line falls while no byte is under way, it is read {half} clocks "
+            "later, and the byte ends there if the line is 1. If the line is 0, it is read every "
+            f"{bit} clocks from then on, nine times, and the byte ends with the last reading. The "
+            "line is read at no other time.",
             states=("running == (ahead != 0)", "sample == (ahead == 1)"),
             watch=watch,
             helps=helps,
@@ -72,9 +72,9 @@ def properties(twin):
         ),
         Property(
             name="bytes",
-            sentence="One clock after the last of these looks, at the stop bit, out_valid is high "
-            "if the line was 1, and out_data are the eight bits before it, the lowest first; if it "
-            "was 0 it is line_error. Neither is high in any other clock.",
+            sentence="One clock after the last of these readings, at the stop bit, out_valid is "
+            "high if the line was 1, and out_data are the eight bits before it, the lowest first. "
+            "If the line was 0, line_error is high. Neither is high in any other clock.",
             states=("out_valid == good", "line_error == bad", "!good || out_data == bits"),
             watch=watch
             + ended
@@ -97,7 +97,7 @@ def properties(twin):
         ),
         Property(
             name="distance of bytes",
-            sentence=f"From one byte to the next there are {twin.interval} clocks at least.",
+            sentence=f"From one byte to the next there are at least {twin.interval} clocks.",
             states=(f"!out_valid || apart >= {twin.interval}",),
             watch=watch
             + ended

@@ -9,9 +9,10 @@ def properties(twin):
     return [
         Property(
             name="bits of a byte",
-            sentence=f"From one clock after a byte is taken tx is 0 for {bit} clocks, each of its "
-            f"bits for {bit}, the lowest first, and 1 for {bit}; without a byte, and after a "
-            "reset, it is 1. The next byte is taken in the last clock of the stop bit, or later.",
+            sentence=f"From one clock after a byte is taken, tx is 0 for {bit} clocks, then each "
+            f"bit of the byte for {bit} clocks, the lowest first, and then 1 for {bit} clocks. "
+            "Without a byte, and after a reset, tx is 1. The next byte is taken in the last clock "
+            "of the stop bit, or later.",
             states=(
                 "tx == (age == IDLE || all_bits[age / BIT])",
                 "in_ready == (age == IDLE || age == IDLE - 1)",

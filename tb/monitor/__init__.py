@@ -1,4 +1,5 @@
-"""What a board sends, shown and recorded, and what it is sent: an image to run.
+"""Shows and records what a board sends, and sends it an image to run.
 
-``make monitor``, ``make record`` and ``make load``. A board is a serial port, or simulated.
+The commands are ``make monitor``, ``make record`` and ``make load``. A board is reached over a
+serial port, or it is simulated.
 """

@@ -1,4 +1,4 @@
-"""``make monitor``: what a board sends, on a page in the browser, and recorded."""
+"""``make monitor``: show what a board sends on a page in the browser, and record it."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from tb.monitor.monitor import HEAD, Monitor
 from tb.monitor.ports import open_line
 from tb.monitor.server import Server
 
-# Seconds between two lines of what there is, on a terminal.
+# On a terminal a line with the newest values is shown each so many seconds.
 PAUSE = 1.0
 
 
 class Terminal:
-    """Lines that stay, and on a terminal one below them that is written over and over.
+    """Prints lines that stay and, on a terminal, one line below them that is rewritten.
 
     Parameters
     ----------
     seconds : float or None
-        When to end.
+        After how many seconds to end; None for never.
     """
 
     def __init__(self, seconds: float | None) -> None:
@@ -40,7 +40,7 @@ class Terminal:
         print(f"{CLEAR if self._terminal else ''}{text}", flush=True)
 
     def over(self) -> bool:
-        """Whether it is time to end; shows on the way what there is."""
+        """Whether it is time to end; it also rewrites the line with the newest values."""
         now = time.monotonic()
         if self._terminal and self.monitor and now - self._shown >= PAUSE:
             self._shown = now

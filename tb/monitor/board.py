@@ -1,4 +1,4 @@
-"""What a scene says of the board that it is shown from: packets, units, baud."""
+"""The facts about a board that its scene states: packets, units and baud rate."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ class Board:
     Parameters
     ----------
     scene : Scene
-        Whose networks run: it names the columns and their units.
+        The scene whose networks run. It names the columns and their units.
     hardware : Scene
-        Whose hardware the board has: it says what the packets hold.
+        The scene whose hardware the board has. It says what the packets hold.
 
     Raises
     ------
     InputError
-        When the hardware has no serial line, other inputs, or fewer outputs.
+        When the hardware has no serial line, another number of inputs, or fewer outputs.
     """
 
     scene: Scene
@@ -60,14 +60,14 @@ class Board:
 
     @cached_property
     def instrument(self) -> UartInstrument:
-        """The twin of what the board holds."""
+        """The twin of the hardware on the board."""
         twin = self.hardware.twin()
         assert isinstance(twin, UartInstrument), "a scene with a section [uart] is that"
         return twin
 
     @property
     def baud(self) -> int:
-        """Of the line."""
+        """The baud rate of the line."""
         assert self.hardware.uart is not None, "looked at when it was made"
         return self.hardware.uart.baud
 
@@ -77,24 +77,24 @@ class Board:
 
     @cached_property
     def decimals(self) -> list[int]:
-        """Of each column, so many that two codes differ."""
+        """The number of decimals of each column: so many that any two codes differ."""
         return [decimals(scale.factor) for scale in self.scene.scales(self.columns)]
 
     def in_units(self, frames: list[Frame]) -> Real:
         """Samples and outputs in the units of their columns, shape (frames, columns)."""
         count = len(self.columns)
-        # Packets have room for as many outputs as the hardware has.
+        # Packets hold as many outputs as the hardware has, which may be more than the scene's.
         codes = np.array([(frame.samples + frame.outputs)[:count] for frame in frames])
         return readings(SIGNAL.to_real(codes), self.scene.scales(self.columns))
 
     def millimetres(self, name: str) -> float:
-        """Millimetres in one unit of an output; 0 where it is no length."""
+        """How many millimetres one unit of an output is; 0 if the output is no length."""
         scene = self.scene
         length = scene.length_mm.get(name, 0.0)
         return length / scene.full_scale[name] if length else 0.0
 
     def texts(self, values: Real) -> list[str]:
-        """The values of one frame with their decimals; -0 is 0."""
+        """The values of one frame as texts with their decimals; -0 becomes 0."""
         return [f"{v.round(d) + 0:.{d}f}" for v, d in zip(values, self.decimals, strict=True)]
 
 

@@ -1,4 +1,4 @@
-"""A CSV that grows row by row and is whole at any time."""
+"""A CSV file that grows by rows and holds only whole rows at any time."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from golden.input_error import InputError
 
 
 class GrowingCsv:
-    """Rows appended to a new file, whole lines at once.
+    """A new file to which whole rows are appended.
 
-    Whoever reads it meanwhile, or after the power went, finds whole rows; what a full disk took of
-    a row is taken back.
+    A program that reads it meanwhile, or after a power cut, finds whole rows. If the disk becomes
+    full within a row, the part that was written is removed again.
 
     Parameters
     ----------
@@ -28,8 +28,8 @@ class GrowingCsv:
     Raises
     ------
     InputError
-        When the file is there already, or a column stands twice.
-        When it cannot be written, then and later.
+        When the file is there already, or when a column stands twice.
+        When the file cannot be written, now or at a later row.
     """
 
     def __init__(self, path: Path, columns: Sequence[str]) -> None:
@@ -58,7 +58,7 @@ class GrowingCsv:
         os.close(self._file)
 
     def append(self, rows: Sequence[Sequence[object]]) -> None:
-        """Rows behind those that are there."""
+        """Append rows to those that are there."""
         if rows:
             self._append(rows)
             self.rows += len(rows)
@@ -84,6 +84,7 @@ def refuse_there(path: Path) -> None:
     Raises
     ------
     InputError
+        When the file is there already.
     """
     if path.exists() or path.is_symlink():
         raise InputError(f"{path}: is there already; choose another name with TO=")

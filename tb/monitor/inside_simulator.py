@@ -1,8 +1,8 @@
-"""The simulated board from inside the simulator: converter, line to the computer and back.
+"""The simulated board from inside the simulator: its converter, and the line to the computer.
 
-Drives: ``miso`` as the part of the scene answers, each scan with a row of the recording; ``rx``
-with the bytes that come from the computer. Gives on what ``tx`` sends. Checks nothing, and runs
-until it is ended.
+It drives ``miso`` as the scene's converter answers, with a row of the recording in each scan, and
+``rx`` with the bytes that come from the computer. It passes on what ``tx`` sends. It checks nothing
+and runs until it is ended.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from tb.sensing.spi_converter import RELEASED, SHEETS, Sheet
 
 CONFIGURATION = "TACTUS_BOARD"
 UNIT: Literal["ps"] = "ps"
-# Bits of the line between two looks for what came from the computer.
+# The time between two looks for bytes from the computer, in bits of the line.
 PAUSE_BITS = 20
 PAUSE_SECONDS = 1.0
 
 
 class Rows:
-    """Which row of the recording the sensors read."""
+    """Chooses the row of the recording that the sensors read."""
 
     def __init__(self, samples: list[list[int]], hold: int, orders: int) -> None:
         self.samples, self.hold, self.orders = np.array(samples), hold, orders
@@ -43,7 +43,7 @@ class Rows:
         return samples
 
     def listen(self) -> None:
-        """Take orders where to stay; without somebody to give any, the simulation ends."""
+        """Take orders at which row to stay; when nobody can give any more, end the simulation."""
         while select.select([self.orders], [], [], 0)[0]:
             text = os.read(self.orders, 4096)
             if not text:
@@ -53,8 +53,8 @@ class Rows:
 
 
 async def convert(dut: Any, sheet: Sheet, clocks: int, rows: Rows) -> None:
-    """Answer each transfer as the part's sheet draws it; a scan begins with channel 0."""
-    # What is sent hangs on the channel in its code alone.
+    """Answer each transfer as the data sheet of the part draws it; a scan begins with channel 0."""
+    # The answers to all channels differ only in the code.
     _, sent = sheet.diagram([1] * clocks)
     codes = np.array([])
     while True:
@@ -79,7 +79,7 @@ async def convert(dut: Any, sheet: Sheet, clocks: int, rows: Rows) -> None:
 
 
 async def give(dut: Any, line: int, bit: int, rows: Rows) -> None:
-    """Bytes of ``tx`` to the computer; the simulation waits where it does not read."""
+    """Send the bytes of ``tx`` to the computer; the simulation waits while it does not read."""
     while True:
         await FallingEdge(dut.tx)
         await Timer(bit + bit // 2, UNIT)
@@ -94,7 +94,7 @@ async def give(dut: Any, line: int, bit: int, rows: Rows) -> None:
 
 
 async def take(dut: Any, line: int, bit: int) -> None:
-    """Bytes from the computer to ``rx``."""
+    """Send the bytes from the computer to ``rx``."""
     while True:
         await Timer(PAUSE_BITS * bit, UNIT)
         while select.select([line], [], [], 0)[0]:
@@ -106,7 +106,7 @@ async def take(dut: Any, line: int, bit: int) -> None:
 
 @cocotb.test()
 async def board(dut: Any) -> None:
-    """A board whose power is on."""
+    """Run a board whose power is on."""
     given = json.loads(os.environ[CONFIGURATION])
     bit = given["bit_ps"]
     if given["reload"]:

@@ -1,4 +1,4 @@
-"""A serial port whose cable may be cut: what comes over it, until it is closed."""
+"""A serial port whose cable may be cut and come back."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from serial.tools import list_ports
 
 from golden.input_error import InputError
 
-# Seconds that one call waits at most, for bytes or for a port that is gone.
+# One call waits at most so many seconds, for bytes or for a port that is gone.
 PAUSE = 0.1
 FAULTS = (OSError, ValueError, termios.error)
 
 
 class Simulated(Protocol):
-    """A board that is simulated."""
+    """A simulated board."""
 
     port: str
 
@@ -29,29 +29,30 @@ class Simulated(Protocol):
 
 
 class Line:
-    """A serial port, 8 bits, no parity, one stop bit.
+    """A serial port with 8 bits, no parity and one stop bit.
 
     Parameters
     ----------
     name : str
-        As the system names it: ``/dev/ttyUSB0``.
+        The system's name of the port, such as ``/dev/ttyUSB0``.
     baud : int
     label : str
-        What a user calls it, if not by its name.
+        The name that a user gives the port, if it is another one.
 
     Attributes
     ----------
     cut : str
         Why the port is gone; empty while it is open.
     simulated : Simulated or None
-        The board that is simulated behind the port.
+        The simulated board behind the port, if there is one.
     silence, patience : float
-        Seconds without a packet until that is told, and until who asked for one gives up.
+        After ``silence`` seconds without a packet this is reported. After ``patience`` seconds a
+        command that needs a packet gives up.
 
     Raises
     ------
     InputError
-        When it cannot be opened; the message names the ports that there are.
+        When the port cannot be opened; the message names the ports of this machine.
     """
 
     def __init__(self, name: str, baud: int, label: str = "") -> None:
@@ -77,7 +78,7 @@ class Line:
         self._close()
 
     def read(self) -> bytes:
-        """What has come, after ``PAUSE`` at the latest; nothing while the port is gone."""
+        """The bytes that have come, after ``PAUSE`` at the latest; none while the port is gone."""
         if self._port is None and not self._back():
             time.sleep(PAUSE)
             return b""
@@ -90,7 +91,7 @@ class Line:
             return b""
 
     def drop(self) -> None:
-        """Forget what has come and was not read."""
+        """Forget the bytes that have come but were not read."""
         try:
             if self._port is not None:
                 self._port.reset_input_buffer()
@@ -115,7 +116,7 @@ class Line:
         raise InputError(f"PORT={self.label}: the line was cut: {self.cut}")
 
     def _opened(self) -> serial.Serial:
-        # Two programs that read one port would each get a part.
+        # Two programs that read one port would each get a part of the bytes.
         return serial.Serial(self.name, self.baud, timeout=PAUSE, exclusive=True)
 
     def _back(self) -> bool:
@@ -144,8 +145,8 @@ def ports_there() -> str:
 
 
 def _reason(error: Exception) -> str:
-    """What a user can do something about."""
-    # What termios raises has its number as an argument alone.
+    """The reason in words that help a user."""
+    # An error of termios has its number only among its arguments.
     number = getattr(error, "errno", None) or next(iter(error.args), None)
     number = number if isinstance(number, int) else None
     text = str(error)

@@ -1,4 +1,4 @@
-"""``make load``: a scene's image over the serial line, until the board says that it runs."""
+"""``make load``: send a scene's image over the serial line, and wait until the board runs it."""
 
 from __future__ import annotations
 
@@ -16,18 +16,20 @@ from tb.monitor.board import MOST_BAUD, Board, board_of
 from tb.monitor.line import Line
 from tb.monitor.ports import open_line
 
-# Packets in a row that say the same, before it is believed: the first may tell of what was before.
+# So many packets in a row must report the same before it counts, because the first ones may report
+# what was before.
 SURE = 3
 
 
 def check_readings(board: Board) -> None:
     """Refuse a scene whose sensors are not those that the board reads.
 
-    Its networks would be given other sensors, or codes that stand for other readings.
+    Otherwise its networks would get other sensors, or codes that stand for other readings.
 
     Raises
     ------
     InputError
+        When sensors, window or scales are not those of the hardware.
     """
     scene, hardware = board.scene, board.hardware
     if scene.sensors != hardware.sensors:
@@ -48,12 +50,12 @@ def check_readings(board: Board) -> None:
 
 
 def load(line: Line, board: Board) -> int:
-    """Send the image of a scene and wait until it runs; returns its bytes.
+    """Send the image of a scene, wait until it runs, and return the number of its bytes.
 
     Raises
     ------
     InputError
-        For a scene that the hardware cannot run; see ``scene_image`` too.
+        For a scene that the hardware cannot run; see also ``scene_image``.
         When the board refuses the image, or does not answer.
     """
     check_readings(board)
@@ -69,7 +71,7 @@ def load(line: Line, board: Board) -> int:
             last = time.monotonic()
             refused = refused + 1 if "image_error" in frame.flags else 0
             bad = {"image_error", "frame_error"} & set(frame.flags)
-            # Packets come without frames, too.
+            # Packets also come when no new frame was computed.
             good = 0 if bad or frame.count == count else good + 1
             count = frame.count
             if good == SURE:

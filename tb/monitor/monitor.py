@@ -1,4 +1,4 @@
-"""What a board sends becomes what is shown: numbers, their course, a profile, faults."""
+"""Turns what a board sends into what is shown: values, their course, a profile, and faults."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from tb.monitor.csv_file import GrowingCsv
 from tb.monitor.line import Line
 from tb.monitor.told import Told
 
-# Columns of a recording before those of the scene.
+# The columns of a recording that stand before those of the scene.
 HEAD = ("seconds", "packet", "computed", "flags")
-# Of the course that is shown: seconds, and the time for which one point stands.
+# The course of the outputs is shown for so many seconds, with one point for each so many seconds.
 SHOWN_SECONDS, POINT_SECONDS = 30.0, 0.05
-# What a rate is counted over: seconds, or as many arrivals where they are rarer.
+# A rate is counted over so many seconds, or over so many arrivals where arrivals are rarer.
 RATE_SECONDS, RATE_ARRIVALS = 1.0, 5
 LIT_SECONDS = 1.0
 _COUNTS = 1 << 16
@@ -36,17 +36,17 @@ FLAG_TEXTS = {
 
 
 class Monitor:
-    """Takes what comes over a line, and tells at any time what is to be shown.
+    """Takes the bytes that come over a line, and gives at any time what is to be shown.
 
     Parameters
     ----------
     board : Board
     say : callable
-        Takes lines for a terminal.
+        Called with each line for a terminal.
     csv : GrowingCsv, optional
-        Takes every frame.
+        A file to which every frame is appended.
     clock : callable
-        Seconds from some beginning.
+        Gives a time in seconds.
     """
 
     def __init__(
@@ -76,7 +76,7 @@ class Monitor:
         self._profile: list[tuple[float, float] | None] = [None] * points
 
     def listen(self, line: Line, until: Callable[[], bool]) -> None:
-        """Take what comes until ``until`` says so; a cut cable is told and waited for."""
+        """Take what comes until ``until`` is true; report a cut cable and wait until it is back."""
         while not until():
             data = line.read()
             with self._lock:
@@ -136,7 +136,7 @@ class Monitor:
         ]
 
     def _tell_faults(self) -> None:
-        """Each kind that there is more of than when it was told, where it is time again."""
+        """Report each kind of fault that has come again since its last report, if one is due."""
         tally, layout = self.decoder.tally, self.board.layout
         for kind in tally.faults(Tally(), layout):
             line = tally.faults(self._before.get(kind, Tally()), layout).get(kind)
@@ -145,14 +145,14 @@ class Monitor:
                 self._before[kind] = tally.copy()
 
     def _watch(self, line: Line) -> None:
-        """What became of the line itself."""
+        """Report it when the line is cut, comes back, falls silent, or carries packets again."""
         now = self._clock()
         if line.cut:
             if self._line != "cut":
                 self.decoder.restart()
                 self._newest = None
                 self._arrivals.clear()
-                # Nothing is known of the time between.
+                # The course has a gap here, because nothing is known of the time of the cut.
                 self._course.append((now, []))
                 self.told.tell("line", f"the line was cut: {line.cut}; waiting for {line.label}")
             self._line = "cut"
@@ -170,18 +170,18 @@ class Monitor:
             self._line = "idle" if idle else "packets"
 
     def rates(self) -> tuple[float, float]:
-        """Packets and computed frames a second, of late."""
+        """The recent rates of packets and of computed frames, both per second."""
         now, arrivals = self._clock(), self._arrivals
         while len(arrivals) > RATE_ARRIVALS and now - arrivals[1][0] > RATE_SECONDS:
             arrivals.popleft()
         if len(arrivals) < 2 or now == arrivals[0][0]:
             return 0.0, 0.0
-        # The first began the time that the others took.
+        # The first arrival only marks when the time begins, so it is not counted.
         packets, computed = (sum(a[n] for a in arrivals) - arrivals[0][n] for n in (1, 2))
         return packets / (now - arrivals[0][0]), computed / (now - arrivals[0][0])
 
     def line(self) -> str:
-        """What there is, in a line."""
+        """The newest values in one line."""
         packets, _ = self.rates()
         shown = [f"{packets:.3g} packets a second, {self.decoder.tally.missed} missed"]
         if self._line in ("packets", "idle"):
@@ -240,7 +240,7 @@ class Monitor:
 
 
 def _position(board: Board) -> str:
-    """The output that the profile is drawn over; nothing where none is drawn of the scene."""
+    """The output over which the profile is drawn; empty where the scene has no profile."""
     visualisation, outputs = board.hardware.visualisation, board.scene.outputs
     if visualisation is None or max(visualisation.results) >= len(outputs):
         return ""

@@ -1,4 +1,4 @@
-"""What a simulated board reads: the rows of its scene's recording."""
+"""The rows of a scene's recording, which are what a simulated board reads."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from golden.scene.vectors import read_recorded
 
 
 def samples_of(scene: Scene) -> Codes:
-    """Codes of the sensors in every recorded row, shape (rows, sensors)."""
+    """The codes of the sensors in every recorded row, shape (rows, sensors)."""
     sensors = read_recorded(scene).sensors
     return SIGNAL.quantise(signals(sensors, scene.scales(scene.sensors)), "readings")[0]
 
 
 def nearest_row(scene: Scene, targets: dict[str, float]) -> int:
-    """The recorded row whose outputs are nearest to these, each in parts of its range.
+    """The recorded row whose outputs are nearest to these; each counts in parts of its range.
 
     Raises
     ------
@@ -30,7 +30,7 @@ def nearest_row(scene: Scene, targets: dict[str, float]) -> int:
         if name not in scene.outputs:
             raise InputError(
                 f"{scene.path}: data.outputs: got no {name!r}, expected that of a placement: a "
-                "simulated board is touched where its recording was"
+                "simulated board can only be touched at placements of its recording"
             )
     recorded = read_recorded(scene).targets[:, [scene.outputs.index(name) for name in targets]]
     ranges = np.ptp(recorded, axis=0)

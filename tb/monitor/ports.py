@@ -1,4 +1,4 @@
-"""The port that a user names: a serial one, or that of a simulated board."""
+"""Opens the port that a user names: a serial port, or that of a simulated board."""
 
 from __future__ import annotations
 
@@ -11,24 +11,27 @@ from tb.monitor.line import Line, ports_there
 from tb.monitor.simulated_board import SimulatedBoard
 from tb.monitor.twin_board import TwinBoard
 
-# The hardware in a simulator, and its bit-true models: the same packets, in the board's time.
+# The hardware in a simulator; and its bit-true models, which send the same packets at the board's
+# own speed.
 SIMULATED, TWIN = "sim", "twin"
-# Seconds for which these show a row.
+# The models play each row for so many seconds.
 TWIN_HOLD = 0.5
-# Scans for which a row of the recording stays: with a profile, so that all of its points are seen.
+# The simulated hardware plays each row of the recording for so many scans, so that all points of a
+# profile are seen.
 HOLD = 64
-# Seconds: everything takes as many clocks as on the board, and each of them longer.
+# In seconds. In the simulator everything takes as many clocks as on the board, but each clock takes
+# longer.
 SILENCE, PATIENCE = 60.0, 600.0
 
 
 @contextmanager
 def open_line(port: str, baud: int | None, board: Board) -> Iterator[Line]:
-    """The line to a board, at the rate of its scene if no other is given.
+    """The line to a board, with the baud rate of its scene if no other is given.
 
     Raises
     ------
     InputError
-        Without a port.
+        When no port is named.
         See ``Line``.
     """
     if not port:

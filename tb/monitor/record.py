@@ -1,4 +1,4 @@
-"""``make record``: readings of placements that are known, as ``make scene`` takes them."""
+"""``make record``: record readings at known placements, in the form that ``make scene`` takes."""
 
 from __future__ import annotations
 
@@ -27,19 +27,19 @@ from tb.monitor.line import Line, Simulated
 from tb.monitor.ports import SIMULATED, TWIN, open_line
 
 FRAMES = 16
-# Packets that may be of before: one in the board, one on the line.
+# So many packets may still be of the placement before: one in the board, and one on the line.
 SETTLE = 2
 
 Placement = tuple[str, ...]
 
 
 def labels_of(path: Path) -> tuple[list[str], list[Placement]]:
-    """Names of the outputs, and a placement for each row of a CSV.
+    """The names of the outputs, and the placement in each row of a CSV.
 
     Raises
     ------
     InputError
-        See ``read_csv_file``; also for a cell that is no number.
+        See ``read_csv_file``. Also when a cell is no number.
     """
     table = read_csv_file(path)
     refuse([fault(text) for name in table.names if (text := table.column(name).fault(path))])
@@ -47,23 +47,25 @@ def labels_of(path: Path) -> tuple[list[str], list[Placement]]:
 
 
 def check_labels(names: Sequence[str], path: Path, scene: Scene, simulated: bool) -> None:
-    """Refuse labels of a file that cannot be outputs of the recording.
+    """Refuse columns of a file of labels that cannot be outputs of the recording.
 
     Parameters
     ----------
     names : sequence of str
+        The names of the columns.
     path : Path
-        Of the labels.
+        The file of labels.
     scene : Scene
-        Whose sensors are read.
+        The scene whose sensors are read.
     simulated : bool
-        Whether no board is there: a simulated one can only be touched where its recording was.
+        Whether the board is simulated. Such a board can only be touched at placements of its
+        recording.
 
     Raises
     ------
     InputError
-        For every column without a name, with that of a sensor, or, of a simulated board, with that
-        of no output.
+        For every column that has no name or that of a sensor and, with a simulated board, for every
+        column that is no output.
     """
     found = []
     for number, name in enumerate(names, 1):
@@ -74,20 +76,20 @@ def check_labels(names: Sequence[str], path: Path, scene: Scene, simulated: bool
             found.append(fault(f"{path}: column {name!r}: {text}"))
         elif simulated and name not in scene.outputs:
             text = (
-                f"got no output of {scene.path}, expected of {', '.join(scene.outputs)}, since a "
-                f"simulated board is touched where its recording was"
+                f"got no output of {scene.path}, expected one of {', '.join(scene.outputs)}: a "
+                "simulated board can only be touched at placements of its recording"
             )
             found.append(fault(f"{path}: column {name!r}: {text}{suggest(name, scene.outputs)}"))
     refuse(found)
 
 
 def read_placement(line: str, outputs: Sequence[str]) -> Placement:
-    """The values that were typed, between blanks or commas.
+    """The values that were typed, separated by blanks or commas.
 
     Raises
     ------
     InputError
-        For another number of them, or for what is no number.
+        When there are more or fewer values than outputs, or when one is no number.
     """
     cells = tuple(line.replace(",", " ").split())
     if len(cells) != len(outputs):
@@ -105,8 +107,8 @@ def read_placement(line: str, outputs: Sequence[str]) -> Placement:
 def typed(
     outputs: Sequence[str], ask: Callable[[str], str], say: Callable[[str], None]
 ) -> Iterator[Placement]:
-    """Placements as they are typed, until an empty line or the end of the input."""
-    say(f"type {', '.join(outputs)} of a placement when it is there; an empty line ends it")
+    """The placements that are typed, until an empty line or the end of the input."""
+    say(f"type {', '.join(outputs)} when a placement is there; an empty line ends the recording")
     while True:
         try:
             line = ask("> ")
@@ -125,7 +127,7 @@ def typed(
 def listed(
     outputs: Sequence[str], placements: Sequence[Placement], ask: Callable[[str], str]
 ) -> Iterator[Placement]:
-    """Placements of a list, each once it is said to be there."""
+    """The placements of a list, each after the user has confirmed that it is there."""
     for number, placement in enumerate(placements, 1):
         told = ", ".join(f"{n} {cell}" for n, cell in zip(outputs, placement, strict=True))
         try:
@@ -136,12 +138,12 @@ def listed(
 
 
 def gather(line: Line, board: Board, frames: int) -> Real:
-    """Readings of the next frames, shape (frames, sensors).
+    """The readings of the next frames, shape (frames, sensors).
 
     Raises
     ------
     InputError
-        When no frame comes, or the converter is in error.
+        When no frame comes, or when a packet reports a converter error.
     """
     line.drop()
     decoder = Decoder(board.layout)
@@ -151,7 +153,9 @@ def gather(line: Line, board: Board, frames: int) -> Real:
         for frame in decoder.feed(line.read()):
             last = time.monotonic()
             if "converter_error" in frame.flags:
-                raise InputError(f"PORT={line.label}: converter_error: it is missing or stuck")
+                raise InputError(
+                    f"PORT={line.label}: converter_error: the converter is missing or stuck"
+                )
             found.append(frame)
         if line.cut:
             raise InputError(f"PORT={line.label}: the line was cut: {line.cut}")
@@ -169,7 +173,7 @@ def record(
     frames: int,
     say: Callable[[str], None],
 ) -> Real:
-    """A row for each placement: the means of its readings, and its values.
+    """Append a row for each placement: the means of its readings, and its values.
 
     Returns
     -------
@@ -180,7 +184,7 @@ def record(
     sensors = board.scene.sensors
     for placement in placements:
         readings = gather(line, board, frames)
-        # A mean of so many has a digit more.
+        # The mean of many readings gets one more digit.
         cells = [
             f"{mean.round(d + 1) + 0:.{d + 1}f}"
             for mean, d in zip(readings.mean(axis=0), board.decimals, strict=False)
@@ -193,12 +197,12 @@ def record(
 
 
 def asked(prompt: str) -> str:
-    """What is typed behind the prompt.
+    """The line that is typed behind the prompt.
 
     Raises
     ------
     EOFError
-        When the input has ended, or there is none.
+        When the input has ended, or when there is none.
     """
     if sys.stdin is None:
         raise EOFError
@@ -212,13 +216,14 @@ def check_rows(csv: GrowingCsv, listed: int, interrupted: bool) -> None:
     ----------
     csv : GrowingCsv
     listed : int
-        How many placements ``LABELS=`` has; 0 where they are typed.
+        How many placements ``LABELS=`` has; 0 if placements are typed.
     interrupted : bool
-        By Ctrl-C: whoever does that has enough.
+        Whether the user ended it with Ctrl-C. Then a shorter recording is what was wanted.
 
     Raises
     ------
     InputError
+        When there is no row, or when the input has ended before the last placement.
     """
     if not csv.rows:
         why = "interrupted" if interrupted else "the input ended"
@@ -233,7 +238,7 @@ def check_rows(csv: GrowingCsv, listed: int, interrupted: bool) -> None:
 def simulated_ask(
     simulated: Simulated, placements: Sequence[Placement], outputs: Sequence[str]
 ) -> Callable[[str], str]:
-    """Nobody need press anything: the simulated board is touched where the list says."""
+    """A question that touches the simulated board at the next placement, so nobody need answer."""
     rows = iter(placements)
 
     def ask(_: str) -> str:
@@ -292,8 +297,9 @@ def main() -> None:
         if spread.any():
             worst = int(spread.argmax())
             print(
-                f"noise of a reading: {spread[worst]:.2g} at most ({board.scene.sensors[worst]}): "
-                f"of the mean of {arguments.frames} {spread[worst] / arguments.frames**0.5:.2g}"
+                f"noise of a reading: at most {spread[worst]:.2g} ({board.scene.sensors[worst]}); "
+                f"of a mean of {arguments.frames} readings: "
+                f"{spread[worst] / arguments.frames**0.5:.2g}"
             )
         check_rows(csv, len(placements or ()), interrupted)
 

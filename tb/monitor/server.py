@@ -1,4 +1,4 @@
-"""The page of a monitor, served on this machine alone."""
+"""Serves the page of a monitor to this machine alone."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tb.report.page.page import environment
 
 HOST = "127.0.0.1"
 NAMES = (HOST, "localhost")
-# Nothing but what the page itself brings may run in it.
+# Only what the page itself contains may run in it.
 POLICY = (
     "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; "
     "connect-src 'self'; img-src data:"
@@ -22,20 +22,21 @@ POLICY = (
 
 
 class Server:
-    """Serves a page and the state that it shows, from a thread, at a port that is free.
+    """Serves a page and the state that it shows, from a thread of its own, at a free port.
 
-    Only this machine can ask, and only by its own names: a page from elsewhere that a browser here
-    has open cannot, whatever its name leads to.
+    Only this machine gets an answer, and only by its own names. A page from elsewhere that is open
+    in a browser here gets none, whatever address its name resolves to.
 
     Parameters
     ----------
     title : str
     state : callable
-        What the page shows.
+        Gives what the page shows.
 
     Attributes
     ----------
     address : str
+        The address of the page.
     """
 
     def __init__(self, title: str, state: Callable[[], dict[str, Any]]) -> None:
@@ -43,7 +44,7 @@ class Server:
 
         class Handler(BaseHTTPRequestHandler):
             def do_GET(self) -> None:
-                # With any port: one that is forwarded may be another.
+                # Any port is accepted, because a forwarded port may be another one.
                 if self.headers.get("Host", "").rpartition(":")[0] not in NAMES:
                     self.send_error(HTTPStatus.FORBIDDEN)
                 elif self.path == "/":
@@ -64,7 +65,7 @@ class Server:
                 self.wfile.write(data)
 
             def log_message(self, *_: object) -> None:
-                """The terminal is for what the board says."""
+                """Print nothing: the terminal is for what the board sends."""
 
         self._server = ThreadingHTTPServer((HOST, 0), Handler)
         self._server.daemon_threads = True

@@ -1,4 +1,4 @@
-"""A simulated board: the exported hardware in GHDL, a converter on its wires, a port to open."""
+"""A simulated board: the exported hardware in GHDL, with a converter, behind a port to open."""
 
 from __future__ import annotations
 
@@ -22,9 +22,11 @@ from tb.common.tools import check_simulator, language
 from tb.monitor.inside_simulator import CONFIGURATION
 from tb.monitor.placements import nearest_row, samples_of
 
-# Ten times as fast as Icarus here, which looks through a memory word by word in every clock.
+# GHDL is ten times as fast as Icarus here, because Icarus goes through a memory word by word in
+# every clock.
 SIMULATOR = "ghdl"
-# Around the hardware: its oscillator, which from inside the simulator would take half of the time.
+# This entity around the hardware has the oscillator. If cocotb drove the clock instead, that would
+# take half of the time.
 TOP = "simulated_board"
 VHDL = """\
 library ieee;
@@ -50,27 +52,27 @@ RESET_CLOCKS = 4
 
 
 class SimulatedBoard:
-    """The hardware of a scene, bit by bit, playing the scene's recording.
+    """The hardware of a scene in a simulator, which plays the scene's recording.
 
-    The simulation runs as fast as it can, which is slower than the hardware; it waits while nobody
+    The simulation runs as fast as it can, which is slower than the hardware. It waits while nobody
     reads what it sends.
 
     Parameters
     ----------
     scene : Scene
-        With a section ``[uart]``.
+        A scene with a section ``[uart]``.
     hold : int
-        Scans for which a row of the recording stays.
+        How many scans each row of the recording is played for.
 
     Attributes
     ----------
     port : str
-        What to open as a serial port.
+        The path to open as a serial port.
 
     Raises
     ------
     InputError
-        Where the simulator is not installed, or the hardware cannot be built.
+        When the simulator is not installed, or when the hardware cannot be built.
     """
 
     def __init__(self, scene: Scene, hold: int) -> None:
@@ -105,7 +107,7 @@ class SimulatedBoard:
             folder,
             module="tb.monitor.inside_simulator",
             sim_build=folder,
-            # Before an image is there, memories hold nothing, which would be told in every clock.
+            # Before an image is there, memories hold nothing, and GHDL would warn in every clock.
             sim_args=["--ieee-asserts=disable"],
             extra_env=environment | {"PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1"},
             log=folder / "log.txt",
@@ -138,12 +140,13 @@ class SimulatedBoard:
                 stdin=subprocess.DEVNULL,
                 stdout=log,
                 stderr=subprocess.STDOUT,
-                # GHDL runs it in a process of its own; and Ctrl-C ends the command, which ends it.
+                # GHDL starts a process of its own, so the group is ended. Ctrl-C must reach the
+                # command alone, which then ends the simulation.
                 start_new_session=True,
             )
         os.close(orders)
         os.close(board)
-        # Kept open, so that the line is not cut before somebody opens it.
+        # This end is kept open, so that the line is not cut before somebody opens it.
         self._computer = computer
         return self
 

@@ -1,8 +1,8 @@
-"""``python -m tb.monitor.speed``: how many packets a second the monitor takes.
+"""``python -m tb.monitor.speed``: measure how many packets the monitor takes per second.
 
-From a pseudo-terminal that gives as many as are read, the board of twins being a process of its
-own: without a page, with a page that is looked at five times a second, and with a recording; then
-from the simulated hardware.
+The packets come from a pseudo-terminal that gives as many as are read; the board of twins behind it
+is a process of its own. It is measured without a page, with a page that is read five times a
+second, and with a recording as well. Then the packets come from the simulated hardware.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def _board(name: str, pipe: Connection) -> None:
 def packets_a_second(
     line: Line, board: Board, page: bool = False, recorded: bool = False, seconds: float = SECONDS
 ) -> float:
-    """Packets that a monitor takes a second, of those that come."""
+    """How many of the packets that come a monitor takes per second."""
     with ExitStack() as stack:
         csv = None
         if recorded:

@@ -1,4 +1,4 @@
-"""What the monitor says of a line, in words: each thing once, and again only after a while."""
+"""The messages of the monitor: each kind comes once, and again only after a while."""
 
 from __future__ import annotations
 
@@ -6,21 +6,21 @@ import time
 from collections import deque
 from collections.abc import Callable
 
-# Seconds in which the same kind of thing is not said again.
+# A kind of message is not repeated within so many seconds.
 PAUSE = 10.0
-# Lines that the page shows.
+# The page shows at most so many lines.
 MOST_LINES = 30
 
 
 class Told:
-    """Lines with the time of day, the newest first.
+    """Messages with the time of day; the newest comes first.
 
     Parameters
     ----------
     say : callable
-        Takes each line as it comes, for a terminal.
+        Called with each line as it comes, for a terminal.
     clock : callable
-        Seconds from some beginning.
+        Gives a time in seconds.
     """
 
     def __init__(
@@ -31,12 +31,12 @@ class Told:
         self._last: dict[str, float] = {}
 
     def due(self, kind: str) -> bool:
-        """Whether a thing of that kind may be said now."""
+        """Whether a message of that kind may come now."""
         now = self._clock()
         return now - self._last.get(kind, -PAUSE) >= PAUSE
 
     def tell(self, kind: str, text: str) -> None:
-        """Say it, whenever it was said before."""
+        """Give a message now, whenever the last one of its kind came."""
         self._last[kind] = self._clock()
         line = f"{time.strftime('%H:%M:%S')} {text}"
         self.lines.appendleft(line)

@@ -1,7 +1,8 @@
-"""A board made of twins, behind a port that is none: what it sends, as fast as is asked.
+"""A board that is made of twins, behind a pseudo-terminal instead of a serial port.
 
-It answers images as the hardware does, and its cable can be cut. ``PORT=twin`` is one at the rate
-of the board: to see everything in its own time.
+It sends packets as fast as is asked for. It answers images as the hardware does, and its cable can
+be cut. ``PORT=twin`` is such a board at the packet rate of the real one, so that everything is seen
+at its own speed.
 """
 
 from __future__ import annotations
@@ -25,27 +26,27 @@ from golden.scene import Scene
 from tb.monitor.board import Board
 from tb.monitor.placements import nearest_row, samples_of
 
-# Seconds between two looks at what is to be done.
+# The board looks for something to do each so many seconds.
 PAUSE = 0.01
 _HEADER = 4
 
 
 class TwinBoard:
-    """A board on a pseudo-terminal, playing a scene's recording, a row after the other.
+    """A board on a pseudo-terminal that plays the recording of a scene, one row after the other.
 
     Parameters
     ----------
     scene : Scene
-        Its hardware, its networks and its recording.
+        The scene with the hardware, the networks and the recording.
     rate : float
-        Packets a second; 0 for as many as are read.
+        Packets per second; with 0, as many as are read.
     hold : int
-        Packets for which a row stays.
+        How many packets each row is played for.
 
     Attributes
     ----------
     port : str
-        What to open as a serial port.
+        The path to open as a serial port.
     """
 
     def __init__(self, scene: Scene, rate: float = 0.0, hold: int = 1) -> None:
@@ -65,7 +66,7 @@ class TwinBoard:
         self._thread = threading.Thread(target=self._run, daemon=True)
         core = scene.twin().core
         self._engine = core if isinstance(core, Engine) and core.loaded else None
-        # One that is loaded computes nothing before.
+        # An engine that can be loaded computes nothing before an image comes.
         self._runs = self._engine is None
         self._compute()
 
@@ -86,7 +87,7 @@ class TwinBoard:
         self._folder.cleanup()
 
     def start(self) -> None:
-        """Run what the scene would have been loaded with."""
+        """Run as if the image of the scene had been loaded."""
         self._runs = True
 
     def place(self, targets: dict[str, float]) -> None:
@@ -107,7 +108,7 @@ class TwinBoard:
                 os.close(end)
 
     def mend(self) -> None:
-        """Put it in again."""
+        """Put the plug in again."""
         board, computer = os.openpty()
         tty.setraw(board)
         os.set_blocking(board, False)
@@ -116,11 +117,11 @@ class TwinBoard:
             Path(self.port).symlink_to(os.ttyname(computer))
 
     def _compute(self) -> None:
-        """Outputs and profiles of every row; nothing where no image runs."""
+        """Compute the outputs and profiles of every row."""
         engine = self._engine
         core = engine if engine else self.scene.twin().core
         outputs = core.process(self._samples)
-        # Of an image with fewer outputs the others are as after a reset.
+        # If an image has fewer outputs, the other ones stay as they are after a reset.
         self._outputs: Codes = np.zeros((len(outputs), self.layout.outputs), dtype=np.int64)
         self._outputs[:, : outputs.shape[1]] = outputs
         if self._visualisation:
@@ -157,7 +158,7 @@ class TwinBoard:
         return Frame(number % 256, flags, computed % 65536, samples, outputs, point)
 
     def _exchange(self, line: bytes) -> bytes:
-        """Send what the line takes, and take what came; returns what is left."""
+        """Send what the line takes, take what has come, and return what is still to be sent."""
         with self._lock:
             if self._ends is None:
                 time.sleep(PAUSE)
@@ -174,7 +175,7 @@ class TwinBoard:
                 return line
 
     def _take(self, data: bytes) -> None:
-        """Bytes from the computer: an image is loaded when it is whole."""
+        """Take bytes from the computer, and load an image when all of it has come."""
         self._received += data
         start = self._received.find(bytes([SYNC, kind_byte(IMAGE)]))
         if start < 0:

@@ -29,7 +29,7 @@ def properties(twin):
         "it, and no others.": "!result_valid || owed != 0"
     }
     # Proved below, as "room".
-    leaving = {"No frame leaves but one that is under way.": "!left || credit0_used != 0"}
+    leaving = {"Only frames that are under way leave.": "!left || credit0_used != 0"}
     counted = (
         f"credit0_used <= {under_way}",
         f"place < {outputs}",
@@ -103,8 +103,8 @@ def properties(twin):
         ),
         Property(
             name="room",
-            sentence=f"The memory never holds more than its {room} words: no result is written "
-            "over one that waits. No frame leaves but one that is under way.",
+            sentence=f"The memory never holds more than its {room} words, so no result is written "
+            "over one that waits. Only frames that are under way leave.",
             states=(f"!result_valid || fifo0_stored < {room}", "!left || credit0_used != 0"),
             assumes=network,
             watch=owed,
@@ -121,8 +121,8 @@ def properties(twin):
         Property(
             name="no word lost",
             sentence="The outputs leave in the order in which they came from the network, each "
-            "once and no others; each is offered at the latest two clocks after it came, or as "
-            f"soon as those before it have left; m_axis_tlast closes each {outputs} of them.",
+            "once and no others. Each is offered at most two clocks after it came, or as soon as "
+            f"those before it have left. m_axis_tlast comes with the last of each {outputs}.",
             states=(
                 "!m_axis_tvalid || waiting != 0",
                 "!waits || m_axis_tvalid",
@@ -214,9 +214,9 @@ def properties(twin):
         *items,
         Property(
             name="frames sent on",
-            sentence="The network is sent each good frame once, "
-            f"{with_slots}, never too close behind another, and one wrong frame for each wrong "
-            "one; a reset ends what is under way.",
+            sentence=f"Each good frame is sent to the network once, {with_slots}, and never too "
+            "close behind another. One wrong frame is sent for each wrong one. A reset ends what "
+            "is under way.",
             states=(
                 "done == asked_good",
                 f"sent_good == {f'done_ago[{slots - 1}]' if slots else 'done'}",

@@ -1,6 +1,6 @@
 """What is proved of engine: with a program that can be loaded, and with one that is built in.
 
-What data paths compute takes no part: a program has no branches, so that its clocks are the same
+What the data paths compute does not matter: a program has no branches, so its clocks are the same
 for every frame.
 """
 
@@ -20,7 +20,7 @@ def loaded():
         Property(
             name="no half image",
             sentence="A frame starts, and is computed, only while the last image that came was "
-            "whole and had the right check, and no byte of another has been taken since: the "
+            "whole and had the right check, and no byte of another has been taken since. So the "
             "program memory is never written from the start of a frame to its last output.",
             states=(
                 "!(start || run) || u_image_loader_0.whole",
@@ -100,9 +100,10 @@ def built_in(twin):
     return [
         Property(
             name="outputs of good frames",
-            sentence="A good frame, and nothing else, yields outputs in the clocks "
-            f"{', '.join(map(str, twin.output_clocks))} after its last sample, the last with "
-            "out_last; frame_error is high for one clock for each wrong frame, which yields none.",
+            sentence="Each good frame, and nothing else, yields outputs in the clocks "
+            f"{', '.join(map(str, twin.output_clocks))} after its last sample, the last one with "
+            "out_last. frame_error is high for one clock for each wrong frame, which yields no "
+            "output.",
             states=(
                 f"out_valid == ({outputs})",
                 f"out_valid || since != {twin.busy}",
@@ -121,7 +122,7 @@ def built_in(twin):
         Property(
             name="program counter",
             sentence=f"While a frame is computed, each step comes from one of the {words} words "
-            "of the program, one after the other, and after the last none does.",
+            "of the program, one after the other. After the last word there is no step.",
             states=(
                 f"!run || since == 0 || (fetched_from >= {begin} "
                 f"&& fetched_from < {begin + words})",

@@ -31,7 +31,7 @@ def properties(twin):
         Property(
             name="activations of one frame",
             sentence="While the outputs of a frame are weighed, the activations stay those of that "
-            "frame: none comes from a frame behind it.",
+            "frame: none comes from a later frame.",
             states=("!r_valid_0 || row == 0",),
             reached=("r_valid_0", "row != 0"),
             refuted_by=(too_soon,),

@@ -37,8 +37,9 @@ def properties(twin):
         ),
         Property(
             name="results side by side",
-            sentence="Each network gives its result of a frame the clocks before the slowest that "
-            "its delay makes up for: outputs of two frames are never gathered together.",
+            sentence="Each network gives its result of a frame as many clocks before the slowest "
+            "network as its delay makes up for. So outputs of two frames are never gathered "
+            "together.",
             states=tuple(f"{flag} == u_output_collector_0.in_valid" for flag in together),
             watch=frames(inputs, spacing) + "".join(delays),
             helps=tuple(helps),

@@ -21,7 +21,7 @@ def properties(twin):
     return [
         Property(
             name="one for each",
-            sentence=f"A frame, and nothing else, yields its outputs in the clock {late} after it, "
+            sentence=f"A frame, and nothing else, yields its outputs {late} clocks after it, "
             f"unless a reset came between. {no_result}",
             states=(f"out_valid == good_ago[{late - 1}]",),
             watch=watch + ago("good_ago", "good", late),
@@ -37,8 +37,8 @@ def properties(twin):
         ),
         Property(
             name="frame_error",
-            sentence="frame_error is high one clock after each frame that comes within "
-            f"{spacing} clocks of a good one, and in no other clock."
+            sentence="frame_error is high one clock after each frame that comes less than "
+            f"{spacing} clocks after a good one, and in no other clock."
             if spacing
             else "frame_error is never high.",
             states=("frame_error == wrong_ago[0]",),

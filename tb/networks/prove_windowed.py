@@ -1,6 +1,6 @@
 """What is proved of windowed, whatever comes on its stream.
 
-What its network makes of a frame is proved of that.
+What its network makes of a frame is proved of the network.
 """
 
 from tb.sensing.prove_frame_window import window

@@ -1,1 +1,1 @@
-"""Other projects' hardware for the same weights, beside ours: ``make peers``."""
+"""``make peers``: compares our hardware with that of other projects for the same weights."""

@@ -1,9 +1,9 @@
-"""``make peers``: what other projects make of the same weights, beside ours.
+"""``make peers``: compare our hardware with that of other projects for the same weights.
 
-da4ml and NNgen are installed from PyPI into an environment of their own below ``build/peers``. Of
-da4ml's settings whose errors are at most a fifth above those of ``parallel`` the cheapest is taken.
-Errors are means against the network in floating point in units of 2**-13, over the recorded frames
-and over 2000 random ones. ``build/peers/<scene>`` gets ``peers.csv`` and their Verilog.
+da4ml and NNgen are installed from PyPI into an environment of their own below ``build/peers``. The
+setting of da4ml is the cheapest one whose errors are at most a fifth above those of ``parallel``.
+Errors are means against the network in floating point, in units of 2**-13, over the recorded frames
+and over 2000 random ones. ``build/peers/<scene>`` gets ``peers.csv`` and the Verilog of the peers.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from tb.peers.comparison import compared, task_of
 from tb.peers.installed import installed, version_of
 
 SCENE = "digit-single"
-# The design whose errors say what another may have, and how much more that may be.
+# A peer may have errors of up to ``MORE`` times those of this design.
 MEASURE = "parallel"
 MORE = 1.2
 PEERS = ("da4ml", "nngen")

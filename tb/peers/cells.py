@@ -1,4 +1,4 @@
-"""Virtex-II cells of a design in one piece, ours or another's, by one script."""
+"""Counts the Virtex-II cells of a design in one piece, with the same script for all projects."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from hdl.synth.netlist import count
 from hdl.synth.tools import run_tool, stored
 
 FAMILY = "xc2v"
-# Parameters of a module are only known where it is used, so it is read when that is.
+# The parameters of a module are known only where it is used, so reading it is deferred until then.
 SCRIPT = (
     f"read_verilog -defer *.v; synth_xilinx -family {FAMILY} -flatten -noiopad -noclkbuf -top {{}};"
     " tee -q -o stat.json stat -json"
@@ -20,7 +20,7 @@ SCRIPT = (
 
 
 def in_one_piece(verilog: Path, top: str) -> dict[str, int]:
-    """Cells by ``hdl.synth.netlist.KINDS`` of the ``.v`` files in a folder and their ``.mem``.
+    """The cells of the ``.v`` and ``.mem`` files in a folder, by ``hdl.synth.netlist.KINDS``.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What is compared: the network, the frames, errors against the float network, the table."""
+"""The comparison: the network, the frames, the errors against floating point, and the table."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from golden.scene import Scene
 from tb.report.measure.one_network import mean_error, random_frames
 from tb.report.measure.table import Cell, Table
 
-# Headings, and the kinds of ``hdl.synth.netlist.KINDS`` under them.
+# The headings of the columns, and the kinds of ``hdl.synth.netlist.KINDS`` that stand below them.
 COLUMNS = {
     "LUT4": "LUT",
     "flip-flop": "flip-flop",
@@ -27,16 +27,16 @@ COLUMNS = {
 
 @dataclass(frozen=True)
 class Task:
-    """What all of them compute.
+    """The task that all designs compute.
 
     Attributes
     ----------
     mlp : Mlp
         The network in floating point.
     constants : Constants
-        Its weights and biases in codes, the same for all.
+        The codes of its weights and biases, which are the same for all designs.
     recorded, random : integer arrays, shape (frames, inputs)
-        Codes of samples.
+        The codes of the samples.
     """
 
     mlp: Mlp
@@ -50,7 +50,7 @@ class Task:
         return np.concatenate([self.recorded, self.random])
 
     def given(self) -> dict[str, Any]:
-        """Codes and fraction bits of both layers, and the frames, as JSON can hold them."""
+        """The codes and fraction bits of both layers, and the frames, in a form for JSON."""
         layers = {"first": self.constants.first, "second": self.constants.second}
         return {
             **{
@@ -61,7 +61,7 @@ class Task:
         }
 
     def errors(self, outputs: Codes) -> tuple[float, float]:
-        """Of the outputs of ``frames``: see ``mean_error``, over recorded and over random ones."""
+        """The ``mean_error`` of outputs for ``frames``, over recorded and over random frames."""
         if outputs.shape != (len(self.frames), self.mlp.shape[-1]):
             raise ValueError(f"outputs: got shape {outputs.shape} for {len(self.frames)} frames")
         cut = len(self.recorded)
@@ -72,7 +72,7 @@ class Task:
 
 
 def task_of(scene: Scene, seed: int) -> Task:
-    """The one network of a scene, its recorded frames and random ones, every code as likely."""
+    """The one network of a scene, its recorded frames, and uniformly random frames."""
     (mlp,) = scene.mlps()
     random = random_frames(seed, mlp.shape[0])
     constants = constants_of(mlp, scene.precision, scene.activation, scene.activation_options)
@@ -87,11 +87,11 @@ class Row:
     ----------
     name : str
     cells : mapping
-        By kind, see ``hdl.synth.netlist.KINDS``.
+        The count of each kind of ``hdl.synth.netlist.KINDS``.
     clocks : int
-        From the last sample of a frame to its last output.
+        The clocks from the last sample of a frame to its last output.
     interval : int
-        From one frame to the next.
+        The clocks from one frame to the next.
     errors : tuple of float
         See ``Task.errors``.
     """

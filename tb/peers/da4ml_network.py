@@ -1,14 +1,14 @@
-"""A network of two layers through da4ml, in every setting; run by the Python that has da4ml.
+"""Builds a network of two layers with da4ml, in every setting; the Python that has da4ml runs it.
 
 ``python da4ml_network.py FOLDER`` reads ``given.json`` there and writes ``answer.json`` and the
-Verilog of each setting. Nothing of ours is imported.
+Verilog of each setting. It imports nothing of this project.
 
-The sums are da4ml's: ``samples @ weights + biases`` on its symbolic arrays, every product exact.
-Its own tanh is a table of a whole sum, which takes 131072 words for the error that ours has, so
-tanh is made of two tables and a multiplication, all of them da4ml's operations: of a hidden sum
-that saturates to 3 whole bits, the upper 10 bits take tanh and its slope from tables of 1024 words,
-and the others times the slope are added. Half of r's last place stands in the first table, so r is
-cut without a rounding addition.
+The sums are da4ml's: ``samples @ weights + biases`` on its symbolic arrays, with exact products.
+da4ml's own tanh is a table of a whole sum, which takes 131072 words for the same error as ours. So
+tanh is made of two tables and a multiplication, all of them da4ml's operations. A hidden sum
+saturates to 3 whole bits. Its upper 10 bits read tanh and the slope of tanh from tables of 1024
+words, and its other bits times the slope are added. The first table includes half of r's last
+place, so r is cut without an addition for rounding.
 """
 
 from __future__ import annotations
@@ -28,18 +28,19 @@ SIGNAL_FRAC = 13
 WHOLE = 3
 STEP_FRAC = 6
 TANH_FRAC, SLOPE_FRAC = 16, 9
-# Adder levels between registers.
+# The number of adder levels between registers.
 LEVELS = 5
-# da4ml's costs are of one bit an adder cell, and a level of delay an adder, whatever its width.
+# In da4ml's costs each adder cell is for one bit, and each adder is one level of delay, whatever
+# its width.
 COSTS = HWConfig(1, -1, -1)
 METHODS = ("wmc", "mc", "wmc-pdc", "mc-pdc", "wmc-dc", "mc-dc")
-# Levels that may be added to the shallowest graph; -1 is any number.
+# How many levels may be added to the shallowest graph; -1 means any number.
 EXTRA_LEVELS = (-1, 2, 1, 0)
 HIDDEN_FRACS = (12, 13, 14)
 
 
 def settings() -> list[dict[str, Any]]:
-    """What is tried: how common terms are chosen, how deep the graphs may get, bits of q."""
+    """The settings to try: how common terms are chosen, how deep graphs may get, the bits of q."""
     return [
         {"method0": method, "hard_dc": extra, "hidden_frac": frac}
         for frac, method, extra in itertools.product(HIDDEN_FRACS, METHODS, EXTRA_LEVELS)
@@ -47,13 +48,13 @@ def settings() -> list[dict[str, Any]]:
 
 
 def layer(given: dict[str, Any]) -> tuple[Any, Any]:
-    """Weights, shape (inputs, neurons), and biases as the numbers that their codes stand for."""
+    """Weights, shape (inputs, neurons), and biases as real numbers, from their codes."""
     step = 2.0 ** -given["frac"]
     return np.array(given["weights"]).T * step, np.array(given["biases"]) * step
 
 
 def tanh(q: Any, frac: int) -> Any:
-    """r in 13 fraction bits, of sums that are cut to ``frac``."""
+    """r with 13 fraction bits, from sums that are cut to ``frac`` fraction bits."""
     step, half = 2.0**-STEP_FRAC, 2.0 ** -(SIGNAL_FRAC + 1)
     most = 1 - 2.0**-TANH_FRAC
     reached = q.quantize(1, WHOLE, frac, "SAT", "TRN")
@@ -80,7 +81,7 @@ def traced(given: dict[str, Any], setting: dict[str, Any]) -> Any:
 
 
 def answered(given: dict[str, Any], setting: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """Write a setting's Verilog; its cost as da4ml counts it, stages, and codes of the outputs."""
+    """Write a setting's Verilog; return da4ml's cost, the stages, and the codes of the outputs."""
     logic = traced(given, setting)
     formats = [tuple(map(int, minimal_kif(q))) for q in logic.out_qint]
     if set(formats) != {(1, 0, SIGNAL_FRAC)}:

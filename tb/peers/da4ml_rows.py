@@ -1,4 +1,4 @@
-"""da4ml: settings, the Verilog that it writes, its simulation and its cells."""
+"""da4ml: tries its settings, simulates the Verilog that it writes, and counts the cells."""
 
 from __future__ import annotations
 
@@ -19,27 +19,27 @@ from tb.peers.simulated import simulated
 
 PROGRAM = Path(__file__).with_name("da4ml_network.py")
 TOP = "peer"
-# By file: what is changed in what da4ml writes. Yosys knows no memory of LUTs for Virtex-II and
-# ends there; without the attribute it takes block RAMs.
+# Changes of the files that da4ml writes. Yosys knows no memory of LUTs for Virtex-II and stops with
+# an error there; without the attribute it takes block RAMs.
 NEEDED = {"lookup_table.v": (r"\(\* rom_style.*?\*\)", "")}
-# A sum that is kept is not merged with others into carry-save form, which takes more LUTs.
+# A sum with this attribute is not merged with others into carry-save form, which takes more LUTs.
 KEPT = {"shift_adder.v": (r"(wire \[[^]]*\] accum;)", r"(* keep *) \1")}
 
 
 @dataclass(frozen=True)
 class Tried:
-    """One setting.
+    """A setting that was tried.
 
     Attributes
     ----------
     setting : str
     cost : float
-        As da4ml counts it.
+        The cost as da4ml counts it.
     clocks : int
     outputs : integer array, shape (frames, outputs)
-        By da4ml's own integer model.
+        The outputs of da4ml's own integer model.
     folder : Path
-        Its Verilog.
+        The folder with its Verilog.
     """
 
     setting: str
@@ -50,7 +50,7 @@ class Tried:
 
 
 def tried(python: Path, task: Task, folder: Path) -> list[Tried]:
-    """Every setting of ``da4ml_network.py``.
+    """Try every setting of ``da4ml_network.py``.
 
     Raises
     ------
@@ -72,12 +72,14 @@ def tried(python: Path, task: Task, folder: Path) -> list[Tried]:
 
 
 def cheapest(found: Iterable[Tried], task: Task, most: tuple[float, float]) -> Tried:
-    """The setting of least cost whose errors are at most ``most``, of recorded and random frames.
+    """The setting with the least cost whose errors are at most ``most``.
+
+    Both the errors over the recorded frames and those over the random frames are limited.
 
     Raises
     ------
     InputError
-        When there is none.
+        When there is no such setting.
     """
     good = [
         one
@@ -90,12 +92,12 @@ def cheapest(found: Iterable[Tried], task: Task, most: tuple[float, float]) -> T
 
 
 def collected(one: Tried, folder: Path, edits: dict[str, tuple[str, str]]) -> None:
-    """A setting's Verilog and tables in one folder, changed by ``edits``.
+    """Copy a setting's Verilog and tables into one folder, and change them by ``edits``.
 
     Raises
     ------
     InputError
-        When what is to be changed is not there: another da4ml writes something else.
+        When a text to change is not there, because another version of da4ml writes other text.
     """
     source = one.folder / "src"
     for file in (*source.glob("*.v"), *source.glob("static/*.v"), *source.glob("memfiles/*.mem")):
@@ -110,12 +112,12 @@ def collected(one: Tried, folder: Path, edits: dict[str, tuple[str, str]]) -> No
 
 
 def row(one: Tried, task: Task, verilog: Path, kept: bool) -> Row:
-    """A setting in one piece, as it is written or with its sums kept.
+    """The row of a setting in one piece, as it is written or with its sums kept.
 
     Raises
     ------
     InputError
-        When the Verilog computes anything else than da4ml's model, or a tool fails.
+        When the Verilog does not compute what da4ml's model does, or when a tool fails.
     """
     verilog.mkdir()
     collected(one, verilog, NEEDED | KEPT if kept else NEEDED)
@@ -131,9 +133,11 @@ def check(found: Codes, expected: Codes) -> None:
     Raises
     ------
     InputError
+        When a frame has other outputs.
     """
     wrong = int((found != expected).any(axis=1).sum())
     if wrong:
         raise InputError(
-            f"da4ml: {wrong} of {len(expected)} frames are other in simulation than in its model"
+            f"da4ml: {wrong} of {len(expected)} frames differ between simulation and model, "
+            "expected none"
         )

@@ -1,4 +1,4 @@
-"""A virtual environment for what other projects need, apart from ours."""
+"""A virtual environment with the packages of other projects, apart from ours."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ READY = ".ready"
 
 
 def installed(folder: Path) -> Path:
-    """The Python of an environment in ``folder`` that has what ``requirements.txt`` asks for.
+    """The Python of an environment in ``folder`` with the packages of ``requirements.txt``.
 
-    It is made when it is not there, or when the requirements are others.
+    The environment is made if it is not there, or if the requirements have changed.
 
     Raises
     ------
     InputError
-        When pip cannot install them: without a network, or where there is no wheel.
+        When pip cannot install them, because there is no network or no wheel for this machine.
     """
     python, ready = folder / "bin" / "python", folder / READY
     wanted = fingerprint([REQUIREMENTS], sys.version)
@@ -58,26 +58,28 @@ def version_of(python: Path, package: str) -> str:
 
 
 def asked(python: Path, program: Path, given: dict[str, Any], folder: Path) -> Any:
-    """What a program of another environment answers, in JSON as it is asked; see the programs.
+    """Run a program with the Python of another environment, and return its answer.
+
+    Question and answer are JSON files in ``folder``; the programs describe them.
 
     Raises
     ------
     InputError
-        When it fails.
+        When the program fails.
     """
     (folder / "given.json").write_text(json.dumps(given), encoding="utf-8")
-    # Isolated, so that it sees nothing of this project.
+    # The program runs isolated, so that it sees nothing of this project.
     run([str(python), "-I", str(program), str(folder)])
     return json.loads((folder / "answer.json").read_text(encoding="utf-8"))
 
 
 def run(command: list[str], folder: Path | None = None) -> str:
-    """What a program printed.
+    """Run a program and return what it printed.
 
     Raises
     ------
     InputError
-        When it fails; the message is the last of what it said.
+        When the program fails; the message has its last lines.
     """
     result = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     if result.returncode:

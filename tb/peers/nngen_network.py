@@ -1,12 +1,12 @@
-"""A network of two layers through NNgen; run by the Python that has NNgen.
+"""Builds a network of two layers with NNgen; the Python that has NNgen runs it.
 
 ``python nngen_network.py FOLDER`` reads ``given.json`` there and writes ``answer.json`` and the
-Verilog. Nothing of ours is imported.
+Verilog. It imports nothing of this project.
 
-NNgen has no tanh, so ``tanh(q) = 2 sigmoid(2 q) - 1``: the 2 and the 1 go into scale and biases,
-and the codes of the weights stay. Its sigmoid is a table of a whole sum, without interpolation. The
-hardware reads samples and weights from a memory behind an AXI port and writes the outputs there; in
-simulation that is NNgen's own model of one, at its fastest.
+NNgen has no tanh, so ``tanh(q) = 2 sigmoid(2 q) - 1`` is used. The 2 and the 1 go into scale and
+biases, and the codes of the weights stay as they are. NNgen's sigmoid is a table of a whole sum,
+without interpolation. The hardware reads samples and weights from a memory behind an AXI port, and
+writes the outputs there. In simulation this memory is NNgen's own model, with its shortest delays.
 """
 
 from __future__ import annotations
@@ -25,26 +25,27 @@ import veriloggen.types.axi as axi
 from veriloggen import Delay, Module, Not, Seq, Systask, simulation
 
 SIGNAL_FRAC = 13
-# Address bits of the table, and where it ends: sigmoid(8) is tanh(4). A bit less nearly doubles the
-# errors.
+# The address bits of the table, and the sum at which it ends: sigmoid(8) corresponds to tanh(4).
+# One bit less would nearly double the errors.
 ADDRESS, REACH = 13, 8
-# Fraction bits of 2 q and of the sigmoid. Biases are 32 bits wide, which more would not fit.
+# The fraction bits of 2 q and of the sigmoid. With more, biases would not fit into their 32 bits.
 HIDDEN_FRAC, SIGMOID_FRAC = 15, 13
-# In the memory everything begins at a multiple of this many bytes.
+# In the memory each array begins at a multiple of so many bytes.
 CHUNK = 64
 MEMORY_WORDS = 1 << 16
 SIMULATED = 4
-# Clocks from an address to its word, and no pauses: a memory on the same chip.
+# The clocks from an address to its word, and no pauses, as with a memory on the same chip.
 FASTEST = {"write_delay": 1, "read_delay": 1, "sleep_interval": 0}
 
 
 def network(given: dict[str, Any]) -> tuple[Any, Any]:
-    """Samples and outputs of the network as NNgen's operators."""
+    """The samples and the outputs of the network as NNgen's operators."""
     first, second = given["first"], given["second"]
     weights, biases = np.array(first["weights"]), np.array(first["biases"])
     samples = ng.placeholder(ng.int16, shape=(1, weights.shape[1]), name="samples")
     sums, bias = matmul(samples, weights, "hidden", ng.int32)
-    # 2 q is the same code with a fraction bit less. An address is cut, so half a step is added.
+    # 2 q has the same code as q with one fraction bit less. NNgen cuts an address, so half a step
+    # is added.
     frac = first["frac"] + SIGNAL_FRAC - 1
     half = REACH << (frac - ADDRESS)
     bias.set_value((biases << SIGNAL_FRAC) + half)
@@ -65,7 +66,7 @@ def network(given: dict[str, Any]) -> tuple[Any, Any]:
 
 
 def matmul(inputs: Any, weights: Any, name: str, dtype: Any) -> tuple[Any, Any]:
-    """A layer's sums, rounded to ``dtype``, and its biases, which are to be given yet."""
+    """The sums of a layer, rounded to ``dtype``, and its biases, whose values the caller sets."""
     held = ng.variable(ng.int32, shape=weights.shape, name=f"{name}_weights")
     held.set_value(weights)
     bias = ng.variable(ng.int32, shape=(len(weights),), name=f"{name}_biases")
@@ -82,7 +83,7 @@ def matmul(inputs: Any, weights: Any, name: str, dtype: Any) -> tuple[Any, Any]:
 
 
 def bench(hardware: Any, samples: Any, outputs: Any, frame: Any) -> Any:
-    """A test of NNgen's kind: one frame from memory, clocks and outputs printed."""
+    """A test bench in NNgen's style that runs a frame from memory and prints clocks and outputs."""
     words = ng.export_ndarray([outputs], CHUNK)
     at = rounded(samples.addr + samples.memory_size)
     free = rounded(rounded(at + len(words)) + outputs.memory_size)
@@ -111,7 +112,7 @@ def bench(hardware: Any, samples: Any, outputs: Any, frame: Any) -> Any:
     clocks = module.Reg("clocks", 32, initval=0)
     Seq(module, "count", clock, reset)(clocks.inc())
 
-    # Read by NNgen as hardware.
+    # NNgen turns this function into hardware.
     def drive():  # type: ignore[no-untyped-def]
         for _i in range(100):
             pass
@@ -143,7 +144,7 @@ def rounded(address: int) -> int:
 
 def main() -> None:
     folder = Path(sys.argv[1]).resolve()
-    # Whatever the tools write they write there.
+    # The tools write all their files into the current folder.
     os.chdir(folder)
     given = json.loads(Path("given.json").read_text(encoding="utf-8"))
     frames = np.array(given["frames"])

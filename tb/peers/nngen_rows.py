@@ -1,4 +1,4 @@
-"""NNgen: the Verilog that it writes, frames of its own simulation, and its cells."""
+"""NNgen: runs it, compares frames of its own simulation with its model, and counts the cells."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ TOP = "peer"
 
 
 def row(python: Path, task: Task, folder: Path) -> Row:
-    """The network of ``nngen_network.py`` in one piece.
+    """The row of the network of ``nngen_network.py`` in one piece.
 
     Raises
     ------
@@ -29,9 +29,10 @@ def row(python: Path, task: Task, folder: Path) -> Row:
     wrong = int((outputs[: len(simulated)] != simulated).any(axis=1).sum())
     if wrong:
         raise InputError(
-            f"NNgen: {wrong} of {len(simulated)} frames are other in simulation than in its model"
+            f"NNgen: {wrong} of {len(simulated)} frames differ between simulation and model, "
+            "expected none"
         )
-    # Its outputs are 16 bits wide.
+    # NNgen's outputs are 16 bits wide, so they are limited to the range of a signal.
     errors = task.errors(np.clip(outputs, SIGNAL.low, SIGNAL.high))
     name = f"NNgen, table of {answer['words']} words"
     clocks = answer["clocks"]

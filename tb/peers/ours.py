@@ -1,4 +1,4 @@
-"""Our designs that take a whole frame in a clock, and the engine, on the same weights."""
+"""Our designs with the same weights: those that take a whole frame per clock, and the engine."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from hdl.synth.cells import synthesise
 from tb.peers.cells import FAMILY, in_one_piece
 from tb.peers.comparison import Row, Task
 
-# What stands beside a peer that folds a network onto few multipliers.
+# This design is compared with a peer that folds a network onto few multipliers.
 FOLDED = "engine"
 
 
 def designs(scene: Scene, task: Task) -> Iterator[tuple[str, Design]]:
-    """Each design whose stream is words, then the engine.
+    """Each design whose stream is words, and then the engine.
 
-    In the scene's activation, or in those that a design knows.
+    A design has the scene's activation, or comes with each of those that it knows.
     """
     words = [name for name, design in DESIGNS.items() if design.stream == "words"]
     for name in (*words, FOLDED):
@@ -35,7 +35,7 @@ def designs(scene: Scene, task: Task) -> Iterator[tuple[str, Design]]:
 
 
 def rows(name: str, design: Design, task: Task) -> list[Row]:
-    """A design as it is exported, an entity a module, and in one piece.
+    """The rows of a design as it is exported, with a module for each entity, and in one piece.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""A peer's pipeline in Icarus, a frame a clock."""
+"""Simulates a peer's pipeline in Icarus, with one frame per clock."""
 
 from __future__ import annotations
 
@@ -33,22 +33,23 @@ endmodule
 
 
 def simulated(verilog: Path, top: str, frames: Codes, outputs: int, clocks: int) -> Codes:
-    """What a pipeline without a handshake gives ``clocks`` edges after each frame.
+    """The outputs of a pipeline without a handshake, ``clocks`` edges after each frame.
 
     Parameters
     ----------
     verilog : Path
-        Folder with ``.v`` files and what they read.
+        A folder with ``.v`` files and the files that they read.
     top : str
-        A module with ports ``clk``, ``model_inp`` and ``model_out``, the first code lowest.
+        A module with ports ``clk``, ``model_inp`` and ``model_out``; the first code of a frame is
+        in the lowest bits.
     frames : integer array, shape (frames, inputs)
-        Codes.
+        The codes of the samples.
     outputs, clocks : int
 
     Raises
     ------
     InputError
-        When Icarus fails, or a bit is unknown.
+        When Icarus fails, or when a bit is unknown.
     """
     taken, given = (SIGNAL.width * n for n in (frames.shape[1], outputs))
     words = [f"{packed(frame):x}" for frame in frames.tolist()]
@@ -68,13 +69,13 @@ def simulated(verilog: Path, top: str, frames: Codes, outputs: int, clocks: int)
 
 
 def packed(codes: list[int]) -> int:
-    """Codes as one word, the first lowest."""
+    """Codes as one word; the first code is in the lowest bits."""
     mask = (1 << SIGNAL.width) - 1
     return sum((code & mask) << (SIGNAL.width * n) for n, code in enumerate(codes))
 
 
 def unpacked(word: int, count: int) -> list[int]:
-    """The codes of a word: what ``packed`` was given."""
+    """The codes in a word that ``packed`` has made."""
     mask, sign = (1 << SIGNAL.width) - 1, 1 << (SIGNAL.width - 1)
     codes = (word >> (SIGNAL.width * n) & mask for n in range(count))
     return [(code ^ sign) - sign for code in codes]

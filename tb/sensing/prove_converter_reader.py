@@ -32,9 +32,9 @@ def properties(twin):
     timing = Property(
         name="wires",
         sentence=f"In each of {twin.inputs} turns of {turn} clocks cs_n is low from clock {first} "
-        f"on, and sclk changes every {half} {'clock' if half == 1 else 'clocks'} from then on, "
-        f"{2 * part.clocks} times; at all other times cs_n is high and sclk low. cs_n is high for "
-        f"{first} clocks before it falls, {least} of which the part asks for, after a reset too.",
+        f"on, and sclk changes every {'clock' if half == 1 else f'{half} clocks'} from then on, "
+        f"{2 * part.clocks} times. At all other times cs_n is high and sclk is low. Before it "
+        f"falls, cs_n is high for {first} clocks, also after a reset; the part asks for {least}.",
         states=(
             "cs_n == !working",
             "sclk == (working && halves[0])",
@@ -79,7 +79,7 @@ def properties(twin):
     verdicts = Property(
         name="verdicts",
         sentence=f"In clock {verdict} of each turn, and in no other, a transfer is judged. It is "
-        f"wrong just where {telling}"
+        f"wrong exactly where {telling}"
         f"{', or did not repeat the code' if part.mirrored else ''}.",
         states=(f"done == (sensor && into == {verdict})", f"wrong == ({bad})"),
         watch=clocks,
@@ -96,9 +96,9 @@ def properties(twin):
     frames = Property(
         name="no frame beside the error",
         sentence="converter_error rises with each wrong transfer, and falls with the first scan "
-        f"that has none. Such a scan, and nothing else, yields a frame: {slots} samples from two "
-        "clocks after the verdict on its last transfer, the last with out_last. No sample leaves "
-        "while converter_error is up.",
+        f"that has none. Such a scan, and nothing else, yields a frame: {slots} samples that begin "
+        "two clocks after the verdict on its last transfer, the last one with out_last. No sample "
+        "leaves while converter_error is high.",
         states=(
             "converter_error == told",
             "out_valid == sent",
@@ -106,7 +106,7 @@ def properties(twin):
             "!(out_valid && converter_error)",
         ),
         assumes={
-            "No transfer ends while a frame leaves: it is shorter than a turn, which the twin "
+            "No transfer ends while a frame leaves: a frame is shorter than a turn, as the twin "
             "checks.": "!(done && sending)",
         },
         watch=f"""
@@ -151,8 +151,8 @@ def properties(twin):
     heard = Property(
         name="bits",
         sentence=f"miso is read {part.clocks + 1} times a turn: once before cs_n falls, and in "
-        "each clock at whose end sclk falls; a bit is kept behind those before it, and nothing "
-        "else is.",
+        "each clock at whose end sclk falls. Each bit that is read is kept behind those before it, "
+        "and nothing else is kept.",
         states=("!known || received == (reading_ago ? caught : before)",),
         watch=clocks
         + f"""

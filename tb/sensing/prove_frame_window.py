@@ -18,7 +18,7 @@ def window(twin, part, out, wrong=(), lost=()):
     ----------
     twin : FrameWindow
     part : str
-        Where its signals are: "", or its instance and a point.
+        Stands before the names of its signals: "", or its instance and a point.
     out : str
         How the names of the stream begin to which it gives elements.
     wrong, lost : tuple
@@ -27,14 +27,15 @@ def window(twin, part, out, wrong=(), lost=()):
     sensors, spacing, elements = twin.sensors, twin.spacing, twin.elements
     late, past, interval = twin.latency, twin.past, twin.interval
     apart = spacing > 1
-    least = f" or come within {spacing} clocks of a good one" if apart else ""
+    least = f" or that ends less than {spacing} clocks after a good one" if apart else ""
     good, judge = f"{part}good", f"{part}judge0_"
     yields = f"{part}yields" if past else good
     found = [
         Property(
             name="frame_error",
-            sentence=f"frame_error is high for just one clock for each frame that has not {sensors}"
-            f" samples{least}, one clock after the sample that gives it away; all others are good.",
+            sentence="frame_error is high for exactly one clock for each frame that does not have "
+            f"{sensors} samples{least}. It comes one clock after the sample that shows this. All "
+            "other frames are good.",
             states=("frame_error == wrong_ago[0]", "was_good == good_ago[0]"),
             watch=frames(sensors, spacing, name="told_")
             + ago("wrong_ago", "told_wrong", 1)
@@ -59,9 +60,9 @@ def window(twin, part, out, wrong=(), lost=()):
         ),
         Property(
             name="elements",
-            sentence=f"A frame that yields, and nothing else, gives {elements} elements in clocks "
-            f"{late} to {late + elements - 1} after its last sample, the last of them with last; a "
-            "reset ends them.",
+            sentence=f"Each frame that yields, and nothing else, gives {elements} elements in "
+            f"clocks {late} to {late + elements - 1} after its last sample, the last of them with "
+            "last. A reset ends them.",
             states=(f"{out}valid == (left != 0)", f"{out}last == (left == 1)"),
             watch=f"""
                 reg [15:0] gap = 0;
@@ -70,7 +71,7 @@ def window(twin, part, out, wrong=(), lost=()):
             + ago("yield_ago", yields, late)
             + results(elements, f"yield_ago[{late - 1}]"),
             assumes={
-                f"Frames that yield are {interval} clocks apart or more, as all good ones are.": (
+                f"Frames that yield are at least {interval} clocks apart, as all good ones are.": (
                     f"!({yields} && gap != 0)"
                 )
             },

@@ -22,9 +22,9 @@ def properties(twin):
     return [
         Property(
             name="one frame a scan",
-            sentence=f"Of each scan of {twin.scan_clocks} clocks, {twin.slots} samples are sent, "
-            f"each one clock after clock {twin.sample_clock} of its slot, the last one with "
-            "out_last; a reset begins the scan anew and sends nothing of the old one.",
+            sentence=f"Each scan of {twin.scan_clocks} clocks sends {twin.slots} samples, each one "
+            f"clock after clock {twin.sample_clock} of its slot, the last one with out_last. A "
+            "reset begins a new scan and sends nothing of the old one.",
             states=("out_valid == sampled", "out_last == ended", "!out_valid || out_data == code"),
             watch=watch,
             helps=helps,
@@ -40,7 +40,7 @@ def properties(twin):
         Property(
             name="settled",
             sentence="In the clock in which a code is taken, the address has named its sensor "
-            f"for {twin.sample_clock} clocks, that one among them.",
+            f"for {twin.sample_clock} clocks, including that one.",
             states=(f"!({at}) || (steady >= {twin.sample_clock - 1} && address == sensor)",),
             watch=watch
             + f"""

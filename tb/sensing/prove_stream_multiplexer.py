@@ -17,8 +17,8 @@ def properties(twin):
         ),
         Property(
             name="only the slot",
-            sentence=f"Element {twin.slot} of each frame is the result that came last, all others "
-            "are what came in.",
+            sentence=f"Element {twin.slot} of each frame is the result that came last, and all "
+            "other elements are those that came in.",
             states=("!out_valid || out_data == expected",),
             watch=f"""
                 reg [31:0] place = 0;
@@ -37,7 +37,11 @@ def properties(twin):
                 "!out_valid || expected == out_data",
             ),
             # Both may be anything, but the same.
-            assumes={"Before the first result something is held.": "after_reset || newest == held"},
+            assumes={
+                "Before the first result, the held result and its copy in the proof are equal.": (
+                    "after_reset || newest == held"
+                )
+            },
             reached=(f"out_valid && place == {twin.slot + 1}",),
             refuted_by=(
                 (r"count == 2", "count == 1"),

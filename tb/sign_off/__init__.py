@@ -1,1 +1,1 @@
-"""What is proved, counted and run of each block before its hardware is signed off."""
+"""The proofs, counts and runs that each block needs before its hardware is signed off."""

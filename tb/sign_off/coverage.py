@@ -1,10 +1,10 @@
-"""What the bench of each block has met of what its twin names: borders, states, values of ports.
+"""Counts how often the bench of each block meets the borders, states and port values of its twin.
 
     make coverage [BLOCK=input_node] [RECORD=1]
 
-runs the benches on Icarus, each on the entity that stands for its block, and counts how often each
-side of every border, every state and every value was met. A bench that leaves one out fails, here
-as everywhere; the record shows by how much it does not.
+runs the benches on Icarus, each on the entity that stands for its block. It counts how often each
+side of every border, every state and every value of a port was met. A bench that leaves one of them
+out fails, here as in every other run. The record shows the counts.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ KIND = "coverage"
 
 
 def named_by(twin: Block) -> str:
-    """A digest of what the twin names: its borders, its states, the values of its ports."""
+    """A digest of the borders, the states and the values of ports that the twin names."""
     named = [f"{border}" for border in twin.borders] + [f"{state}" for state in twin.states]
     named += [f"{port.name} {values_of(port)}" for port in twin.ports]
     return fingerprint([], *named, f"{twin.unreachable}")
 
 
 def summary(outcome: Outcome) -> dict[str, Any]:
-    """What is recorded of the counts of a bench."""
+    """The record of the counts of a bench."""
     job, counts = outcome.job, outcome.facts["coverage"]
     twin = job.twin
     states = counts.get("states", {})

@@ -1,4 +1,4 @@
-"""Whether the records of a block are of what its bench does now."""
+"""Checks that the records of a block belong to what its bench does now."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from tb.common.runner import Outcome
 from tb.sign_off.record import read_record
 from tb.sign_off.source import EVERY
 
-# What makes each kind of record that is of a bench, anew.
+# The command that makes each kind of record anew, if the record depends on a bench.
 COMMANDS = {
     "coverage": "make coverage BLOCK={} RECORD=1",
     "mutation": "make mutate BLOCK={} RECORD=1",
@@ -18,14 +18,15 @@ COMMANDS = {
 
 
 def another_trace(record: dict[str, Any], played: dict[str, str]) -> bool:
-    """Whether a record is of another trace than a whole run of the bench.
+    """Whether a record has another trace than a whole run of the bench.
 
     Parameters
     ----------
     record : dict
-        With the field ``played``; its ``tests`` name those that were played, if not all.
+        It has the field ``played``. If not all tests were played, its field ``tests`` names those
+        that were.
     played : dict of str
-        By test: the digest of its trace in this run.
+        For each test the digest of its trace in this run.
     """
     recorded: dict[str, str] = record["played"]
     if record.get("tests", EVERY) == EVERY:
@@ -34,12 +35,12 @@ def another_trace(record: dict[str, Any], played: dict[str, str]) -> bool:
 
 
 def stale_records(outcome: Outcome) -> list[str]:
-    """What a run of a bench shows to be recorded of another trace: the command for each.
+    """A message for each record that has another trace than this run, with the command to run.
 
     Parameters
     ----------
     outcome : Outcome
-        Of all tests of the bench, with the default seed and number of frames.
+        The outcome of all tests of the bench, with the default seed and number of frames.
     """
     job = outcome.job
     found = []
@@ -59,12 +60,12 @@ def stale_records(outcome: Outcome) -> list[str]:
 
 
 def of_this_verilog(kind: str, block: str, now: str) -> str:
-    """What is wrong with the source of a record, with the command that makes it anew; or nothing.
+    """Empty if a record is of the Verilog as it is now; otherwise what is wrong, and the command.
 
     Parameters
     ----------
     now : str
-        The digest that ``verilog`` gives of the entity that stands for the block.
+        The digest that ``verilog`` gives for the entity that stands for the block.
     """
     recorded = read_record(kind, block)["verilog"]
     return "" if recorded == now else f"of another Verilog; run: {COMMANDS[kind].format(block)}"

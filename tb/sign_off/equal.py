@@ -1,13 +1,14 @@
-"""Is a block's VHDL the same function as its Verilog? ``make prove`` asks it of every block.
+"""Proves that a block's VHDL is the same function as its Verilog; ``make prove`` does so for all.
 
-For every input and every state, for ever: each register, each output and each input of a part gets
-the same value from both, if registers and outputs of parts are equal before (``equal_cut``). The
-parts are compared by themselves, down to those that have none. Assumed is that registers that both
-languages call alike start with equal values, and that Yosys and GHDL's synthesis read their
-languages rightly; ``equal_netlist`` says what is known of the second.
+The proof holds for every input and every state, and for ever: if registers and outputs of parts are
+equal in both, then each register, each output and each input of a part gets the same value from
+both (``equal_cut``). The parts are compared by themselves, down to those that have no parts. It is
+assumed that registers with the same name in both languages start with equal values, and that Yosys
+and GHDL's synthesis read their languages correctly; ``equal_netlist`` says what is known about the
+second.
 
-Each fault that the block's bench names is put into a copy of the Verilog, which must be found to
-differ. Answers are kept by content in ``build/synth``.
+Each fault that the block's bench names is put into a copy of the Verilog. That copy must be found
+to differ. Answers are kept by content in ``build/synth``.
 """
 
 from __future__ import annotations
@@ -46,7 +47,7 @@ class Pair:
 
     @property
     def entities(self) -> list[str]:
-        """It and all that it contains, parts first."""
+        """The entity and all entities inside it, parts first."""
         return [Path(name).stem for name in self.verilog.files]
 
     def source(self) -> str:
@@ -58,17 +59,17 @@ class Pair:
 
 @dataclass
 class Result:
-    """What was found of a block."""
+    """The result of comparing both languages of a block."""
 
     pair: Pair
-    # By entity.
+    # The answer for each entity.
     answers: dict[str, dict[str, Any]] = field(default_factory=dict)
-    # By pattern and text.
+    # The answer for each fault, by its pattern and text.
     faults: dict[tuple[str, str], dict[str, Any]] = field(default_factory=dict)
 
     @property
     def complaints(self) -> list[str]:
-        """Why the languages are not proved equal, or the proof cannot fail."""
+        """Why the languages are not proved equal, or why the proof means nothing."""
         found = [
             f"{entity}: {', '.join(answer['where'])} differ"
             for entity, answer in self.answers.items()
@@ -84,7 +85,7 @@ class Result:
         return found
 
     def line(self) -> str:
-        """What to print of it."""
+        """The line that is printed."""
         if self.complaints:
             return f"VHDL and Verilog: {'; '.join(self.complaints)}"
         bits = sum(answer["registers"] for answer in self.answers.values())
@@ -94,7 +95,7 @@ class Result:
         )
 
     def facts(self) -> dict[str, Any]:
-        """What to record of it."""
+        """The facts that are recorded."""
         own = self.answers[self.pair.verilog.entity]
         parts = sorted(self.answers.keys() - {self.pair.verilog.entity})
         return {
@@ -109,7 +110,7 @@ class Result:
 
 
 def pair_of(block: str, export: Callable[[str, str], Job] = subject) -> Pair:
-    """What stands for a block, in both languages."""
+    """The entity that stands for a block, in both languages."""
     return Pair(export(block, "icarus"), export(block, "ghdl"))
 
 
@@ -151,7 +152,7 @@ def _faulty(pair: Pair, pattern: str) -> str:
 
 
 def settle(pairs: Iterable[Pair]) -> Iterator[Result]:
-    """Compare everything of some blocks, as much at once as there are cores."""
+    """Compare both languages of some blocks, in as many threads as there are cores."""
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         asked = []
         for pair in pairs:
@@ -175,12 +176,12 @@ def settle(pairs: Iterable[Pair]) -> Iterator[Result]:
 
 
 def command(block: str) -> str:
-    """What writes the record of a block."""
+    """The command that writes the record of a block."""
     return f"make prove BLOCK={block} RECORD=1"
 
 
 def check_record(pair: Pair) -> list[str]:
-    """Whether the record of a block is of another source."""
+    """A message if the record of a block is of another source."""
     block = pair.verilog.block
     try:
         found = read_record(KIND, block)
@@ -192,7 +193,7 @@ def check_record(pair: Pair) -> list[str]:
 
 
 def prove_equal(blocks: Iterable[str], record: bool) -> bool:
-    """Compare, print a line for each block, and whether all is as it should be."""
+    """Compare blocks, print a line for each, and return whether all is as it should be."""
     sound = True
     for result in settle([pair_of(block) for block in blocks]):
         job = result.pair.verilog

@@ -1,12 +1,13 @@
-"""Two netlists of one entity, cut at the registers and signals that both name alike.
+"""Cuts two netlists of one entity at the registers and signals that have the same name in both.
 
-A cut wire becomes an input of what reads it and an output of what drives it; a register becomes an
-input, what it holds, and an output, what it holds next; so does each instance of a part, and each
-memory, of which what is read at equal places counts as equal, beyond its end too. What is left of
-either netlist has neither registers nor parts, and the same ports as what is left of the other. If
-all outputs of both are the same function, then both entities, started with equal registers and
-memories, do the same for ever: the wires of one solve the equations of the other, which have one
-solution, for there is no loop without a register.
+A wire that is cut becomes an input of the gates that read it, and an output of the gate that drives
+it. A register becomes an input, which is its value now, and an output, which is its next value. The
+same is done with each instance of a part and with each memory; words that are read at equal
+addresses count as equal, also beyond the end of a memory. What is left of each netlist has neither
+registers nor parts, and both have the same ports. If all outputs of both are the same functions,
+then both entities do the same for ever when they start with equal registers and memories. This is
+because the wires of one solve the equations of the other, and these have a single solution, since
+there is no loop without a register.
 """
 
 from __future__ import annotations
@@ -24,11 +25,11 @@ Name = tuple[str, int]
 
 
 class UncutError(ValueError):
-    """Two netlists that cannot be cut alike, such as at a register that only one has."""
+    """Two netlists cannot be cut alike, for example because only one has a register."""
 
 
 class Side:
-    """One of both netlists: which bits have which names, and what drives them."""
+    """One of both netlists: the names of its bits, and what drives them."""
 
     def __init__(self, netlist: Netlist) -> None:
         self.ports: dict[str, Any] = netlist["ports"]
@@ -46,7 +47,7 @@ class Side:
         registers = {name: c for name, c in cells.items() if c["type"] == "$dff"}
         apart = self.parts.keys() | registers.keys()
         self.gates = {name: cell for name, cell in cells.items() if name not in apart}
-        # What each bit of a register holds next.
+        # The next value of each bit of a register.
         self.next: dict[Bit, Bit] = {}
         for name, cell in registers.items():
             self._check_clock(name, cell)
@@ -58,7 +59,7 @@ class Side:
         self._check_drivers(registers)
 
     def _check_drivers(self, registers: dict[str, Any]) -> None:
-        """Every wire has one driver."""
+        """Refuse a wire that has not exactly one driver."""
         drivers: Counter[Bit] = Counter()
         for port in self.ports.values():
             if port["direction"] == "input":
@@ -79,9 +80,9 @@ class Side:
             raise UncutError(f"{name}: got clock and edge {got}, expected the rising edge of clk")
 
     def cut(self, places: dict[Name, Bit]) -> tuple[Netlist, list[Bit]]:
-        """What is left: no register, no part, but ports in their place; and undefined bits.
+        """What is left, with ports in place of registers and parts; and its undefined bits.
 
-        Each undefined bit becomes a wire without driver.
+        Each undefined bit becomes a wire without a driver.
         """
         wires = [bit for bit in places.values() if bit in self.driven]
         instead: dict[Bit, Bit] = dict(zip(wires, self.fresh, strict=False))
@@ -121,9 +122,9 @@ class Side:
         return {"ports": ports, "cells": cells, "netnames": {}}, unknown
 
     def _memory(self, name: str, cell: dict[str, Any]) -> dict[str, Any]:
-        """A memory as a part that has its reads and writes as ports.
+        """A memory as a part whose ports are its reads and writes.
 
-        What is written nowhere does not count, so gates hide it.
+        Data and address do not count where nothing is written, so gates hide them then.
         """
         facts, wires = cell["parameters"], cell["connections"]
         reads, writes, width, depth, size = (
@@ -179,7 +180,7 @@ def _highest(netlist: Netlist) -> int:
 
 
 def _gate(kind: str, operands: tuple[list[Bit], ...], out: list[Bit]) -> dict[str, Any]:
-    """A gate without signs as Yosys writes it."""
+    """A gate of unsigned operands, as Yosys writes it."""
     parameters = {"Y_WIDTH": f"{len(out):032b}"}
     for port, bits in zip("AB", operands, strict=False):
         parameters |= {f"{port}_WIDTH": f"{len(bits):032b}", f"{port}_SIGNED": f"{0:032b}"}
@@ -206,14 +207,14 @@ def cut_alike(gold: Netlist, gate: Netlist, signals: bool = True) -> tuple[Netli
     Parameters
     ----------
     gold, gate : dict
-        As Yosys writes them, of gates as wide as words, with plain registers.
+        Netlists as Yosys writes them, with gates as wide as words and with plain registers.
     signals : bool
-        Whether to cut at the signals too that both name, or at registers and parts alone.
+        Whether to cut also at the signals that both name, or only at registers and parts.
 
     Raises
     ------
     UncutError
-        Where they differ in ports, parts or registers, or hold what is not understood.
+        When they differ in ports, parts or registers, or contain something that is not known here.
     """
     sides = Side(gold), Side(gate)
     parts = [{name: part["type"] for name, part in side.parts.items()} for side in sides]
@@ -236,7 +237,7 @@ def cut_alike(gold: Netlist, gate: Netlist, signals: bool = True) -> tuple[Netli
             names = sorted({name for (name, _), bit in side.names.items() if bit in alone})
             raise UncutError(f"{len(alone)} register bits of the {whose} alone: {', '.join(names)}")
     left = [side.cut(cut) for side, cut in zip(sides, places, strict=True)]
-    # Whatever undefined bits are, both must be the same: so these become inputs, of both.
+    # Both must be the same whatever the undefined bits are, so these become inputs of both.
     extra = [len(unknown) for _, unknown in left]
     if any(extra):
         for (netlist, unknown), side, before in zip(left, sides, (0, extra[0]), strict=True):

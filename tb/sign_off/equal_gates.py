@@ -1,9 +1,9 @@
-"""The netlist that GHDL's synthesis makes of VHDL, as ``--out=dump`` prints it.
+"""Reads the netlist that GHDL's synthesis makes of VHDL, as ``--out=dump`` prints it.
 
-GHDL 2.0 also prints Verilog, with faults: a choice by ``case`` loses its ``when others``, an
-arithmetic shift becomes a logical one. Its netlist has neither. GHDL does not look for memories
-here (``-dm``, ``-de``): of a word that is read unless one is written it makes one that is read when
-one is written.
+GHDL 2.0 also prints Verilog, but with faults: a choice by ``case`` loses its ``when others``, and
+an arithmetic shift becomes a logical one. Its netlist has neither fault. GHDL is told not to look
+for memories (``-dm``, ``-de``): of a memory that is read in clocks without a write it would make
+one that is read in clocks with a write.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from pathlib import Path
 
 from golden.input_error import InputError
 
-# Wires and tables that VHDL does not name; no name in MyHDL's text begins so.
+# The names of wires and tables that have no name in VHDL begin so; no name of MyHDL does.
 UNNAMED = "ghdl_"
 _MODULE = re.compile(r"  module \{m\d+\} \\(\w+)")
 _INSTANCE = re.compile(r"    instance ([\\%]\w+)\{i\d+\}: ([$\\]\w+)")
@@ -49,7 +49,7 @@ class Module:
     """The netlist of one entity."""
 
     name: str
-    # Direction and width by name.
+    # The direction and the width of each port.
     ports: dict[str, tuple[str, int]] = field(default_factory=dict)
     gates: list[Gate] = field(default_factory=list)
 
@@ -64,15 +64,15 @@ def synthesise(files: Sequence[Path], top: str, folder: Path) -> dict[str, Modul
     Parameters
     ----------
     files : sequence of Path
-        VHDL in compile order.
+        VHDL files in compile order.
     top : str
     folder : Path
-        Where GHDL keeps its library.
+        The folder in which GHDL keeps its library.
 
     Raises
     ------
     InputError
-        With GHDL's message, when it refuses the files.
+        When GHDL refuses the files; the message is GHDL's.
     """
     command = ["ghdl", "--synth", "--std=93", f"--workdir={folder}", "--out=dump", "-dm", "-de"]
     command += [*map(str, files), "-e", top]
@@ -88,7 +88,7 @@ def read_dump(text: str) -> dict[str, Module]:
     Raises
     ------
     ValueError
-        For a line that is not known.
+        For a line of unknown form.
     """
     modules: dict[str, Module] = {}
     module: Module | None = None
@@ -126,17 +126,17 @@ def _read_line(module: Module, line: str) -> None:
 
 
 def _member(name: str) -> str:
-    r"""``data`` of ``%467.$data`` or of ``\u_cascade_0.\data``."""
+    r"""The last part of a name: ``data`` for ``%467.$data`` or ``\u_cascade_0.\data``."""
     return name.rpartition(".")[2].lstrip("$\\")
 
 
 def constant(gate: Gate) -> int:
-    """A constant as a number, whether it fits its wire or not.
+    """The value of a constant, even if it does not fit its wire.
 
     Raises
     ------
     ValueError
-        For a gate that is none, or one with bits that are neither 0 nor 1.
+        For a gate that is no constant, or one with bits that are neither 0 nor 1.
     """
     if gate.kind == "$const_SB32":
         (value,) = gate.parameters
@@ -148,5 +148,5 @@ def constant(gate: Gate) -> int:
 
 
 def wire_range(width: int) -> str:
-    """The range of a wire of so many bits."""
+    """The Verilog range of a wire with so many bits."""
     return f"[{width - 1}:0] "

@@ -1,4 +1,4 @@
-"""The memories of a netlist: GHDL has one wire for all words of a list, and shifts in it."""
+"""Finds the memories of a netlist: GHDL makes one wire of all words of a list, and shifts it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from tb.sign_off.equal_gates import UNNAMED, Gate, Net, constant, wire_range
 
 @dataclass(frozen=True)
 class Access:
-    """A read or write: of the word that ``index`` counts from the right."""
+    """A read or a write of one word; ``index`` counts the words from the right."""
 
     index: Net
     data: Net
@@ -20,7 +20,7 @@ class Access:
 
 @dataclass
 class Memory:
-    """A list of words that is read or written one word at a time; ``content`` if it is a table."""
+    """A list of words that is read or written one at a time; a table has a ``content``, too."""
 
     name: str
     count: int
@@ -36,7 +36,7 @@ def split_memories(gates: list[Gate], lists: dict[str, int]) -> tuple[list[Memor
     Raises
     ------
     ValueError
-        For a memory that is written or read in a way that is not known.
+        For a memory that is written or read in an unknown way.
     """
     maker = {net: gate for gate in gates for net in gate.outputs.values()}
     memories: dict[Net, Memory] = {}

@@ -1,8 +1,9 @@
-"""The netlist that GHDL's synthesis makes of VHDL, as Verilog that Yosys and Icarus read.
+"""Writes the netlist that GHDL's synthesis makes of VHDL as Verilog that Yosys and Icarus read.
 
-Each gate becomes one line; a gate that is not known is an error. One thing is mended: GHDL 2.0 cuts
-a number to the width of what it is compared with, so that ``slot < 2`` of one bit is ``slot < 0``,
-though it prints the whole number. Here both are compared as numbers, as numeric_std does.
+Each gate becomes one line, and an unknown gate is an error. One fault of GHDL 2.0 is corrected: it
+cuts a number to the width of the signal with which it is compared, so that ``slot < 2`` with one
+bit becomes ``slot < 0``, though GHDL prints the whole number. Here both are compared as numbers, as
+numeric_std does.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from tb.sign_off.equal_memory import split_memories, write_memory
 
 
 def list_lengths(text: str) -> dict[str, int]:
-    """How many elements the signals have that are arrays, of an entity that MyHDL wrote."""
+    """The number of elements of each array signal in an entity that MyHDL wrote."""
     ends = dict(re.findall(r"type (\w+) is array\(0 to (\d+)\)", text))
     signals = re.findall(r"signal (\w+): (t_array_\w+);", text)
     return {name: int(ends[kind]) + 1 for name, kind in signals}
@@ -28,19 +29,19 @@ def to_verilog(module: Module, lists: dict[str, int]) -> str:
     ----------
     module : Module
     lists : dict of str to int
-        How many elements the signals have that are arrays; GHDL makes one wire of them, here each
-        element gets its name, ``name[0]``, as in Yosys' netlist of the Verilog.
+        The number of elements of each array signal. GHDL makes one wire of an array. Here each
+        element gets its own name, ``name[0]``, as in Yosys' netlist of the Verilog.
 
     Raises
     ------
     ValueError
-        For a gate that is not known.
+        For an unknown gate.
     """
     return _Writer(module, lists).text()
 
 
 class _Writer:
-    """Writes one module; wires that VHDL names keep their name."""
+    """Writes one module, in which wires that have a name in VHDL keep it."""
 
     def __init__(self, module: Module, lists: dict[str, int]) -> None:
         own, *self.gates = module.gates
@@ -55,8 +56,8 @@ class _Writer:
             if gate.kind == "$signal":
                 self.names[gate.outputs["o"]] = gate.name
         self.memories, self.gates = split_memories(self.gates, lists)
-        # What drives a signal or a port, and has no name, is called after it: so registers keep
-        # the names that they have in both languages.
+        # A wire without a name that drives a signal or a port takes the name of that. So registers
+        # have the same names in both languages.
         for gate in self.gates:
             if gate.kind == "$signal":
                 self.names.setdefault(gate.inputs["i"], gate.name)
@@ -89,7 +90,7 @@ class _Writer:
         return "\n".join([*lines, "endmodule", ""])
 
     def width(self, net: Net) -> int:
-        """How wide a wire is; wider than GHDL has it, where its number needs that."""
+        """The width of a wire; it is wider than in GHDL's netlist where its number needs that."""
         gate = self.maker.get(net)
         if gate is None or not gate.kind.startswith("$const_"):
             return net.width
@@ -104,11 +105,11 @@ class _Writer:
         return gate.kind == "$dff" and self.name(net) not in self.lists
 
     def alias(self, name: str, net: Net) -> list[str]:
-        """That ``name`` is the wire, where it is not called so anyway."""
+        """An assignment of the wire to ``name``, unless the wire has that name already."""
         return [f"assign {name} = {self.name(net)};"] if self.name(net) != name else []
 
     def name(self, net: Net) -> str:
-        """What a wire is called."""
+        """The name of a wire."""
         return self.names.get(net, f"{UNNAMED}{net.number}")
 
     def clock(self, net: Net) -> str:
@@ -149,7 +150,7 @@ class _Writer:
         return [f"assign {self.name(out)} = {GATES[gate.kind](gate, inputs, out.width)};"]
 
     def check_numbers(self, gate: Gate) -> None:
-        """A number that does not fit its wire may be compared, as one without a sign."""
+        """Refuse a number that does not fit its wire, unless it is compared as an unsigned one."""
         signs = {self.maker[net].kind for net in gate.inputs.values() if net in self.maker}
         if gate.kind not in UNSIGNED or "$const_SB32" in signs:
             raise ValueError(f"{self.module.name}: {gate.name}: {gate.kind}: a number is too wide")
@@ -169,7 +170,7 @@ class _Writer:
         return [*lines, f"assign {name} = {{{', '.join(element for element, *_ in elements)}}};"]
 
     def elements(self, name: str, width: int) -> Iterator[tuple[str, int, int]]:
-        """The elements of a list by their names, and their place; the first stands at the left."""
+        """For each element of a list its name and its range; the first one stands at the left."""
         count = self.lists[name]
         each = width // count
         for n in range(count):
@@ -178,7 +179,7 @@ class _Writer:
 
 
 def _choose(gate: Gate, wires: dict[str, str], _: int) -> str:
-    """The input of the first select bit, from the right, that is set; else the default."""
+    """The input of the rightmost select bit that is set, or the default if none is."""
     select, default, *choices = wires.values()
     if gate.parameters != [len(wires)] or gate.inputs["s"].width != len(choices):
         raise ValueError(f"{gate.name}: got {gate.parameters}, expected {len(wires)} inputs")
@@ -196,7 +197,7 @@ def _choose(gate: Gate, wires: dict[str, str], _: int) -> str:
 
 
 def _two(operator: str, signed: bool = False) -> Writing:
-    """Of two operands of the result's width, or of each other's."""
+    """An operator whose operands have the width of the result, or both the same width."""
     form = "$signed({0}) {2} $signed({1})" if signed else "{0} {2} {1}"
     return lambda gate, wires, _: form.format(wires["a"], wires["b"], operator)
 
@@ -221,7 +222,7 @@ def _joined(_: Gate, wires: dict[str, str], __: int) -> str:
 
 
 Writing = Callable[[Gate, dict[str, str], int], str]
-# What the output of a gate is.
+# The expression for the output of each gate.
 GATES: dict[str, Writing] = {
     "$not": lambda gate, wires, width: f"~{wires['i']}",
     "$neg": lambda gate, wires, width: f"-{wires['i']}",

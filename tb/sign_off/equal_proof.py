@@ -1,4 +1,4 @@
-"""Whether two netlists of one entity are the same function, asked of Yosys."""
+"""Asks Yosys whether two netlists of one entity are the same function."""
 
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ from golden.fingerprint import fingerprint
 from hdl.synth.tools import run_tool, stored
 from tb.sign_off.equal_cut import UncutError, cut_alike
 
-# Processes to gates and registers, nothing merged and no undefined bit made use of. What cannot be
-# reached is left out, or a branch that assigns nothing would count as an undefined bit.
+# Processes become gates and registers. Nothing is merged, and no undefined bit is used for that.
+# Branches that cannot be reached are left out, because one that assigns nothing would count as an
+# undefined bit.
 PLAIN = (
     "proc -norom; opt_muxtree; opt_clean; "
     "select -assert-none t:$dlatch t:$adlatch t:$adff t:$dffsr; "
@@ -26,21 +27,22 @@ EQUAL, DIFFERENT = "equal", "different"
 
 
 def compare(entity: str, verilog: str, vhdl: str, parts: Iterable[Path]) -> dict[str, Any]:
-    """What comes of comparing an entity's Verilog with the netlist of its VHDL.
+    """Compare an entity's Verilog with the netlist of its VHDL.
 
     Parameters
     ----------
     entity : str
     verilog, vhdl : str
-        Both as Verilog.
+        Both are given as Verilog.
     parts : iterable of Path
-        Verilog of the entities that it instantiates; their ports alone matter.
+        Verilog of the entities that it instantiates. Only their ports matter.
 
     Returns
     -------
     dict
-        ``result``, "equal" or "different"; ``cut``, at "signals" and registers or at "registers"
-        alone; ``registers``, how many bits; ``where``, what differs.
+        ``result`` is "equal" or "different". ``cut`` is "signals" if both were cut at signals and
+        registers, or "registers" if at registers alone. ``registers`` is the number of their bits.
+        ``where`` lists what differs.
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -79,8 +81,8 @@ def _compare(entity: str, folder: Path) -> dict[str, Any]:
 
 
 def _differences(folder: Path) -> list[str]:
-    """The outputs that some input makes differ; none if no input does."""
-    # Equal gates of equal inputs become one, so that most need no proof.
+    """The outputs that differ for some input; empty if there is no such input."""
+    # Equal gates with equal inputs become one, so that most outputs need no proof.
     script = (
         "read_json cut.json; miter -equiv -make_outputs -make_outcmp -flatten gold gate both; "
         "hierarchy -top both; pmuxtree; opt -full; wreduce; opt -full; "

@@ -1,10 +1,10 @@
-"""``make sim NETLIST=1``: benches on the cells that the exported Verilog is mapped to.
+"""``make sim NETLIST=1``: run benches on the cells to which the exported Verilog is mapped.
 
-The netlist is the one that ``make synth`` counts: of a Virtex-II and of Series 7 after
-``synth_xilinx``, an entity with its parts; of an ECP5 after nextpnr has placed and routed the whole
-design; of an iCE40 after ``synth_ice40``, an entity in one piece. Icarus simulates it with the
-models of ``tb/sign_off/cell_models.py``, and the bench is the block's own: bit for bit, clock by
-clock. ``NETLIST=unknown`` is another netlist, of registers that begin unknown
+The netlist is the one whose cells ``make synth`` counts. For Virtex-II and Series 7 it is an entity
+with its parts after ``synth_xilinx``; for an ECP5 it is the whole design after nextpnr has placed
+and routed it; for an iCE40 it is an entity in one piece after ``synth_ice40``. Icarus simulates it
+with the models of ``tb/sign_off/cell_models.py``. The bench is the block's own and compares every
+bit in every clock. ``NETLIST=unknown`` is another netlist, whose registers begin unknown
 (``tb/sign_off/unknown.py``).
 """
 
@@ -26,10 +26,10 @@ from tb.common.runner import Job
 from tb.sign_off.cell_models import models_for
 from tb.sign_off.unknown import UNKNOWN, with_unknowns
 
-# By what a user calls a family, what Yosys does.
+# Yosys' name of each family, by the name that a user gives.
 FAMILIES = {"virtex-2": "xc2v", "series-7": "xc7", "ecp5": "ecp5"}
 ROUTED = "ecp5"
-# What ``NETLIST=1`` does not mean, and what is not recorded: of a board's device.
+# The device of a board. ``NETLIST=1`` does not include it, and it is not recorded.
 ICE40 = "ice40"
 CELLS = {**FAMILIES, ICE40: "ice40"}
 ALL = "1"
@@ -38,12 +38,12 @@ MODELS = "models.v"
 
 
 def chosen(given: str, simulator: str | None = None) -> list[str]:
-    """What ``NETLIST=`` means: a family by its name, all of them, or unknown registers.
+    """The netlists that ``NETLIST=`` asks for: those of one family, of all, or unknown registers.
 
     Raises
     ------
     InputError
-        For anything else, and for another simulator than netlists run in.
+        For any other value, and for a simulator in which netlists do not run.
     """
     if simulator not in (None, NETLISTS_RUN_IN):
         raise InputError(
@@ -66,17 +66,17 @@ def on_cells(job: Job, family: str, top: str = "") -> Job:
     Parameters
     ----------
     job : Job
-        On exported Verilog.
+        A bench on exported Verilog.
     family : str
-        Of ``CELLS``, or ``UNKNOWN``.
+        One of ``CELLS``, or ``UNKNOWN``.
     top : str
-        The entity that is mapped, of which the job's is a part; by default the job's own. What is
-        placed is always the job's own.
+        The entity that is mapped; the job's entity is a part of it. By default it is the job's
+        entity itself, which is also the one that is placed.
 
     Raises
     ------
     InputError
-        When it cannot be mapped or placed.
+        When the entity cannot be mapped or placed.
     """
     if family == UNKNOWN:
         return with_unknowns(job)
@@ -85,7 +85,7 @@ def on_cells(job: Job, family: str, top: str = "") -> Job:
 
 
 def cells_of(job: Job, family: str, top: str = "") -> dict[str, str]:
-    """The netlist of a job's entity and, where hierarchy is kept, of its parts: Verilog by name."""
+    """The Verilog of a job's entity, and of its parts where the hierarchy is kept, by name."""
     if family == ROUTED:
         design = job.scene.twin()
         needed = job.scene.clock_mhz if job.entity == design.entity else 0.0
@@ -99,7 +99,8 @@ def cells_of(job: Job, family: str, top: str = "") -> dict[str, str]:
 def with_text(job: Job, family: str, files: dict[str, str]) -> Job:
     """The bench on a netlist with the models of its cells, written beside the exported files.
 
-    Each entity has a folder of its own: what is placed is in one piece, and its parts are too.
+    Each entity has a folder of its own, because a placed netlist is one module, and so is that of
+    each part.
     """
     changed = replace(job, form=family, files=tuple(f"{job.entity}/{name}" for name in files))
     folder = changed.hdl_folder / job.entity
@@ -114,12 +115,12 @@ def with_text(job: Job, family: str, files: dict[str, str]) -> Job:
 def mapped(
     design: Network, entities: Iterable[str], families: Iterable[str]
 ) -> list[tuple[str, str]]:
-    """Which of a design's entities are mapped to the cells of which families.
+    """Pairs of an entity of a design and a family to whose cells it is mapped.
 
     Raises
     ------
     InputError
-        When none is: only a whole design is placed.
+        When there is no such pair, because only a whole design is placed.
     """
     found = [
         (entity, family)
@@ -134,17 +135,17 @@ def mapped(
 def on_cells_of(design: Network, jobs: Iterable[Job], families: Iterable[str]) -> list[Job]:
     """The benches of a design's entities on its netlists.
 
-    Only a whole design is placed: ``make synth`` places nothing else.
+    Only a whole design is placed, because ``make synth`` places nothing else.
 
     Raises
     ------
     InputError
-        When it cannot be mapped or placed, or when nothing is left to run.
+        When the design cannot be mapped or placed, or when nothing is left to run.
     """
     by_entity = {job.entity: job for job in jobs}
     wanted = [(by_entity[entity], family) for entity, family in mapped(design, by_entity, families)]
     first = {family: job for job, family in wanted if family != UNKNOWN}
     with ThreadPoolExecutor() as pool:
-        # Each family's tool runs once, side by side; what follows finds its answer.
+        # The tools of all families run side by side, once each. Later calls find their answers.
         list(pool.map(lambda family: cells_of(first[family], family, design.entity), first))
     return [on_cells(job, family, design.entity) for job, family in wanted]

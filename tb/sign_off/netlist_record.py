@@ -1,10 +1,10 @@
-"""What benches find on netlists, recorded: ``make sim NETLIST=1 RECORD=1``, ``NETLIST=unknown``.
+"""Records what benches find on netlists, with ``make sim NETLIST=1 RECORD=1`` or ``=unknown``.
 
-Of every block the first entity in the first case of its bench, and on cells the entities of the
-scenes whose network is an engine. A bench that has passed is kept until its netlist or what it does
-changes. An engine and what carries one on a board play recorded frames, in its own image and, where
-the bench has some, in others; the rest of their benches takes hours, and their parts go through the
-whole of theirs.
+Recorded are the first entity of every block in the first case of its bench and, on cells, the
+entities of the scenes whose network is an engine. The result of a bench that has passed is kept
+until its netlist or the bench changes. An engine, and the instrument around it on a board, only
+play recorded frames, in its own image and, where the bench has some, in others. The rest of their
+benches would take hours; their parts run through the whole of theirs.
 """
 
 from __future__ import annotations
@@ -32,7 +32,8 @@ from tb.sign_off.unknown import UNKNOWN, Netlist
 from tb.sign_off.unknown_proof import clocks_to_prove
 
 KIND = "netlist"
-# Scenes whose network is an engine; not the rig swing's, whose 5000 frames take half an hour.
+# Scenes whose network is an engine. Those of the rig swing are left out, because their 5000 frames
+# take half an hour.
 SCENES = (
     "digit",
     "digit-load",
@@ -42,7 +43,7 @@ SCENES = (
     "comparison/digit-single-engine",
     "comparison/digit-serial",
 )
-# By block: the tests of its bench that are played, as a regular expression; of others, all.
+# A regular expression for the tests that are played on a block; on all other blocks, all are.
 PLAYED = {"engine": "(recorded|images_one_after_the_other)", "uart_instrument": "(recorded)"}
 Tell = Callable[[Outcome, Callable[[str], None]], None]
 
@@ -54,19 +55,19 @@ def played(job: Job) -> Job:
 
 @dataclass(frozen=True)
 class Entity:
-    """What is mapped and played: a job on Verilog, as a part of ``top``."""
+    """An entity that is mapped and played: a job on Verilog, which is a part of ``top``."""
 
     job: Job
     top: str
 
     def families(self) -> list[str]:
-        """Only a whole design is placed."""
+        """The families to whose cells it is mapped; only a whole design is placed."""
         whole = self.job.entity == self.job.scene.twin().entity
         return [family for family in FAMILIES if whole or family != ROUTED]
 
 
 def entities(blocks: Collection[str], build: Path = BUILD) -> Iterator[Entity]:
-    """What is recorded of some blocks; an entity that several scenes have alike only once."""
+    """The entities of some blocks that are recorded; one that several scenes share comes once."""
     seen = set()
     for block in blocks:
         job = played(subject(block, NETLISTS_RUN_IN, build))
@@ -84,7 +85,7 @@ def entities(blocks: Collection[str], build: Path = BUILD) -> Iterator[Entity]:
 
 
 def record_netlists(blocks: Collection[str], tell: Tell, build: Path = BUILD) -> list[Outcome]:
-    """Run and record what the families' netlists of some blocks do."""
+    """Run the benches of some blocks on the netlists of all families, and record the results."""
     runs: dict[str, list[dict[str, Any]]] = {}
     outcomes = []
     pairs = [(entity, family) for entity in entities(blocks, build) for family in entity.families()]
@@ -119,10 +120,10 @@ def _run(pair: tuple[Entity, str]) -> Outcome:
 
 
 def record_unknown(job: Job) -> Outcome:
-    """Run and record a block with unknown registers, and with one whose reset is left out.
+    """Run and record a block with unknown registers, and with one register whose reset is left out.
 
-    The first of its registers that the bench cannot do without is the control: it says that the
-    bench sees a register that is not known.
+    That register is the control: the first one without whose reset the bench fails. It shows that
+    the bench detects an unknown register.
     """
     netlist = Netlist(job)
     outcome = run_kept(netlist.bench(job))
@@ -147,12 +148,12 @@ def record_unknown(job: Job) -> Outcome:
 
 
 def record(given: str, block: str | None, tell: Tell) -> list[Outcome]:
-    """What ``NETLIST=`` names, of a block or of all.
+    """Record the netlists that ``NETLIST=`` names, for one block or for all.
 
     Raises
     ------
     InputError
-        For one family alone, and for a block that has no bench.
+        For a single family, and for a block that has no bench.
     """
     blocks = chosen_blocks(block)
     every = chosen(given) == list(FAMILIES)

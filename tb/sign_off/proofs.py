@@ -17,7 +17,7 @@ PROOFS = {
 
 
 def properties_of(job: Job) -> list[Property]:
-    """What is to be proved of an entity: the list that ``properties`` makes for its twin."""
+    """The properties to prove of an entity: the list that ``properties`` makes for its twin."""
     module: Any = PROOFS[job.block]
     found: list[Property] = module.properties(job.twin)
     return found

@@ -1,22 +1,22 @@
-"""What a block is proved to do: properties, which stand beside its bench."""
+"""Properties: what is proved of a block. They stand beside the block's bench."""
 
 from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
 
-# A signal of a part, as it is written in an expression; a name with points is escaped in Verilog.
+# A signal of a part, as it is written in an expression. In Verilog a name with points is escaped.
 INSIDE = re.compile(r"\bu_\w+(?:\.\w+)+")
 
 
 @dataclass(frozen=True)
 class Property:
-    """A sentence about a block, and the same in Verilog.
+    """A sentence about a block, and the same statement in Verilog.
 
-    Expressions may use every signal of the block; one of a part by the part's instance, as
-    ``u_divider_0.remaining``. They must hold in every clock after the first with ``rst`` high,
-    which is the first clock of all; before it every register may hold anything. In a block
-    without ``rst`` they hold from the first clock on.
+    Expressions may use every signal of the block. A signal of a part is named by the part's
+    instance, such as ``u_divider_0.remaining``. The expressions must hold in every clock after the
+    first one. In that clock ``rst`` is high, and every register may hold anything. In a block
+    without ``rst`` they must hold from the first clock on.
 
     Parameters
     ----------
@@ -27,27 +27,30 @@ class Property:
     states : tuple of str
         What is proved, as expressions.
     refuted_by : tuple of (str, str)
-        Broken copies of the block, each of which must refute it: a pattern in the Verilog of the
-        block or of its parts, and the text that takes its place.
+        Broken copies of the block, each of which must refute the property: a pattern in the Verilog
+        of the block or of its parts, and the text that takes its place.
     assumes : dict
-        What is taken for granted, by the sentence that says it.
+        The assumptions: expressions, by the sentences that say the same.
     watch : str
         Verilog that only watches: registers that remember what has happened.
     helps : tuple of str
-        Expressions that hold as well, are proved along, and make the induction close.
+        Expressions that hold as well. They are proved together with the property, so that the
+        induction closes.
     reached : tuple of str
-        What must be reachable, so that the property does not hold merely because nothing happens.
+        Expressions that must be reachable. They show that the property does not hold merely because
+        nothing happens.
     free : tuple of str
-        Signals that may have any value in any clock, whatever drives them. The property then
-        holds for more than the block does: what data paths compute takes no part in it.
+        Signals that may have any value in any clock, whatever drives them. So the property holds
+        whatever the data paths compute.
     clocks : int
-        So many clocks from reset are searched for a refutation, and for what must be reachable.
+        A refutation, and what must be reachable, is searched in so many clocks from reset.
     induction : int
-        At most so many clocks in a row does the induction assume; 0: there is none, and the
-        property is proved for ``clocks`` clocks from reset alone.
+        The induction assumes at most so many clocks in a row. With 0 there is no induction, and the
+        property is proved only for ``clocks`` clocks from reset.
     arrays : bool
-        Memories are arrays for the solver, and not a register for each word: far less to reckon
-        with where the property is about any one word. Not for memories with given contents.
+        Whether memories are arrays for the solver instead of one register for each word. That is
+        far less work where the property is about any one word. It does not work for memories with
+        given contents.
     """
 
     name: str
@@ -66,7 +69,8 @@ class Property:
     def verilog(self, flat: str, top: str, helped: bool = True) -> str:
         """The module ``top`` of the text ``flat`` with the property inside.
 
-        Without ``helped`` the property alone is asserted, and not what helps to prove it.
+        Without ``helped`` only the property is asserted, and not the expressions that help to prove
+        it.
         """
         clocked = re.search(r"^\s*input clk\b", flat, re.M) is not None
         with_reset = re.search(r"^\s*input rst\b", flat, re.M) is not None

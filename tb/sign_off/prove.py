@@ -1,11 +1,11 @@
-"""``python -m tb.sign_off.prove``: what is proved of each block, and that broken ones are refuted.
+"""``python -m tb.sign_off.prove``: prove the properties of each block, and refute broken copies.
 
-Of each property three things are asked: that it holds, in every clock after reset whatever drives
+Three things are asked of each property: that it holds in every clock after reset, whatever drives
 the block, or to a stated depth where no induction closes; that what it is about can happen at all;
-that every broken copy of the block refutes it. Then the VHDL is proved to be the same function as
-the Verilog (``tb.sign_off.equal``). Answers are kept by content in ``build/synth``. A property that
-does not hold leaves a counterexample in ``build/prove/<block>``. With ``--record`` what was proved
-is recorded beside the benches; without, a record of something else is an error.
+and that every broken copy of the block refutes it. Then the VHDL is proved to be the same function
+as the Verilog (``tb.sign_off.equal``). Answers are kept by content in ``build/synth``. A property
+that does not hold leaves a counterexample in ``build/prove/<block>``. With ``--record`` the proofs
+are recorded in ``tb/sign_off/records``. Without it, a record of anything else is an error.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ KIND = "proof"
 
 @dataclass(frozen=True)
 class Result:
-    """What was found of a property."""
+    """The answers to all questions about a property."""
 
     job: Job
     item: Property
@@ -50,7 +50,7 @@ class Result:
 
     @property
     def faults(self) -> list[str]:
-        """Why the property is not proved, or the proof cannot fail."""
+        """Why the property is not proved, or why its proof means nothing; empty if all is well."""
         found = []
         if not self.answer.holds:
             found.append(self.answer.failed)
@@ -62,7 +62,7 @@ class Result:
         return found
 
     def line(self) -> str:
-        """What to print of it."""
+        """The line that is printed."""
         if self.faults:
             return "; ".join(self.faults)
         if self.item.induction:
@@ -72,12 +72,12 @@ class Result:
         return f"{how}, {len(self.refuted)} broken copies refuted"
 
     def facts(self) -> dict[str, Any]:
-        """What to record of it."""
+        """The facts that are recorded."""
         return {**_stated(self.job, self.item), "depth": self.answer.depth}
 
 
 def _stated(job: Job, item: Property) -> dict[str, Any]:
-    """What is known of a property before it is proved."""
+    """The facts about a property that are known before it is proved."""
     return {
         "case": job.scene.name,
         "entity": job.entity,
@@ -95,7 +95,7 @@ def _exported(block: str, case: str) -> Job:
 
 
 def settle(job: Job, item: Property, folder: Path) -> Result:
-    """Ask all that there is to ask of a property."""
+    """Ask all questions about a property."""
     inquiry = Inquiry(job, item, folder)
     return Result(
         job,
@@ -112,20 +112,23 @@ def source_of(planned: list[Job]) -> str:
 
 
 def entities(block: str, export: Callable[[str, str], Job] = _exported) -> list[Job]:
-    """What stands for a block: its first entity in the first case of its bench, and in others.
+    """The entities that stand for a block.
+
+    They are its first entity in the first case of its bench, and in the cases that its proofs name
+    in ``ALSO``.
 
     Parameters
     ----------
     block : str
     export : callable
-        From block and case to the entity.
+        Makes the entity from block and case.
     """
     also: tuple[str, ...] = getattr(PROOFS[block], "ALSO", ())
     return [export(block, case) for case in (CASES_OF[block][0], *also)]
 
 
 def check_record(planned: list[Job]) -> list[str]:
-    """How the record of a block differs from its entities and from its file of properties."""
+    """A message for each way in which a record differs from the block's entities or properties."""
     block = planned[0].block
     try:
         found = read_record(KIND, block)
@@ -145,7 +148,7 @@ def check_record(planned: list[Job]) -> list[str]:
 
 
 def prove_blocks(blocks: list[str], record: bool) -> bool:
-    """Prove, print a line for each property, and whether all is as it should be."""
+    """Prove blocks, print a line for each property, and return whether all is as it should be."""
     planned = {block: entities(block) for block in blocks}
     items = [(job, i) for jobs in planned.values() for job in jobs for i in properties_of(job)]
     results: dict[str, list[Result]] = {block: [] for block in blocks}
@@ -178,7 +181,7 @@ def prove_blocks(blocks: list[str], record: bool) -> bool:
 
 
 def _keep_trace(result: Result) -> Path:
-    """Where the counterexample stands from now on."""
+    """Keep the counterexample, and return its file."""
     name = f"{result.job.entity}-{result.item.name.replace(' ', '-')}.vcd"
     trace = BUILD / "prove" / name
     with replace_file(trace) as temporary:

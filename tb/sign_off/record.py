@@ -1,4 +1,4 @@
-"""What was found of a block, recorded, so that datasheets and tests need not find it again."""
+"""Records of what was found for a block, so that datasheets and tests need not find it again."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ RECORDS = Path(__file__).parent / "records"
 
 
 def record_path(kind: str, block: str) -> Path:
-    """Where it stands what was found of a block; ``kind`` is what was done, such as "mutation"."""
+    """The file of a record; ``kind`` is what was done with the block, such as "mutation"."""
     return RECORDS / kind / f"{block}.json"
 
 
 def write_record(kind: str, block: str, facts: dict[str, Any]) -> None:
-    """Record what was found."""
+    """Record what was found for a block."""
     path = record_path(kind, block)
     write_json(path, facts, sort_keys=True)
 
 
 def read_record(kind: str, block: str) -> dict[str, Any]:
-    """What was recorded.
+    """What was recorded for a block.
 
     Raises
     ------
     MissingFileError
-        When nothing was.
+        When nothing was recorded.
     """
     path = record_path(kind, block)
     facts: dict[str, Any] = read_json(path, "JSON", f"no {kind} is recorded of {block}")

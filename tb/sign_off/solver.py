@@ -1,4 +1,4 @@
-"""Whether a property holds: Yosys writes what a block does as formulas, z3 judges them."""
+"""Decides whether a property holds: Yosys writes a block as formulas, and z3 solves them."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ SCRIPTS = [Path(__file__), Path(__file__).with_name("properties.py")]
 
 @dataclass(frozen=True)
 class Answer:
-    """What became of a question.
+    """The answer to a question.
 
     Parameters
     ----------
     holds : bool
     depth : int
-        Clocks in a row that the induction assumed, or that were searched from reset.
+        How many clocks in a row the induction assumed, or how many were searched from reset.
     failed : str
-        What did not hold.
+        What did not hold; empty if all did.
     trace : str
-        A counterexample, as VCD.
+        A counterexample as VCD; empty if there is none.
     """
 
     holds: bool
@@ -43,10 +43,10 @@ class Answer:
 
 
 class Inquiry:
-    """All that is asked of a property.
+    """All questions about one property.
 
-    What Yosys makes of the entity and of its broken copies is made at one go, once the first answer
-    is not in the store: Yosys takes longer to start than to write most of them.
+    Yosys writes the formulas of the entity and of all its broken copies in one run, as soon as one
+    answer is not in the store: Yosys takes longer to start than to write most of them.
 
     Parameters
     ----------
@@ -54,12 +54,12 @@ class Inquiry:
         An entity.
     item : Property
     folder : Path
-        Of this inquiry alone.
+        A folder that this inquiry alone uses.
 
     Raises
     ------
     InputError
-        When the pattern of a fault is in no file of the block.
+        When no file of the block contains the pattern of a fault.
     """
 
     def __init__(self, job: Job, item: Property, folder: Path) -> None:
@@ -70,20 +70,20 @@ class Inquiry:
         ]
 
     def prove(self) -> Answer:
-        """Prove the property by induction, or to its depth where it says that there is none."""
+        """Prove the property by induction, or only to its depth where it asks for no induction."""
         return self._ask("prove", self.sound, 0)
 
     def reach(self) -> Answer:
-        """Whether all that must be reachable for the property to mean something is."""
+        """Check that everything is reachable that must be, so that the property means something."""
         return self._ask("reach", self.sound, 0)
 
     def refute(self, fault: int) -> Answer:
-        """Search a broken copy for what the property forbids, from reset on."""
+        """Search a broken copy, from reset on, for what the property forbids."""
         return self._ask("refute", self.broken[fault], fault + 1)
 
     @cached_property
     def formulas(self) -> tuple[str, ...]:
-        """The entity with the property, and the broken copies with it, as text of SMT2."""
+        """The entity and its broken copies, each with the property, as SMT2."""
         flat = _flattened(self.entity, (_sources(self.sound),))
         flat += _flattened(self.entity, tuple(map(_sources, self.broken)))
         texts = [self.item.verilog(text, self.entity, helped=n == 0) for n, text in enumerate(flat)]
@@ -95,14 +95,14 @@ class Inquiry:
             f"prep -top {self.entity}",
             *(f"select -assert-any w:{name}" for name in self.item.free),
             *(f"cutpoint w:{name}" for name in self.item.free),
-            # What no property asks for need not be understood by the solver.
+            # The solver need not understand what no property asks for.
             "delete -output w:*",
             "opt_clean -purge",
             *([] if self.item.arrays else ["memory_map"]),
             "async2sync",
             "dffunmap",
             "opt_clean -purge",
-            # Undefined is anything, not zero.
+            # An undefined bit may be anything, and not zero alone.
             "setundef -anyseq",
             f"write_smt2 -wires {folder}/proof.smt2",
         ]
@@ -127,7 +127,7 @@ def _staged(job: Job, folder: Path) -> Path:
 
 
 def _broken(job: Job, fault: tuple[str, str], folder: Path) -> Path:
-    """The same with a fault in the first file that has its pattern, the block's own before all."""
+    """The same with a fault in the first file that has its pattern; the block's own comes first."""
     _staged(job, folder)
     pattern, text = fault
     for name in (f"{job.entity}.v", *job.files):
@@ -140,7 +140,7 @@ def _broken(job: Job, fault: tuple[str, str], folder: Path) -> Path:
     raise InputError(f"{job.entity}: {pattern} as {text} changes nothing in its Verilog")
 
 
-# Files by name.
+# Pairs of name and text of files.
 Sources = tuple[tuple[str, str], ...]
 
 
@@ -149,10 +149,10 @@ def _sources(folder: Path) -> Sources:
     return tuple((file.name, file.read_text(encoding="utf-8")) for file in files)
 
 
-# Properties of one block ask for the same text.
+# The answer is kept, because all properties of a block ask for the same text.
 @lru_cache(maxsize=8)
 def _flattened(entity: str, copies: tuple[Sources, ...]) -> tuple[str, ...]:
-    """One module of each, in which every signal of every part keeps its name."""
+    """Each copy as one module, in which every signal of every part keeps its name."""
 
     def script(folder: str) -> list[str]:
         return [
@@ -169,7 +169,7 @@ def _flattened(entity: str, copies: tuple[Sources, ...]) -> tuple[str, ...]:
 def _made(
     copies: Sequence[Sources], script: Callable[[str], list[str]], wanted: str
 ) -> tuple[str, ...]:
-    """The texts of a file that a script makes of each copy, in one run of Yosys."""
+    """The texts of the file that a script makes from each copy, in one run of Yosys."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         lines = []
@@ -186,7 +186,7 @@ def _made(
 
 
 def _smtbmc(folder: Path, *arguments: str) -> tuple[bool, str]:
-    """Whether yosys-smtbmc passes, and what it said."""
+    """Whether yosys-smtbmc passes, and what it printed."""
     said = run_tool("yosys-smtbmc", ["-s", "z3", *arguments, "proof.smt2"], folder, failing=True)
     status = re.search(r"Status: (PASSED|FAILED|PREUNSAT)", said)
     if not status:
@@ -196,7 +196,7 @@ def _smtbmc(folder: Path, *arguments: str) -> tuple[bool, str]:
 
 
 def _from_reset(clocks: int, folder: Path) -> Answer:
-    # Steps 0 to clocks: the first is the clock of the reset.
+    # The steps are 0 to clocks; the first one is the clock of the reset.
     passed, said = _smtbmc(folder, "--presat", "-t", str(clocks + 1), "--dump-vcd", "trace.vcd")
     if passed:
         return Answer(True, clocks)
@@ -218,7 +218,7 @@ def _trace(folder: Path) -> str:
 def _prove(item: Property, folder: Path) -> Answer:
     if not item.induction:
         return _from_reset(item.clocks, folder)
-    # What the induction assumes must have been seen from reset: never less than it can take.
+    # What the induction assumes must hold from reset on, for as many clocks as it can assume.
     base = _from_reset(item.induction, folder)
     if not base.holds:
         return base

@@ -16,9 +16,9 @@ from tb.common.runner import Job, jobs, plan, prepare
 def subject(
     block: str, simulator: str = "icarus", build: Path = BUILD, case: str | None = None
 ) -> Job:
-    """The first entity of a block in a case, the first of its bench if none is named.
+    """The first entity of a block in a case; without a case, in the first one of its bench.
 
-    It is exported into ``build``.
+    The entity is exported into ``build``.
 
     Raises
     ------
@@ -30,7 +30,7 @@ def subject(
 
 
 def chosen_blocks(block: str | None) -> list[str]:
-    """One block, or all.
+    """The block that is named, or all blocks.
 
     Raises
     ------
@@ -59,12 +59,12 @@ def subjects_of(scene: str, block: str | None = None, simulator: str = "icarus")
 
 @cache
 def _case_jobs(name: str, simulator: str, build: Path) -> list[Job]:
-    """The benches of a case, which many blocks share."""
+    """The benches of a case. The answer is kept, because many blocks share a case."""
     scene = case_scene(name, build)
     prepare(scene, simulator, build)
     return jobs(scene, simulator, build=build)
 
 
 def first(planned: list[Job], block: str) -> Job:
-    """The first entity of a block; in line the last comes first."""
+    """The first entity of a block among jobs, which stand in the opposite order."""
     return next(job for job in reversed(planned) if job.block == block)

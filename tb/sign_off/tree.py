@@ -1,4 +1,4 @@
-"""The registers of an adder tree of hdl/common, for what is proved of its sums."""
+"""The registers of an adder tree of hdl/common, which proofs about its sums need."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ class Register:
     ----------
     name : str
     added : tuple of str
-        What it adds, or the one that it delays.
+        The registers that it adds, or the one that it delays.
     terms : tuple of int
-        Which terms of the whole sum are in it.
+        The numbers of the terms of the whole sum that it contains.
     clock : int
-        Clocks from the terms to it.
+        How many clocks it stands behind the terms.
     """
 
     name: str
@@ -27,7 +27,7 @@ class Register:
 
 
 def tree(terms: list[str], total: str) -> list[Register]:
-    """All registers in the order of their clocks; ``total`` is the last."""
+    """All registers in the order of their clocks; ``total`` is the last one."""
     level = [Register(name, (), (n,), 0) for n, name in enumerate(terms)]
     found: list[Register] = []
     pairs = delays = 0

@@ -1,13 +1,13 @@
-"""Benches on registers that are unknown until something known is written: ``NETLIST=unknown``.
+"""``NETLIST=unknown``: run benches with registers that are unknown until a known value is written.
 
-The exported Verilog of an entity becomes a netlist whose parts give a definite bit only where it is
-the same for every value of the unknown ones: an ``if`` of an unknown condition gives what both
-branches agree on. Every register begins unknown; in each clock of reset it takes its value of reset
-or, where it has none, is unknown again, and so is every word of a memory. What ports ``held_*``
-show outlasts a reset, and is unknown only at first. The bench is the block's own. It refuses a flag
-that is not 0 or 1 after the first reset, and data that is not known when its flag says that it is
-valid. So what passes depends on no register that was not written since the last reset, whatever
-that register held.
+The exported Verilog of an entity becomes a netlist in which a gate gives a definite bit only if
+that bit is the same for every value of the unknown ones. So an ``if`` with an unknown condition
+gives those bits in which both branches agree. Every register begins unknown. In each clock of reset
+it takes its reset value or, if it has none, is unknown again, and so is every word of a memory. The
+registers behind ports ``held_*`` keep their values through a reset, and are unknown only at first.
+The bench is the block's own. It refuses a flag that is not 0 or 1 after the first reset, and data
+that is not known while its flag says that it is valid. So if the bench passes, nothing valid
+depends on a register that was not written since the last reset, whatever that register held.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ from tb.common.runner import Job
 UNKNOWN = "unknown"
 REGISTER = "$dff"
 RESET = "rst"
-# How ports begin whose registers keep through a reset what they hold: docs/streams.md.
+# Ports whose names begin so have registers that keep their values through a reset: docs/streams.md.
 HELD = "held_"
-# No pass that takes an unknown bit for what is convenient. And a memory is registers, so that an
-# unknown address may have written any of them.
+# These passes do not choose a convenient value for an unknown bit. A memory becomes registers, so
+# that a write to an unknown address makes all of them unknown.
 PREPARE = (
     "proc -noopt; flatten; opt_expr -keepdc; pmuxtree; memory_collect; memory_map; "
     "opt_expr -keepdc; opt_clean; dffunmap; opt_clean; delete t:$scopeinfo"
@@ -48,7 +48,7 @@ class Register:
     Attributes
     ----------
     name : str
-        As in the Verilog, with the instances that it is in.
+        Its name in the Verilog, behind those of the instances around it.
     bits : tuple
         The nets of its bits.
     reset : bool
@@ -92,7 +92,7 @@ class Netlist:
             if cell["type"] == "$mux"
             for n, bit in enumerate(cell["connections"]["Y"])
         }
-        # By the net that a register of one bit drives, the cell and the place in it.
+        # For the net of each bit of a register: the cell, and the place of the bit in it.
         self.flip_flops: dict[Bit, tuple[str, int]] = {
             bit: (name, n)
             for name, cell in cells.items()
@@ -102,12 +102,12 @@ class Netlist:
 
     @property
     def given(self) -> int:
-        """Bits that all its cells give."""
+        """The number of bits that all cells give together."""
         cells = self.module["cells"].values()
         return sum(len(cell["connections"].get("Y", "")) for cell in cells)
 
     def in_reset(self, bit: Bit) -> Bit:
-        """What a net is in a clock of reset, whatever the registers hold: "0", "1" or "x"."""
+        """The value of a net in a clock of reset: "0", "1", or "x" if it depends on registers."""
         if bit == self.rst:
             return "1"
         if isinstance(bit, str) or bit not in self.drivers:
@@ -119,7 +119,7 @@ class Netlist:
         return {"0": low, "1": high}.get(str(select), low if low == high else "x")
 
     def is_reset(self, bit: Bit) -> bool:
-        """Whether reset gives a register a value; one that is constant needs none."""
+        """Whether a clock of reset gives a register a value; a constant one counts, too."""
         if self.rst is None:
             return False
         name, n = self.flip_flops[bit]
@@ -135,10 +135,10 @@ class Netlist:
         return [Register(name, tuple(bits), reset) for (name, reset), bits in sorted(found.items())]
 
     def verilog(self, unreset: Register | None = None, held: str = "") -> str:
-        """The module in which what reset gives no value is unknown in each clock of reset.
+        """The module, in which registers without a reset become unknown in each clock of reset.
 
-        ``unreset`` is a register whose reset is left out; ``held`` names another output, of all
-        other registers that are reset.
+        ``unreset`` is a register whose reset is left out. ``held`` names one more output, which
+        shows all other registers that have a reset.
         """
         netlist = deepcopy(self.netlist)
         cells = netlist["modules"][self.top]["cells"]
@@ -164,7 +164,7 @@ class Netlist:
             return (folder / "n.v").read_text(encoding="utf-8")
 
     def bench(self, job: Job, unreset: Register | None = None) -> Job:
-        """The job's bench on this, written beside the exported files."""
+        """The job's bench on this netlist, which is written beside the exported files."""
         changed = replace(job, form=UNKNOWN, files=(f"{self.top}.v",))
         changed.hdl_folder.mkdir(parents=True, exist_ok=True)
         with replace_file(changed.hdl_folder / f"{self.top}.v") as temporary:

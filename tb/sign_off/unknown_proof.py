@@ -1,14 +1,14 @@
-"""A proof, for every input, that nothing valid hangs on an unknown register.
+"""Proves, for every input, that nothing valid depends on an unknown register.
 
-The netlist of ``tb/sign_off/unknown.py`` in Yosys' ``sat``, which reckons with unknown bits as a
-simulator of four states does. Once there has been a clock of reset, and whatever comes in:
+The netlist of ``tb/sign_off/unknown.py`` is given to Yosys' ``sat``, which treats unknown bits as a
+simulator with four states does. After the first clock of reset, and for all inputs, this is proved:
 
-- a flag is known, and so is every register that is reset;
-- data that go with a flag are known in each clock in which the flag is high.
+- every flag is known, and so is every register that has a reset;
+- data that belong to a flag are known in each clock in which the flag is high.
 
-Shown by induction over as many clocks as it takes, from every state of the registers. Each unknown
-bit stands for itself, whatever it has in common with others: what is proved holds, and what holds
-may be out of reach.
+The proof is an induction over as many clocks as it needs, from every state of the registers. Each
+unknown bit is treated as independent of all others. So whatever is proved is true, but something
+true may not be provable.
 """
 
 from __future__ import annotations
@@ -21,20 +21,21 @@ from golden.input_error import InputError
 from hdl.synth.tools import run_tool
 from tb.sign_off.unknown import Netlist, Register
 
-# A flag, and how the outputs begin that are data where it is high.
+# For each flag: how the names of the outputs begin that are its data.
 VALID = {"out_valid": "out_", "m_axis_tvalid": "m_axis_t"}
-# More than any pipeline has. A bound in clocks and not in seconds: the same on every machine.
+# No pipeline has so many clocks. The bound is in clocks and not in seconds, so that it is the same
+# on every machine.
 MOST_CLOCKS = 16
-# Bits of registers; larger blocks take minutes, and their parts are proved.
+# The most bits of registers. Larger blocks would take minutes, and their parts are proved anyway.
 MOST_BITS = 700
-# Bits that all cells give. Of more, such as of the tables of bipartite_pair, Yosys' solver runs out
-# of the memory that WebAssembly has.
+# The most bits that all cells give together. With more, as in the tables of bipartite_pair, Yosys'
+# solver runs out of the memory that WebAssembly has.
 MOST_GIVEN = 50_000
 HELD = "what_reset_gives_a_value"
 
 
 def outputs(netlist: Netlist) -> tuple[list[str], dict[str, list[str]]]:
-    """The flags, and by flag its data; what is neither is not said to be known."""
+    """The flags, and the data of each flag; nothing is proved of other outputs."""
     ports = [port for port in netlist.twin.ports if port.direction == "out"]
     data = {
         flag: [port.name for port in ports if port.name.startswith(prefix) and port.name != flag]
@@ -47,7 +48,7 @@ def outputs(netlist: Netlist) -> tuple[list[str], dict[str, list[str]]]:
 
 
 def clocks_to_prove(netlist: Netlist, unreset: Register | None = None) -> int | None:
-    """Over how many clocks the induction goes; None where it does not close, or is not tried.
+    """The number of clocks of the induction; None where it does not close or is not tried.
 
     ``unreset`` is a register whose reset is left out.
     """
@@ -56,7 +57,7 @@ def clocks_to_prove(netlist: Netlist, unreset: Register | None = None) -> int | 
         return None
     left = [register for register in netlist.registers() if register.reset and register != unreset]
     if not left and not any(outputs(netlist)):
-        # Nothing is said of data without a flag.
+        # Nothing is proved of data without a flag.
         return None
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -77,7 +78,7 @@ def clocks_to_prove(netlist: Netlist, unreset: Register | None = None) -> int | 
 
 
 def watch(netlist: Netlist, unreset: Register | None = None) -> str:
-    """A module around the netlist whose output is 1 where something is unknown that must not be."""
+    """A module around the netlist whose output is 1 if something is unknown that must not be."""
     ports: dict[str, dict[str, Any]] = netlist.module["ports"]
     flags, data = outputs(netlist)
     lines = []
@@ -106,5 +107,5 @@ def watch(netlist: Netlist, unreset: Register | None = None) -> str:
 
 
 def _unknown(*names: str) -> str:
-    """Whether a bit of some nets is unknown: only then is their parity."""
+    """An expression that is true if any bit of some nets is unknown: then their parity is, too."""
     return f"((^{{{', '.join(names)}}}) === 1'bx)"

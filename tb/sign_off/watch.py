@@ -1,4 +1,4 @@
-"""Verilog that remembers, for properties to compare with, and properties that many blocks share."""
+"""Verilog that remembers past clocks for properties, and properties that many blocks share."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tb.sign_off.properties import Property
 
 
 def ago(name: str, signal: str, clocks: int) -> str:
-    """``name[n]``, n below ``clocks``: ``signal`` n + 1 clocks ago, 0 if a reset came since."""
+    """``name[n]``, for n below ``clocks``, is ``signal`` n + 1 clocks ago, or 0 after a reset."""
     return f"""
         reg [{clocks - 1}:0] {name} = 0;
         always @(posedge clk) {name} <= rst ? 0 : {{{name}, {signal}}};
@@ -22,7 +22,7 @@ def ago(name: str, signal: str, clocks: int) -> str:
 
 
 def since(name: str, event: str, most: int | str) -> str:
-    """``name``: clocks since ``event``, at most ``most``, which it is after a reset."""
+    """``name`` counts the clocks since ``event``, up to ``most``; after a reset it is ``most``."""
     return f"""
         reg [15:0] {name} = 0;
         always @(posedge clk)
@@ -31,7 +31,7 @@ def since(name: str, event: str, most: int | str) -> str:
 
 
 def check_byte(data: str) -> str:
-    """Takes a byte into ``sum``, CRC-16 with x^16 + x^12 + x^5 + 1, from its highest bit."""
+    """Takes a byte into ``sum``, a CRC-16 with x^16 + x^12 + x^5 + 1, from its highest bit on."""
     return "\n".join(
         f"sum = {{sum[14:0], 1'b0}} ^ (sum[15] ^ {data}[{n}] ? 16'h1021 : 16'h0);"
         for n in reversed(range(8))
@@ -44,16 +44,17 @@ def pipeline(
     valid: str = "in_valid",
     last: str = "",
 ) -> Property:
-    """A block that gives a result for each item, a fixed number of clocks later.
+    """The block gives a result for each item, a fixed number of clocks later.
 
     Parameters
     ----------
     twin : Block
-        Its latency is what is proved.
+        Its latency is proved.
     refuted_by : tuple
         Broken copies.
     valid, last : str
-        What makes ``out_valid`` and ``out_last`` high; without ``last`` there is no such port.
+        Expressions that ``out_valid`` and ``out_last`` follow. Without ``last`` there is no such
+        port.
     """
     late = twin.latency - 1
     states = [f"out_valid == valid_ago[{late}]"]
@@ -62,11 +63,12 @@ def pipeline(
         states.append(f"out_last == last_ago[{late}]")
         watch += ago("last_ago", last, twin.latency)
     flags = "out_valid and out_last are" if last else "out_valid is"
-    own = "in_valid and in_last" if last else "in_valid"
+    own = "in_valid and in_last were" if last else "in_valid was"
+    clocks = "1 clock" if twin.latency == 1 else f"{twin.latency} clocks"
     return Property(
         name="one for each",
-        sentence=f"{flags} just what {own} was {twin.latency} clocks before, unless a reset came "
-        "between: no item is lost and none is made up.",
+        sentence=f"{flags} exactly what {own} {clocks} before, unless a reset came between. So no "
+        "item is lost and none is made up.",
         states=tuple(states),
         watch=watch,
         reached=("out_valid", "!out_valid"),
@@ -79,11 +81,12 @@ def pipeline(
 def frames(
     inputs: int, spacing: int = 0, valid: str = "in_valid", last: str = "in_last", name: str = ""
 ) -> str:
-    """What docs/streams.md says of frames, clock by clock.
+    """The rules for frames in docs/streams.md, as signals in each clock.
 
-    ``taken``: the sample belongs to a frame that is not yet known to be wrong; ``good``: it makes a
-    frame whole; ``wrong``: it gives a frame away, ``spacing`` clocks from the last good one where
-    there is a least distance. These are the signals, each with ``name`` in front.
+    ``taken`` says that the sample belongs to a frame that is not yet known to be wrong, ``good``
+    that it completes a good frame, and ``wrong`` that it shows a frame to be wrong. Where there is
+    a limit, ``spacing`` is the least number of clocks from the last sample of a good frame to that
+    of the next one. The names of the signals are these, with ``name`` in front.
     """
     text = f"""
         reg [15:0] @place = 0;
@@ -108,7 +111,7 @@ def frames(
 
 
 def results(outputs: int, begin: str) -> str:
-    """``left``: outputs still to come, this one included; the first of a frame is at ``begin``."""
+    """``left`` counts the outputs still to come, with this one; the first comes at ``begin``."""
     return f"""
         reg [15:0] due = 0;
         wire [15:0] left = {begin} ? {outputs} : due;
@@ -116,13 +119,13 @@ def results(outputs: int, begin: str) -> str:
     """
 
 
-# What an engine promises those who watch its frames.
+# What frame_check and frame_guard may assume of an engine.
 COMPUTED = {
     "Results come, and the last output leaves, only while a frame is computed.": "run || "
     "!(store || finish)",
     "The last output is no result that goes back to the memory.": "!(store && finish)",
 }
-# Broken copies of what gives operands their addresses.
+# Broken copies, in which operands get wrong addresses.
 MISPLACED = (
     (r"addr <= \(addr \+ 1\)", "addr <= (addr + 2)"),
     (r"write <= \(accept \|\| store\)", "write <= accept"),
@@ -131,7 +134,10 @@ MISPLACED = (
 
 
 def operands(width: int, kept: str, cleared: str) -> str:
-    """``operands`` of this frame so far, and ``expected``, the address of the one before."""
+    """``operands`` counts the operands of this frame that were kept before this clock.
+
+    ``expected`` is that number one clock ago, which is the address of an operand kept then.
+    """
     return f"""
         reg [{width - 1}:0] operands = 0;
         reg [{width - 1}:0] expected;
@@ -151,7 +157,7 @@ def network(
     helps: tuple[str, ...] = (),
     watch: str = "",
 ) -> list[Property]:
-    """What every network with a stream does with frames.
+    """The properties of every network with a stream: what it does with frames.
 
     Parameters
     ----------
@@ -159,7 +165,7 @@ def network(
     controller : str
         The instance that judges frames.
     wrong, good : tuple
-        Broken copies, which refute what is said of wrong frames and of good ones.
+        Broken copies that refute the properties of wrong frames and of good ones.
     helps, watch
         See ``Property``.
     """
@@ -175,12 +181,12 @@ def network(
         *helps,
     )
     told = frames(inputs, spacing) + watch
-    least = f" or come within {spacing} clocks of a good one" if spacing else ""
+    least = f" or that ends less than {spacing} clocks after a good one" if spacing else ""
     return [
         Property(
             name="frame_error",
-            sentence=f"frame_error is high for just one clock for each frame that has not {inputs} "
-            f"elements{least}, one clock after the element that gives it away.",
+            sentence="frame_error is high for exactly one clock for each frame that does not have "
+            f"{inputs} elements{least}. It comes one clock after the element that shows this.",
             states=("frame_error == wrong_ago[0]",),
             watch=told + ago("wrong_ago", "wrong", 1),
             helps=helps,
@@ -190,9 +196,10 @@ def network(
         ),
         Property(
             name="outputs of good frames",
-            sentence=f"A good frame, and nothing else, yields {outputs} outputs, in clocks "
-            f"{late} to {late + outputs - 1} after its last element, the last of them with "
-            "out_last. A wrong frame yields none, and no frame does that began before a reset.",
+            sentence=f"Each good frame yields {outputs} outputs in clocks {late} to "
+            f"{late + outputs - 1} after its last element, and out_last comes with the last of "
+            "them. Nothing else yields an output: no wrong frame does, and no frame that began "
+            "before a reset.",
             states=("out_valid == (left != 0)", "out_last == (left == 1)"),
             watch=told + ago("good_ago", "good", late) + results(outputs, f"good_ago[{late - 1}]"),
             helps=helps,
@@ -205,7 +212,7 @@ def network(
 
 
 def table(name: str, words: Sequence[int], width: int, beyond: int | None = None) -> str:
-    """``name(n)``: word n of a table, and behind the last of them ``beyond``, or the last."""
+    """``name(n)`` is word n of a table; behind the last word it is ``beyond``, or the last word."""
     lines = "\n".join(f"{n}: {name} = {width}'d{word};" for n, word in enumerate(words))
     last = words[-1] if beyond is None else beyond
     return f"""
@@ -219,7 +226,7 @@ def table(name: str, words: Sequence[int], width: int, beyond: int | None = None
 
 
 def read_only(twin: Rom, refuted_by: tuple[tuple[str, str], ...]) -> Property:
-    """A read-only memory: the twin's word at each address."""
+    """The read-only memory gives the twin's word at each address."""
     late = twin.latency
     watch = table("twin", twin.words, twin.width)
     asked = "addr"
@@ -244,9 +251,9 @@ def read_only(twin: Rom, refuted_by: tuple[tuple[str, str], ...]) -> Property:
 
 
 def pipe(signal: str, clocks: int, width: int, also: bool = True) -> str:
-    """``signal_n``, n below ``clocks``: a signed signal n + 1 clocks ago, in blocks without reset.
+    """``signal_n``, for n below ``clocks``, is a signed signal n + 1 clocks ago, without a reset.
 
-    ``there[n]``, written ``also``, says that there was such a clock.
+    With ``also`` there is ``there[n]``, which says that there was such a clock.
     """
     names = [signal, *(f"{signal}_{n}" for n in range(clocks))]
     moves = "\n".join(f"{late} <= {early};" for early, late in pairwise(names))
@@ -265,10 +272,10 @@ def pipe(signal: str, clocks: int, width: int, also: bool = True) -> str:
 
 
 def exact_sum(width: int, opens: str, value: str) -> str:
-    """``exact``: a sum in 64 bits, from the first clock with ``opens`` on, when it has ``begun``.
+    """``exact`` is a sum in 64 bits; it has ``begun`` with the first clock with ``opens``.
 
-    In each clock it becomes ``value``. ``fits`` says that ``width`` bits hold it and all before it,
-    ``count`` how many it is of, up to 255.
+    In each clock it becomes ``value``. ``fits`` says that ``width`` bits can hold it and all sums
+    before it, and ``count`` how many terms it has, up to 255.
     """
     return f"""
         reg begun = 0, held = 1;

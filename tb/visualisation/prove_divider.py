@@ -22,7 +22,7 @@ def properties(twin):
         Property(
             name="cause",
             sentence=f"out_valid is high {late} clocks after an in_valid that is not followed by "
-            f"another within {late - 2} clocks nor by a reset, and in no other clock.",
+            f"another one within {late - 2} clocks or by a reset, and in no other clock.",
             states=(f"out_valid == (age == {late - 2})",),
             watch=age,
             helps=helps,
@@ -36,8 +36,8 @@ def properties(twin):
         ),
         Property(
             name="no overflow",
-            sentence="While digits are found, the remainder is below the divisor and their "
-            "difference keeps every bit, so that no step loses one; the numerator has room for "
+            sentence="While digits are found, the remainder is below the divisor, and their "
+            "difference keeps every bit, so that no step loses a bit. The numerator has room for "
             "every distance.",
             states=(
                 "remaining == 0 || load || remainder < divisor",

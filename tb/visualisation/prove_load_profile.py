@@ -14,9 +14,9 @@ def properties(twin):
     return [
         Property(
             name="newest frame",
-            sentence="A ramp begins with the newest results that came since the last one began, as "
-            "soon as the one before has given its last point, and keeps these results to its end, "
-            "whatever comes meanwhile; a reset ends it.",
+            sentence="A ramp begins with the newest results that came since the ramp before it "
+            "began, as soon as that one has given its last point. It keeps these results to its "
+            "end, whatever comes meanwhile. A reset ends it.",
             states=(
                 "restart == begins",
                 *(f"!drawing || {place} == shown_{n}" for n, place in DRAWN.items()),

@@ -28,8 +28,8 @@ def properties(twin):
         ),
         Property(
             name="no overflow",
-            sentence="Product, sum with the half that rounds, and rounded power are those of whole "
-            "numbers: no bit is lost on the way to the accumulator.",
+            sentence="The product, the sum with the half that rounds it, and the rounded power are "
+            "those of whole numbers: no bit is lost on the way to the accumulator.",
             states=(
                 "whole_rounded == $signed(requantise1_rounded)",
                 "whole_kept == kept",
@@ -62,7 +62,8 @@ def properties(twin):
             f"{twin.max_power} no result comes while multiplications are left.",
             states=("!out_valid || uses == 0",),
             assumes={
-                f"P is 1 to {most + 1}.": f"!in_valid || (in_power >= 1 && in_power <= {most + 1})"
+                f"P is from 1 to {most + 1}.": "!in_valid || "
+                f"(in_power >= 1 && in_power <= {most + 1})"
             },
             watch="reg seen = 0; always @(posedge clk) seen <= rst ? 0 : seen || in_valid;",
             helps=(

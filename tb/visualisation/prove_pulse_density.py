@@ -8,8 +8,9 @@ def properties(twin):
     return [
         Property(
             name="as many ones as are asked for",
-            sentence=f"The sum of all codes since a reset, each {low} more than it is, is "
-            f"2^{width} for each one that was given, and a rest that is less than another.",
+            sentence=f"The sum of all codes since a reset, each increased by {low}, is 2^{width} "
+            "times the number of ones that were given, plus a remainder that is smaller than "
+            f"2^{width}.",
             states=("asked_for == {ones + {31'b0, out_bit}, remainder}",),
             watch=f"""
                 // Modulo 2^{32 + width}.

@@ -17,8 +17,8 @@ def properties(twin):
         Property(
             name="position after position",
             sentence=f"The positions come in order, from the first to the last of {twin.points}, "
-            "then from the first again; the last has out_last. None leaves its format: the "
-            "accumulator never overflows.",
+            "and then from the first again. out_last comes with the last one. No position leaves "
+            "its format: the accumulator never overflows.",
             states=(
                 "!out_valid || whole_position == $signed(out_data)",
                 f"!out_valid || out_last == (position == {last})",

@@ -1,1 +1,1 @@
-"""What an export holds beside the entities: files that a user of the hardware starts from."""
+"""The files beside the entities of an export, from which a user of the hardware starts."""

@@ -1,4 +1,4 @@
-"""Examples of constraint files: the clock, and what a user must add."""
+"""Examples of constraint files: they state the clock, and what a user must add."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ TIMESPEC "TS_clk" = PERIOD "clk" $period ns HIGH 50 %;
 
 
 def constraints(scene: str, top: str, clock_mhz: float) -> dict[str, str]:
-    """Texts by file name."""
+    """The texts of the constraint files, by file name."""
     facts = {
         "scene": scene,
         "top": top,

@@ -1,4 +1,4 @@
-"""The export as a FuseSoC core."""
+"""Describes the export as a FuseSoC core."""
 
 from __future__ import annotations
 
@@ -28,7 +28,8 @@ _TARGET = Template("""\
     toplevel: $top
 """)
 
-# Data is undefined until the first frame is through, and numeric_std warns of each operation on it.
+# Data is undefined until the first frame has passed, and numeric_std warns of each operation on
+# undefined data.
 _GHDL = """\
     default_tool: ghdl
     tools:
@@ -41,14 +42,14 @@ _KIND = {"vhdl": "vhdlSource-93", "verilog": "verilogSource-2005"}
 
 
 def plain_name(scene: str) -> str:
-    """The scene's name with ``_`` for what neither FuseSoC nor a comment of VHDL-93 takes."""
+    """The scene's name, with ``_`` for characters that FuseSoC or a VHDL-93 comment forbids."""
     return re.sub(r"[^A-Za-z0-9_.-]", "_", scene)
 
 
 def core(
     scene: str, description: str, order: str, files: list[str], benches: list[str], language: str
 ) -> str:
-    """Text of the ``.core`` file.
+    """The text of the ``.core`` file.
 
     Parameters
     ----------
@@ -56,11 +57,11 @@ def core(
         A ``plain_name``.
     description : str
     order : str
-        Name of the file with the compile order.
+        The name of the file with the compile order.
     files : list of str
         The design in compile order; the last one is named after the top.
     benches : list of str
-        The test bench in compile order, or nothing.
+        The test bench in compile order; empty where there is none.
     language : str
     """
     sets = {"rtl": files} | ({"tb": benches} if benches else {})

@@ -1,4 +1,4 @@
-"""An entity or module that does nothing but hold the network: to cut signals and instance from."""
+"""An entity or module that only holds the network, so that users can copy signals and instance."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ endmodule
 
 
 def example(scene: str, top: str, ports: list[Port], language: str) -> str:
-    """Text of the example."""
+    """The text of the example."""
     if language == "vhdl":
         return _VHDL.substitute(
             scene=scene,
@@ -75,7 +75,7 @@ def example(scene: str, top: str, ports: list[Port], language: str) -> str:
 
 
 def vhdl_signals(ports: list[Port]) -> str:
-    """A signal for each port, with its name; inputs start at 0."""
+    """A signal for each port, with the port's name; inputs start at 0."""
     lines = []
     for port in ports:
         zero = "(others => '0')" if port.width else "'0'"
@@ -85,7 +85,7 @@ def vhdl_signals(ports: list[Port]) -> str:
 
 
 def vhdl_map(ports: list[Port], left_open: tuple[str, ...] = ()) -> str:
-    """Each port to the signal of its name, some left open."""
+    """Connect each port to the signal with its name; those in ``left_open`` stay open."""
     return ",\n".join(
         f"            {p.name} => {'open' if p.name in left_open else p.name}" for p in ports
     )

@@ -1,4 +1,4 @@
-"""How a test bench sends a frame and reads one, by the kind of the network's stream."""
+"""How a test bench sends and reads a frame, for each kind of stream that a network has."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from golden.sensing.converter_parts import TWOS
 
 @dataclass(frozen=True)
 class Style:
-    """VHDL for the gaps of the test bench's text.
+    """VHDL that fills the gaps in the text of the test bench.
 
     Attributes
     ----------
     variables : str
-        Declarations of the process.
+        The declarations of the process.
     passes : tuple of str
-        How all frames are sent, first and again.
+        All frames are sent twice; these two texts say how.
     check, send : callable
-        What one clock looks at, and how a frame is sent, of a design.
+        For a design: what is checked in each clock, and how a frame is sent.
     """
 
     variables: str
@@ -57,8 +57,8 @@ _STREAM_CHECK = Template("""\
                 end if;
             end if;""")
 
-# Between valid elements the data is another code, which must not matter; so is what stands in the
-# slots of a cascade.
+# Between valid elements the data is another code, which must not matter. The same holds for what
+# stands in the slots of a cascade.
 _STREAM_SEND = Template("""\
             for element in 0 to $last loop
                 if element = 0 then
@@ -90,7 +90,7 @@ _AXIS_VARIABLES = f"""\
         variable slow, taking: boolean := false;
 """
 
-# Ready is set for the rising edge to come, before which no output of the network changes.
+# Ready is set for the next rising edge. No output of the network changes before that edge.
 _AXIS_CHECK = """\
             ticks := ticks + 1;
             taking := not slow or ticks mod 3 = 0;
@@ -148,7 +148,7 @@ $data
 $other""")
 
 
-# The converter gives the code of the sensor that the multiplexer selects.
+# The converter gives the code of the sensor that the multiplexer has selected.
 _CONVERTER_SEND = Template("""\
             for moment in 0 to $last loop
                 adc <= to_signed(samples(frame * inputs + to_integer(address)), adc'length);
@@ -288,7 +288,7 @@ def _parallel_send(design: Network) -> str:
 
 
 def due(design: Network) -> str:
-    """How many frames of outputs come."""
+    """How many frames of outputs come, as VHDL."""
     return "(frames - past)" if design.past else "frames"
 
 
@@ -313,7 +313,7 @@ AXIS = Style(
     lambda design: _AXIS_SEND,
 )
 PARALLEL = Style("", GAPS, _parallel_check, _parallel_send)
-# The sequencer goes on after the last frame that is played.
+# The sequencer goes on after the last frame, so outputs beyond that frame are not checked.
 CONVERTER = Style(
     _STREAM_VARIABLES,
     (
@@ -333,7 +333,7 @@ SPI = Style(
 )
 
 
-# By the network's ``stream``.
+# The styles, by the ``stream`` of the network.
 STYLES = {
     "serial": STREAM,
     "words": PARALLEL,

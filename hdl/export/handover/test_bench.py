@@ -111,7 +111,7 @@ $load            for frame in 0 to frames - 1 loop
 end architecture self_check;
 """)
 
-# A hardware that never takes a byte must not hang the test bench.
+# Hardware that never takes a byte must not hang the test bench.
 _LOAD = """\
             for number in image'range loop
                 load_data <= to_unsigned(image(number), load_data'length);
@@ -130,7 +130,8 @@ _LOAD = """\
             end loop;
 """
 
-# The line carries the packet of the image; scans go on meanwhile, so it takes whole ones.
+# The line carries the packet of the image. Scans go on meanwhile, so this takes a whole number of
+# scans.
 _LOAD_LINE = Template("""\
             for number in image'range loop
                 for level in 0 to $last loop
@@ -155,10 +156,10 @@ _REFUSED = """\
 
 
 def test_bench(scene: str, design: Network, ports: list[Port]) -> str:
-    """Text of the entity ``<top>_tb``."""
+    """The text of the entity ``<top>_tb``."""
     style = STYLES[design.stream]
     clocks = design.output_clocks[-1]
-    # What is held is on the stream too; the profile is not recorded, nor is a line.
+    # The held outputs are on the stream, too. Neither the profile nor a line is recorded.
     unused = ("held_", "profile_", "dac_", "tx")
     used = [port for port in ports if not port.name.startswith(unused)]
     left_open = tuple(port.name for port in ports if port not in used)
@@ -181,7 +182,7 @@ def test_bench(scene: str, design: Network, ports: list[Port]) -> str:
 
 
 def _load(design: Network) -> str:
-    """How the image comes, where there is one."""
+    """The VHDL that sends the image; empty where there is none."""
     if not design.image:
         return ""
     if not isinstance(design, UartInstrument):

@@ -1,4 +1,4 @@
-"""The recorded frames and what the hardware makes of them, as a VHDL package."""
+"""A VHDL package with the recorded frames and the outputs that the hardware gives for them."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from string import Template
 
 from golden.fixed import Codes
 
-# Constants that any simulator elaborates in a second, and scans that it plays in a minute; longer
-# recordings are cut there.
+# Longer recordings are cut to these lengths: any simulator elaborates so many constants in a
+# second, and plays scans of so many clocks in a minute.
 FRAMES = 4096
 CLOCKS = 48_000
 
@@ -51,14 +51,14 @@ $bytes
 def vectors(
     scene: str, top: str, samples: Codes, results: Codes, past: int = 0, image: bytes = b""
 ) -> str:
-    """Text of the package ``<top>_vectors``.
+    """The text of the package ``<top>_vectors``.
 
     Parameters
     ----------
     samples, results : Codes, shape (frames, inputs), (frames - past, outputs)
     past : int
     image : bytes
-        What is loaded before the first frame; empty where nothing is.
+        The image that is loaded before the first frame; empty where none is.
     """
     return _TEXT.substitute(
         scene=scene,
@@ -76,7 +76,7 @@ def vectors(
 
 
 def _image(image: bytes) -> str:
-    """The constant, in lines of 16 bytes."""
+    """The constant that holds the image, in lines of 16 bytes."""
     if not image:
         return ""
     places = [f"{place} => {byte}" for place, byte in enumerate(image)]
@@ -87,7 +87,7 @@ def _image(image: bytes) -> str:
 
 
 def _table(codes: Codes) -> str:
-    """Named association, because a list of a single value is no aggregate without a name."""
+    """The codes with named association: without names a list of one value is no aggregate."""
     columns = codes.shape[1]
     lines = (
         ", ".join(f"{row * columns + c} => {code}" for c, code in enumerate(frame))

@@ -1,4 +1,4 @@
-"""Writes everything that a user of an export starts from, beside its entities."""
+"""Writes the files from which a user of an export starts, beside its entities."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from hdl.export.ports import read_ports
 def write_handover(
     scene: Scene, design: Network, folder: Path, order: str, files: list[str], language: str
 ) -> None:
-    """Core file, example, constraints and, in VHDL, the test bench, into the export's folder.
+    """Write core file, example, constraints and, for VHDL, the test bench into the export's folder.
 
     Parameters
     ----------
     scene, design : Scene, Network
         The scene and its design.
     folder : Path
-        Holds ``files``, in compile order; the last one is the top.
+        The folder that holds ``files``, which stand in compile order; the last one is the top.
     order : str
-        Name of the file with that order.
+        The name of the file with that order.
     language : str
 
     Raises

