@@ -44,8 +44,8 @@ class Replay:
     Parameters
     ----------
     deep, wide, words : int
-        The number of words up to the last deep one, up to the last deep or wide one, and of all. Each
-        is 1 or more, and not less than the one before.
+        The number of words up to the last deep one, up to the last deep or wide one, and of all.
+        Each is 1 or more, and not less than the one before.
     """
 
     deep: int
