@@ -59,8 +59,7 @@ class ExactLayers:
     outputs: list[ExactSum]
 
     def process(self, frames: Codes) -> Codes:
-        """Output codes, with activations computed by their parts, not by their tables of
-        results."""
+        """Output codes; activations are computed by parts, not read from tables of results."""
         pairs = zip(self.hidden, self.activations, strict=True)
         r = np.stack([activation.compute(one.process(frames)) for one, activation in pairs], axis=1)
         return np.stack([one.process(r) for one in self.outputs], axis=1)
