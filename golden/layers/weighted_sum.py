@@ -63,8 +63,7 @@ class WeightedSum(Block):
 
     @property
     def ends(self) -> tuple[int, int]:
-        """The least sum whose result is not below ``out_fmt``, and the least that gives one
-        above."""
+        """The least sum whose result is not below ``out_fmt``, and the least with one above."""
         half = (1 << self.out_shift) >> 1
         low, high = self.out_fmt.low, self.out_fmt.high
         return (low << self.out_shift) - half, ((high + 1) << self.out_shift) - half
