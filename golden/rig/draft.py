@@ -59,7 +59,7 @@ arrangement = "single"\
 CASCADE = """\
 # A network for each output, in the order of outputs. Each network sees the sensors and the outputs
 # before its own, because what a reading says about one output often depends on another. Put first
-# the outputs that follow from the sensors alone. With "multiple" each network sees only the sensors,
+# the outputs that follow from the sensors alone. With "multiple" each network sees sensors only,
 # and none passes its error on. Train with both to find out which has smaller errors.
 arrangement = "cascade"\
 """
@@ -68,13 +68,13 @@ GROUP_BY = """\
 group_by = {name}
 """
 FULL_SCALE = """\
-# Errors are in percent of this number, the distance from the least to the largest target. If you
-# remove an output here, its errors are in percent of each target, so none may be 0 or nearly 0.
+# Errors are in percent of this, the distance from the least to the largest target. Without an entry
+# here, errors of an output are in percent of each target, which works only if no target is 0.
 full_scale = {{ {pairs} }}
 """
 SCALE = """\
 # Readings or targets exceed -1 to 1, the range of the hardware's numbers. So every column gets a
-# factor and an offset. They follow from the rows that train, or, for sensors, from the data sheet of
+# factor and an offset. They follow from the rows that train or, for sensors, from the data sheet of
 # a converter if a section [front_end] names one.
 scale = "auto"
 """
