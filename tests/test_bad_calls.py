@@ -184,7 +184,7 @@ def test_an_argument_is_refused(desk: Desk, words: str, message: str) -> None:
 
 @pytest.mark.parametrize("scene", ["swing-window", "swing-window-cascade"])
 def test_what_keeps_the_past_is_no_part_of_an_image(desk: Desk, scene: str) -> None:
-    says = f"{scene}.toml: data.window: got past samples, expected none for an image"
+    says = f"{scene}.toml: data.window: got past samples, expected none: an image has no memory"
     desk.refuses("image", scene, "--hardware=digit-reload", says=says)
 
 

@@ -237,7 +237,7 @@ BOARD = {
         "front_end.converter: got none with a section [uart], expected a part",
         "visualisation.width: got 'width', expected one of the outputs y0, y1",
         "visualisation.shape: got 'shape', expected one of the outputs y0, y1",
-        "data.length_mm: got none of 'y1', expected that of the output which is the position",
+        "data.length_mm: 'y1' is missing, expected the length of the output that is the position",
     ],
     "[visualisation]": [
         f"visualisation.{key}: got {key!r}, expected one of the outputs y0, y1"

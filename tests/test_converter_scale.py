@@ -197,7 +197,9 @@ def test_readings_beyond_the_converter(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=message):
         load_scene(str(path)).vectors()
     path = rig(tmp_path, "mcp3208", codes, NONE, "reference = 3000\n")
-    with pytest.raises(InputError, match=r"'mcp3208' reads no more: mend front_end\.reference in"):
+    with pytest.raises(
+        InputError, match=r"'mcp3208' cannot read beyond it: correct front_end\.reference in"
+    ):
         load_scene(str(path)).vectors()
 
 

@@ -196,7 +196,8 @@ def test_a_fault_is_told_once_and_again_after_a_while(scene: Scene) -> None:
     still.now += PAUSE
     assert set(still.bring(other + still.packet(9))) == {
         "4 packets are missing: the numbers jump",
-        "packets are of version 2 of the protocol, expected 1: board and tactus are not of one age",
+        "packets are of version 2 of the protocol, expected 1: the board and tactus are of "
+        "different versions",
     }
     state = still.monitor.state()
     assert state["missed"] == 6

@@ -318,7 +318,7 @@ def test_a_scene_without_the_section_has_no_profile(tmp_path: Path) -> None:
             '"parallel"',
             "hardware.design: got 'parallel' with a section .visualisation., expected",
         ),
-        (LENGTHS, "", r"data.length_mm: got none of 'y1', expected that of .* the position"),
+        (LENGTHS, "", r"data.length_mm: 'y1' is missing, expected .* the position"),
         ("50.8", "0.001", "visualisation: load_profile: gain=254000, expected above 0"),
     ],
 )

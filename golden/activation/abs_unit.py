@@ -24,8 +24,8 @@ class AbsUnit(Block):
 
     Notes
     -----
-    Overflow: the most negative code has no positive counterpart; its magnitude saturates to the
-    largest code. The error is 1 LSB for that one code and 0 for every other.
+    Overflow: the most negative code has no positive counterpart, so its magnitude saturates to the
+    largest code. The error is 1 LSB for this one code and 0 for every other.
     """
 
     block = "abs_unit"

@@ -1,4 +1,4 @@
-"""What every activation has in common, so that a network can take any of them."""
+"""What all activations have in common, so that a network can use any of them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from golden.port import CLOCKED, Port, given, taken
 
 @dataclass(frozen=True)
 class ActivationBlock(Block):
-    """From q, or q divided by Q, to r: one result every ``interval`` clocks.
+    """Computes r from q, or from q divided by Q, with one result every ``interval`` clocks.
 
     A subclass computes in ``compute``. Its hardware keeps a result on ``out_data`` at least until
     the input changes, because a folded network reads it more than once.
@@ -31,7 +31,8 @@ class ActivationBlock(Block):
     Attributes
     ----------
     half_codes : bool
-        Whether a code c stands for the middle of its step, c + 1/2, of input and result alike.
+        Whether a code c stands for the middle of its step, c + 1/2, both at the input and at the
+        result.
     """
 
     half_codes: ClassVar[bool] = False
@@ -52,10 +53,10 @@ class ActivationBlock(Block):
         )
 
     def process(self, data: ArrayLike) -> Codes:
-        """Activation codes in ``out_fmt``, the shape of ``data``.
+        """Activation codes in ``out_fmt``, with the shape of ``data``.
 
-        Looked up in the results of ``compute`` for every code of the input, which a neuron of a
-        network that runs for long meets many times over.
+        They are looked up in a table of ``compute`` for every input code, because a neuron of a
+        network that runs for long meets each code many times.
 
         Raises
         ------
@@ -66,36 +67,36 @@ class ActivationBlock(Block):
         return np.take(_results(self), codes).astype(np.int64)
 
     def real_input(self, codes: ArrayLike) -> NDArray[np.float64]:
-        """The q, or q / Q, that codes of the input stand for."""
+        """The q, or q / Q, for which codes of the input stand."""
         return self._real(codes, self.in_fmt)
 
     def real_result(self, codes: ArrayLike) -> NDArray[np.float64]:
-        """The r that codes of the result stand for."""
+        """The r for which codes of the result stand."""
         return self._real(codes, self.out_fmt)
 
     def _real(self, codes: ArrayLike, fmt: Fix) -> NDArray[np.float64]:
         return fmt.to_real(np.asarray(codes) + 0.5 * self.half_codes)
 
     def compute(self, data: Codes) -> Codes:
-        """The same from part to part, as the hardware does it."""
+        """The activation codes, computed part by part as the hardware does it."""
         raise NotImplementedError
 
     @property
     def marks(self) -> tuple[int, ...]:
-        """Magnitudes up to which a segment goes."""
+        """The largest magnitude of each segment but the last."""
         return ()
 
     @property
     def limits(self) -> dict[str, tuple[int, int]]:
-        """Numbers inside that saturate, and their ends."""
+        """The internal numbers that saturate, each with its least and largest value."""
         return {}
 
     def unlimited(self, data: Codes) -> dict[str, Codes]:
-        """Those numbers before they saturate, of codes whose result hangs on them."""
+        """These numbers before they saturate, for codes whose result depends on them."""
         return {}
 
     def curved(self, data: Codes) -> NDArray[np.bool_]:
-        """Whether the result of each code hangs on ``unlimited``."""
+        """Whether the result of each code depends on ``unlimited``."""
         return np.ones(np.shape(data), dtype=bool)
 
     @property
@@ -108,11 +109,11 @@ class ActivationBlock(Block):
 
     @property
     def border_codes(self) -> Codes:
-        """Codes of the input on either side of every border."""
+        """Codes of the input on both sides of every border."""
         return _border_codes(self)
 
     def left_out(self) -> Counter[str]:
-        """How many of what the neuron cannot need and the block therefore lacks."""
+        """How many parts of each kind the block lacks because the neuron cannot need them."""
         return Counter()
 
 
@@ -122,7 +123,7 @@ def _codes(fmt: Fix) -> Codes:
 
 @lru_cache(maxsize=256)
 def _borders(activation: ActivationBlock) -> tuple[Border, ...]:
-    """Of the segments, and of what saturates, over every code of the input."""
+    """The borders of the segments and of saturation, over every code of the input."""
     found = [Border(f"magnitude above {mark}", "magnitude", mark + 1) for mark in activation.marks]
     numbers = activation.quantities(_codes(activation.in_fmt))
     for name, (low, high) in activation.limits.items():
@@ -148,8 +149,10 @@ def _border_codes(activation: ActivationBlock) -> Codes:
 
 @lru_cache(maxsize=256)
 def _results(activation: ActivationBlock) -> Codes:
-    """The activation of every input code: 0 and up, then the negative ones, which numpy counts
-    from the end. In the fewest bytes, so that the tables of a network stay in the cache.
+    """The activation of every input code, first from 0 up and then the negative codes.
+
+    A negative code is thus a negative index of numpy. The smallest possible integer type keeps the
+    tables of a network in the processor's cache.
     """
     fmt = activation.in_fmt
     codes = np.concatenate([np.arange(fmt.high + 1), np.arange(fmt.low, 0)])

@@ -24,43 +24,43 @@ from golden.fixed import Codes, Fix
 from golden.input_error import InputError
 from golden.precision import EXACT, Precision
 
-# Where the tables stand by default.
+# The default of where the tables are stored.
 MEMORY = "block_ram"
 
 
 @dataclass(frozen=True)
 class Bipartite(ActivationBlock):
-    """r = tanh(q): the sum of a base and a correction, two tables (Das Sarma and Matula 1995).
+    """r = tanh(q) as the sum of a base and a correction from two tables (Das Sarma, Matula 1995).
 
-    A code stands for the middle of its step: c of q for (c + 1/2) 2**-14, c of r for
-    (c + 1/2) 2**-14. With the sign s of q, all ones where q is below 0, the magnitude is q xor s;
-    r = floor((base(magnitude) xor s) + correction(magnitude, q)).
+    A code stands for the middle of its step: a code c of q or of r stands for (c + 1/2) 2**-14. Let
+    the sign s of q be all ones where q is below 0. Then the magnitude is q xor s, and r =
+    floor((base(magnitude) xor s) + correction(magnitude, q)).
 
     Parameters
     ----------
     in_fmt, out_fmt : Fix
-        Formats of q and r: any with 14 fraction bits, and Fix(15,14).
+        Formats of q and r: any format with 14 fraction bits, and Fix(15,14).
     memory : str
-        Where the tables stand: "block_ram", or "logic", smaller ones in LUTs.
+        Where the tables are stored: "block_ram", or "logic" for smaller tables in LUTs.
     reach_width : int
-        Bits of the largest magnitude that the neuron can reach: words beyond are left out. More
-        than 17 where q may be 8 or more, of which the result is the largest.
+        Bits of the largest magnitude that the neuron can reach; words beyond it are left out. More
+        than 17 where q can reach 8, from where on the result is the largest.
 
     Notes
     -----
-    The sum is exact and never overflows. The function is odd in the sense of its codes, the result
-    of the complement being the complement of the result, and monotone.
+    The sum is exact and never overflows. The function is monotone and, in terms of its codes, odd:
+    the result of a complement is the complement of the result.
 
-    Over all 262144 codes of Fix(18,14) (tests/test_bipartite.py), with "block_ram": within 0.708
-    units of 2**-13 of tanh(q), and 23416 results are not the nearest code. With "logic": within
-    4.497 units, and 90322.
+    Over all 262144 codes of Fix(18,14) (tests/test_bipartite.py): with "block_ram" every result is
+    within 0.708 units of 2**-13 of tanh(q), and 23416 results are not the nearest code. With
+    "logic" these figures are 4.497 units and 90322 results.
 
-    A magnitude beyond the neuron's reach has the result of another one.
+    A magnitude beyond the neuron's reach gets the result of some other magnitude.
 
     Raises
     ------
     InputError
-        When ``memory`` is none of these, or a format or ``reach_width`` is not what there is.
+        For an unknown ``memory``, or a format or ``reach_width`` for which there is no table.
     """
 
     block = "bipartite"
@@ -86,43 +86,44 @@ class Bipartite(ActivationBlock):
 
     @property
     def formats(self) -> BipartiteFormat:
-        """Segments, groups and formats of the tables."""
+        """Segments, groups and formats of the chosen tables."""
         return FORMATS[self.memory]
 
     @property
     def table(self) -> BipartiteTable:
-        """The words of every magnitude below 8."""
+        """The table with the words of every magnitude below 8."""
         return bipartite_table(self.formats)
 
     @property
     def bases(self) -> tuple[int, ...]:
-        """The bases kept."""
+        """The bases that are kept."""
         kept = 1 << (self.reach_width - self.formats.segment_width)
         return self.table.bases[:kept]
 
     @property
     def corrections(self) -> tuple[int, ...]:
-        """The corrections kept."""
+        """The corrections that are kept."""
         groups_width = self.reach_width - self.formats.group_width
         return self.table.corrections[: 1 << (groups_width + self.formats.offset_width)]
 
     @property
     def wide(self) -> bool:
-        """Whether the neuron reaches 2, from where on segments are wide."""
+        """Whether the neuron reaches 2, where the wide segments begin."""
         return self.reach_width > FINE_WIDTH
 
     @property
     def saturates(self) -> bool:
-        """Whether it reaches 8."""
+        """Whether the neuron reaches 8."""
         return self.reach_width > MAGNITUDE_WIDTH
 
     @property
     def latency(self) -> int:
-        # q, which may come straight out of an adder; a block RAM, or an address; its word; the sum.
+        # The clocks are those of q, which may come straight from an adder; of a block RAM, or of an
+        # address; of the word; and of the sum.
         return 4
 
     def taking(self, width: int) -> Self:
-        """The same for a q of ``width`` bits, none of which is cut off: 8 and more saturate."""
+        """The same activation for a q of ``width`` bits; every bit counts, and 8 saturates."""
         return replace(
             self,
             in_fmt=Fix(width, self.in_fmt.frac),
@@ -135,7 +136,7 @@ class Bipartite(ActivationBlock):
         return Counter({"table words that no neuron reaches": missing} if missing else {})
 
     def _words(self, reach_width: int) -> int:
-        """Words of both tables for magnitudes of so many bits."""
+        """Number of words of both tables that serve magnitudes of ``reach_width`` bits."""
         mag = np.arange(1 << reach_width)
         base, slope = self.formats.addresses(mag, mag)
         return len(np.unique(base)) + len(np.unique(slope))
@@ -180,7 +181,8 @@ class Bipartite(ActivationBlock):
         sign = data >> self.in_fmt.width
         whole = data ^ sign
         mag = whole & (1 << min(self.reach_width, MAGNITUDE_WIDTH)) - 1
-        # From 8 on as from 6 on, where every result is the largest.
+        # Magnitudes from 8 on are treated like those from 6 on, for all of which the result is the
+        # largest.
         mag = np.where(whole >> MAGNITUDE_WIDTH if self.saturates else 0, mag | TOP, mag)
         base_addr, slope_addr = self.formats.addresses(mag ^ sign, mag)
         base = np.take(self.table.bases, base_addr)
@@ -189,13 +191,12 @@ class Bipartite(ActivationBlock):
 
 
 def bipartite_for(precision: Precision, factor: int, reach: int, memory: str = MEMORY) -> Bipartite:
-    """tanh from two tables for a neuron with magnitudes to ``reach``.
+    """The bipartite activation for a neuron whose magnitudes go up to ``reach``.
 
     Raises
     ------
     InputError
-        When the precision's q has another format than the one the tables are made for, or is
-        normalised.
+        When the precision's q has another format than that of the tables, or is normalised.
     """
     if precision.hidden_fmt != EXACT.hidden_fmt or factor != 1:
         raise InputError(

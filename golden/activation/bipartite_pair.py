@@ -1,4 +1,4 @@
-"""bipartite_pair: tanh of two nodes from one pair of tables."""
+"""bipartite_pair: computes tanh for two nodes with one pair of tables."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ NODES = 2
 
 @dataclass(frozen=True)
 class BipartitePair(Block):
-    """Two nodes through one ``Bipartite`` activation: its tables have a read port for either.
+    """Two nodes share one ``Bipartite`` activation, whose tables have a read port for each.
 
     Parameters
     ----------
     activation : Bipartite
-        That of both nodes, with "block_ram": a LUT has no second port.
+        The activation of both nodes, with "block_ram", because a LUT has no second port.
 
     Raises
     ------
     InputError
-        When the activation's tables stand in LUTs.
+        When the activation's tables are in LUTs.
     """
 
     block = "bipartite_pair"
@@ -65,7 +65,7 @@ class BipartitePair(Block):
         return self.activation.quantities(np.concatenate(inputs))
 
     def process(self, first: ArrayLike, second: ArrayLike) -> tuple[Codes, Codes]:
-        """Activation codes of either node, the shapes of ``first`` and ``second``.
+        """Activation codes of both nodes, with the shapes of ``first`` and ``second``.
 
         Raises
         ------
@@ -76,5 +76,5 @@ class BipartitePair(Block):
 
 
 def pair_for(activation: Bipartite) -> BipartitePair:
-    """The pair of which both nodes have this activation."""
+    """The pair in which both nodes have this activation."""
     return BipartitePair(activation, variant=activation.variant)

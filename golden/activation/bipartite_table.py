@@ -1,12 +1,13 @@
-"""The words of ``bipartite``: tanh as a base by segment and a correction by place in it.
+"""The words of ``bipartite``: a base for each segment of tanh, and a correction within it.
 
 A code m of Fix(18,14) stands for the middle of its step, (m + 1/2) 2**-14, and so does a code of
-the result, Fix(15,14). The magnitude of a negative code is then its complement, and one table of
-magnitudes, 0 to 131071, makes a function that is odd to the last bit.
+the result, Fix(15,14). Therefore the magnitude of a negative code is its complement, and one table
+of magnitudes, 0 to 131071, gives a function that is odd to the last bit.
 
-Below 2 a segment is 2**w codes wide, from there on four times as wide. A base belongs to a segment.
-A correction belongs to a group of segments, which share a slope, and to the offset within a
-segment, of which it is an odd function. Their sum, less its last bits, is the result.
+Below 2 a segment is 2**w codes wide; from 2 on it is four times as wide. Each segment has one base.
+A correction belongs to a group of segments with a common slope and to the offset within a segment;
+it is an odd function of this offset. The sum of base and correction, without its last bits, is the
+result.
 """
 
 from __future__ import annotations
@@ -22,31 +23,32 @@ from golden.fixed import Codes, Fix, real_texts
 from golden.precision import EXACT
 from golden.transcendental import tanh_floors
 
-# One place more than a sample has: rounding r to those would be most of a network's error.
+# One place more than a sample has. With those of a sample, rounding r would be most of the error of
+# a network.
 RESULT = Fix(15, 14)
 # Bits of a magnitude below 2, below 4 and below 8.
 FINE_WIDTH = EXACT.hidden_fmt.frac + 1
 CORRECTED_WIDTH = FINE_WIDTH + 1
 MAGNITUDE_WIDTH = EXACT.hidden_fmt.width - 1
-# A wide segment is 2**2 fine ones; the two bits that tell where beyond 2 a magnitude lies take the
-# place of those that it does not need.
+# A wide segment is 2**2 fine ones. The two bits that say where beyond 2 a magnitude lies replace
+# the two address bits that a wide segment does not need.
 WIDER = MAGNITUDE_WIDTH - FINE_WIDTH
-# 6, the bits that every magnitude from there on has.
+# The bits that every magnitude from 6 on has set.
 TOP = 3 << FINE_WIDTH
 
-# Fraction bits with which tanh is known, in units of the result.
+# Fraction bits of the tanh that is approximated, in units of the result.
 _PLACES = 16
 _ONE = 1 << _PLACES
-# How far around the first guess the search looks, in last places of a word.
+# How far from its first guess the search goes, in last places of a word.
 _NEAR = 4
-# Errors count in 2**-6 units; between those that are equal the number of wrong results decides.
+# Errors are compared in units of 2**-6; among equal ones the number of wrong results decides.
 _COARSE = _PLACES - 6
 _COUNT_WIDTH = 24
 
 
 @dataclass(frozen=True)
 class BipartiteFormat:
-    """Segments, groups and formats of one form of the tables.
+    """Segments, groups and formats of one variant of the tables.
 
     Parameters
     ----------
@@ -55,10 +57,11 @@ class BipartiteFormat:
     group_width : int
         A group is 2**group_width codes wide, at least as wide as a segment beyond 2.
     offset_width : int
-        Bits of the offset, the upper ones of the place within a segment; one less from 2 on, where
-        the last bit of the address tells what is 4 or more, and is not corrected.
+        Bits of the offset, which are the upper bits of the position within a segment. From 2 on the
+        offset has one bit less: the last bit of the address then says whether the magnitude is 4 or
+        more, where nothing is corrected.
     frac : int
-        Bits that the sum has below the last of the result.
+        Bits that the sum has below the last bit of the result.
     """
 
     segment_width: int
@@ -68,12 +71,12 @@ class BipartiteFormat:
 
     @property
     def wide_width(self) -> int:
-        """A segment from 2 on is two to the power of this wide."""
+        """Base-2 logarithm of the width of a segment from 2 on, in codes."""
         return self.segment_width + WIDER
 
     @property
     def base_width(self) -> int:
-        """Bits of a base, unsigned: those of a magnitude of the result, and ``frac``."""
+        """Bits of a base, unsigned: those of a magnitude of the result, plus ``frac``."""
         return RESULT.width - 1 + self.frac
 
     @property
@@ -87,14 +90,14 @@ class BipartiteFormat:
         return FINE_WIDTH - self.group_width + self.offset_width
 
     def texts(self, words: Sequence[int]) -> list[str]:
-        """What bases or corrections stand for."""
+        """The numbers for which bases or corrections stand, as texts."""
         return real_texts(words, RESULT.frac + self.frac)
 
     def addresses(self, data: Codes, mag: Codes) -> tuple[Codes, Codes]:
-        """Where base and correction of a magnitude below 8 stand.
+        """The addresses of base and correction for a magnitude below 8.
 
-        The offset is taken from ``data`` itself, of which ``mag`` is the magnitude: of a negative
-        code it is the complement, which has the opposite correction.
+        The offset is taken from ``data`` itself, whose magnitude is ``mag``. For a negative code
+        this is the complement of the magnitude's offset, which has the opposite correction.
         """
         below, upper = mag & (1 << FINE_WIDTH) - 1, mag >> FINE_WIDTH
         wide = upper != 0
@@ -108,7 +111,7 @@ class BipartiteFormat:
         return (wide << self.fine_addr_width) + base, (wide << self.slope_addr_width) + slope
 
 
-# One block RAM of 18 Kbit each: 1024 bases of 17 bits, 2048 corrections of 9.
+# Each table fills one block RAM of 18 Kbit: 1024 bases of 17 bits, and 2048 corrections of 9 bits.
 BLOCK_RAM = BipartiteFormat(6, 10, 5, 3)
 LOGIC = BipartiteFormat(8, 10, 4, 0)
 FORMATS = {"block_ram": BLOCK_RAM, "logic": LOGIC}
@@ -116,12 +119,12 @@ FORMATS = {"block_ram": BLOCK_RAM, "logic": LOGIC}
 
 @dataclass(frozen=True)
 class BipartiteTable:
-    """Words by address.
+    """The words of both tables, by address.
 
     Parameters
     ----------
     bases : tuple of int
-        Unsigned. Where no magnitude has the address, the base of the one before.
+        Unsigned. An address that no magnitude has holds 0.
     corrections : tuple of int
         Signed; 0 for magnitudes from 4 on.
     """
@@ -131,13 +134,13 @@ class BipartiteTable:
 
     @property
     def correction_width(self) -> int:
-        """Bits of a correction, signed."""
+        """Bits of a correction, which is signed."""
         return max(max(self.corrections), -min(self.corrections) - 1).bit_length() + 1
 
 
 @lru_cache
 def bipartite_table(fmt: BipartiteFormat) -> BipartiteTable:
-    """The words of a form.
+    """Compute the words of a variant of the tables.
 
     Parameters
     ----------
@@ -145,11 +148,12 @@ def bipartite_table(fmt: BipartiteFormat) -> BipartiteTable:
 
     Notes
     -----
-    By integers alone. A correction is first half of what tanh rises from the mirrored offset, in
-    the middle between the segments of its group; a base is the one with the least worst error in
-    its segment, and between equals, counted in 2**-6 units, that with the fewest results that are
-    not the nearest. Then the corrections are chosen for these bases in the same way, and the bases
-    anew, each among those with which the function does not fall.
+    All steps use integers only. A correction starts as half of the rise of tanh from the mirrored
+    offset, in the middle between the segments of its group. A base is the number with the least
+    worst error in its segment; errors are counted in units of 2**-6, and among equal ones the base
+    with the fewest results that are not the nearest code wins. Then the corrections are chosen for
+    these bases in the same way. Finally the bases are chosen once more, each among those with which
+    the function does not fall.
     """
     mag = np.arange(1 << MAGNITUDE_WIDTH)
     base_addr, slope_addr = fmt.addresses(mag, mag)
@@ -179,24 +183,25 @@ def bipartite_table(fmt: BipartiteFormat) -> BipartiteTable:
 
 
 def _everywhere(words: Codes, values: Codes) -> Codes:
-    """The word of each value, whose last axes the words lack."""
+    """Repeat each word for all values along the last axes, which the words do not have."""
     shape = words.shape + (1,) * (values.ndim - words.ndim)
     return np.broadcast_to(words.reshape(shape), values.shape).ravel()
 
 
 def _bases(values: Codes, frac: int, slopes: Codes, before: int | None = None) -> Codes:
-    """A base for each segment.
+    """Choose a base for each segment.
 
     Parameters
     ----------
     values : int array, shape (groups, segments, offsets, codes)
-        tanh in units of the result, of ``_PLACES`` fraction bits.
+        tanh in units of the result, with ``_PLACES`` fraction bits.
     frac : int
-        Fraction bits of what is found.
+        Fraction bits of the bases.
     slopes : int array, shape (groups, offsets)
         The corrections.
     before : int, optional
-        The result below, from which on the function must not fall; it may without.
+        The result just before the first value; the function must not fall below it. Without it, the
+        function may fall.
     """
     placed = slopes[:, np.newaxis, :, np.newaxis]
     rest = values - (placed << (_PLACES - frac))
@@ -218,9 +223,9 @@ def _bases(values: Codes, frac: int, slopes: Codes, before: int | None = None) -
 
 
 def _corrections(values: Codes, frac: int, bases: Codes | None = None) -> Codes:
-    """A correction for each offset in each group: see ``_bases`` for what is what.
+    """Choose a correction for each offset in each group; the parameters are those of ``_bases``.
 
-    Without ``bases`` half of the rise from the mirrored offset.
+    Without ``bases`` a correction is half of the rise from the mirrored offset.
     """
     half = values.shape[2] // 2
     upper, lower = values[:, :, half:], values[:, :, half - 1 :: -1]
@@ -239,18 +244,18 @@ def _corrections(values: Codes, frac: int, bases: Codes | None = None) -> Codes:
             ]
         )
         found = _least(tried, ranks)
-    # Rising from the middle on, so that the function does not fall within a segment.
+    # The corrections rise from the middle on, so that the function does not fall within a segment.
     found = np.maximum.accumulate(np.maximum(found, 0), axis=1)
     return np.concatenate([-found[:, ::-1], found], axis=1)
 
 
 def _wide(bases: Codes) -> Codes:
-    """Bases with the axes of the values."""
+    """The bases with the axes of the values."""
     return bases[:, :, np.newaxis, np.newaxis]
 
 
 def _rank(values: Codes, sums: Codes, frac: int, axes: tuple[int, ...]) -> Codes:
-    """How bad sums are: their largest error, then how many of their results are not the nearest."""
+    """How bad sums are: first by their largest error, then by how many results are not nearest."""
     results = sums >> frac
     apart = np.abs((results << _PLACES) + _ONE // 2 - values).max(axis=axes) >> _COARSE
     wrong = (results != values >> _PLACES).sum(axis=axes)
@@ -258,6 +263,6 @@ def _rank(values: Codes, sums: Codes, frac: int, axes: tuple[int, ...]) -> Codes
 
 
 def _least(tried: Codes, ranks: Codes) -> Codes:
-    """Of what was tried, along the first axis, what has the least rank; the first of equals."""
+    """From the candidates along the first axis, the one with the least rank; else the first."""
     best = ranks.argmin(axis=0)[np.newaxis]
     return np.asarray(np.take_along_axis(tried, best, axis=0)[0])

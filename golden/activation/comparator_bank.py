@@ -1,4 +1,4 @@
-"""Comparator bank: which segment of the activation a magnitude lies in."""
+"""Comparator bank: finds the segment of the activation in which a magnitude lies."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ class ComparatorBank(Block):
 
     Raises
     ------
-    InputError
-        When they do not rise, or one is never exceeded by a magnitude: its comparator could not
+    When the thresholds do not rise, or when no magnitude exceeds one of them, so that its
+    comparator could never fire.
         fire.
     """
 
@@ -55,7 +55,7 @@ class ComparatorBank(Block):
 
     @property
     def addr_width(self) -> int:
-        """Bits of the address: it counts from 0 to the number of thresholds."""
+        """Bits of the address, which counts from 0 to the number of thresholds."""
         return max(1, len(self.thresholds).bit_length())
 
     @property
@@ -89,7 +89,7 @@ class ComparatorBank(Block):
         return 1
 
     def process(self, mag: ArrayLike) -> Codes:
-        """Number of thresholds each magnitude exceeds, which is the segment's address.
+        """The number of thresholds that each magnitude exceeds, which is the segment's address.
 
         Raises
         ------

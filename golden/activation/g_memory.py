@@ -1,4 +1,4 @@
-"""g_memory: the gradient G_n of every segment."""
+"""g_memory: a ROM with the gradient G_n of every segment."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""GRAD_EQN: gradient times magnitude plus intercept."""
+"""GRAD_EQN: multiplies the gradient by the magnitude and adds the intercept."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ class GradEqn(Block):
     Parameters
     ----------
     mag_width, mag_frac : int
-        Unsigned magnitude m.
+        Format of the unsigned magnitude m.
     coeff_width, coeff_frac : int
-        Unsigned gradient G_n.
+        Format of the unsigned gradient G_n.
     intercept_width, intercept_frac : int
-        Unsigned intercept i_n; at most as many fraction bits as the product has.
+        Format of the unsigned intercept i_n; it has at most as many fraction bits as the product.
     out_fmt : Fix
         Format of the result, which is never negative.
     rounding : Rounding
-        TRUNCATE or ROUND of the exact sum.
+        TRUNCATE or ROUND, applied to the exact sum.
 
     Notes
     -----
-    Product and sum are exact. ``golden.activation.segments`` refuses a segment whose largest
-    result leaves ``out_fmt``, so nothing a neuron can reach overflows and the block has no
-    saturation logic; a magnitude beyond the neuron's reach wraps.
+    Product and sum are exact. ``golden.activation.segments`` refuses a segment whose largest result
+    does not fit in ``out_fmt``. So no magnitude that the neuron can reach overflows, and the block
+    has no saturation logic. A magnitude beyond the neuron's reach wraps.
     """
 
     block = "grad_eqn"
@@ -66,12 +66,12 @@ class GradEqn(Block):
 
     @property
     def intercept_shift(self) -> int:
-        """Places by which the intercept moves left to meet the product's binary point."""
+        """Places by which the intercept is shifted left, to the product's binary point."""
         return self.product_frac - self.intercept_frac
 
     @property
     def out_shift(self) -> int:
-        """Fraction bits dropped at the end."""
+        """Number of fraction bits that are dropped from the sum to get the result."""
         return self.product_frac - self.out_fmt.frac
 
     @property
@@ -103,7 +103,7 @@ class GradEqn(Block):
 
     @property
     def latency(self) -> int:
-        # Operands, product, sum.
+        # One clock each for operands, product and sum.
         return 3
 
     def process(self, mag: ArrayLike, coeff: ArrayLike, intercept: ArrayLike) -> Codes:

@@ -1,4 +1,4 @@
-"""The modified Gradient activation: tanh by segments on one multiplier."""
+"""The modified Gradient activation: computes tanh by segments with one multiplier."""
 
 from __future__ import annotations
 
@@ -30,12 +30,13 @@ class Gradient(ActivationBlock):
     intercept_width, intercept_frac : int
         Format of the intercept words, unsigned.
     rounding : Rounding
-        How GRAD_EQN ends.
+        How GRAD_EQN drops the last bits.
 
     Notes
     -----
-    A magnitude beyond the reach the table was made for falls into the last segment kept, where the
-    result may wrap; the neuron cannot produce it. Worst error against tanh: 132 units of 2**-13
+    A magnitude beyond the reach for which the table was made falls into the last segment that is
+    kept, where the result may wrap; the neuron cannot produce it. Worst error against tanh: 132
+    units of 2**-13
     with the whole table at Q = 3, over all 16384 codes (tests/test_gradient.py).
     """
 

@@ -1,4 +1,4 @@
-"""The Gradient activation as first drawn: tanh by segments, a multiplier for each."""
+"""The Gradient activation as first drawn: tanh by segments, with a multiplier for each."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from golden.fixed import Codes
 class GradientParallel(Gradient):
     """r = tanh(Q qbar) by segments that compute side by side (thesis 4.5.2.3.1, Figure 4.16).
 
-    Each segment has a gradient operation sub-unit of its own, which gives 0 outside its range; what
-    all give is added. Parameters, error and results are those of ``Gradient``.
+    Each segment has its own gradient operation sub-unit, which gives 0 outside its range, and the
+    outputs of all sub-units are added. Parameters, error and results are those of ``Gradient``.
     """
 
     block = "gradient_parallel"
@@ -29,12 +29,12 @@ class GradientParallel(Gradient):
 
     @property
     def saturates(self) -> bool:
-        """Whether the neuron exceeds the last segment, where no gradient is left to multiply by."""
+        """Whether the neuron exceeds the last segment, where nothing is left to multiply."""
         return len(self.table.thresholds) == len(UPPER)
 
     @property
     def segments(self) -> tuple[tuple[int, int], ...]:
-        """Gradient and intercept of every segment that has a sub-unit."""
+        """Gradient and intercept of each segment that has a sub-unit."""
         rows = zip(self.table.coeffs, self.table.intercepts, strict=True)
         return tuple(rows)[: -1 if self.saturates else None]
 

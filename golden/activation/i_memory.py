@@ -1,4 +1,4 @@
-"""i_memory: the intercept i_n of every segment."""
+"""i_memory: a ROM with the intercept i_n of every segment."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ UPPER = 3.5
 
 
 def lut_real(q: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The look-up table in floating point, and a slope to descend on.
+    """The look-up table in floating point, and a slope for gradient descent.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def lut_real(q: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     Returns
     -------
     value, slope : float arrays, the shape of ``q``
-        A staircase has no slope; what is returned is the rise from one step to the next.
+        A staircase has no slope. The slope here is that of the rise from one step to the next.
     """
     real = np.asarray(q, dtype=np.float64)
     step = UPPER / DEPTH
@@ -60,15 +60,15 @@ class Lut(ActivationBlock):
     words : tuple of int
         Codes of ``out_fmt``, as many as the neuron can reach.
     scale, scale_shift : int
-        The address of magnitude code m is m * scale / 2**scale_shift, floor.
+        The address of magnitude code m is floor(m * scale / 2**scale_shift).
     thresholds : tuple of int
         The last magnitude code below 3.5, where the neuron can exceed it; otherwise empty.
 
     Notes
     -----
-    Addresses are exact, words rounded to nearest. A magnitude beyond the neuron's reach reads some
-    word of the table. Worst error against tanh: 224 units of 2**-13, the width of a step near 0,
-    over all codes (tests/test_schemes.py).
+    Addresses are exact, and words are rounded to nearest. A magnitude beyond the neuron's reach
+    reads some word of the table. Worst error against tanh: 224 units of 2**-13, the width of a step
+    near 0, over all codes (tests/test_schemes.py).
     """
 
     block = "lut"
@@ -97,7 +97,7 @@ class Lut(ActivationBlock):
 
     @property
     def latency(self) -> int:
-        # The address beside the comparator bank, then the word.
+        # The address is computed beside the comparator bank; the word takes one clock more.
         return (
             self.abs_unit.latency + self.comparator_bank.latency + 1 + self.sign_retriever.latency
         )
@@ -129,7 +129,7 @@ class Lut(ActivationBlock):
 
 @cache
 def _words() -> tuple[int, ...]:
-    """The whole table, rounded to nearest."""
+    """The words of the whole table, rounded to nearest."""
     floors = tanh_floors(Fraction(UPPER) / DEPTH, DEPTH, SIGNAL.frac + 1)
     return tuple(cut(floors, 1, Rounding.ROUND).tolist())
 
@@ -140,18 +140,19 @@ def lut_for(precision: Precision, factor: int, reach: int) -> Lut:
     Raises
     ------
     InputError
-        When the table ends before code 1: Q too large for the format.
+        When the table ends before code 1, because Q is too large for the format.
     """
     fmt = precision.hidden_fmt
     end = last_below(str(UPPER), factor, fmt.frac)
     top = min(reach, fmt.high)
     if end < 1:
         raise InputError(f"Q = {factor}: {UPPER} / Q is not above one code of {fmt}")
-    # Entries per code, exactly; below the end of the table an address is below DEPTH.
+    # The number of table entries per code, as an exact fraction. Below the end of the table an
+    # address is below DEPTH.
     entries = Fraction(factor * DEPTH, 1 << fmt.frac) / Fraction(UPPER)
     count = min(DEPTH, int(top * entries) + 1)
     last = min(end, -(-count // entries) - 1)
-    # The reciprocal is rounded up by e = scale denominator - numerator 2**shift; the floor is exact
+    # The reciprocal is rounded up by e = scale denominator - numerator 2**shift. The floor is exact
     # for every m up to last when m e stays below 2**shift. That needs 17 bits at most, because
     # 2**shift <= 2 last denominator, hence scale <= 2 last numerator, for last below 3.5 / Q.
     shift = 0

@@ -1,4 +1,4 @@
-"""The Pade activation: tanh as a fraction whose denominator is inverted by iteration."""
+"""The Pade activation: tanh as a fraction, whose denominator is inverted by iteration."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ GATE = 3.3
 RHO = 4.5
 ITERATIONS = 32
 
-# A regression that stops further than this from its limit is worth a warning, in 2**-13.
+# A regression that stops further from its limit than this gives a warning, in units of 2**-13.
 SETTLED = 2.0
 
 
 class UnsettledWarning(UserWarning):
-    """The regression stops before it is near its limit, or has none."""
+    """The regression stops before it is near its limit, or it has no limit."""
 
 
 def fraction(q: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -80,12 +80,12 @@ def pade_real(
 
 
 def distance(rho: float, iterations: int, top: float) -> tuple[float, float]:
-    """How far the regression can stop from its limit, and the ``|q|`` up to ``top`` where it does.
+    """How far from its limit the regression can stop, and for which ``|q|`` up to ``top``.
 
     Returns
     -------
     units : float
-        In 2**-13; infinite where the regression diverges.
+        In units of 2**-13; infinite where the regression diverges.
     q : float
     """
     q = np.linspace(0, min(top, GATE), 3301)
@@ -100,14 +100,14 @@ def distance(rho: float, iterations: int, top: float) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Horner:
-    """k0 + s (k1 + s k2), cut after each product.
+    """The polynomial k0 + s (k1 + s k2), with low bits dropped after each product.
 
     Attributes
     ----------
     k0, k1, k2 : int
-        Codes.
+        The constants as codes.
     out_frac, inner_frac, k2_frac : int
-        Their fraction bits; the result has those of k0, the bracket those of k1.
+        Fraction bits: of k0 and the result, of k1 and the bracket, and of k2.
     """
 
     k0: int
@@ -118,14 +118,14 @@ class Horner:
     k2_frac: int
 
     def shifts(self, square_frac: int) -> tuple[int, int]:
-        """Fraction bits dropped after the first and after the second product."""
+        """Number of fraction bits dropped after the first and after the second product."""
         return (
             square_frac + self.k2_frac - self.inner_frac,
             square_frac + self.inner_frac - self.out_frac,
         )
 
     def process(self, square: Codes, square_frac: int, rounding: Rounding) -> tuple[Codes, Codes]:
-        """The bracket and the result."""
+        """Compute the bracket and the result."""
         first, second = self.shifts(square_frac)
         bracket = self.k1 + cut(self.k2 * square, first, rounding)
         return bracket, self.k0 + cut(bracket * square, second, rounding)
@@ -133,14 +133,14 @@ class Horner:
 
 @dataclass(frozen=True)
 class PadeFormats:
-    """Where the binary points are, beside those of the two polynomials.
+    """The binary points of the Pade activation, besides those of the two polynomials.
 
     Attributes
     ----------
     square_frac : int
-        Fraction bits kept of q**2.
+        Number of fraction bits that are kept of q**2.
     dividend_frac : int
-        Fraction bits kept of q A(q).
+        Number of fraction bits that are kept of q A(q).
     reciprocal : Fix
         Format of the regression's value d.
     """
@@ -154,34 +154,37 @@ class PadeFormats:
 class Pade(ActivationBlock):
     """r = tanh(Q qbar) = q A(q) d, with d near 1 / B(q) (thesis 4.5.2.3.3, Figure 4.20).
 
-    d comes from the regression of equation 4.12, d <- 1 / rho - d (B - rho) / rho, one step a
-    clock, on one multiplier. Beyond ``|q| = 3.3`` the result is 1 - 2**-frac.
+    d comes from the regression of equation 4.12, d <- 1 / rho - d (B - rho) / rho, which takes one
+    clock per step on one multiplier. Beyond ``|q| = 3.3`` the result is 1 - 2**-frac.
 
     Parameters
     ----------
     in_fmt, out_fmt : Fix
         Formats of qbar and r.
     factor : int
-        Q; the magnitude is multiplied by it first, so that nothing later depends on Q.
+        Q. The magnitude is multiplied by it first, so nothing later depends on Q.
     thresholds : tuple of int
-        The last magnitude code up to 3.3, where the neuron can exceed it; otherwise empty.
+        The last magnitude code that is not above 3.3, where the neuron can exceed it; otherwise
+        empty.
     iterations : int
         Steps of the regression, from d = 0.
     numerator : Horner
-        A(q).
+        The polynomial A(q).
     ratio : Horner
-        (B(q) - rho) / rho; the distance to the limit shrinks by this factor each step.
+        The polynomial (B(q) - rho) / rho; each step reduces the distance to the limit by this
+        factor.
     start : int
-        1 / rho in the format of d: the first step's result.
+        1 / rho in the format of d, which is the result of the first step.
     formats : PadeFormats
     rounding : Rounding
-        How bits are dropped, everywhere.
+        How low bits are dropped, everywhere in the block.
 
     Notes
     -----
-    d saturates in its format, and the result to 0 and to 1 - 2**-frac, so that a regression that
-    diverges gives a wrong magnitude but neither a wrong sign nor an overflow. Worst error against
-    tanh: see docs/blocks/pade.md; over all codes (tests/test_schemes.py).
+    d saturates in its format, and the result saturates to 0 and to 1 - 2**-frac. So a regression
+    that diverges gives a wrong magnitude, but neither a wrong sign nor an overflow. For the worst
+    error against tanh, see docs/blocks/pade.md; it is measured over all codes
+    (tests/test_schemes.py).
     """
 
     block = "pade"
@@ -228,26 +231,26 @@ class Pade(ActivationBlock):
 
     @property
     def square_shift(self) -> int:
-        """Fraction bits dropped from the square."""
+        """Number of fraction bits dropped from the square."""
         return 2 * self.in_fmt.frac - self.formats.square_frac
 
     @property
     def dividend_shift(self) -> int:
-        """Fraction bits dropped from q A(q)."""
+        """Number of fraction bits dropped from q A(q)."""
         return self.in_fmt.frac + self.numerator.out_frac - self.formats.dividend_frac
 
     @property
     def out_shift(self) -> int:
-        """Fraction bits dropped from q A(q) d."""
+        """Number of fraction bits dropped from q A(q) d."""
         return self.formats.dividend_frac + self.formats.reciprocal.frac - self.out_fmt.frac
 
     @property
     def last(self) -> int:
-        """The largest q up to the gate, as a code."""
+        """The code of the largest q up to the gate."""
         return self.factor * (self.thresholds[0] if self.thresholds else self.abs_unit.fmt.high)
 
     def polynomials(self, q: Codes) -> dict[str, Codes]:
-        """What is computed of q before the regression, with all its bits; all rise with q.
+        """All numbers computed from q before the regression, in full width; all rise with q.
 
         Returns
         -------
@@ -269,14 +272,14 @@ class Pade(ActivationBlock):
         }
 
     def widths(self, last: int) -> dict[str, int]:
-        """Signed bits of each of ``polynomials`` for q from 0 to ``last``."""
+        """Bits, with the sign, of each number of ``polynomials`` for q from 0 to ``last``."""
         ends = self.polynomials(np.array([0, last]))
         return {name: signed_width(int(e) for e in pair) for name, pair in ends.items()}
 
     @property
     def latency(self) -> int:
-        # Behind the comparator bank the square and two clocks for the polynomials; then a clock
-        # for every iteration, and the quotient.
+        # After the comparator bank the square takes one clock and the polynomials take two; then
+        # follow one clock for every iteration, and one for the quotient.
         return (
             self.abs_unit.latency
             + self.comparator_bank.latency
@@ -314,7 +317,7 @@ class Pade(ActivationBlock):
 
     def unlimited(self, data: Codes) -> dict[str, Codes]:
         mag, _ = self.abs_unit.process(data)
-        # Beyond the gate the upper bits are dropped: the result is not used there.
+        # Beyond the gate the upper bits may be dropped, because the result is not used there.
         q = (mag * self.factor) & ((1 << self.q_width) - 1)
         found = self.polynomials(q)
         kept = Fix(self.ratio_width, 0)
@@ -329,7 +332,7 @@ class Pade(ActivationBlock):
 
 
 def _horner(values: tuple[float, float, float], out: int, inner: int, width: int) -> Horner:
-    """The constants of k0 + s (k1 + s k2); k2 as fine as it fits ``width`` bits."""
+    """The constants of k0 + s (k1 + s k2); k2 has as many fraction bits as ``width`` allows."""
     k2_frac = max(p for p in range(3 * width) if abs(values[2]) * 2**p < 2 ** (width - 1) - 0.5)
     k0, k1, k2 = (floor(v * 2**p + 0.5) for v, p in zip(values, (out, inner, k2_frac), strict=True))
     return Horner(k0, k1, k2, out, inner, k2_frac)
@@ -347,14 +350,14 @@ def pade_for(
     Warns
     -----
     UnsettledWarning
-        When for some q that the neuron can reach the regression stops more than two units of
-        2**-13 from its limit, or diverges.
+        When, for some q that the neuron can reach, the regression diverges or stops more than two
+        units of 2**-13 from its limit.
 
     Raises
     ------
     InputError
-        When the gate lies below the first code (Q too large for the format), or 1 / rho does not
-        fit the format of the regression.
+        When the gate lies below the first code, because Q is too large for the format, or when 1 /
+        rho does not fit the format of the regression.
     """
     fmt = precision.hidden_fmt
     top = min(reach, fmt.high)
@@ -372,12 +375,13 @@ def pade_for(
         )
     width = precision.coeff_width
     if precision.coeff_frac is None:
-        # 18 bits for whatever enters a multiplier: q**2 below 16, the brackets and, from rho = 3.87
-        # on, (B - rho) / rho below 1, A below 4, q A below 8, d below 2.
+        # Every input of a multiplier has 18 bits, because q**2 is below 16, the brackets and, from
+        # rho = 3.87 on, (B - rho) / rho are below 1, A is below 4, q A is below 8, and d is below
+        # 2.
         formats = PadeFormats(width - 5, width - 4, Fix(width, width - 2))
         inner, ratio, a = width - 1, width - 1, width - 3
     else:
-        # The fraction bits of the signals everywhere, in words as wide as their values need.
+        # All numbers have the fraction bits of the signals, in words as wide as their values need.
         frac = precision.coeff_frac
         formats = PadeFormats(frac, frac, Fix(width + 1, frac))
         inner, ratio, a = frac, frac, frac

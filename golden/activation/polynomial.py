@@ -1,4 +1,4 @@
-"""The Polynomial activation: tanh by two quadratics."""
+"""The Polynomial activation: approximates tanh by two quadratics."""
 
 from __future__ import annotations
 
@@ -47,16 +47,16 @@ def polynomial_real(q: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float
 
 @dataclass(frozen=True)
 class PolynomialFormats:
-    """Where the binary points are.
+    """The binary points of the Polynomial activation.
 
     Attributes
     ----------
     quadratic, linear, constant : Fix
         Formats of A_n2, A_n1 and A_n0.
     square_frac : int
-        Fraction bits that are kept of the squared magnitude.
+        Number of fraction bits that are kept of the squared magnitude.
     sum_frac : int
-        Fraction bits of the two products as they are added, and of the sum.
+        Fraction bits of the two products when they are added, and of the sum.
     factor_frac : int
         Binary point of the de-normalisation factor; below 0 for a factor with more bits than fit.
     """
@@ -73,29 +73,29 @@ class PolynomialFormats:
 class Polynomial(ActivationBlock):
     """r = tanh(Q qbar), approximated by two quadratics (thesis section 4.5.2.3.2, Figure 4.19).
 
-    (A_n2 qbar**2 + A_n1 qbar + A_n0) Qhat with the constants of equation 4.28; from 3.5 on the
-    result is 1 - 2**-frac.
+    It computes (A_n2 qbar**2 + A_n1 qbar + A_n0) Qhat with the constants of equation 4.28. From 3.5
+    on the result is 1 - 2**-frac.
 
     Parameters
     ----------
     in_fmt, out_fmt : Fix
         Formats of qbar and r.
     thresholds : tuple of int
-        Last magnitude codes of the quadratics; one that the neuron cannot exceed is left out.
+        Last magnitude code of each quadratic; one that the neuron cannot exceed is left out.
     coeffs : tuple of (int, int, int)
         A_n2, A_n1 and A_n0 of every quadratic that the neuron can reach.
     factor : int, or None
-        Code of the de-normalisation factor a_11 Q**2, unsigned; None where nothing is normalised.
+        Code of the de-normalisation factor a_11 Q**2, unsigned; None where q is not normalised.
     formats : PolynomialFormats
     rounding : Rounding
-        How bits are dropped: after the square, after each product, and at the end.
+        How low bits are dropped after the square, after each product, and at the end.
 
     Notes
     -----
-    The result saturates to 0 and to 1 - 2**-frac, so that it has no sign of its own: the first
+    The result saturates to 0 and to 1 - 2**-frac. So it is never negative, although the first
     quadratic is negative below ``|q|`` = 0.0013. A magnitude beyond the neuron's reach may have a
-    wrong result. Worst error against tanh: see docs/blocks/polynomial.md; over all codes
-    (tests/test_schemes.py).
+    wrong result. For the worst error against tanh, see docs/blocks/polynomial.md; it is measured
+    over all codes (tests/test_schemes.py).
     """
 
     block = "polynomial"
@@ -120,46 +120,47 @@ class Polynomial(ActivationBlock):
 
     @property
     def square_shift(self) -> int:
-        """Fraction bits dropped from the square."""
+        """Number of fraction bits dropped from the square."""
         return 2 * self.in_fmt.frac - self.formats.square_frac
 
     @property
     def square_width(self) -> int:
-        """Bits of the square of the largest magnitude that a quadratic serves, unsigned."""
+        """Bits of the square of the largest magnitude for which a quadratic is used, unsigned."""
         last = self.thresholds[-1] if self.saturates else self.abs_unit.fmt.high
         return int(cut(last * last, self.square_shift, self.rounding)).bit_length()
 
     @property
     def quadratic_shift(self) -> int:
-        """Fraction bits dropped from A_n2 times the square."""
+        """Number of fraction bits dropped from A_n2 times the square."""
         return self.formats.quadratic.frac + self.formats.square_frac - self.formats.sum_frac
 
     @property
     def linear_shift(self) -> int:
-        """Fraction bits dropped from A_n1 times the magnitude."""
+        """Number of fraction bits dropped from A_n1 times the magnitude."""
         return self.formats.linear.frac + self.in_fmt.frac - self.formats.sum_frac
 
     @property
     def constant_shift(self) -> int:
-        """Places by which A_n0 moves left to meet the sum's binary point."""
+        """Places by which A_n0 is shifted left, to the sum's binary point."""
         return self.formats.sum_frac - self.formats.constant.frac
 
     @property
     def out_shift(self) -> int:
-        """Fraction bits dropped at the end."""
+        """Number of fraction bits dropped from the sum to get the result."""
         shift = self.formats.sum_frac - self.out_fmt.frac
         return shift if self.factor is None else shift + self.formats.factor_frac
 
     @property
     def saturates(self) -> bool:
-        """Whether the neuron exceeds the last quadratic."""
+        """Whether the neuron can exceed the last quadratic."""
         return len(self.thresholds) == len(self.coeffs)
 
     @property
     def sum_width(self) -> int:
         """Bits of the sum for every square and magnitude that the operands can hold.
 
-        Each term rises or falls with its operand, so its ends are at the operand's ends.
+        Each term rises or falls with its operand, so its extremes are at the extremes of the
+        operand.
         """
         largest = (1 << self.square_width) - 1, (1 << self.abs_unit.mag_width) - 1
         bounds = []
@@ -175,7 +176,7 @@ class Polynomial(ActivationBlock):
 
     @property
     def latency(self) -> int:
-        # Products, sum, and the de-normalisation where there is any.
+        # Two clocks for products and sum, and one for the de-normalisation where there is one.
         return (
             self.abs_unit.latency
             + self.comparator_bank.latency
@@ -232,9 +233,10 @@ class Polynomial(ActivationBlock):
         return np.asarray(total if self.factor is None else total * self.factor)
 
     def closest_to_rounding(self, count: int) -> Codes:
-        """Codes above 0 whose exact results lie closest below and above where the next one begins.
+        """Codes above 0 whose exact results are closest to a step of the result, on either side.
 
-        ``count`` of either: a small error of a product, which rounding hides elsewhere, shows here.
+        There are ``count`` codes for each side. For them a small error of a product, which rounding
+        hides elsewhere, becomes visible.
         """
         codes = np.arange(self.in_fmt.high + 1)
         codes = codes[self.curved(codes)]
@@ -254,14 +256,14 @@ def polynomial_for(precision: Precision, factor: int, reach: int) -> Polynomial:
     """The Polynomial activation for a neuron normalised by ``factor`` with magnitudes to ``reach``.
 
     In ``thesis`` precision the formats are those of Table 4.4 for Q up to 3. For a larger Q the
-    constants get smaller with Q and with Q**2, and Qhat magnifies every error by Q**2; so A_n1 has
-    one more fraction bit and A_n0, products and sum two more for each doubling of Q, which keeps
-    the error of the result what it is at Q = 3.
+    constants get smaller with Q and with Q**2, and Qhat magnifies every error by Q**2. Therefore
+    A_n1 has one more fraction bit, and A_n0, products and sum have two more, for each doubling of
+    Q. This keeps the error of the result as it is at Q = 3.
 
     Raises
     ------
     InputError
-        When the quadratics end on one code (Q too large for the format).
+        When the quadratics end at the same code, because Q is too large for the format.
     """
     fmt = precision.hidden_fmt
     ends = [last_below(str(u), factor, fmt.frac) for u in UPPER]
@@ -273,11 +275,11 @@ def polynomial_for(precision: Precision, factor: int, reach: int) -> Polynomial:
     width = precision.coeff_width
     if precision.normalise:
         values, denormalise = normalised(factor)
-        # Doublings of 3 until it is Q or more.
+        # How often 3 must be doubled until it is Q or more.
         extra = (-(-factor // 3) - 1).bit_length()
         frac = precision.gradient_frac_limit
         sum_frac = frac + 2 * extra
-        # Unsigned, so that 9.681 has the binary point 10 of Table 4.4.
+        # The factor is unsigned, so that 9.681 has the binary point 10 of Table 4.4.
         factor_frac = max(
             p for p in range(-width, width) if nearest(ldexp(denormalise, p)) < 1 << width
         )
@@ -294,12 +296,13 @@ def polynomial_for(precision: Precision, factor: int, reach: int) -> Polynomial:
     else:
         values, scale = np.array(COEFFICIENTS), None
         quadratic, linear, constant = (Fix.largest_frac(width, column) for column in values.T)
-        # 17 bits hold the square of 3.5, as one input of a MULT18X18; nothing else is cut.
+        # The square of 3.5 fits in 17 bits, which one input of a MULT18X18 takes; no other number
+        # is cut.
         square_frac = width - 1 - 4
         sum_frac = max(quadratic.frac + square_frac, linear.frac + fmt.frac)
         formats = PolynomialFormats(quadratic, linear, constant, square_frac, sum_frac, 0)
     rows = min(len(thresholds) + 1, len(UPPER))
-    # A_11 is 1 at Q = 1, which Fix(14,13) does not hold: it saturates, an error of one LSB.
+    # A_11 is 1 at Q = 1, which does not fit in Fix(14,13). It saturates, with an error of one LSB.
     columns = [
         f.quantise(column)[0][:rows]
         for f, column in zip(

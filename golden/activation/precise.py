@@ -1,4 +1,4 @@
-"""precise: tanh within one unit of the last place."""
+"""precise: computes tanh with an error of less than one unit of the last place."""
 
 from __future__ import annotations
 
@@ -15,43 +15,44 @@ from golden.block import Block
 from golden.fixed import Codes
 from golden.input_error import InputError
 
-# Registers from the coefficients to the result: behind the coefficients, behind the rows, before
-# and behind the multiplier, and behind the sum.
+# Registers from the coefficients to the result: one behind the coefficients, one behind the rows,
+# one before and one behind the multiplier, and one behind the sum.
 STAGES = 5
 
 
 @dataclass(frozen=True)
 class Precise(ActivationBlock):
-    """r = tanh(q): a parabola by segment, on one multiplier.
+    """r = tanh(q), approximated by a parabola in each segment, on one multiplier.
 
-    With the magnitude m of q in segment s, x its distance from the middle of the segment and t the
-    top bits of its distance from the start:
-    r = floor(intercept + x (gradient - curve t)), with the sign of q.
+    Let the magnitude m of q lie in segment s, let x be its distance from the middle of the segment,
+    and let t be the top bits of its distance from the segment's start. Then r = floor(intercept + x
+    (gradient - curve t)), with the sign of q.
 
     Parameters
     ----------
     in_fmt, out_fmt : Fix
         Formats of q and r: Fix(18,14) and Fix(14,13).
     coefficients : str
-        Where they stand: "logic", 38 words in LUTs, or "block_ram", 299 words of 36 bits in one
-        block RAM, with narrower segments. ``precise_table.FORMATS`` holds the formats of both.
+        Where they are stored: "logic", 38 words in LUTs, or "block_ram", 299 words of 36 bits in
+        one block RAM, with narrower segments. ``precise_table.FORMATS`` holds the formats of both.
     words : int
-        Words kept, at least 1: those of the segments that the neuron can reach, and in a scene so
-        many more that they are a power of two or all.
+        Number of words that are kept, at least 1. They are those of the segments that the neuron
+        can reach; in a scene the number is raised to a power of two, or to all words.
 
     Notes
     -----
-    Sum and product are exact; half a unit is part of the intercept. Odd and monotone; every result
-    is within one unit of 2**-13 of tanh(q), over all 262144 codes (tests/test_precise.py). Of these
-    12770 are not the nearest code with "logic" and 452 with "block_ram". ``|-8|`` saturates.
+    Sum and product are exact; half a unit is part of the intercept. The function is odd and
+    monotone. Over all 262144 codes every result is within one unit of 2**-13 of tanh(q)
+    (tests/test_precise.py). Of these results 12770 are not the nearest code with "logic", and 452
+    with "block_ram". ``|-8|`` saturates.
 
-    A magnitude beyond the words kept takes the last of them, and the result may wrap; the neuron
-    cannot produce it.
+    A magnitude beyond the words that are kept uses the last of them, and its result may wrap; the
+    neuron cannot produce it.
 
     Raises
     ------
     InputError
-        When ``coefficients`` or ``words`` is not what there is.
+        For unknown ``coefficients``, or more or fewer ``words`` than there can be.
     """
 
     block = "precise"
@@ -70,7 +71,7 @@ class Precise(ActivationBlock):
 
     @property
     def formats(self) -> CurveFormat:
-        """Formats of coefficients, slope and sum."""
+        """Formats of the coefficients, the slope and the sum."""
         return FORMATS[self.coefficients]
 
     @property
@@ -79,7 +80,7 @@ class Precise(ActivationBlock):
 
     @property
     def table(self) -> CurveTable:
-        """The coefficients of the words kept."""
+        """The coefficients of the words that are kept."""
         whole, kept = self._whole, slice(self.words)
         return CurveTable(whole.intercepts[kept], whole.gradients[kept], whole.curves[kept])
 
@@ -93,7 +94,7 @@ class Precise(ActivationBlock):
 
     @property
     def memory_latency(self) -> int:
-        """Clocks from an address to its coefficients: a block RAM is read with a clock."""
+        """Clocks from an address to its coefficients; only a block RAM needs a clock."""
         return int(self.coefficients == "block_ram")
 
     @property

@@ -1,11 +1,12 @@
-"""The coefficients of ``precise``: a parabola for every segment of tanh, found over integers.
+"""The coefficients of ``precise``: a parabola for each segment of tanh, computed in integers.
 
-A magnitude m, Fix(18,14), lies in segment s = m >> w, all of one width 2**w. With d the low w bits
-of m, x = d - 2**(w-1) its distance from the middle of the segment, and t the top bits of d,
+A magnitude m, Fix(18,14), lies in segment s = m >> w; all segments have the same width 2**w. Let d
+be the low w bits of m, x = d - 2**(w-1) the distance from the middle of the segment, and t the top
+bits of d. Then
 
-    slope = gradient - curve * t,    r = intercept + x * slope, floor
+        slope = gradient - curve * t,    r = floor(intercept + x * slope)
 
-is a parabola through the middle of the segment whose second multiplication has a few bits only.
+is a parabola through the middle of the segment, and its second multiplication has only a few bits.
 """
 
 from __future__ import annotations
@@ -21,34 +22,34 @@ from golden.input_error import InputError
 from golden.precision import EXACT, SIGNAL
 from golden.transcendental import tanh_floors
 
-# How far around the least-squares fit the search looks, in units of the last place.
+# How far from the least-squares fit the search goes, in units of the last place.
 _NEAR_GRADIENT = 5
 _NEAR_CURVE = 2
 
-# From here on the code nearest to tanh is the largest: 8191.26 units, and rising.
+# From here on the nearest code to tanh is the largest one: tanh is 8191.26 units or more.
 _SATURATED = 5
 
-# Bits that hold how many zeros an intercept ends with.
+# Bits for the number of zeros at the end of an intercept.
 _ZEROS_WIDTH = 6
 
 
 @dataclass(frozen=True)
 class CurveFormat:
-    """Segments and formats of one form of the table; every code is unsigned.
+    """Segments and formats of one variant of the table; every code is unsigned.
 
     Parameters
     ----------
     segment_frac : int
         A segment is 2**-segment_frac wide.
     top_width : int
-        Bits of t, the part of the distance that the curve is multiplied by.
+        Bits of t, the part of the distance by which the curve is multiplied.
     intercept_frac, gradient_frac, slope_frac : int
-        Fraction bits; those of the slope are at least those of the gradient.
+        Fraction bits. The slope has at least as many as the gradient.
     curve_width : int
-        Bits of the curve, which counts in last places of the slope.
+        Bits of the curve, in units of the slope's last place.
     curved : int
-        Segments from q = 0 that are fitted; those above hold a constant until the result stays
-        8191.
+        Number of segments from q = 0 on that are fitted. Those above hold a constant, up to where
+        the result stays 8191.
     """
 
     segment_frac: int
@@ -61,12 +62,12 @@ class CurveFormat:
 
     @property
     def distance_width(self) -> int:
-        """w, bits of the distance from the start of a segment."""
+        """w, the number of bits of the distance from the start of a segment."""
         return EXACT.hidden_fmt.frac - self.segment_frac
 
     @property
     def gradient_shift(self) -> int:
-        """Places by which the gradient moves left to meet the slope's binary point."""
+        """Places by which the gradient is shifted left, to the slope's binary point."""
         return self.slope_frac - self.gradient_frac
 
     @property
@@ -76,16 +77,16 @@ class CurveFormat:
 
     @property
     def intercept_shift(self) -> int:
-        """Places by which the intercept moves left to meet the product's binary point."""
+        """Places by which the intercept is shifted left, to the product's binary point."""
         return self.product_frac - self.intercept_frac
 
     @property
     def out_shift(self) -> int:
-        """Fraction bits dropped at the end."""
+        """Number of fraction bits dropped from the sum to get the result."""
         return self.product_frac - SIGNAL.frac
 
     def split(self, mag: Codes) -> tuple[Codes, Codes, Codes]:
-        """Segment, distance x from its middle, and t of each magnitude."""
+        """The segment, the distance x from its middle, and t, of each magnitude."""
         distance = mag & ((1 << self.distance_width) - 1)
         top = distance >> (self.distance_width - self.top_width)
         return (
@@ -95,25 +96,25 @@ class CurveFormat:
         )
 
     def slope(self, gradient: Codes, curve: Codes, top: Codes) -> Codes:
-        """gradient - curve * t with ``slope_frac`` fraction bits.
+        """Compute gradient - curve * t with ``slope_frac`` fraction bits.
 
-        The places below the gradient's last are filled with ones, so that the subtraction borrows
-        nothing from them and is as wide as the gradient.
+        The places below the gradient's last one are filled with ones. So the subtraction borrows
+        nothing from the places above, and it is only as wide as the gradient.
         """
         filled = (gradient << self.gradient_shift) + (1 << self.gradient_shift) - 1
         return filled - curve * top
 
 
-# 32 curved segments of 1/8, and constants from 4 on.
+# 32 curved segments that are 1/8 wide, and constants from 4 on.
 LOGIC = CurveFormat(3, 6, 16, 12, 14, 4, 32)
-# A word of 36 bits, 512 of them fill one block RAM: segments of 1/64.
+# Segments that are 1/64 wide. 512 words of 36 bits fill one block RAM.
 BLOCK_RAM = CurveFormat(6, 3, 18, 13, 15, 5, 320)
 FORMATS = {"logic": LOGIC, "block_ram": BLOCK_RAM}
 
 
 @dataclass(frozen=True)
 class CurveTable:
-    """Coefficients by segment; the last holds for every segment above as well."""
+    """The coefficients of each segment; the last ones also serve every segment above."""
 
     intercepts: tuple[int, ...]
     gradients: tuple[int, ...]
@@ -131,23 +132,23 @@ class CurveTable:
 
 @lru_cache
 def curve_table(fmt: CurveFormat) -> CurveTable:
-    """The coefficients with the fewest wrongly rounded results.
+    """Choose the coefficients with the fewest wrongly rounded results.
 
-    Each segment takes, out of a window around the least-squares parabola, the coefficients that
-    round the most codes correctly, among those for which every result is within one unit of
-    2**-13 of tanh and none is below the one before it. Of several, the intercept with the most
-    zeros at its end, then the least curve, the least gradient, the least intercept. Integers
-    throughout, so the table is the same on every machine; about 0.1 s.
+    The candidates of a segment are those in a window around the least-squares parabola for which
+    every result is within one unit of 2**-13 of tanh and none is below the one before it. Of these,
+    the candidate that rounds the most codes correctly is chosen; among equals the intercept with
+    the most zeros at its end, then the least curve, the least gradient, and the least intercept.
+    All computation is in integers, so the table is the same on every machine. It takes about 0.1 s.
 
     Raises
     ------
     InputError
-        When the formats are too coarse for a segment; the message names it.
+        When the formats are too coarse for a segment, which the message names.
     """
     words: list[tuple[int, int, int]] = []
     last = 0
     step = Fraction(1, 1 << EXACT.hidden_fmt.frac)
-    # In units of the exact sum, rounded down.
+    # The curve is in units of the exact sum, rounded down.
     curve = tanh_floors(step, int(_SATURATED / step), fmt.product_frac)
     for segment in range(len(curve) >> fmt.distance_width):
         word, results = _fit(fmt, segment, last, curve)
@@ -162,15 +163,15 @@ def curve_table(fmt: CurveFormat) -> CurveTable:
 def _fit(
     fmt: CurveFormat, segment: int, last: int, curve: Codes
 ) -> tuple[tuple[int, int, int], Codes]:
-    """Coefficients of one segment, and its results; ``last`` is the result before it."""
+    """Coefficients of one segment, and its results; ``last`` is the result just before it."""
     width = fmt.distance_width
     mag = (segment << width) + np.arange(1 << width)
     _, x, top = fmt.split(mag)
     exact = curve[mag]
     half = 1 << (fmt.out_shift - 1)
     rounded = np.minimum((exact + half) >> fmt.out_shift, SIGNAL.high)
-    # The results within one unit of tanh, which beyond 0 is no whole number of units. Zero has no
-    # sign, so its result must be zero for the function to be odd.
+    # The results that are within one unit of tanh, which except at 0 is no whole number of units.
+    # Zero has no sign, so its result must be zero for the function to be odd.
     lowest = exact >> fmt.out_shift
     highest = np.where(mag == 0, 0, np.minimum(lowest + 1, SIGNAL.high))
     gradients, curves = _candidates(fmt, segment, x, top, exact)
@@ -178,8 +179,8 @@ def _fit(
     # One unit of the result, and the least intercept for which the sum reaches ``lowest``.
     unit = 1 << (fmt.intercept_frac - SIGNAL.frac)
     least = -((linear - (lowest << fmt.out_shift)) >> fmt.intercept_shift)
-    # A code is rounded correctly by the intercepts of one unit from the first one. Count, for each
-    # candidate, for how many codes an intercept is one of them.
+    # A code is rounded correctly by all intercepts of one unit, beginning with the first. Count,
+    # for each candidate and intercept, how many codes it rounds correctly.
     first = least + unit * (rounded - lowest)
     base = int(first.min())
     span = int(first.max()) - base + unit + 1
@@ -195,7 +196,8 @@ def _fit(
     )
     if segment >= fmt.curved:
         allowed &= intercept % unit == unit // 2
-    # Between equals, the intercept with the most zeros at its end: it takes less logic.
+    # Among equals the intercept with the most zeros at its end is taken, since it needs the least
+    # logic.
     zeros = np.bitwise_count((intercept & -intercept) - 1)
     candidates = np.flatnonzero(allowed)
     merit = ((correct << _ZEROS_WIDTH) + zeros).ravel()[candidates]
@@ -212,19 +214,19 @@ def _candidates(
 ) -> tuple[Codes, Codes]:
     """Gradients and curves around the least-squares fit to ``exact``, in units of the sum.
 
-    The fit is linear in three columns: 1, the distance from the middle, and the product that the
-    curve is multiplied by. The first two are orthogonal, so what is left of the third without them
-    gives the curve in closed form, as a quotient of whole numbers.
+    The fit is linear in three columns: 1, the distance from the middle, and the product by which
+    the curve is multiplied. The first two are orthogonal. So the part of the third that is
+    independent of them gives the curve in closed form, as a quotient of whole numbers.
     """
     if segment >= fmt.curved:
-        # A slope of nothing but the filled places moves no result by as much as a unit.
+        # A slope that consists only of the filled places moves no result by as much as a unit.
         return np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64)
     points = len(x)
-    # Twice the distance from the middle of the codes, which is half a code below that of the
-    # segment; its sum is 0.
+    # Twice the distance from the middle of the codes, which is half a code below the middle of the
+    # segment. Its sum is 0.
     distance = 2 * x + 1
     bend = -x * top
-    # Each of these sums is exact: its terms are below 2**45, and there are 2**11 at most.
+    # Each of these sums is exact, since its terms are below 2**45 and there are 2**11 at most.
     spread, along, across = (int(distance @ c) for c in (distance, exact, bend))
     total, bent = int(exact.sum()), int(bend.sum())
     curve = _nearest(
@@ -240,12 +242,13 @@ def _candidates(
             gradients.append(middle + np.arange(-_NEAR_GRADIENT, _NEAR_GRADIENT + 1))
             curves.append(np.full(2 * _NEAR_GRADIENT + 1, near))
     gradient, curvature = np.concatenate(gradients), np.concatenate(curves)
-    # The slope is least where t is largest, and unsigned; so is the gradient, below 1.
+    # The slope is unsigned and is least where t is largest. The gradient is unsigned too, and below
+    # 1.
     steepest = (1 << fmt.gradient_frac) - 1
     fitting = (fmt.slope(gradient, curvature, top.max(keepdims=True)) >= 0) & (gradient <= steepest)
     return gradient[fitting], curvature[fitting]
 
 
 def _nearest(numerator: int, denominator: int) -> int:
-    """The whole number nearest to a quotient, halves up."""
+    """The whole number nearest to a quotient; halves are rounded up."""
     return (2 * numerator + denominator) // (2 * denominator)

@@ -1,8 +1,8 @@
-"""Approximations of tanh that the thesis weighs against each other, in floating point (4.3.2).
+"""Approximations of tanh that the thesis compares, in floating point (section 4.3.2).
 
-The schemes that were built have their own: ``gradient_real`` (equation 4.3), ``polynomial_real``
-(4.4), ``pade_real`` (4.10 to 4.12) and ``lut_real``. Here are the others, and the regressions step
-by step. q is an array of any shape; results have its shape.
+The schemes that were built have their own functions: ``gradient_real`` (equation 4.3),
+``polynomial_real`` (4.4), ``pade_real`` (4.10 to 4.12) and ``lut_real``. Here are the others, and
+the regressions step by step. q is an array of any shape, and a result has the same shape.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ Real = NDArray[np.float64]
 def tanh_exponential(q: ArrayLike) -> Real:
     """(exp(2 q) - 1) / (exp(2 q) + 1), equation 4.2.
 
-    Computed from ``exp(-2 |q|)``, which does not overflow.
+    It is computed from ``exp(-2 |q|)``, which does not overflow.
     """
     real = np.asarray(q, dtype=np.float64)
     small = np.exp(-2 * np.abs(real))
@@ -29,7 +29,7 @@ def tanh_exponential(q: ArrayLike) -> Real:
 
 
 def taylor(q: ArrayLike) -> Real:
-    """Equation 4.2 with exp(2 q) cut after the fourth power, equation 4.5."""
+    """Equation 4.2 with exp(2 q) cut off after the fourth power, equation 4.5."""
     x = 2 * np.asarray(q, dtype=np.float64)
     power = 1 + x * (1 + x / 2 * (1 + x / 3 * (1 + x / 4)))
     return np.asarray((power - 1) / (power + 1))
@@ -43,9 +43,9 @@ def pade_fraction(q: ArrayLike) -> Real:
 
 
 def plain_regression(q: ArrayLike, iterations: int) -> Real:
-    """The fraction by equation 4.7, t <- A - t (B - 1) from 0, times q.
+    """The fraction by equation 4.7: t <- A - t (B - 1), starting from 0, times q.
 
-    Settles where B(q) < 2: ``|q|`` below 1.447.
+    It settles where B(q) < 2, which is for ``|q|`` below 1.447.
     """
     real = np.asarray(q, dtype=np.float64)
     a, b = fraction(real)
@@ -56,9 +56,9 @@ def plain_regression(q: ArrayLike, iterations: int) -> Real:
 
 
 def inverse_fraction(q: ArrayLike, iterations: int) -> Real:
-    """B / A by equation 4.8, h <- B - h (A - 1) from 0.
+    """B / A by equation 4.8: h <- B - h (A - 1), starting from 0.
 
-    Settles where A(q) < 2: ``|q|`` below 2.888.
+    It settles where A(q) < 2, which is for ``|q|`` below 2.888.
     """
     real = np.asarray(q, dtype=np.float64)
     a, b = fraction(real)
@@ -69,10 +69,10 @@ def inverse_fraction(q: ArrayLike, iterations: int) -> Real:
 
 
 def inverse(z: ArrayLike, iterations: int) -> Real:
-    """1 / z by equation 4.9, v <- 1 - v (z - 1) from 0.
+    """1 / z by equation 4.9: v <- 1 - v (z - 1), starting from 0.
 
-    Settles where 0 < z < 2. What ``inverse_fraction`` gives is q / tanh(q), so the two together
-    settle for ``|q|`` below 1.915 only.
+    It settles where 0 < z < 2. ``inverse_fraction`` gives q / tanh(q), so both together settle only
+    for ``|q|`` below 1.915.
     """
     real = np.asarray(z, dtype=np.float64)
     v = np.zeros_like(real)
@@ -82,9 +82,9 @@ def inverse(z: ArrayLike, iterations: int) -> Real:
 
 
 def rho_regression(q: ArrayLike, rho: float, iterations: int) -> Real:
-    """The fraction by equations 4.10 to 4.12, d <- 1 / rho - d (B - rho) / rho from 0, times q A.
+    """The fraction by equations 4.10 to 4.12: d <- 1 / rho - d (B - rho) / rho from 0, times q A.
 
-    Settles where B(q) < 2 rho; see ``stable_below``.
+    It settles where B(q) < 2 rho; see ``stable_below``.
     """
     real = np.asarray(q, dtype=np.float64)
     a, b = fraction(real)
@@ -100,7 +100,7 @@ def stable_below(rho: float) -> float:
     Raises
     ------
     InputError
-        For rho of 0.5 or less, with which it diverges everywhere.
+        For rho of 0.5 or less, with which the regression diverges everywhere.
     """
     if rho <= 0.5:
         raise InputError(f"rho: got {rho}, expected above 0.5")

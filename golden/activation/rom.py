@@ -16,7 +16,7 @@ from golden.port import Port, Unsigned, given, taken
 
 @dataclass(frozen=True)
 class Rom(Block):
-    """Unsigned words by address, read without a clock.
+    """Unsigned words, read by address without a clock.
 
     Parameters
     ----------
@@ -25,16 +25,16 @@ class Rom(Block):
     width : int
         Bits of a word.
     frac : int
-        Fraction bits of a word: it stands for ``word / 2**frac``.
+        Fraction bits of a word, which stands for ``word / 2**frac``.
 
     Raises
     ------
     InputError
-        When there is no word or one does not fit ``width`` bits.
+        When there is no word, or when one does not fit in ``width`` bits.
     """
 
     area = "activation"
-    # What address and word are, for ``ports``.
+    # The meanings of address and word, for ``ports``.
     port_meanings: ClassVar[tuple[str, str]]
     words: tuple[int, ...]
     width: int
@@ -69,7 +69,7 @@ class Rom(Block):
 
     @property
     def meanings(self) -> list[str]:
-        """The number that each word stands for."""
+        """The number for which each word stands."""
         return real_texts(self.words, self.frac)
 
     def process(self, addr: ArrayLike) -> Codes:

@@ -1,4 +1,4 @@
-"""The activations that a scene can name: how each computes in real arithmetic, how it is built."""
+"""The activations that a scene can name, each with its real function and its bit-true block."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from golden.mlp import Activation, tanh
 from golden.precision import EXACT, PRECISIONS, SIGNAL, Precision
 from golden.table import suggest
 
-# Where the coefficients of ``precise`` stand by default.
+# The default of where the coefficients of ``precise`` are stored.
 COEFFICIENTS = "logic"
 
 
@@ -33,7 +33,7 @@ def gradient_for(
 ) -> Gradient:
     """The Gradient activation for a neuron normalised by ``factor`` with magnitudes to ``reach``.
 
-    ``kind`` is the block: one multiplier, or ``GradientParallel``.
+    ``kind`` is the block: ``Gradient`` with one multiplier, or ``GradientParallel``.
 
     Raises
     ------
@@ -64,13 +64,12 @@ def gradient_for(
 def precise_for(
     precision: Precision, factor: int, reach: int, coefficients: str = COEFFICIENTS
 ) -> Precise:
-    """tanh within one unit of 2**-13 for a neuron with magnitudes to ``reach``.
+    """The precise activation for a neuron whose magnitudes go up to ``reach``.
 
     Raises
     ------
     InputError
-        When the precision's q has another format than the one the segments are made for, or is
-        normalised.
+        When the precision's q has another format than that of the segments, or is normalised.
     """
     if precision.hidden_fmt != EXACT.hidden_fmt or factor != 1:
         raise InputError(
@@ -81,7 +80,7 @@ def precise_for(
     fmt = FORMATS[coefficients]
     most = len(curve_table(fmt).intercepts)
     reached = min(reach, precision.hidden_fmt.high) // (1 << fmt.distance_width) + 1
-    # A power of two, so that neurons which reach nearly as far share an entity.
+    # The number is a power of two, so that neurons of similar reach share an entity.
     words = min(1 << (reached - 1).bit_length(), most)
     return Precise(
         precision.hidden_fmt, SIGNAL, coefficients, words, variant=f"{coefficients}{words}"
@@ -90,16 +89,16 @@ def precise_for(
 
 @dataclass(frozen=True)
 class Option:
-    """One thing that a scene may choose about an activation.
+    """One option of an activation that a scene may set.
 
     Attributes
     ----------
     default : int, float or str
-        Its type is the type that is expected.
+        Value where a scene sets none. Its type is the type that is expected.
     choices : tuple of str
-        For a text: what it may be.
+        The texts that are allowed; empty for a number.
     real : bool
-        Whether the activation in floating point depends on it too.
+        Whether the activation in floating point depends on the option too.
     """
 
     default: Any
@@ -107,13 +106,13 @@ class Option:
     real: bool = False
 
     def check(self, value: object, place: str) -> Any:
-        """The value to use.
+        """Check a value and return the one to use.
 
         Raises
         ------
         InputError
-            For another type, a number that is not above 0, or a text that is no choice; the
-            message begins with ``place``.
+            For another type, a number that is not above 0, or a text that is no choice. The message
+            begins with ``place``.
         """
         kind = type(self.default)
         if kind is float and type(value) is int:
@@ -131,22 +130,22 @@ class Option:
 
 @dataclass(frozen=True)
 class Scheme:
-    """One activation by name.
+    """One activation that a scene can name.
 
     Attributes
     ----------
     real : callable
-        Value and slope in floating point; training descends on it.
+        Value and slope in floating point; training uses both for gradient descent.
     build : callable
         The bit-true block for a precision, a neuron's Q, and the largest magnitude code that the
         neuron can produce.
     options : mapping
-        What a scene may choose, by name. ``build`` takes every option as a keyword and has the
-        same default, ``real`` those that concern it.
+        The options that a scene may set, by name. ``build`` takes every option as a keyword and has
+        the same default; ``real`` takes those that concern it.
     precisions : tuple of Precision
-        Those that it is made for.
+        The precisions for which it is made.
     half_codes : bool
-        Whether its codes stand for the middle of their step; see ``ActivationBlock``.
+        Whether its codes stand for the middle of their steps; see ``ActivationBlock``.
     """
 
     real: Activation
@@ -156,13 +155,13 @@ class Scheme:
     half_codes: bool = False
 
     def configured(self, given: Mapping[str, object], place: str = "activation_options") -> Scheme:
-        """This scheme with some of its options chosen; the others keep their defaults.
+        """This scheme with some options set; the others keep their defaults.
 
         Raises
         ------
         InputError
-            For an option that the scheme does not have, or a value that it cannot take; the
-            message begins with ``place``.
+            For an option that the scheme does not have, or a value that the option does not allow.
+            The message begins with ``place``.
         """
         for name in given:
             if name not in self.options:
@@ -209,7 +208,7 @@ SCHEMES = {
 
 
 def forms() -> dict[str, Scheme]:
-    """Every scheme, and besides each with every other choice of an option that is a text."""
+    """All schemes, and each scheme once more for every other choice of a text option."""
     found = dict(SCHEMES)
     for name, scheme in SCHEMES.items():
         for option, about in scheme.options.items():

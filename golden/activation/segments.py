@@ -1,8 +1,8 @@
 """The nine straight segments of the Gradient scheme and their constants for a neuron.
 
-Thesis Table 4.1 gives upper bound, gradient g_n and intercept i_n of each segment of tanh(q).
-A neuron whose input is normalised by Q works on qbar = q / Q, so its thresholds are q_n / Q and
-its gradients G_n = g_n Q (equation 4.23). Beyond the last threshold the result is 1 - 2**-frac.
+Thesis Table 4.1 gives upper bound, gradient g_n and intercept i_n of each segment of tanh(q). A
+neuron whose input is normalised by Q works on qbar = q / Q, so its thresholds are q_n / Q and its
+gradients are G_n = g_n Q (equation 4.23). Beyond the last threshold the result is 1 - 2**-frac.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ COEFF_WIDTH_LIMIT = 17
 
 
 def nearest(value: float) -> int:
-    """The integer nearest to a value that is not negative, halves up.
+    """The integer nearest to a value that is not negative; halves are rounded up.
 
-    The constants that come here are single products and quotients of floats, which IEEE 754 defines
-    to the last bit.
+    The constants that are rounded here are single products and quotients of floats, which IEEE 754
+    defines to the last bit.
     """
     return int(value + 0.5)
 
@@ -60,7 +60,7 @@ def gradient_real(q: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64
 
 @dataclass(frozen=True)
 class SegmentTable:
-    """Constants of the segments a neuron can reach, as unsigned codes.
+    """Constants of the segments that a neuron can reach, as unsigned codes.
 
     ``coeffs`` and ``intercepts`` hold one word per threshold and one more for what lies beyond
     the last threshold.
@@ -85,9 +85,9 @@ def coefficient_codes(factor: float, width: int, frac_limit: int) -> tuple[list[
     factor : float
         Q of the neuron.
     width : int
-        Signed width, 14 or 18, that each coefficient is rounded to at its own binary point.
+        Signed width, 14 or 18, to which each coefficient is rounded at its own binary point.
     frac_limit : int
-        Most fraction bits a coefficient may have.
+        Most fraction bits that a coefficient may have.
 
     Returns
     -------
@@ -101,7 +101,7 @@ def coefficient_codes(factor: float, width: int, frac_limit: int) -> tuple[list[
     for width 14, limit 13 and Q = 3 these are the points 11, 12, 12, 13, ... of Table 4.3. All
     codes are then written with the finest of these points, which is exact (a left shift) and needs
     no shifter in the hardware. Where that would take more than 17 bits (Q above 17), the common
-    point moves up until the widest coefficient fits. Every coefficient is rounded once, at the
+    point moves up until the widest coefficient fits. Every coefficient is rounded only once, at the
     coarser of its own point and the common one: Table 4.3 gives no coefficient more than 14 bits.
 
     Error: segment n is used up to qbar = q_n / Q. A coefficient of 13 bits is off by at most
@@ -144,14 +144,14 @@ def segment_table(
     intercept_frac: int,
     rounding: Rounding,
 ) -> SegmentTable:
-    """Constants for one neuron; segments it cannot reach are left out.
+    """Constants for one neuron, without the segments that it cannot reach.
 
     Parameters
     ----------
     factor : float
         Q of the neuron, 1 where the input is not normalised.
     reach : int
-        Largest magnitude code the neuron can produce.
+        Largest magnitude code that the neuron can produce.
     mag, out : Fix
         Formats of the activation's input and output.
     coeff_width, coeff_frac_limit : int
@@ -159,16 +159,17 @@ def segment_table(
     intercept_frac : int
         Fraction bits of the intercepts.
     rounding : Rounding
-        How GRAD_EQN ends; needed to prove that no segment overflows.
+        How GRAD_EQN drops the last bits. It is needed to prove that no segment overflows.
 
     Raises
     ------
     InputError
-        When a coefficient does not fit, two thresholds fall on one code (Q too large for the
-        format), or a segment's largest result leaves ``out``.
+        When a coefficient does not fit, when two thresholds fall on one code because Q is too large
+        for the format, or when a segment's largest result does not fit in ``out``.
     """
-    # Floor: a magnitude code m lies in the segment, m Q / 2**frac <= q_n, just when m is at most
-    # the floor of q_n 2**frac / Q. The nearest code would move the border, by 1 % of q at Q = 512.
+    # Thresholds are rounded down: a magnitude code m lies in the segment, m Q / 2**frac <= q_n,
+    # just when m is at most floor(q_n 2**frac / Q). Rounding to the nearest code would move the
+    # border, by 1 % of q at Q = 512.
     scaled = [floor(Fraction(str(u)) / Fraction(factor) * 2**mag.frac) for u in UPPER]
     kept = max(1, sum(t < min(reach, mag.high) for t in scaled))
     thresholds = scaled[:kept]

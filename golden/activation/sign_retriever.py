@@ -24,7 +24,8 @@ class SignRetriever(Block):
 
     Notes
     -----
-    Exact: every magnitude has both signs in ``fmt``; the most negative code never comes out.
+    The result is exact: every magnitude has both signs in ``fmt``. The most negative code never
+    comes out.
     """
 
     block = "sign_retriever"
@@ -50,7 +51,7 @@ class SignRetriever(Block):
         return 1
 
     def process(self, mag: ArrayLike, negative: ArrayLike) -> Codes:
-        """Signed codes in ``fmt``.
+        """The magnitudes with their signs, as codes of ``fmt``.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Boards that a scene can be built for: a file each."""
+"""The boards for which a scene can be built. Each has its own file."""
 
 from golden.boards.board import Board, Pin, board_names, load_board
 

@@ -1,4 +1,4 @@
-"""A board file: which device, which clock, and which pin is which port of a design."""
+"""A board file: the device, its clock, and the pin for each port of a design."""
 
 from __future__ import annotations
 
@@ -57,7 +57,8 @@ BOARD = Table(
         "high": Key(Map(PIN), {}),
     }
 )
-# What may stand in a pins file between quotes, in a command line or as a name in Verilog.
+# The texts that are allowed in a pins file between quotes or in a command line, and as a name in
+# Verilog.
 PLAIN = re.compile(r"[A-Za-z0-9_.-]+")
 NAME = re.compile(r"[a-z][a-z0-9_]*")
 
@@ -69,13 +70,13 @@ class Pin:
     Attributes
     ----------
     pin : str
-        Its name in the package.
+        Name of the pin in the package.
     at : str
-        Where the board has it.
+        Where the pin is on the board.
     pull_up : bool
-        The device's own resistor to its supply is on.
+        Whether the device's own resistor to its supply is switched on.
     inverted : bool
-        A lamp that is lit by a 0.
+        Whether the pin drives a lamp that is lit by a 0.
     """
 
     pin: str
@@ -86,38 +87,39 @@ class Pin:
 
 @dataclass(frozen=True)
 class Board:
-    """What a board file says.
+    """The contents of a board file.
 
     Attributes
     ----------
     name : str
-        Of the file.
+        Name of the file.
     path : Path
     title : str
     sources : tuple of str
-        Where the pins were read.
+        The documents in which the pins were found.
     load, flash : str
-        What stands before the bitstream's name in the command that programs the device until its
-        supply is cut (empty where there is no such), and for good.
+        Command, up to the bitstream's name, that programs the device until its supply is cut (empty
+        if there is none), and that which programs it permanently.
     family : str
-        Of ``DEVICES``.
+        One of ``DEVICES``.
     device : str
-        The one that is built for, of ``devices``, which the board is sold with.
+        The device for which a design is built, one of ``devices``.
     devices : tuple of str
+        The devices with which the board is sold.
     package : str
     speed : int
-        Grade; 0 where the file names none.
+        Speed grade; 0 where the file states none.
     configuration : dict
-        How the device is to be configured, by the name that its pins file has for it.
+        How the device must be configured, by the names that its pins file uses.
     clock_pin : str
     clock_mhz : float
-        Of the oscillator.
+        Frequency of the oscillator.
     pll_pad : bool
-        The clock's pin is the PLL's own input.
+        Whether the clock's pin is the PLL's own input.
     pins : dict
-        By the name of a design's port.
+        Pins by the name of a design's port.
     high : dict
-        Outputs that are always high, by a name.
+        Outputs that must always be high, each with a name.
     """
 
     name: str
@@ -151,14 +153,14 @@ def load_board(name: str, device: str = "") -> Board:
     ----------
     name : str
     device : str
-        Of those that the board is sold with; empty takes the first.
+        One of the devices with which the board is sold; by default the first.
 
     Raises
     ------
     InputError
-        For an unknown board; the message lists those there are. For one that cannot be read.
-        For a fault in the file, and for a device that the board has not; the message names file,
-        key, what was got and what was expected.
+        For an unknown board, in which case the message lists those there are, or for a file that
+        cannot be read. For a fault in the file, or for a device that the board does not have, the
+        message names file, key, what was got and what was expected.
     """
     known = board_names()
     path = FOLDER / f"{name}.toml" if name in known else Path(name)

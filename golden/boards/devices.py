@@ -1,8 +1,8 @@
-"""Devices that free tools make bitstreams for."""
+"""The devices for which free tools make bitstreams."""
 
 from __future__ import annotations
 
-# By family: the name that the maker gives a device, and the one that nextpnr has for it.
+# For each family: the name of a device by its maker, and its name in nextpnr.
 DEVICES = {
     "ecp5": {
         "LFE5U-12F": "12k",
@@ -26,11 +26,12 @@ DEVICES = {
         "iCE40LP8K": "lp8k",
     },
 }
-# Speed grades that nextpnr knows: of a family, and of those devices of which only one is sold.
+# Speed grades that nextpnr knows: those of a family, and of the devices that are sold with only
+# one.
 SPEEDS: dict[str, tuple[int, ...]] = {"ecp5": (6, 7, 8), "ice40": ()}
 FAST, FAST_SPEEDS = "LFE5UM5G", (8,)
 
 
 def speeds_of(family: str, device: str) -> tuple[int, ...]:
-    """The speed grades of a device; none where its family has none."""
+    """The speed grades of a device; none if its family has none."""
     return FAST_SPEEDS if device.startswith(FAST) else SPEEDS[family]

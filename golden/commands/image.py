@@ -1,4 +1,4 @@
-"""``make image``: the memory image of a scene, in three forms."""
+"""``make image``: writes the memory image of a scene, in three formats."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from golden.scene.write_image import hardware_of, write_image
 def main() -> None:
     parser = argparse.ArgumentParser(prog="make image", description=__doc__)
     parser.add_argument("scene")
-    parser.add_argument("--hardware", help="scene whose hardware it is for; otherwise its own")
+    parser.add_argument("--hardware", help="scene whose hardware runs it; by default its own")
     parser.add_argument("--build", type=Path, default=BUILD)
     arguments = parser.parse_args()
     scene = load_scene(arguments.scene)

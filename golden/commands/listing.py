@@ -1,6 +1,6 @@
-"""``make listing``: the program of a scene's engine, a line for every step.
+"""``make listing``: prints the program of a scene's engine, with a line for every step.
 
-Of a network without a program, whose products are adders, a line for every adder.
+For a network without a program, whose products are made by adders, it prints every adder.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""``make network``: a network of a scene as .npz, .mat or .onnx."""
+"""``make network``: writes a network of a scene as .npz, .mat or .onnx."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from golden.table import suggest
 
 
 def member_of(scene: Scene, output: str | None) -> Member:
-    """The network that gives ``output``; None where the scene has just one network.
+    """The network that computes ``output``, which may be None if the scene has one network.
 
     Raises
     ------
     InputError
-        For an output that the scene does not have, or none where it has several networks.
+        For an output that the scene does not have, or for None if there are several networks.
     """
     if output is None and len(scene.members) == 1:
         return scene.members[0]
@@ -36,7 +36,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="make network", description=__doc__)
     parser.add_argument("scene")
     parser.add_argument("file", type=Path)
-    parser.add_argument("--output", help="which network, where the scene has several")
+    parser.add_argument("--output", help="an output of the network, if the scene has several")
     arguments = parser.parse_args()
     mlp = member_of(load_scene(arguments.scene), arguments.output).load()
     check_target(arguments.file)

@@ -1,4 +1,4 @@
-"""``make predict``: what a scene's hardware makes of new readings."""
+"""``make predict``: computes what a scene's hardware gives for new readings."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ def main() -> None:
     parser.add_argument("csv")
     parser.add_argument("to")
     arguments = parser.parse_args()
-    for key, given in (("CSV", arguments.csv), ("TO", arguments.to)):
-        if not given:
+    for key, text in (("CSV", arguments.csv), ("TO", arguments.to)):
+        if not text:
             raise InputError(f"{key}=: missing, expected a .csv file")
     scene = load_scene(arguments.scene)
     source, path = Path(arguments.csv), Path(arguments.to)

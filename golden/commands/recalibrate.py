@@ -1,6 +1,7 @@
-"""``make recalibrate``: gain and offset of each sensor from known placements.
+"""``make recalibrate``: finds gain and offset of each sensor from known placements.
 
-Without placements it proposes some: those of the recording that lower the expected error most.
+Without placements it proposes some, namely those in the recording that lower the expected error
+most.
 """
 
 from __future__ import annotations
@@ -42,11 +43,11 @@ from golden.recalibration.placements import (
 from golden.recalibration.sensitivity import GAIN, OFFSET, Sensitivity
 from golden.scene import Scene, load_scene
 
-# Placements that are proposed at least: with fewer the error of one weighs much.
+# The least number of proposed placements. With fewer, the error of one would have too much weight.
 PROPOSED = 8
 
-# An error of a placement left out that is so many times what is expected tells of more than gain
-# and offset.
+# If the error of a placement that was left out exceeds the expectation by this factor, more than
+# gain and offset has changed.
 MOST_LEFT = 3.0
 
 
@@ -55,8 +56,8 @@ def main() -> None:
     parser.add_argument("scene")
     parser.add_argument("csv", nargs="?", default="", help="readings and their known outputs")
     parser.add_argument("to", nargs="?", default="", help="folder or scene file of the copy")
-    parser.add_argument("--noise", default="", help="of a reading, in its unit")
-    parser.add_argument("--drift", default="", help="expected: GAIN,OFFSET")
+    parser.add_argument("--noise", default="", help="noise of a reading, in its unit")
+    parser.add_argument("--drift", default="", help="expected drift: GAIN,OFFSET")
     arguments = parser.parse_args()
     noise = _numbers("NOISE", arguments.noise, 1)
     drift = _numbers("DRIFT", arguments.drift, 2)
@@ -80,7 +81,7 @@ def main() -> None:
 
 
 def _numbers(name: str, text: str, count: int) -> list[float]:
-    """The numbers of a variable; none where it is not given.
+    """The numbers in a variable; none if it is empty.
 
     Raises
     ------
@@ -98,41 +99,43 @@ def _numbers(name: str, text: str, count: int) -> list[float]:
 
 @dataclass(frozen=True)
 class Expected:
-    """The drift that is expected, and where that is said."""
+    """The expected drift, and a text that says where it comes from."""
 
     drift: Disturbance | None
-    told: str
+    text: str
 
 
-def _drift(scene: Scene, given: list[float]) -> Expected:
-    """Given, or that of the scene, or what is usual.
+def _drift(scene: Scene, stated: list[float]) -> Expected:
+    """The drift that is stated, or that of the scene, or the usual drift.
 
     Raises
     ------
     InputError
-        For none.
+        For a drift of 0.
     """
     trained = scene.training.disturbance
-    if given:
-        found, source = Disturbance(gain=given[0], offset=given[1]), "DRIFT"
+    if stated:
+        found, source = Disturbance(gain=stated[0], offset=stated[1]), "DRIFT"
         if found.none:
             raise InputError("DRIFT=0,0: expected a gain or an offset above 0")
     elif trained.gain or trained.offset:
         found, source = trained, f"training.drift of {scene.path.name}"
     else:
-        told = f"gains by {100 * GAIN:g} %, offsets by {100 * OFFSET:g} % of the largest reading"
-        return Expected(None, f"{told} (as is usual; DRIFT=gain,offset says another)")
+        text = f"gains by {100 * GAIN:g} %, offsets by {100 * OFFSET:g} % of the largest reading"
+        return Expected(None, f"{text} (as is usual; DRIFT=gain,offset says another)")
     return Expected(
         found, f"gains by {100 * found.gain:g} %, offsets by {found.offset:g} ({source})"
     )
 
 
-def _noise(scene: Scene, given: list[float], repeats: Real | None) -> tuple[Real | None, str]:
-    """Noise of a reading of each sensor as a signal, and where that is said: given, or estimated
-    from repeats, or that of the scene."""
+def _noise(scene: Scene, stated: list[float], repeats: Real | None) -> tuple[Real | None, str]:
+    """The noise of a reading of each sensor as a signal, and a text that says where it comes from.
+
+    It is the noise that is stated, or that estimated from repeats, or that of the scene.
+    """
     factors = np.array([s.factor for s in scene.scales(scene.sensors)])
-    if given:
-        return given[0] / factors, f"{given[0]:g} (NOISE)"
+    if stated:
+        return stated[0] / factors, f"{stated[0]:g} (NOISE)"
     if repeats is not None:
         values = ", ".join(
             f"{n} {one:.2g}" for n, one in zip(scene.sensors, repeats * factors, strict=True)
@@ -144,17 +147,17 @@ def _noise(scene: Scene, given: list[float], repeats: Real | None) -> tuple[Real
     return None, "not known"
 
 
-def propose(scene: Scene, given: list[float], expected: Expected) -> None:
+def propose(scene: Scene, stated: list[float], expected: Expected) -> None:
     """Print the placements that lower the expected error most."""
-    noise, told = _noise(scene, given, None)
+    noise, source = _noise(scene, stated, None)
     would(f"print placements that tell most of the sensors of scene {scene.name}")
     recorded = Sensitivity.of(scene, np.zeros(len(scene.sensors)), expected.drift)
     if noise is not None:
         recorded = replace(recorded, noise=noise)
     found = plan(recorded)
     times, least = (found.times, len(found.placements)) if found else (1, 0)
-    print(f"drift expected: {expected.told}")
-    print(f"noise of a reading: {told}")
+    print(f"drift expected: {expected.text}")
+    print(f"noise of a reading: {source}")
     print("\nplacements, each the one that lowers the error expected over the recording most; root")
     print("mean squares in % that are expected after a correction with it and those above it:")
     nothing = planned(recorded, np.eye(2 * len(scene.sensors)))
@@ -184,7 +187,7 @@ def _cells(values: Real) -> str:
 
 
 def _needed(found: Plan | None) -> str:
-    """How many placements make a gain sure, in a sentence."""
+    """A sentence that says how many placements ensure a gain."""
     drifts = f"{100 * ENOUGH:g} of 100 drifts as they are expected"
     if found is None:
         return (
@@ -199,13 +202,13 @@ def _needed(found: Plan | None) -> str:
 
 
 def recalibrate(
-    scene: Scene, path: Path, target: Path, given: list[float], expected: Expected
+    scene: Scene, path: Path, target: Path, stated: list[float], expected: Expected
 ) -> None:
-    """Fit, tell, and write if it surely helps."""
+    """Fit a correction, print what it gains, and write it if it surely helps."""
     rows = replace(scene, data_paths=(path,), group_by="", where={}).vectors()
     with naming(path):
         placements, place = grouped(rows, numbers_of(path, [*scene.sensors, *scene.outputs]))
-    noise, told = _noise(scene, given, noise_of_repeats(rows, placements, place))
+    noise, source = _noise(scene, stated, noise_of_repeats(rows, placements, place))
     if noise is None:
         raise InputError(
             f"{path}: got {len(rows.codes)} readings of {len(placements)} placements, expected at "
@@ -218,8 +221,8 @@ def recalibrate(
     left, ahead = left_out(recorded, placements, found), outlook(recorded, found)
     refusal = _refusal(recorded, placements, found, left)
     print(f"{len(placements)} placements, {len(rows.codes)} readings of each sensor")
-    print(f"drift expected: {expected.told}")
-    print(f"noise of a reading: {told}")
+    print(f"drift expected: {expected.text}")
+    print(f"noise of a reading: {source}")
     tell_left_out(scene, placements, left)
     tell_outlook(scene, recorded, ahead)
     _warn_unexplained(scene, placements, left)
@@ -250,7 +253,7 @@ def _refusal(
     found: Fit,
     left: LeftOut,
 ) -> str:
-    """Why a correction is not written, and what to do; empty where it surely helps."""
+    """The reason why a correction is not written, and what to do; empty if it surely helps."""
     if helps(recorded, placements, found, left):
         return ""
     if planned(recorded, found.covariance).enough:
@@ -270,7 +273,7 @@ def _refusal(
 
 
 def tell_left_out(scene: Scene, placements: Placements, left: LeftOut) -> None:
-    """Print the errors of each placement, left out."""
+    """Print the errors of each placement when it is left out."""
     print("\nerrors in % of each placement, as it is > with a correction fitted to all others:")
     for number, (before, after) in enumerate(zip(left.before, left.after, strict=True), start=1):
         errors = "".join(

@@ -1,4 +1,4 @@
-"""``make scene``: a scene for recorded readings, and what they show."""
+"""``make scene``: writes a scene for recorded readings, and prints what they show."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from golden.training.scaling import scaled
 def main() -> None:
     parser = argparse.ArgumentParser(prog="make scene", description=__doc__)
     parser.add_argument("csv")
-    parser.add_argument("outputs", help="columns to be told from the others, between commas")
+    parser.add_argument("outputs", help="columns to be computed from the others, comma-separated")
     parser.add_argument("--hardware", help="scene whose board recorded the readings")
-    parser.add_argument("--to", type=Path, help="the scene; beside the CSV and named as it")
+    parser.add_argument("--to", type=Path, help="the scene's file; by default named as the CSV")
     arguments = parser.parse_args()
     if not arguments.csv:
         raise InputError("CSV=: missing, expected a file of readings")
@@ -52,8 +52,8 @@ def main() -> None:
     networks = "one network" if count == 1 else f"{count} networks in {scene.arrangement}"
     print(f"wrote {path}: {networks}, {len(scene.sensors)} sensors")
     print("\n".join(map(str, sensors_tell.findings(scaled(scene)))))
-    given = f"SCENE={shlex.quote(str(path))}"
-    print(f"next: make check {given}, then make train {given} and make vhdl {given}")
+    argument = f"SCENE={shlex.quote(str(path))}"
+    print(f"next: make check {argument}, then make train {argument} and make vhdl {argument}")
 
 
 if __name__ == "__main__":

@@ -41,7 +41,7 @@ from golden.training.task import Task
 
 
 def choose(task: Task, record: Path, workers: int) -> tuple[Result, int]:
-    """The best candidate, and how many were refused; tells of its progress."""
+    """The best candidate, and how many were refused; prints the progress."""
     best: Result | None = None
     refused = 0
     name = ", ".join(task.scene.members[task.number].outputs)
@@ -84,7 +84,7 @@ def main() -> None:
 
 
 def train_scene(scene: Scene, build: Path, workers: int) -> None:
-    """Train all networks of the scene, then write them."""
+    """Train all networks of the scene, and then write them."""
     started = time.monotonic()
     check_targets(scene.weights_paths)
     scene = scaled(scene)
@@ -103,8 +103,8 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
         best, refused = choose(task, records / f"{number}.jsonl", workers)
         total = len(candidates(task))
         stages.add(best.hidden, best.restart)
-        # Another processor, of a cluster or of a search begun elsewhere, rounds otherwise: what is
-        # stated is what these networks do.
+        # The processors of a cluster, or of a machine on which the search began, may round in
+        # another way. Therefore the errors are computed again for these networks.
         errors = (
             errors_of(task, stages.chosen[number], "validation")
             | errors_of(stages.task(stages.tested, number), stages.tested[number], "test")
@@ -143,7 +143,7 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
                 **story(scene.known_scales, stages.files[number]),
             }
         )
-    # All or none: the networks of a cascade belong together.
+    # All files are written or none, because the networks of a cascade belong together.
     save_networks(list(zip(scene.weights_paths, stages.files, stories, strict=True)))
     for member in scene.members:
         print(f"wrote {member.weights_path} and {provenance_path(member.weights_path).name}")
@@ -151,8 +151,10 @@ def train_scene(scene: Scene, build: Path, workers: int) -> None:
 
 
 def digits_story(stages: Stages, number: int) -> dict[str, Any]:
-    """What provenance says of the signed digits of a network: asked for, before, kept, and the
-    errors that it had before."""
+    """The entries of a provenance about the signed digits of a network.
+
+    They are the digits that were requested, those before and after, and the errors before.
+    """
     settings, width = stages.scene.training, stages.scene.precision.coeff_width
     before = stages.full[number]
     digits = [count_digits(mlp, width) for mlp in (before["written"], stages.written[number])]
@@ -174,8 +176,11 @@ def digits_story(stages: Stages, number: int) -> dict[str, Any]:
 
 
 def errors_of(task: Task, mlp: Mlp, part: str) -> dict[str, Any]:
-    """What provenance says of a network on a part of the rows: as recorded and, where the scene
-    names noise or drift, as disturbed, unless it was trained on these very draws."""
+    """The entries of a provenance about a network's errors on a part of the rows.
+
+    The errors are those on rows as recorded and, where the scene declares noise or drift, on
+    disturbed rows, unless the network was trained on these very draws.
+    """
     rows = np.arange(len(task.recorded.codes)) if part == "every" else getattr(task.split, part)
     kinds = {"": task.recorded.take(rows)}
     if part != "every" and not task.scene.training.disturbance.none:

@@ -1,4 +1,4 @@
-"""The sum that an engine adds up, with a multiplier and without one."""
+"""The part that the accumulators of an engine share, with a multiplier or without one."""
 
 from __future__ import annotations
 
@@ -14,12 +14,13 @@ _MOST_WIDTH = 48
 
 @dataclass(frozen=True)
 class Accumulator(Block):
-    """A sum of ``acc_width`` bits.
+    """A block that holds a sum of ``acc_width`` bits.
 
     Parameters
     ----------
     acc_width : int
-        Bits of the sum, 36 or more; sums of a program that was assembled for it do not leave them.
+        Bits of the sum, 36 or more. The sums of a program that was assembled for this width always
+        fit in it.
 
     Raises
     ------
@@ -38,6 +39,6 @@ class Accumulator(Block):
             )
 
     def wrapped(self, total: int) -> int:
-        """A sum in its bits; that of no program leaves them."""
+        """Reduce a sum to ``acc_width`` bits, as the adder does; no assembled program overflows."""
         low = Fix(self.acc_width, 0).low
         return (total - low) % (1 << self.acc_width) + low

@@ -1,4 +1,4 @@
-"""What an engine computes, neuron by neuron in Python's integers, and how far it can be off."""
+"""An engine's results, neuron by neuron in Python's integers, and bounds on their error."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from golden.real import Real
 
 
 def exact(graph: Graph, segment_width: int, frames: Codes) -> Codes:
-    """Output codes of a graph, in integers of any width and without a program.
+    """Output codes of a graph, computed in unlimited integers and without a program.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def _sum(neuron: Neuron, values: list[int], segment_width: int) -> int:
 
 
 def tanh_sum(segment_width: int, q: int) -> int:
-    """The exact sum of tanh's neuron."""
+    """The exact sum of the neuron that computes tanh of q."""
     table = tanh_table(segment_width)
     span = 1 << segment_width
     segment = min((q if q >= 0 else -q - 1) // span, len(table.slopes) - 1)
@@ -71,24 +71,27 @@ def tanh_sum(segment_width: int, q: int) -> int:
 def error_bounds(mlp: Mlp, segment_width: int, sensors: int) -> Real:
     """How far each output of a network can be from real arithmetic that saturates.
 
-    As for a network of two layers (``golden.networks.bounds``), and besides: an earlier output that
-    the network sees is kept with four bits more than leave, so it lies up to half a unit of 2**-13
-    and one of 2**-17 from the code.
+    The bounds are those of a network of two layers (``golden.networks.bounds``) with one addition:
+    the operand memory keeps an earlier output, which a later network reads, with four bits more
+    than leave the engine. So this word lies up to half a unit of 2**-13 and one of 2**-17 from the
+    output's code.
     """
     seen = 2.0 ** -(SIGNAL.frac + 1) + 2.0**-RESULT.frac
-    q_off = _taken(mlp.w1[:, :sensors], HIDDEN, SAMPLE) + _taken(
+    q_off = _weight_rounding(mlp.w1[:, :sensors], HIDDEN, SAMPLE) + _weight_rounding(
         mlp.w1[:, sensors:], HIDDEN, RESULT
     )
-    q_off += _taken(mlp.b1[:, np.newaxis], HIDDEN, ONE) + 2.0 ** -(HIDDEN.frac + 1)
+    q_off += _weight_rounding(mlp.b1[:, np.newaxis], HIDDEN, ONE) + 2.0 ** -(HIDDEN.frac + 1)
     q_off += seen * np.abs(mlp.w1[:, sensors:]).sum(axis=1)
     r_off = q_off + tanh_error(segment_width)
     bounds: Real = np.abs(mlp.w2) @ r_off + 2.0 ** -(SIGNAL.frac + 1)
-    bounds += _taken(mlp.w2, RESULT, RESULT) + _taken(mlp.b2[:, np.newaxis], RESULT, ONE)
+    bounds += _weight_rounding(mlp.w2, RESULT, RESULT) + _weight_rounding(
+        mlp.b2[:, np.newaxis], RESULT, ONE
+    )
     return bounds
 
 
-def _taken(weights: Real, result: Fix, operand: Fix) -> Real:
-    """What rounding takes from the weights of each neuron: half a unit each at most."""
+def _weight_rounding(weights: Real, result: Fix, operand: Fix) -> Real:
+    """The error that rounded weights cause in each neuron: at most half a unit per weight."""
     half = 2.0 ** -(coeff_frac(result, operand) + 1)
     return np.full(len(weights), half * weights.shape[1])
 
@@ -102,7 +105,7 @@ def tanh_error(segment_width: int) -> float:
 
 
 def tanh_codes(table: TanhTable, q: Codes) -> Codes:
-    """What an engine with the table computes of codes of q, Fix(18,17)."""
+    """The codes of tanh that an engine with this table computes for codes of q, Fix(18,17)."""
     segment = TableAddress(table.width, len(table.slopes)).process(q)
     select = OperandSelect(table.width)
     sums = np.array(table.intercepts)[segment] * select.process(q, np.full(len(q), Kind.INTERCEPT))

@@ -1,4 +1,4 @@
-"""Fields of a program's word: lowest bit, and bits."""
+"""The fields of a program's word. A field is a pair: its lowest bit and its number of bits."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ Bits = TypeVar("Bits", int, Codes)
 
 
 def put(words: list[int], place: int, field: tuple[int, int], value: int) -> None:
-    """Write a field of one of the words, which holds 0 there."""
+    """Write a field of one of the words, where the field must hold 0 before."""
     low, bits = field
     words[place] |= (int(value) & ((1 << bits) - 1)) << low
 
@@ -23,5 +23,5 @@ def get(word: int, field: tuple[int, int]) -> int:
 
 
 def signed_code(bits: Bits) -> Bits:
-    """The code of a word's width that bits stand for; of an array, each."""
+    """Read bits of a word's width as a signed code; from an array, each element."""
     return bits - ((bits >> (WIDTH - 1)) << WIDTH)

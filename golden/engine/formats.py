@@ -1,25 +1,26 @@
-"""The formats of the engine: the same for every scene, so that its hardware is."""
+"""The formats of the engine. They are the same for every scene, so the hardware is too."""
 
 from __future__ import annotations
 
 from golden.fixed import Fix
 from golden.precision import EXACT, SIGNAL
 
-# What one multiplier of 18 bits takes; a weight's binary point follows from those of its operand
-# and of the sum that it belongs to.
+# The width of both inputs of one multiplier. The binary point of a weight follows from those of its
+# operand and of the sum that it belongs to.
 WIDTH = 18
 PRODUCT_WIDTH = 2 * WIDTH
-# A sample in the operand memory: moved to the left, so that weights of layer 1 reach 32.
+# A sample is shifted left in the operand memory, so that weights of layer 1 reach 32.
 SAMPLE = Fix(WIDTH, 16)
 SAMPLE_SHIFT = SAMPLE.frac - SIGNAL.frac
-# A hidden sum q, the input of tanh.
+# The format of a hidden sum q, which is the input of tanh.
 HIDDEN = EXACT.hidden_fmt
-# tanh and an output in the operand memory; an output leaves without its lowest bits.
+# The format of tanh and of an output in the operand memory. An output leaves the engine without its
+# lowest bits.
 RESULT = Fix(WIDTH, 17)
 OUTPUT_SHIFT = RESULT.frac - SIGNAL.frac
-# Fraction bits that every sum drops when it becomes a word.
+# The number of fraction bits that are dropped when a sum becomes a word.
 DROPPED = 14
-# The operand of a bias: the number one.
+# The format of the number one, which is the operand of a bias.
 ONE = Fix(WIDTH, DROPPED)
 
 

@@ -1,4 +1,4 @@
-"""frame_guard: takes the samples of good frames, as frame_check, while a good image is there."""
+"""frame_guard: like frame_check, but takes frames only while a good image is loaded."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 @dataclass(frozen=True)
 class Guarded:
-    """What stands on the outputs in each clock, and which samples complete a good frame.
+    """The outputs in each clock, and which samples complete a good frame.
 
     Attributes
     ----------
     start, run, busy, write, frame_error : bool array
     write_addr : int64 array
     done : bool array
-        The sample of this clock completes a frame that is computed.
+        The sample of this clock completes a frame that the engine then computes.
     """
 
     start: NDArray[np.bool_]
@@ -50,7 +50,7 @@ class FrameGuard(Block):
     first sample comes while the frame before is computed, and when any clock from its first sample
     to its last falls on ``halt``. A wrong frame raises one error; everything from the clock that
     breaks it up to and including its ``last`` is dropped. ``halt`` never comes while a frame is
-    computed: ``image_loader`` takes no byte then.
+    computed, because ``image_loader`` takes no byte then.
     """
 
     block = "frame_guard"
@@ -91,7 +91,7 @@ class FrameGuard(Block):
         finish: ArrayLike,
         reset: ArrayLike,
     ) -> Guarded:
-        """What stands on the outputs in each clock, from a reset on."""
+        """The outputs in each clock, from a reset on."""
         columns = [
             np.asarray(c).tolist()
             for c in (in_valid, in_last, halt, before_last, store, finish, reset)
@@ -100,22 +100,22 @@ class FrameGuard(Block):
         start, run, busy, write, error, done = (np.zeros(count, dtype=bool) for _ in range(6))
         write_addr = np.zeros(count, dtype=np.int64)
         addr, running, begins = span - 1, False, -1
-        inside = dropping = wrote = told = False
+        inside = dropping = wrote = raised = False
         for t, (valid, last, halts, before, stores, ends, clears) in enumerate(
             zip(*columns, strict=True)
         ):
             running = running or t == begins
             run[t], busy[t] = running, running or begins > t
-            write[t], write_addr[t], error[t] = wrote, addr, told
+            write[t], write_addr[t], error[t] = wrote, addr, raised
             accept = valid and not (busy[t] or halts or dropping)
             refused = not dropping and ((valid and busy[t]) or (halts and (valid or inside)))
             complete = addr == before
             broken = accept and complete != last
             done[t] = accept and complete and last and not clears
             wrote = accept or stores
-            told = refused or broken
+            raised = refused or broken
             if valid:
-                dropping = not last and (dropping or told)
+                dropping = not last and (dropping or raised)
                 inside = not last
             elif refused:
                 dropping = True
@@ -130,5 +130,5 @@ class FrameGuard(Block):
             start[t] = begins == t + 1
             if clears:
                 addr, running, begins = span - 1, False, -1
-                inside = dropping = wrote = told = False
+                inside = dropping = wrote = raised = False
         return Guarded(start, run, busy, write, write_addr, error, done)

@@ -1,4 +1,4 @@
-"""The neurons of a scene, as sums that become words: layers, biases and tanh alike."""
+"""The neurons of a scene: sums of products that become words. tanh is such a neuron too."""
 
 from __future__ import annotations
 
@@ -26,14 +26,15 @@ _MOST = (1 << (WIDTH - 1)) - 1
 
 
 class Kind(IntEnum):
-    """What the multiplier's operand is made of the word that was read."""
+    """How the multiplier's operand is made from the word that was read."""
 
+    # The word itself.
     WORD = 0
-    # The number one with the word's sign.
+    # The number one with the sign of the word.
     INTERCEPT = 1
-    # Its low bits, as a distance from the middle of the segment.
+    # The low bits of the word, as a distance from the middle of the segment.
     DISTANCE = 2
-    # The number one; the word does not matter.
+    # The number one, whatever the word is.
     ONE = 3
 
 
@@ -45,9 +46,10 @@ class Term:
     ----------
     kind : Kind
     source : int
-        The value that is read: a sample, or ``inputs`` + the number of a neuron; -1 for none.
+        Number of the value that is read: a sample, or ``inputs`` + the number of a neuron; -1 for
+        none.
     weight : int
-        Code of 18 bits; 0 where the table gives it.
+        Code of 18 bits; 0 where the coefficient comes from the table of tanh.
     """
 
     kind: Kind
@@ -57,17 +59,17 @@ class Term:
 
 @dataclass(frozen=True)
 class Neuron:
-    """A sum of products that is rounded, saturated and kept.
+    """A sum of products that is rounded, saturated and stored.
 
     Parameters
     ----------
     name : str
-        For the listing.
+        How the listing calls it.
     result : Fix
-        Format of the word that it becomes.
+        Format of the word that the sum becomes.
     terms : tuple of Term
     output : bool
-        An output of the scene: rounded to the signal's format.
+        Whether it is an output of the scene, which is rounded to the signal's format.
     """
 
     name: str
@@ -77,7 +79,7 @@ class Neuron:
 
     @property
     def start(self) -> int:
-        """What the sum starts with: half a unit of its result, or of the output."""
+        """The value at which the sum starts: half a unit of the result, or of an output."""
         return 1 << (DROPPED - 1 + (OUTPUT_SHIFT if self.output else 0))
 
 
@@ -110,7 +112,7 @@ class Graph:
         return SAMPLE if source < self.inputs else self.neurons[source - self.inputs].result
 
     def largest(self, term: Term, table: TanhTable) -> int:
-        """The largest magnitude of a product."""
+        """The largest magnitude that the product of a term can have."""
         if term.kind is Kind.INTERCEPT:
             return max(table.intercepts) << DROPPED
         if term.kind is Kind.DISTANCE:
@@ -126,7 +128,7 @@ class Graph:
         return neuron.start + sum(self.largest(term, table) for term in neuron.terms)
 
     def reach(self, table: TanhTable) -> int:
-        """The largest magnitude code of q that any hidden sum can be."""
+        """The largest magnitude that the code of q can have in any hidden neuron."""
         sums = [n for n in self.neurons if n.result == HIDDEN]
         bounds = [self.bound(neuron, table) >> DROPPED for neuron in sums]
         return min(max(bounds), -HIDDEN.low)
@@ -141,14 +143,15 @@ def graph_of(arrangement: str, mlps: Sequence[Mlp], lean: bool = True) -> Graph:
         "single", "multiple" or "cascade".
     mlps : sequence of Mlp
     lean : bool
-        Leave out terms whose weight is zero, and hidden nodes that no output uses. Results are the
-        same either way.
+        Whether to leave out terms whose weight is zero, and hidden nodes that no output uses. The
+        results are the same either way.
 
     Notes
     -----
-    A weight that 18 bits do not hold becomes several terms. A later network of a cascade sees an
-    output as its word holds it, with half a unit of the output's last place added; its biases take
-    that away again.
+    A weight that does not fit in 18 bits becomes several terms. A later network of a cascade reads
+    an output as its word holds it, before the lowest bits are dropped. Half a unit of the output's
+    last place has been added to this word for rounding; the biases of the later network subtract it
+    again.
     """
     samples = mlps[0].shape[0]
     neurons: list[Neuron] = []
@@ -167,7 +170,8 @@ def graph_of(arrangement: str, mlps: Sequence[Mlp], lean: bool = True) -> Graph:
                 (source, _code(w, HIDDEN, SAMPLE if source < samples else RESULT))
                 for source, w in zip(seen, mlp.w1[j].tolist(), strict=True)
             ]
-            # Half a unit of the output's last place times each weight of an earlier output.
+            # Half a unit of the output's last place, times the sum of the weights of earlier
+            # outputs.
             moved = sum(code for source, code in weights if source >= samples)
             half = Fraction(1, 1 << (SIGNAL.frac + 1 + coeff_frac(HIDDEN, RESULT)))
             bias = _code(Fraction(mlp.b1[j]) - moved * half, HIDDEN, ONE)
@@ -191,7 +195,7 @@ def graph_of(arrangement: str, mlps: Sequence[Mlp], lean: bool = True) -> Graph:
 
 
 def _code(value: float | Fraction, result: Fix, operand: Fix) -> int:
-    """The nearest code of a weight, halves up; of any width."""
+    """The nearest code of a weight, with halves rounded up. The code may have any width."""
     scaled = Fraction(value) * (1 << coeff_frac(result, operand))
     return int((2 * scaled + 1) // 2)
 
@@ -205,7 +209,7 @@ def _terms(bias: int, weights: Sequence[tuple[int, int]], lean: bool) -> tuple[T
 
 
 def _parts(code: int) -> Iterator[int]:
-    """A code as a sum of codes of 18 bits."""
+    """Split a code into codes of 18 bits whose sum it is."""
     count = max(1, -(-abs(code) // _MOST))
     for k in range(count):
         yield code * (k + 1) // count - code * k // count

@@ -1,4 +1,4 @@
-"""The image of a scene: what an engine that can be reloaded needs to run it."""
+"""The image of a scene: the bytes that make a reloadable engine run it."""
 
 from __future__ import annotations
 
@@ -10,27 +10,28 @@ from golden.engine.program import WORD_WIDTH, Program
 from golden.engine.tanh_table import tanh_table
 from golden.input_error import InputError
 
-# Bits of the sum in an engine that can be reloaded: room for 31 products that are as large as a
-# product can be, so for many more of a trained network. An image whose sums need more is refused.
+# Bits of the sum in a reloadable engine. They hold 31 products of the largest magnitude, and many
+# more products of a trained network, which are smaller. An image whose sums need more bits is
+# refused.
 ACC_WIDTH = 40
-# The fields of the header: lowest bit, and most bits.
+# The fields of the header: the lowest bit of each, and the most bits that it can have.
 LAST_ADDR = (0, 18)
 BEFORE_LAST = (18, 10)
 WORD_BYTES = -(-WORD_WIDTH // 8)
 CHECK_BYTES = 2
-# What the check starts with, before the bytes that say for which hardware an image is.
+# The value of the check before the bytes that say for which hardware an image is made.
 CHECK_PRESET = 0xFFFF
 VERSION = 1
 
 
 @dataclass(frozen=True)
 class Sizes:
-    """What the hardware of an engine that can be reloaded depends on.
+    """The sizes on which the hardware of a reloadable engine depends.
 
     Parameters
     ----------
     program_words, operand_words : int
-        Words of its memories, powers of two.
+        Words of its memories; each a power of two.
     segment_width : int
         Bits of q within a segment of the table of tanh; every image holds the whole table.
     pipeline : Pipeline
@@ -38,7 +39,7 @@ class Sizes:
     Raises
     ------
     InputError
-        For a number of words that is no power of two, or that an address does not reach.
+        For a number of words that is no power of two, or more than an address reaches.
     """
 
     program_words: int = 512
@@ -64,15 +65,15 @@ class Sizes:
 
     @property
     def segments(self) -> int:
-        """Words of the table, behind which the program begins."""
+        """Words of the table of tanh. The program begins behind them."""
         return len(tanh_table(self.segment_width).slopes)
 
     @property
     def check_start(self) -> int:
-        """What the check is before the first byte: that of bytes that are not sent.
+        """The value of the check before the first byte of an image.
 
-        They are the version of the format and what the hardware depends on, so an image for other
-        hardware fails its check.
+        It covers bytes that are not sent: the version of the format, and the sizes on which the
+        hardware depends. So an image for other hardware fails its check.
         """
         hardware = [
             VERSION,
@@ -97,12 +98,12 @@ class Image:
     Parameters
     ----------
     sizes : Sizes
-        Of the hardware that it is for.
+        Sizes of the hardware for which it is made.
     inputs : int
     words : tuple of int
-        Table and program, from address 0 on.
+        Words of the table and of the program, from address 0 on.
     notes : tuple of str
-        What each of them stands for, where that is known.
+        What each word stands for, where that is known.
     """
 
     sizes: Sizes
@@ -112,7 +113,7 @@ class Image:
 
     @property
     def program(self) -> Program:
-        """What the hardware executes once the image is loaded."""
+        """The program that the hardware executes once the image is loaded."""
         return Program(
             self.inputs,
             self.sizes.segment_width,
@@ -128,12 +129,12 @@ class Image:
         return self.words + (0,) * (self.sizes.program_words - len(self.words))
 
     def to_bytes(self) -> bytes:
-        """As it is sent: a header, the words from the last one to the first, and the check.
+        """The bytes that are sent: a header, the words from the last to the first, and the check.
 
         Notes
         -----
-        The words come in that order because then one counter is address and length, and no other
-        length needs to be kept.
+        The words come in this order because one counter can then be both the address and the number
+        of words that are still to come, and no further length needs to be stored.
         """
         before_last = (self.inputs - 2) % self.sizes.operand_words
         header = ((len(self.words) - 1) << LAST_ADDR[0]) | (before_last << BEFORE_LAST[0])
@@ -149,17 +150,18 @@ def image_of(program: Program, sum_bits: int, sizes: Sizes) -> Image:
     Parameters
     ----------
     program : Program
-        With the whole table.
+        It must hold the whole table of tanh.
     sum_bits : int
-        Bits that its sums need.
+        Bits that the program's sums need.
     sizes : Sizes
 
     Raises
     ------
     InputError
-        When it does not fit; the message names what is needed and what there is.
+        When the program does not fit. The message names what is needed and what there is.
     """
-    # More words are read while the counter returns, without effect; here they are defined too.
+    # The counter reads a few words more until it has returned. They have no effect; here they
+    # become zeros so that they are defined too.
     more = 1 + sizes.pipeline.memory_registers
     words = (*program.table, *program.words, *(0 for _ in range(more)))
     needed = (

@@ -1,4 +1,4 @@
-"""image_loader: a stream of bytes becomes the words of the program memory."""
+"""image_loader: turns a stream of bytes into the words of the program memory."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 @dataclass(frozen=True)
 class Loading:
-    """What the loader does in each clock, and the images that it finds good.
+    """The outputs of the loader in each clock, and the images that it accepts.
 
     Attributes
     ----------
     halt, image_error, write : bool array
         The ports of these names.
     write_addr, word : int64 array
-        The ports of these names in a clock of ``write``, 0 in others.
+        The ports of these names in clocks in which ``write`` is high; 0 in the others.
     good : list of (int, int, list of int)
-        For each image that passes its check the clock of its last byte, what its header says of
-        the samples of a frame, and its words.
+        For each image that passes its check: the clock of its last byte, the header's field
+        ``before_last`` (samples of a frame minus 2), and the words.
     before : int64 array
-        Bytes of the image that were taken before.
+        How many bytes of the image were accepted before this clock.
     """
 
     halt: NDArray[np.bool_]
@@ -44,22 +44,23 @@ class Loading:
 
 @dataclass(frozen=True)
 class ImageLoader(Block):
-    """Writes the words of an image, checks it, and stops the engine until a good one is there.
+    """Writes the words of an image, checks it, and halts the engine until an image is good.
 
     Parameters
     ----------
     program_addr_width, operand_addr_width : int
         Bits of the addresses of the memories.
     check_start : int
-        What the check is before the first byte, 16 bits.
+        Value of the check before the first byte, 16 bits.
 
     Notes
     -----
-    An image is good if its header names no more words than the memory has, if just these words and
-    the check come, and if the check is right. Behind any other header nothing is written.
+    An image is good if its header announces no more words than the memory has, if exactly these
+    words and the check follow, and if the check is right. When the header announces too many words,
+    nothing is written.
 
-    The check is CRC-16 with the polynomial x^16 + x^12 + x^5 + 1, the highest bit of a byte first,
-    nothing inverted or reflected: Python's ``binascii.crc_hqx``.
+    The check is CRC-16 with the polynomial x^16 + x^12 + x^5 + 1. It takes the highest bit of a
+    byte first, and inverts and reflects nothing, like Python's ``binascii.crc_hqx``.
     """
 
     block = "image_loader"
@@ -115,9 +116,9 @@ class ImageLoader(Block):
         busy: ArrayLike,
         reset: ArrayLike,
     ) -> Loading:
-        """What happens in each clock; all arrays have one element a clock.
+        """The outputs in each clock; all arrays have one element for each clock.
 
-        Bytes are gathered until ``load_last``; only then it is asked what they are.
+        The bytes of an image are gathered until ``load_last``, and are interpreted only then.
         """
         columns = [np.asarray(c).tolist() for c in (load_valid, load_data, load_last, busy, reset)]
         count = len(columns[0])
@@ -127,9 +128,9 @@ class ImageLoader(Block):
         received, whole, failed = bytearray(), False, False
         for t, (valid, data, last, waits, clears) in enumerate(zip(*columns, strict=True)):
             error[t], before[t] = failed, len(received)
-            taken_now = valid and not waits
-            halt[t] = taken_now or not whole
-            if taken_now:
+            accepted = valid and not waits
+            halt[t] = accepted or not whole
+            if accepted:
                 received.append(data)
                 place = self._place(received)
                 if place is not None:
@@ -148,9 +149,9 @@ class ImageLoader(Block):
         return Loading(halt, error, write, write_addr, word, good, before)
 
     def judge(self, received: bytes) -> tuple[int, list[int]] | None:
-        """What the header says of the samples, and the words; None for an image that is not good.
+        """The header's ``before_last`` and the words of an image; None if the image is not good.
 
-        The words are in the order of their addresses.
+        The words are in ascending order of their addresses.
         """
         if len(received) < WORD_BYTES:
             return None
@@ -172,7 +173,7 @@ class ImageLoader(Block):
         return words <= 1 << self.program_addr_width
 
     def _place(self, received: bytearray) -> int | None:
-        """The address of the word that is complete now, if one is."""
+        """The address of the word that the last byte completes; None if it completes none."""
         number, rest = divmod(len(received), WORD_BYTES)
         if rest or number < 2:
             return None

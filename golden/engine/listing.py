@@ -1,4 +1,4 @@
-"""A program as a person reads it."""
+"""A program as a text for a person to read."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _COLUMNS = ("step", "word", "neuron", "operand", "address", "weight", "then")
 
 
 def operand_text(graph: Graph, step: Step) -> str:
-    """What a step reads."""
+    """The text for the operand that a step reads."""
     term = step.term
     if step.neuron < 0:
         return "wait"
@@ -30,7 +30,7 @@ def operand_text(graph: Graph, step: Step) -> str:
 
 
 def weight_text(graph: Graph, step: Step) -> str:
-    """Its weight as a number."""
+    """The weight of a step as a decimal number."""
     term = step.term
     if step.neuron < 0:
         return ""
@@ -42,7 +42,7 @@ def weight_text(graph: Graph, step: Step) -> str:
 
 
 def text_of(graph: Graph, step: Step) -> str:
-    """One step in one line."""
+    """The text for one step, in one line."""
     if step.neuron < 0:
         return "wait"
     name = graph.neurons[step.neuron].name
@@ -52,10 +52,10 @@ def text_of(graph: Graph, step: Step) -> str:
 
 
 def listing(graph: Graph, program: Program) -> list[str]:
-    """The program, a line for every step.
+    """The program as text, with a line for every step.
 
-    ``word`` is the address in the program memory from which a step's fields stand, ``address`` that
-    of the operand in the operand memory.
+    The column ``word`` is the address in the program memory at which the fields of a step begin;
+    ``address`` is that of the operand in the operand memory.
     """
     rows: list[Sequence[str]] = [_COLUMNS]
     kept = graph.inputs

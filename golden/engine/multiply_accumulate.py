@@ -1,4 +1,4 @@
-"""multiply_accumulate: one product a clock, added up."""
+"""multiply_accumulate: adds up products, one in each clock."""
 
 from __future__ import annotations
 
@@ -21,8 +21,9 @@ class MultiplyAccumulate(Accumulator):
 
     Notes
     -----
-    The coefficient is the OR of the program's weight and of a word of the table; one of them is 0.
-    Products and sums are exact. The half unit with which a sum starts rounds its result half up.
+    The coefficient is the bitwise OR of the program's weight and of a word of the table, one of
+    which is 0. Products and sums are exact. A sum starts with half a unit of its result, so that
+    dropping bits rounds the result half up.
     """
 
     block = "multiply_accumulate"
@@ -57,10 +58,10 @@ class MultiplyAccumulate(Accumulator):
         first: ArrayLike,
         first_of_output: ArrayLike,
     ) -> Codes:
-        """The sum after each product, the first of which starts one.
+        """The sum after each product. The first product starts a sum.
 
-        ``first`` and ``first_of_output`` are those of the product. A sum that leaves its bits, as
-        that of no program does, wraps.
+        ``first`` and ``first_of_output`` belong to the product of the same index. A sum that does
+        not fit in its bits wraps; the sums of an assembled program always fit.
         """
         table = np.asarray(table_word, dtype=np.int64)
         mask = (1 << WIDTH) - 1

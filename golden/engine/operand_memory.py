@@ -1,4 +1,4 @@
-"""operand_memory: samples, hidden sums, tanh and outputs of one frame."""
+"""operand_memory: holds the samples, hidden sums, values of tanh and outputs of one frame."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ WORD = Fix(WIDTH, 0)
 
 @dataclass(frozen=True)
 class OperandMemory(Block):
-    """Words of 18 bits, one written and one read a clock.
+    """Words of 18 bits; in each clock one is written and one is read.
 
     Parameters
     ----------
     addr_width : int
     registers : int
-        Registers behind the memory.
+        Number of registers behind the memory.
 
     Notes
     -----
-    A word that is read in the clock in which it is written is the one before. What was never
+    A word that is read in the clock in which it is written has its old value. A word that was never
     written is undefined.
     """
 
@@ -59,7 +59,7 @@ class OperandMemory(Block):
     def process(
         self, write: ArrayLike, write_addr: ArrayLike, data: ArrayLike, read_addr: ArrayLike
     ) -> Codes:
-        """What is read in each clock; words that were never written are 0."""
+        """The word that is read in each clock; words that were never written are 0 here."""
         memory = np.zeros(1 << self.addr_width, dtype=np.int64)
         columns = [np.asarray(c).tolist() for c in (write, write_addr, data, read_addr)]
         found = []

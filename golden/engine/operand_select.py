@@ -1,4 +1,4 @@
-"""operand_select: the multiplier's operand, made of the word that was read."""
+"""operand_select: makes the multiplier's operand from the word that was read."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from golden.port import CLOCK, Port, Unsigned, given, taken
 
 @dataclass(frozen=True)
 class OperandSelect(Block):
-    """The word, the number one with its sign, its distance from a segment's middle, or one.
+    """Passes one of four: the word, one with the word's sign, the word's distance, or one.
 
     Parameters
     ----------
     segment_width : int
-        Bits of q within a segment.
+        Bits of q within a segment. The distance is that of q from the middle of its segment.
     registers : int
-        Registers beyond the first, for a table that answers later.
+        Registers beyond the first, for a table whose word comes later.
     """
 
     block = "operand_select"

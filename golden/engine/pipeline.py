@@ -1,4 +1,4 @@
-"""In which clock each field of a step is used: the registers between the engine's memories."""
+"""The clock in which each field of a step is used, given the registers between memories."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from dataclasses import dataclass
 class Pipeline:
     """Clocks of a step, counted from the clock in which the address of its operand is valid.
 
-    A field that is used k clocks later is stored k words later in the program, so control needs no
-    registers of its own.
+    A field that is used k clocks later is stored k words later in the program, so the control path
+    needs no registers of its own.
 
     Parameters
     ----------
     memory_registers : int
-        Registers behind each memory, 0 or 1: for faster clocks.
+        Registers behind each memory, 0 or 1; with 1 the engine reaches a faster clock.
     """
 
     memory_registers: int = 0
@@ -29,7 +29,7 @@ class Pipeline:
     def table(self) -> int:
         """Clocks from the address of a segment to the word of the table.
 
-        With registers there is one clock more, because a further register can clear the word.
+        With registers there is one clock more, because an additional register can clear the word.
         """
         return 1 + 2 * self.memory_registers
 
@@ -40,17 +40,17 @@ class Pipeline:
 
     @property
     def start(self) -> int:
-        """One clock before the product is valid: the flag has a register before the adder."""
+        """One clock before the product is valid, because the flag passes a register first."""
         return self.weight + 2
 
     @property
     def done(self) -> int:
-        """The sum is valid, four registers after weight and operand."""
+        """The clock in which the sum is valid, four registers after weight and operand."""
         return self.weight + 4
 
     @property
     def mark(self) -> int:
-        """One clock before `done`: the flags that say what the sum becomes have registers."""
+        """One clock before `done`, because the flags for the finished sum pass a register first."""
         return self.done - 1
 
     @property
@@ -67,7 +67,7 @@ class Pipeline:
     def run(self) -> int:
         """Clocks from the last sample until the program runs.
 
-        Words that a reset left in the pipeline have passed by then.
+        By then the words that a reset left in the pipeline have passed.
         """
         return 1 + self.memory_registers
 
@@ -75,21 +75,21 @@ class Pipeline:
     def begin(self) -> int:
         """Clocks from the last sample until the first step of its frame.
 
-        The word of that step has been read before; the second one comes when the counter first
-        steps.
+        The word of that step has been read before; the second word comes when the counter makes its
+        first step.
         """
         return self.run + self.memory_registers
 
     @property
     def sample_ready(self) -> int:
-        """First step that can read the last sample, which is written two clocks after it comes."""
+        """First step that can read the last sample, written two clocks after it comes."""
         return max(0, 2 - self.begin)
 
     @property
     def padding(self) -> int:
-        """Words without effect that follow the last one in the memory of a program.
+        """Words without effect that follow the last word in the memory of a program.
 
-        One more word is read until the program stops; it has no effect, whatever its contents.
+        One more word is read until the program stops; it has no effect, whatever it contains.
         """
         return 2 + self.memory_registers
 
@@ -101,13 +101,13 @@ class Pipeline:
 
 @dataclass(frozen=True)
 class SerialPipeline(Pipeline):
-    """The same without a multiplier: a register stands between a coefficient and the sum.
+    """The pipeline without a multiplier: one register stands between coefficient and sum.
 
-    A neuron's words are read more than once, so all fields of a step stand in one word, and
-    registers carry them to the clock of their use.
+    A neuron's words are read more than once. Therefore all fields of a step stand in one word, and
+    registers delay each field to the clock of its use.
     """
 
     @property
     def done(self) -> int:
-        """The sum is valid, after the register of the coefficient and its own."""
+        """The sum is valid after the register of the coefficient and its own register."""
         return self.weight + 2

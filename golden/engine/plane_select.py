@@ -1,4 +1,4 @@
-"""plane_select: the bit of an operand that a pass is about, and what it does to the sum."""
+"""plane_select: picks the bit of an operand for a pass, and what it does to the sum."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from golden.port import CLOCK, Port, Unsigned, given, taken
 
 @dataclass(frozen=True)
 class PlaneSelect(Block):
-    """Whether a coefficient is added, subtracted or neither.
+    """Decides whether a coefficient is added, subtracted or neither.
 
     Parameters
     ----------
@@ -27,8 +27,8 @@ class PlaneSelect(Block):
 
     Notes
     -----
-    The number one, with either sign, is only read in its own plane, so its bit is always there.
-    Where nothing is added ``subtract`` does not matter.
+    The number one, with either sign, is read only in its own plane, so its bit is always set there.
+    Where nothing is added, ``subtract`` has no effect.
     """
 
     block = "plane_select"
@@ -58,10 +58,10 @@ class PlaneSelect(Block):
     def process(
         self, word: ArrayLike, plane: ArrayLike, kind: ArrayLike
     ) -> tuple[Codes, Codes, Codes]:
-        """``take_weight``, ``look_up`` and ``subtract`` of each word, with ``plane`` one bit."""
+        """``take_weight``, ``look_up`` and ``subtract`` of each word; ``plane`` has one bit set."""
         words, kinds = WORD.check(word, f"{self.entity} word"), np.asarray(kind)
         planes = np.asarray(plane, dtype=np.int64)
-        # The highest bit of a distance inverted is its sign.
+        # The highest bit of the distance, inverted, is its sign.
         middle = 1 << (self.segment_width - 1)
         within = 2 * middle - 1
         bit = words & planes & ((1 << WIDTH) - 1) != 0

@@ -1,4 +1,4 @@
-"""The program of an engine: words of 36 bits, and what executing them computes."""
+"""The program of an engine: words of 36 bits, and a function that executes them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ from golden.fixed import Codes
 from golden.input_error import InputError
 
 WORD_WIDTH = 36
-# The fields of a word: lowest bit, and bits. A word of the table has a slope and an intercept.
+# The fields of a word: lowest bit, and number of bits. A word of the table holds a slope and an
+# intercept.
 WEIGHT = (0, WIDTH)
 SOURCE = (18, 10)
 KIND = (28, 2)
@@ -38,7 +39,7 @@ _HALF = 1 << (DROPPED - 1)
 
 @dataclass(frozen=True)
 class Instruction:
-    """One step, its fields gathered from the words in which they stand."""
+    """One step, with its fields gathered from the words that hold them."""
 
     weight: int
     source: int
@@ -62,13 +63,13 @@ class Program:
     segment_width : int
         Bits of q within a segment of the table of tanh.
     table : tuple of int
-        Its words, one per segment; the last holds for every segment beyond.
+        Words of the table, one per segment; the last one also serves every segment beyond.
     words : tuple of int
-        The words of the steps, which follow the table.
+        Words of the steps, which follow the table.
     pipeline : Pipeline
-        For which hardware the fields are spread over the words.
+        The pipeline for which the fields are spread over the words.
     notes : tuple of str
-        What each word of table and steps stands for.
+        What each word of the table and of the steps stands for.
     """
 
     inputs: int
@@ -103,7 +104,7 @@ class Program:
 
     @property
     def output_steps(self) -> list[int]:
-        """The steps whose results leave."""
+        """The steps whose results leave the engine."""
         return [n for n, step in enumerate(self.instructions) if step.output]
 
     @cached_property
@@ -118,26 +119,26 @@ class Program:
 
     @property
     def segments(self) -> int:
-        """Segments of the table."""
+        """The number of segments in the table."""
         return len(self.slopes)
 
     def scheduled(self, graph: Graph) -> list[Step]:
-        """The steps of the graph that it was assembled from."""
+        """The steps of the graph from which the program was assembled."""
         return schedule(graph, self.pipeline)
 
     def clock(self, step: int) -> int:
-        """The clock, from a frame's last sample on, in which a step's result is there."""
+        """The clock in which a step's result is valid, counted from a frame's last sample."""
         return self.pipeline.begin + step + self.pipeline.result
 
     @property
     def addresses(self) -> int:
-        """Words of the operand memory that are used."""
+        """The number of words of the operand memory that the program uses."""
         return self.inputs + sum(step.store for step in self.instructions)
 
     def execute(self, samples: Codes) -> Codes:
-        """Output codes, shape (frames, outputs), of sample codes, shape (frames, inputs).
+        """Compute output codes, shape (frames, outputs), from sample codes, shape (frames, inputs).
 
-        Step by step as the hardware does it; only the sum is wider.
+        The steps are those of the hardware; only the sum has more bits here.
         """
         memory = [np.ascontiguousarray(samples[:, k]) << SAMPLE_SHIFT for k in range(self.inputs)]
         intercepts, slopes = self.intercepts, self.slopes
@@ -159,7 +160,7 @@ class Program:
                     segments = step.source, negative, segment
                 coeffs = intercepts if step.take_intercept else slopes
                 if step.kind == Kind.INTERCEPT:
-                    # The number one with the word's sign.
+                    # This operand is the number one with the sign of the word.
                     product = coeffs[segments[2]] * ((segments[1] | 1) << DROPPED)
                 else:
                     product = coeffs[segments[2]] * ((word & (distances - 1)) - distances // 2)
@@ -184,7 +185,7 @@ def assemble(graph: Graph, table: TanhTable, segments: int, pipeline: Pipeline) 
     graph : Graph
     table : TanhTable
     segments : int
-        Words of the table that are kept.
+        Number of the table's words that the program holds.
     pipeline : Pipeline
 
     Raises
@@ -233,14 +234,14 @@ def check_values(graph: Graph) -> None:
 
 
 def table_words(table: TanhTable, segments: int) -> tuple[int, ...]:
-    """The first words of the table."""
+    """The words of the first segments of the table."""
     pairs = zip(table.intercepts[:segments], table.slopes[:segments], strict=True)
     mask = (1 << WIDTH) - 1
     return tuple((intercept << WIDTH) | (slope & mask) for intercept, slope in pairs)
 
 
 def table_notes(table: TanhTable, segments: int) -> list[str]:
-    """What the first words of the table stand for."""
+    """What the words of the first segments stand for."""
     intercepts = RESULT.texts(table.intercepts[:segments])
     slopes = RESULT.texts(table.slopes[:segments])
     return [f"tanh {i}, slope {s}" for i, s in zip(intercepts, slopes, strict=True)]

@@ -1,4 +1,4 @@
-"""program_memory: the words of program and table, and the counter that steps through them."""
+"""program_memory: holds the words of program and table, and the counter that reads them."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from golden.port import Port, Unsigned, given, taken
 
 @dataclass(frozen=True)
 class ProgramMemory(ProgramWords, Stepped):
-    """Words of 36 bits, read twice a clock: by a counter, and by the segment of a hidden sum.
+    """Words of 36 bits, two read in each clock: at a counter, and at a hidden sum's segment.
 
     Parameters
     ----------
     table, words, notes, segment_addr_width
         See ``ProgramWords``.
     registers : int
-        Registers behind the memory.
+        Number of registers behind the memory.
     """
 
     block = "program_memory"
@@ -42,7 +42,7 @@ class ProgramMemory(ProgramWords, Stepped):
     def process(
         self, start: ArrayLike, run: ArrayLike, finish: ArrayLike, reset: ArrayLike
     ) -> Codes:
-        """The word at the counter of each clock, from a clock in which it stands."""
+        """The word at the counter in each clock, starting in a clock in which the counter rests."""
         return np.array(self.contents, dtype=np.int64)[self.counter(start, run, finish, reset)]
 
     @property
@@ -52,10 +52,10 @@ class ProgramMemory(ProgramWords, Stepped):
     def counter(
         self, start: ArrayLike, run: ArrayLike, finish: ArrayLike, reset: ArrayLike
     ) -> Codes:
-        """The counter of each clock, from a clock in which it stands."""
+        """The counter in each clock, starting in a clock in which it rests."""
         return counters(self.begin, len(self.contents), start, run, finish, reset)
 
     def look_up(self, segment: ArrayLike, look_up: ArrayLike) -> Codes:
-        """The word of the table for each segment, 0 where none is asked for."""
+        """The word of the table for each segment; 0 where ``look_up`` is low."""
         words = np.array(self.contents, dtype=np.int64)[np.asarray(segment)]
         return np.where(np.asarray(look_up, dtype=bool), words, 0)

@@ -1,4 +1,4 @@
-"""program_ram: the words of program and table, which can be written, and the program's counter."""
+"""program_ram: a writable memory for the words of program and table, with its counter."""
 
 from __future__ import annotations
 
@@ -17,27 +17,27 @@ from golden.port import Port, Unsigned, given, taken
 
 @dataclass(frozen=True)
 class ProgramRam(Stepped):
-    """Words of 36 bits, read by a counter and by the segment of a hidden sum, and written.
+    """Words of 36 bits that can be written, and are read by a counter and by a segment.
 
     Parameters
     ----------
     addr_width : int
     begin : int
-        The program's first address, behind the table.
+        First address of the program, which stands behind the table.
     segment_addr_width : int
         Bits of a segment's address.
     registers : int
-        Registers behind the memory.
+        Number of registers behind the memory.
 
     Raises
     ------
     InputError
-        When the memory has no word for a program.
+        When the memory has no room for a program.
 
     Notes
     -----
-    The write takes the counter's port; in its clock nothing is read. What was not written since the
-    last reset is undefined: an image is loaded after each.
+    A write uses the counter's port, so nothing is read in its clock. A word that was not written
+    since the last reset is undefined; this does no harm, since an image is loaded after each reset.
     """
 
     block = "program_ram"
@@ -82,7 +82,7 @@ class ProgramRam(Stepped):
     def counter(
         self, start: ArrayLike, run: ArrayLike, finish: ArrayLike, reset: ArrayLike
     ) -> Codes:
-        """The counter of each clock, from a clock in which it stands."""
+        """The counter in each clock, starting in a clock in which it rests."""
         return counters(self.begin, 1 << self.addr_width, start, run, finish, reset)
 
     def process(
@@ -97,9 +97,9 @@ class ProgramRam(Stepped):
         data: ArrayLike,
         reset: ArrayLike,
     ) -> tuple[Codes, Codes]:
-        """The counter's word and that of the table for each clock, from one in which it stands.
+        """The word of the counter and that of the table in each clock, from a clock of rest on.
 
-        -1 is a word that is undefined: not written since the last reset, or not read since.
+        An undefined word is -1: it was not written, or nothing was read, since the last reset.
         """
         empty = [-1] * (1 << self.addr_width)
         memory = list(empty)

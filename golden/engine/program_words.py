@@ -1,4 +1,4 @@
-"""What the memories of programs have in common: their contents, and the counter that steps."""
+"""The parts that all memories of programs share: their contents, and the counter."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from golden.port import CLOCKED, Port, Unsigned, taken
 
 @dataclass(frozen=True)
 class ProgramWords(Block):
-    """Contents that are constants of the entity.
+    """A memory whose contents are constants of the entity.
 
     Parameters
     ----------
     table, words : tuple of int
         The memory holds the table, and behind it the words of the program.
     notes : tuple of str
-        What each of them stands for, for the exported file.
+        What each word stands for, as a comment in the exported file.
     segment_addr_width : int
         Bits of the address of a word of the table.
     """
@@ -34,13 +34,13 @@ class ProgramWords(Block):
 
     @property
     def contents(self) -> tuple[int, ...]:
-        """Every word, up to a power of two of them."""
-        given_words = (*self.table, *self.words)
-        return given_words + (0,) * ((1 << self.addr_width) - len(given_words))
+        """All words, filled with zeros up to a power of two."""
+        all_words = (*self.table, *self.words)
+        return all_words + (0,) * ((1 << self.addr_width) - len(all_words))
 
     @property
     def meanings(self) -> tuple[str, ...]:
-        """What each word stands for; the last holds for all beyond."""
+        """What each word stands for; the last text serves all words beyond."""
         return (*self.notes, "not used")
 
     @property
@@ -50,14 +50,14 @@ class ProgramWords(Block):
 
     @property
     def begin(self) -> int:
-        """The program's first address."""
+        """The first address of the program."""
         return len(self.table)
 
 
 class Stepped(Block):
     """A memory through which a counter steps, with registers behind it.
 
-    A subclass has these as fields: the bits of the address of a word of the table, and the
+    A subclass has as fields the bits of the address of a word of the table, and the number of
     registers.
     """
 
@@ -66,7 +66,7 @@ class Stepped(Block):
 
     @property
     def counter_ports(self) -> tuple[Port, ...]:
-        """What steers the counter, and the segment whose word of the table is read."""
+        """The ports that control the counter, and the segment whose word is looked up."""
         segment = Unsigned(self.segment_addr_width)
         return (
             *CLOCKED,
@@ -82,7 +82,7 @@ class Stepped(Block):
 
     @property
     def look_up_latency(self) -> int:
-        """Clocks from a segment to its word."""
+        """Clocks from a segment to the word of that segment."""
         return 1 + 2 * self.registers
 
 
@@ -94,9 +94,9 @@ def counters(
     finish: ArrayLike,
     reset: ArrayLike,
 ) -> Codes:
-    """The counter of each clock, from a clock in which it stands at ``begin``.
+    """The counter in each clock, starting in a clock in which it rests at ``begin``.
 
-    Behind the last of the memory's words comes its first.
+    After the last word of the memory follows the first.
     """
     counter, found = begin, []
     columns = (np.asarray(c, dtype=bool).tolist() for c in (start, run, finish, reset))
@@ -107,5 +107,5 @@ def counters(
 
 
 def later(clocks: int) -> str:
-    """So many clocks later, in words."""
+    """A text such as "2 clocks later"."""
     return f"{clocks} clock{'s' * (clocks > 1)} later"

@@ -1,10 +1,11 @@
 """Bit planes: how an engine without a multiplier reads the words of a neuron again and again.
 
-Every operand is taken bit by bit, the highest first. In each pass over a neuron's words the sum is
-doubled, and then the coefficient of every word whose operand has a bit in that plane is added; in
-the sign's plane it is subtracted. A pass before the first one clears the sum.
+An operand enters the sum bit by bit, the highest bit first. Each pass over a neuron's words begins
+by doubling the sum; then it adds the coefficient of every word whose operand has its bit of this
+plane set. In the plane of the sign it subtracts the coefficient instead. A pass before the first
+one clears the sum.
 
-Not every operand has bits in every plane, so a pass ends where the words that it needs end:
+Not every operand has bits in every plane, so a pass ends behind the last word that it needs:
 
 ======  ==========================================  =================================
 words   whose operands are                          are read in the planes
@@ -25,14 +26,14 @@ from golden.engine.graph import Graph, Kind, Term
 from golden.engine.schedule import Plan, Ready, Step
 from golden.engine.tanh_table import ENDS
 
-# The pass that clears the sum; it reads a neuron's first word.
+# The number of the pass that clears the sum. It reads a neuron's first word.
 CLEAR = WIDTH
 SIGN = WIDTH - 1
-# The planes of the number one, and of half a unit of a result and of an output.
+# The planes of the number one, of half a unit of a result, and of half a unit of an output.
 ONE_PLANE = DROPPED
 HALF_PLANE = DROPPED - 1
 HALF_OUTPUT_PLANE = HALF_PLANE + OUTPUT_SHIFT
-# Words that only fill time: a sample that does not count.
+# A word that only fills time: a sample with the weight 0.
 FILLING = Term(Kind.WORD, 0, 0)
 
 
@@ -43,7 +44,8 @@ class Replay:
     Parameters
     ----------
     deep, wide, words : int
-        1 or more, each not less than the one before.
+        The number of words up to the last deep one, up to the last deep or wide one, and of all.
+        Each is 1 or more, and not less than the one before.
     """
 
     deep: int
@@ -51,7 +53,7 @@ class Replay:
     words: int
 
     def length(self, plane: int) -> int:
-        """The words of one pass."""
+        """The number of words in one pass."""
         if plane == CLEAR:
             return 1
         if plane == ONE_PLANE:
@@ -59,7 +61,7 @@ class Replay:
         return self.wide if plane >= SAMPLE_SHIFT else self.deep
 
     def before(self, plane: int) -> int:
-        """Clocks from the first pass to that of a plane."""
+        """Clocks from the first pass to the pass of a plane."""
         return sum(self.length(p) for p in range(plane + 1, CLEAR + 1))
 
     @property
@@ -69,17 +71,18 @@ class Replay:
 
 
 def replay_of(graph: Graph, terms: Sequence[Term]) -> Replay:
-    """How the words of a neuron are read, in the order of ``replayed``."""
+    """How many words each pass reads of a neuron whose words ``replayed`` has ordered."""
     ranks = [_rank(term, graph) for term in terms]
     deep = max((k + 1 for k, rank in enumerate(ranks) if rank == 0), default=1)
     return Replay(deep, max(k + 1 for k, rank in enumerate(ranks) if rank < 2), len(ranks))
 
 
 def replayed(graph: Graph, number: int, ready: Ready, now: int) -> Plan:
-    """A neuron's words in an order that its passes allow, those that are there first in front.
+    """A neuron's words in an order that its passes allow, with the earliest operands first.
 
-    Of two orders that which takes fewer clocks: deep words before wide ones, or both by the clock
-    in which their operands are there, and the lowest planes read wide ones too.
+    Two orders are compared, and the one that takes fewer clocks is used. The first puts deep words
+    before wide ones. The second sorts both together by the clock in which their operands are ready;
+    then the lowest planes read wide words too.
     """
     terms = graph.neurons[number].terms
     orders = [
@@ -95,9 +98,9 @@ def replayed(graph: Graph, number: int, ready: Ready, now: int) -> Plan:
 
 
 def _filled(graph: Graph, terms: list[Term], ready: Ready, now: int) -> list[Term]:
-    """As many words that fill time before others as no operand is read before it is there.
+    """Put so many filling words in front that no operand is read before it is ready.
 
-    One is before those of a neuron that has nothing but the number one.
+    A neuron that reads nothing but the number one always gets a filling word.
     """
     words = terms if any(_rank(term, graph) < 2 for term in terms) else [FILLING, *terms]
     while True:
@@ -115,5 +118,5 @@ def _rank(term: Term, graph: Graph) -> int:
 
 
 def _first_plane(term: Term) -> int:
-    """The first plane in which an operand's bits count."""
+    """The first plane in which a bit of the operand can be set."""
     return {Kind.WORD: SIGN, Kind.DISTANCE: max(ENDS) - 1}.get(term.kind, ONE_PLANE)

@@ -1,4 +1,4 @@
-"""replay_memory: the words of table and program, read again for every bit plane of the operands."""
+"""replay_memory: the words of table and program, read once for every bit plane."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 @dataclass(frozen=True)
 class ReplayMemory(ProgramWords):
-    """Words of 36 bits, read neuron by neuron and pass by pass, and the table beside them.
+    """Words of 36 bits, read neuron by neuron and pass by pass, and a table that is looked up.
 
     Parameters
     ----------
     table, words, notes, segment_addr_width
-        See ``ProgramWords``; the table has slope and intercept in turn.
+        See ``ProgramWords``. In the table slopes and intercepts alternate.
 
     Notes
     -----
-    A pass ends with the word that says so for its plane; the next one begins with the neuron's
-    first word. After the pass of plane 0 comes the next neuron, which stands behind the last word
-    of the pass that read them all.
+    A pass ends with the word that is marked as the last for its plane; the next pass begins with
+    the neuron's first word. After the pass of plane 0 comes the next neuron. Its first word follows
+    the last word of the pass that read all words.
     """
 
     block = "replay_memory"
@@ -76,14 +76,14 @@ class ReplayMemory(ProgramWords):
     def process(
         self, run: ArrayLike, finish: ArrayLike, reset: ArrayLike
     ) -> tuple[Codes, Codes, Codes]:
-        """Word, plane and first of each clock, from one in which the first word stands."""
+        """Word, plane and first in each clock; the first clock holds the program's first word."""
         place, plane, first = self.places(run, finish, reset)
         return np.array(self.contents, dtype=np.int64)[place], 1 << plane, first
 
     def places(
         self, run: ArrayLike, finish: ArrayLike, reset: ArrayLike
     ) -> tuple[Codes, Codes, Codes]:
-        """The place of each clock's word, the number of its plane, and first."""
+        """The address of the word, the number of its plane, and first, in each clock."""
         contents = self.contents
         here = base = following = self.begin
         plane, first = CLEAR, True
@@ -95,7 +95,8 @@ class ReplayMemory(ProgramWords):
             behind = (here + 1) % len(contents)
             here = base if first else behind
             if first:
-                # The pass that reads every word of a neuron finds the next one.
+                # Only the pass that reads every word of a neuron reaches the first word of the next
+                # one.
                 following = behind if plane == ONE_PLANE else following
                 base = following if plane == 1 else base
                 plane = (plane - 1) % (CLEAR + 1)
@@ -113,6 +114,6 @@ class ReplayMemory(ProgramWords):
         return get(word, END) >= (WIDE if plane >= SAMPLE_SHIFT else DEEP)
 
     def look_up(self, segment: ArrayLike, look_up: ArrayLike) -> Codes:
-        """The word of the table for each address, 0 where none is asked for."""
+        """The word of the table at each address; 0 where ``look_up`` is low."""
         words = np.array(self.contents, dtype=np.int64)[np.asarray(segment)] & ((1 << WIDTH) - 1)
         return np.where(np.asarray(look_up, dtype=bool), words, 0)

@@ -1,4 +1,4 @@
-"""round_saturate: a sum becomes a word, or a sample does."""
+"""round_saturate: turns a sum, or a sample, into a word of the operand memory."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from golden.precision import SIGNAL
 
 @dataclass(frozen=True)
 class RoundSaturate(Block):
-    """The sum without its lowest bits, saturated; while no frame is computed, the sample.
+    """The sum, rounded and saturated; while no frame is computed, the sample instead.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ class RoundSaturate(Block):
 
     Notes
     -----
-    Half a unit is part of the sum, so dropping bits rounds half up.
+    Half a unit has been added to the sum before, so dropping bits rounds half up.
     """
 
     block = "round_saturate"

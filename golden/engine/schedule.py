@@ -1,4 +1,4 @@
-"""The order of an engine's steps, so that every operand is there when it is read."""
+"""The order of an engine's steps, in which every operand is ready when it is read."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ class Step:
     Parameters
     ----------
     neuron : int
-        Its number in the graph; -1 for a step that waits.
+        Number of the neuron in the graph; -1 for a step that waits.
     term : Term
     first, last : bool
-        Whether the neuron's sum starts or ends with it.
+        Whether this step starts or ends the neuron's sum.
     """
 
     neuron: int
@@ -31,21 +31,21 @@ class Step:
 WAIT = Step(-1, Term(Kind.WORD, -1, 0))
 
 
-# The clock from which on each value can be read.
+# For each value the clock from which on it can be read.
 Ready = Mapping[int, int]
 
 
 @dataclass(frozen=True)
 class Plan:
-    """A neuron's steps, if it comes next.
+    """The steps of a neuron, on condition that it comes next.
 
     Parameters
     ----------
     steps : tuple of Step
     waits : int
-        Clocks that it takes longer than if all operands were there.
+        Clocks that the neuron takes longer than if all its operands were ready.
     end : int
-        The clock after the last.
+        The clock after the last step.
     """
 
     steps: tuple[Step, ...]
@@ -54,7 +54,7 @@ class Plan:
 
 
 def one_by_one(graph: Graph, number: int, ready: Ready, now: int) -> Plan:
-    """A neuron's terms in the order in which their operands are there, one a clock."""
+    """A neuron's terms in the order in which their operands become ready, one in each clock."""
     terms = sorted(graph.neurons[number].terms, key=lambda term: ready[term.source])
     steps: list[Step] = []
     for place, term in enumerate(terms):
@@ -68,11 +68,11 @@ def schedule(
     pipeline: Pipeline,
     plan: Callable[[Graph, int, Ready, int], Plan] = one_by_one,
 ) -> list[Step]:
-    """Steps neuron by neuron, in an order that waits as little as a greedy choice finds.
+    """Order all steps, neuron by neuron; a greedy choice keeps the waits short.
 
-    At each point the neurons whose operands are computed or on their way compete. The one that
-    waits least is taken; of several, that on the longest way to an output. Outputs keep their
-    order.
+    Each time the candidates are the neurons whose operands are computed or on their way. The neuron
+    that waits least comes next; among equals, the one with the longest path to an output. Outputs
+    keep their order.
     """
     pending = list(range(len(graph.neurons)))
     ready = dict.fromkeys(range(-1, graph.inputs), 0)
@@ -103,7 +103,7 @@ def schedule(
 
 
 def _urgency(graph: Graph) -> list[int]:
-    """For each neuron the most steps on a way from it to the end."""
+    """For each neuron, the number of steps on the longest path from it to the end."""
     following: list[list[int]] = [[] for _ in graph.neurons]
     for n, neuron in enumerate(graph.neurons):
         for term in neuron.terms:

@@ -1,4 +1,4 @@
-"""serial_accumulate: doubles a sum from plane to plane, and adds coefficients."""
+"""serial_accumulate: doubles a sum for each bit plane, and adds coefficients to it."""
 
 from __future__ import annotations
 
@@ -17,12 +17,13 @@ from golden.port import CLOCK, Port, Unsigned, given, taken
 
 @dataclass(frozen=True)
 class SerialAccumulate(Accumulator):
-    """acc = (acc, or 2 acc and half a unit of the result in its plane) +- coefficient; or 0.
+    """acc = coefficient added to or subtracted from acc, or from 2 acc at a pass's start; or 0.
 
     Notes
     -----
-    The coefficient is the OR of the program's weight, where it counts, and of a word of the table,
-    which is 0 otherwise. The half unit rounds the result half up.
+    At the start of a pass the sum is doubled. In the plane of half a unit of the result, this half
+    unit is added too, so that the result is rounded half up. The coefficient is the bitwise OR of
+    the program's weight, where that counts, and of a word of the table, which is 0 elsewhere.
     """
 
     block = "serial_accumulate"
@@ -57,9 +58,9 @@ class SerialAccumulate(Accumulator):
         of_output: ArrayLike,
         table_word: ArrayLike,
     ) -> Codes:
-        """The sum after each word, from 0 on; ``table_word`` is that of the same word.
+        """The sum after each word, starting from 0; ``table_word`` belongs to the same word.
 
-        A sum that leaves its bits, as that of no program does, wraps.
+        A sum that does not fit in its bits wraps; the sums of an assembled program always fit.
         """
         gated = np.where(take_weight, weight, 0)
         bits = np.asarray(gated, dtype=np.int64) | np.asarray(table_word, dtype=np.int64)

@@ -1,4 +1,4 @@
-"""The program of an engine without a multiplier: every field of a step in one word."""
+"""The program of an engine without a multiplier: all fields of a step stand in one word."""
 
 from __future__ import annotations
 
@@ -28,23 +28,23 @@ from golden.engine.schedule import Step, schedule
 from golden.engine.tanh_table import TanhTable
 from golden.fixed import Codes
 
-# The last word of the passes that read a neuron's deep words, of those that read its wide ones too,
-# or of all.
+# Marks the last word of a pass: of those that read only deep words, of those that read wide words
+# too, or of the pass that reads all.
 END = (30, 2)
 DEEP, WIDE, ALL = 1, 2, 3
-# The sum is that of an output: it is rounded to fewer bits.
+# Marks the sum of an output, which is rounded to fewer bits.
 OF_OUTPUT = (32, 1)
-# In a neuron's first word, what becomes of the sum before it.
+# In a neuron's first word: what happens to the sum of the neuron before.
 BEFORE = (33, 2)
 NOTHING, STORED, LEAVES, ENDS = range(4)
 
 
 @dataclass(frozen=True)
 class SerialProgram(Program):
-    """The contents of the program memory: slope and intercept in turn, then the words.
+    """The contents of the program memory: alternating slopes and intercepts, then the words.
 
-    The word behind the last neuron's says what becomes of its sum, and is read until the program
-    stands.
+    One more word follows those of the last neuron. It says what happens to that neuron's sum, and
+    it is read until the program stops.
     """
 
     @cached_property
@@ -82,12 +82,12 @@ class SerialProgram(Program):
         return schedule(graph, self.pipeline, replayed)
 
     def clock(self, step: int) -> int:
-        """The clock, from a frame's last sample on, in which a step's neuron has its result."""
+        """The clock of the result of a step's neuron, counted from a frame's last sample."""
         clocks = sum(replay.clocks for place, replay in self._neurons() if place <= step)
         return self.pipeline.begin + clocks - 1 + self.pipeline.result
 
     def _neurons(self) -> Iterator[tuple[int, Replay]]:
-        """The place of each neuron's first word, and how its words are read."""
+        """The index of each neuron's first word, and how many words its passes read."""
         place = 0
         while place < len(self.words) - 1:
             ends = [get(word, END) for word in self.words[place:]]
@@ -102,7 +102,7 @@ class SerialProgram(Program):
 def assemble_serial(
     graph: Graph, table: TanhTable, segments: int, pipeline: SerialPipeline
 ) -> SerialProgram:
-    """The program of a graph; see ``assemble``."""
+    """Assemble the program of a graph; the parameters are those of ``assemble``."""
     check_values(graph)
     steps = schedule(graph, pipeline, replayed)
     words = [0] * (len(steps) + 1)

@@ -1,4 +1,4 @@
-"""table_address: which segment of tanh's table a hidden sum lies in."""
+"""table_address: finds the segment of tanh's table in which a hidden sum lies."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from golden.port import CLOCK, Port, Unsigned, given, taken
 
 @dataclass(frozen=True)
 class TableAddress(Block):
-    """The high bits of q, complemented where q is below 0, up to the last segment.
+    """The high bits of q, complemented where q is negative, limited to the last segment.
 
     Parameters
     ----------
@@ -26,13 +26,13 @@ class TableAddress(Block):
     segments : int
         Words of the table.
     beyond : bool
-        Whether sums reach segments beyond; the last word holds for them. Otherwise such a sum,
-        which no neuron makes, reads another word.
+        Whether sums can lie beyond the last segment; the last word serves them too. If False, such
+        a sum, which no neuron produces, would read some other word.
 
     Raises
     ------
     InputError
-        When q has fewer segments.
+        When the format of q has fewer segments.
     """
 
     block = "table_address"
@@ -48,12 +48,13 @@ class TableAddress(Block):
 
     @property
     def addr_width(self) -> int:
-        """Bits of the address of the last segment."""
+        """Number of bits of an address that reaches the last segment."""
         return max(1, (self.segments - 1).bit_length())
 
     @property
     def ports(self) -> tuple[Port, ...]:
-        # Where no sum lies beyond, the bits of any code make an address.
+        # Where no sum lies beyond the last segment, nothing limits the address of an arbitrary
+        # code.
         last = self.segments - 1 if self.beyond else (1 << self.addr_width) - 1
         addr = Unsigned(self.addr_width, last=last)
         return (

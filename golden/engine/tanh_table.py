@@ -1,13 +1,13 @@
-"""tanh for the engine: a straight line for every segment of q, found over integers.
+"""tanh for the engine: a straight line for every segment of q, computed in integers.
 
-A segment is 2**w codes of q wide. With i and s the two words of its segment, and x the distance of
-the code from the middle of the segment,
+A segment is 2**w codes of q wide. Let i and s be the two words of the code's segment, the intercept
+and the slope, and x the distance of the code from the middle of the segment. Then
 
-    r = i + s x,    for q below 0: r = s x - i
+        r = i + s x,    and for q below 0: r = s x - i
 
-The segment of a negative q is that of its complement, -q - 1, and x is taken from q itself in both
-cases: the low bits of q, their highest one inverted, are a signed number. So neither a magnitude
-nor a negated result is needed.
+The segment of a negative q is that of its complement, -q - 1. x is taken from q itself in both
+cases: the low bits of q with the highest of them inverted are x, as a signed number. So neither a
+magnitude nor a negated result is needed.
 """
 
 from __future__ import annotations
@@ -21,24 +21,24 @@ from golden.engine.formats import HIDDEN, RESULT, WIDTH
 from golden.input_error import InputError
 from golden.transcendental import tanh_floors
 
-# By w, bits of the distance within a segment: where the table ends. The word of the last segment
-# holds for every q beyond, and there errs no more than the lines do before.
+# For each w, the bits of the distance within a segment, where the table ends. The word of the last
+# segment also serves every q beyond, where its error is no larger than that of the lines before.
 ENDS = {7: Fraction(6), 8: Fraction(11, 2), 9: Fraction(5)}
 _FRAC = 40
 
 
 @dataclass(frozen=True)
 class TanhTable:
-    """Words by segment, from q = 0 on.
+    """The words of each segment, from q = 0 upwards.
 
     Parameters
     ----------
     width : int
-        w, bits of the distance within a segment.
+        w, the number of bits of the distance within a segment.
     intercepts : tuple of int
-        tanh in the middle of each segment, Fix(18,17).
+        tanh in the middle of each segment, as codes of Fix(18,17).
     slopes : tuple of int
-        Fix(18,17).
+        Codes of Fix(18,17).
     """
 
     width: int
@@ -66,36 +66,38 @@ def tanh_table(width: int) -> TanhTable:
 
 
 def fitted(width: int, end: Fraction) -> TanhTable:
-    """The words of the segments up to an end.
+    """The words of the segments from 0 up to an end.
 
     Parameters
     ----------
     width : int
         See ``TanhTable``.
     end : Fraction
-        A multiple of a segment, 6 at most: from 6.5 on a line reaches 1 before it, which is above
-        the last word, and the table is not monotone.
+        A multiple of a segment's width, 6 at most. With 6.5 or more, a line would reach 1 before
+        the last segment, which is more than the last word, so the table would not be monotone.
 
     Notes
     -----
-    The lines meet on the borders of the segments, where each is above tanh by half of what a chord
-    is below it in the middle: then the error is as large at the ends as in the middle. The value
-    on a border is an even code of the result, so that its middle, the intercept, is a code too.
-    Every slope is odd. The product with a distance then has its lowest one too far to the right for
-    a sum that lies half way between two results, and rounding treats q and -q alike: the function
-    is odd. The odd slope moves a border by 2**-6 units of the result at most, which no rounding
-    sees.
+    The lines meet at the borders of the segments. There each line lies above tanh by half the
+    amount by which a chord lies below it in the middle, so the error at the ends is as large as in
+    the middle. The value at a border is an even code of the result, so that the mean of two, which
+    is the intercept, is a code too.
+
+    Every slope is odd. Therefore the product with a distance has its lowest set bit too far right
+    for a sum half way between two results, and rounding treats q and -q alike: the function is odd.
+    Making a slope odd moves a border by 2**-6 units of the result at most, which no rounding
+    notices.
     """
     step = Fraction(1, 1 << (HIDDEN.frac - width))
     segments = int(end / step)
     curve = tanh_floors(step, segments, _FRAC)
     borders = [0]
-    # A slope must stay below 1; the odd one below is the largest code.
+    # A slope must stay below 1. The odd slope below 1 is the largest code.
     steepest = (1 << (WIDTH - 1)) >> (HIDDEN.frac - width)
     for value in curve[1:-1]:
         border = _even(int(value) + _overshoot(int(value), step))
         borders.append(min(border, borders[-1] + steepest))
-    # Level, half way between tanh at its beginning and 1.
+    # The last segment is level, half way between tanh at its beginning and 1.
     level = min(_even((int(curve[-1]) + (1 << _FRAC)) // 2), RESULT.high - 1)
     borders += [level, level]
     pairs = list(pairwise(borders))
@@ -108,13 +110,13 @@ def fitted(width: int, end: Fraction) -> TanhTable:
 
 
 def _overshoot(value: int, step: Fraction) -> int:
-    """What a line is above tanh at its ends: h**2 |tanh''| / 16, with tanh'' = -2 t (1 - t**2)."""
+    """How far a line is above tanh at its ends: h**2 |tanh''| / 16, tanh'' = -2 t (1 - t**2)."""
     one = 1 << _FRAC
     bend = value * (one * one - value * value) // (one * one)
     return int(bend * step * step / 8)
 
 
 def _even(value: int) -> int:
-    """The even code of the result that is nearest, of ``_FRAC`` fraction bits."""
+    """The nearest even code of the result for a value with ``_FRAC`` fraction bits."""
     shift = _FRAC - RESULT.frac + 1
     return ((value + (1 << (shift - 1))) >> shift) << 1

@@ -1,4 +1,4 @@
-"""Converter instrument: from a converter on an SPI to results."""
+"""Converter instrument: everything from a converter on an SPI to the results."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from golden.sensing.converter_reader import ConverterReader
 
 @dataclass(frozen=True)
 class ConverterInstrument(Scanned):
-    """``Instrument`` with a part that can be bought in the place of its converter.
+    """``Instrument`` with a converter that can be bought.
 
-    As a network it is the one inside on what the converter makes of its samples, with a frame every
-    scan.
+    It computes what the network inside computes, from the samples as the converter digitises them,
+    with one frame per scan.
 
     Parameters
     ----------
@@ -28,7 +28,8 @@ class ConverterInstrument(Scanned):
     Raises
     ------
     InputError
-        When the reader's frames are not those of the network, or follow faster than it takes them.
+        When the reader's frames differ from those of the network, or follow faster than it accepts
+        them.
     """
 
     block = "converter_instrument"
@@ -66,7 +67,7 @@ class ConverterInstrument(Scanned):
 
     @property
     def latency(self) -> int:
-        """From the last bit of a scan to the first output."""
+        """Clocks from the last bit of a scan to the first output."""
         return self.burst + self.readout.latency
 
     @property
@@ -75,15 +76,15 @@ class ConverterInstrument(Scanned):
 
     @property
     def frame_clocks(self) -> int:
-        """A frame begins with its scan and ends with its last bit."""
+        """A frame begins with its scan and ends with the scan's last bit."""
         return int(self.converter_reader.read_clocks[-1, -1]) + 1
 
     def parts(self) -> tuple[Block, ...]:
         return (self.converter_reader, self.readout)
 
     def flow(self) -> Flow:
-        given = Carried("codes of the converter", self.converter_reader.part.bits)
-        return Flow((given, self.converter_reader, None, self.readout))
+        source = Carried("codes of the converter", self.converter_reader.part.bits)
+        return Flow((source, self.converter_reader, None, self.readout))
 
     def compute(self, frames: Codes) -> Codes:
         reader = self.converter_reader

@@ -1,4 +1,4 @@
-"""Instrument: from a converter and an analogue multiplexer to results."""
+"""Instrument: everything from a converter and an analogue multiplexer to the results."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from golden.sensing.scan_sequencer import ScanSequencer
 
 @dataclass(frozen=True)
 class Instrument(Scanned):
-    """The sensors in turn, the network and its readout (thesis Figures 5.5, 5.12 and 5.25).
+    """Reads the sensors in turn, with network and readout (thesis Figures 5.5, 5.12 and 5.25).
 
-    As a network it is the one inside, with a frame every scan.
+    It computes what the network inside computes, with one frame per scan.
 
     Parameters
     ----------
@@ -28,8 +28,8 @@ class Instrument(Scanned):
     Raises
     ------
     InputError
-        When the sequencer's frames are not those of the network, or follow faster than it takes
-        them.
+        When the sequencer's frames differ from those of the network, or follow faster than it
+        accepts them.
     """
 
     block = "instrument"
@@ -72,7 +72,7 @@ class Instrument(Scanned):
 
     @property
     def frame_clocks(self) -> int:
-        """A frame begins with its scan."""
+        """A frame begins when its scan begins."""
         return int(self.scan_sequencer.sample_clocks[-1]) + 1
 
     @property
@@ -83,8 +83,8 @@ class Instrument(Scanned):
         return (self.scan_sequencer, self.readout)
 
     def flow(self) -> Flow:
-        given = Carried("codes of the converter", SIGNAL)
-        return Flow((given, self.scan_sequencer, None, self.readout))
+        source = Carried("codes of the converter", SIGNAL)
+        return Flow((source, self.scan_sequencer, None, self.readout))
 
     def compute(self, frames: Codes) -> Codes:
         return self.readout.compute(frames)

@@ -1,4 +1,4 @@
-"""Readout: a network's outputs held, and the profile that is drawn from them."""
+"""Readout: holds a network's outputs, and draws a profile from them."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from golden.visualisation.load_profile import LoadProfile
 class Readout(Network):
     """The outputs of a network as a stream and in registers, and the load along the beam.
 
-    Thesis section 5.5, Figures 5.12 and 5.25. As a network it is the one inside: same frames, same
-    outputs, same clocks.
+    Thesis section 5.5, Figures 5.12 and 5.25. It computes what the network inside computes: the
+    same outputs from the same frames, in the same clocks.
 
     Parameters
     ----------
@@ -30,12 +30,13 @@ class Readout(Network):
     load_profile : LoadProfile or None
         None where no profile is drawn.
     results : tuple of int
-        Which outputs of the network are load, position, width and shape, where one is drawn.
+        Indices of the outputs that are load, position, width and shape, where a profile is drawn.
 
     Raises
     ------
     InputError
-        When ``results`` are not four different outputs of the network, or given without a profile.
+        When ``results`` are not four different outputs of the network, or are set without a
+        profile.
     """
 
     block = "readout"
@@ -47,8 +48,8 @@ class Readout(Network):
 
     def __post_init__(self) -> None:
         count = 0 if self.load_profile is None else 4
-        given = set(self.results)
-        if len(given) != count or len(self.results) != count or given - set(range(self.outputs)):
+        chosen = set(self.results)
+        if len(chosen) != count or len(self.results) != count or chosen - set(range(self.outputs)):
             raise InputError(
                 f"{self.entity}: got results {self.results}, expected "
                 + (
@@ -76,7 +77,7 @@ class Readout(Network):
 
     @property
     def result_ports(self) -> tuple[Port, ...]:
-        """The held outputs and, where one is drawn, the profile."""
+        """The ports of the held outputs and, where one is drawn, of the profile."""
         held = group(given("held", "output *, until the next of its kind", SIGNAL), self.outputs)
         if self.load_profile is None:
             return held
@@ -136,12 +137,12 @@ class Readout(Network):
         return self.network.compute(frames)
 
     def profile(self, outputs: ArrayLike) -> tuple[Codes, Codes]:
-        """Positions and profiles, see ``LoadProfile.process``, of frames of outputs.
+        """Positions and profiles for frames of outputs; see ``LoadProfile.process``.
 
         Parameters
         ----------
         outputs : array_like of int, shape (..., outputs)
-            What ``process`` gives.
+            The results of ``process``.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""What instruments have in common, whatever reads their sensors: the readout behind it."""
+"""What all instruments share, whatever reads their sensors: the readout at the end."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from golden.port import Port
 
 @dataclass(frozen=True)
 class Scanned(Network):
-    """The network inside, with a frame every scan.
+    """A network whose frames are scans; it computes what the network inside computes.
 
     Parameters
     ----------
@@ -24,14 +24,14 @@ class Scanned(Network):
     readout: Readout = field(kw_only=True)
 
     def check_scan(self, width: int, scan_clocks: int, left: int) -> None:
-        """Refuse scans that follow faster than the network takes frames.
+        """Refuse scans that follow each other faster than the network accepts frames.
 
         Parameters
         ----------
         width : int
             Bits of the scan's counter.
         scan_clocks, left : int
-            Clocks from scan to scan, and between the last sample of one and the first of the next.
+            Clocks from scan to scan, and from the last sample of one scan to the first of the next.
 
         Raises
         ------
@@ -51,7 +51,7 @@ class Scanned(Network):
 
     @property
     def shown_ports(self) -> tuple[Port, ...]:
-        """What is shown of the results; there are no frames of the wrong length."""
+        """The ports that show results; frames of the wrong length cannot occur."""
         hidden = {"frame_error", *(port.name for port in self.readout.network.load_ports)}
         results = [port for port in self.readout.ports if port.direction == "out"]
         return tuple(port for port in results if port.name not in hidden)

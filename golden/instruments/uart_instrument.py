@@ -23,31 +23,32 @@ from golden.port import Port, given, taken
 from golden.precision import SIGNAL
 from golden.visualisation.pulse_density import PulseDensity
 
-# Bytes for which the line is idle before an image counts as cut.
+# How long the line must be idle before an image counts as cut off, in bytes.
 IDLE_BYTES = 20
 
 
 @dataclass(frozen=True)
 class UartInstrument(ConverterInstrument):
-    """``ConverterInstrument`` that tells a computer of its frames, and takes images from it (ours).
+    """``ConverterInstrument`` that sends its frames to a computer, and receives images (ours).
 
-    As a network it is the one inside on what the converter makes of its samples, with a frame every
-    scan.
+    It computes what the network inside computes, from the samples as the converter digitises them,
+    with one frame per scan.
 
     Parameters
     ----------
     converter_reader, readout
-        Those of ``ConverterInstrument``; the engine inside may be one that can be reloaded.
+        Those of ``ConverterInstrument``. The engine inside may be reloadable.
     divisor : int
-        Clocks of a bit on the line.
+        Number of clocks of a bit on the line.
     analogue : bool
-        Whether the profile is given as two bits of pulse density: of each profile a point, the next
-        of every next one, so that a point stands as long as a low pass takes to follow.
+        Whether the profile leaves as two bits of pulse density. One point of each profile is given,
+        and the next point with the next profile, so that a point lasts as long as a low pass needs
+        to follow.
 
     Raises
     ------
     InputError
-        See ``ConverterInstrument``; also when the outputs of a frame leave after the next one has
+        See ``ConverterInstrument``. Also when the outputs of a frame leave after the next frame has
         begun, for a divisor that is too small, and for ``analogue`` without a profile.
     """
 
@@ -74,7 +75,7 @@ class UartInstrument(ConverterInstrument):
 
     @property
     def image(self) -> bytes:
-        """As it comes over the line."""
+        """The bytes of the image as they are sent over the line."""
         return image_packet(self.readout.image) if self.reload else b""
 
     @property
@@ -114,7 +115,7 @@ class UartInstrument(ConverterInstrument):
 
     @property
     def image_receiver(self) -> ImageReceiver:
-        """With room for the bytes that come while any program runs that the memory holds."""
+        """It has room for all bytes that come while the longest program in the memory runs."""
         engine = self.core
         assert isinstance(engine, Engine), "only an engine takes images"
         waits = 1 << engine.image_loader.program_addr_width
@@ -127,12 +128,12 @@ class UartInstrument(ConverterInstrument):
         return PulseDensity(SIGNAL)
 
     def slow_profile(self, profile: Mapping[str, ArrayLike], reset: ArrayLike) -> Codes:
-        """Number, i_p and f of the point that is given in each clock, shape (3, clocks).
+        """Number, i_p and f of the point that leaves in each clock, shape (3, clocks).
 
         Parameters
         ----------
         profile : mapping
-            Columns of the ports ``profile_*``, by name.
+            The columns of the ports ``profile_*``, by name.
         """
         names = ("profile_valid", "profile_x", "profile_y", "profile_last")
         columns = [np.asarray(profile[name]).tolist() for name in names]
@@ -160,17 +161,17 @@ class UartInstrument(ConverterInstrument):
 
     @property
     def packet_clocks(self) -> int:
-        """From one packet's begin to the next at least: the line is free when all has left it."""
+        """The least clocks from packet to packet; the line is free when all bytes have left it."""
         return self.packet_sender.layout.packet_bytes * self.uart_transmitter.interval + 1
 
     @property
     def packet_scans(self) -> int:
-        """Scans from one packet to the next, where each yields a frame."""
+        """Scans from one packet to the next, if each scan yields a frame."""
         return -(-self.packet_clocks // self.interval)
 
     @property
     def packets_a_second(self) -> Fraction:
-        """Where each scan yields a frame, and the clock is the scene's."""
+        """Packets per second, if each scan yields a frame, at the scene's clock."""
         return self.converter_reader.clock * 1_000_000 / (self.packet_scans * self.interval)
 
     def parts(self) -> tuple[Block, ...]:

@@ -6,8 +6,8 @@ import numpy as np
 
 from golden.fixed import Codes, Fix
 
-# Choices of all samples but two. A choice leaves 2**28 pairs of two samples, far more than one sum
-# in a hundred is missed by.
+# How often all samples but two are chosen at random. Each choice leaves 2**28 pairs for the other
+# two samples, so that few sums are missed.
 CHOICES = 400
 
 
@@ -20,10 +20,11 @@ def closest(
     above: bool,
     rng: np.random.Generator,
 ) -> Codes | None:
-    """Samples with ``start + sum((w x) >> shift)`` as close to ``target`` as is found.
+    """Search samples whose sum ``start + sum((w x) >> shift)`` is as close to ``target`` as can be.
 
-    With two weights or fewer that are not 0, none is closer; with more, a search over two samples
-    at a time, all of whose pairs are tried, ends at the first sum than which none is closer.
+    With at most two weights that are not 0, no other samples are closer. With more, the search
+    varies two samples at a time and tries all of their pairs; it ends early at a sum that cannot be
+    improved.
 
     Parameters
     ----------
@@ -31,24 +32,25 @@ def closest(
         Format of the samples.
     weights : int64 array
     start : int
-        What the products are added to.
+        Number to which the products are added.
     shift : int
-        Bits cut from each product.
+        Number of low bits that are dropped from each product.
     target : int
     above : bool
-        Whether the sum must be ``target`` or more; otherwise it must be that or less.
+        Whether the sum must be ``target`` or more; otherwise it must be ``target`` or less.
     rng : Generator
-        Chooses the samples.
+        Source of the random choices.
 
     Returns
     -------
     int64 array, or None
-        None where no sum on that side is found.
+        None where the search finds no sum on that side.
     """
     row = np.asarray(weights, dtype=np.int64)
     places = np.flatnonzero(row)
     codes = np.arange(fmt.low, fmt.high + 1)
-    # Whole products differ by multiples of this, so that no sum is closer than ``least``.
+    # Products without dropped bits differ by multiples of this step, so no sum is closer than
+    # ``least``.
     step = 1 if shift else max(1, int(np.gcd.reduce(row)))
     least = (start - target if above else target - start) % step
     best, found = None, None
@@ -76,9 +78,9 @@ def closest(
 def _closest_pair(
     first: Codes, second: Codes, need: int, above: bool, rng: np.random.Generator
 ) -> tuple[int | None, int, int]:
-    """By how much the closest sum of two terms misses, and the places of the terms.
+    """The distance of the closest sum of two terms from ``need``, and the indices of both terms.
 
-    Terms rise or fall from place to place.
+    Each list of terms must rise or fall throughout.
     """
     falls = second[0] > second[-1]
     rising = second[::-1] if falls else second
@@ -99,7 +101,7 @@ def _closest_pair(
 def _others(
     fmt: Fix, row: Codes, start: int, shift: int, target: int, rng: np.random.Generator
 ) -> Codes:
-    """Samples about as far towards their ends as the target asks for."""
+    """Random samples that are about as far from zero as the target requires."""
     span = max(1.0, float(np.abs(row).sum()) * -fmt.low / 2**shift)
     part = float(np.clip((target - start) / span, -1, 1))
     noise = rng.uniform(-1, 1, len(row)) * (1 - abs(part))

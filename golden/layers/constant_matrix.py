@@ -1,4 +1,4 @@
-"""constant_matrix: every sum of a layer as one graph of shifted adds, without a multiplier."""
+"""constant_matrix: all sums of a layer as one graph of shifted adds, without a multiplier."""
 
 from __future__ import annotations
 
@@ -20,13 +20,14 @@ from golden.layers.shift_add import Row, ShiftAdd, clocks_of
 from golden.port import CLOCK, Port, given, group, taken
 from golden.precision import FACTOR_LIMIT
 
-# What is cut moves a result by a unit or so, so that a sum in the middle of one may miss it.
+# Dropped bits move a result by a unit or so, so a sum in the middle between two results may still
+# miss the wanted one.
 TRIES = 6
 
 
 @dataclass(frozen=True)
 class ConstantMatrix(Block):
-    """y_i = floor((b_i + sum_k w_ik x_k) / 2**out_shift), but for what is cut, saturated.
+    """y_i = floor((b_i + sum_k w_ik x_k) / 2**out_shift), except for dropped bits; saturated.
 
     Parameters
     ----------
@@ -35,21 +36,23 @@ class ConstantMatrix(Block):
     weights : tuple of tuple of int
         A row for each result, in the order of the samples.
     biases : tuple of int
-        In units of the sum.
+        Added constants, in units of the sum.
     out_shift : int
-        Places of the sum that the result has not.
+        Number of low bits of the sum that the result does not have.
     guard : int
-        Places below the result's last that are added; what lies below them is cut before.
+        Number of bits below the result's last that are still added; all bits below them are dropped
+        before the addition.
     adders_per_clock : int
-        Adders one behind the other between two registers.
+        Most adders in series between two registers.
 
     Notes
     -----
-    The graph is that of ``golden.layers.sharing``. Cutting moves the sum of row i by
-    ``errors[i]`` at the least and at the most, in units of the sum: the sum, over the operands
-    that are cut, of the least and the largest number that their lost bits can be. Its mean, when
-    lost bits are as often 1 as 0, is part of the constant that is added. Numbers inside have the
-    bits that their bounds ask for, which hold for all samples, so that nothing wraps.
+    The graph is that of ``golden.layers.sharing``. Dropping bits moves the sum of row i by a number
+    between the two of ``errors[i]``, in units of the sum. They are sums, over all operands that
+    lose bits, of the least and of the largest number that the lost bits can stand for. The mean
+    error, if a lost bit is 1 as often as 0, is part of the constant that is added. Every number
+    inside has as many bits as its bounds require. The bounds hold for all samples, so nothing
+    wraps.
 
     Raises
     ------
@@ -90,24 +93,24 @@ class ConstantMatrix(Block):
 
     @property
     def inputs(self) -> int:
-        """Samples of a frame."""
+        """Number of samples of a frame."""
         return len(self.weights[0])
 
     @property
     def place(self) -> int:
-        """The least place of the sum that is kept."""
+        """The lowest bit position of the sum that is kept."""
         return max(0, self.out_shift - self.guard)
 
     @property
     def graph(self) -> ShiftAdd:
-        """The adders."""
+        """The graph of adders."""
         samples = self.in_fmt.low, self.in_fmt.high
         matrix = Matrix(self.weights, self.biases, *samples, self.place)
         return shared(matrix, self.adders_per_clock, int(self.saturates))
 
     @property
     def saturates(self) -> bool:
-        """Whether a sum can leave the result's format."""
+        """Whether a sum can exceed the result's format."""
         for row, bias in zip(self.weights, self.biases, strict=True):
             ends = [(w * self.in_fmt.low, w * self.in_fmt.high) for w in row]
             low, high = (bias + sum(map(end, ends)) for end in (min, max))
@@ -120,7 +123,7 @@ class ConstantMatrix(Block):
 
     @property
     def clocks(self) -> tuple[int, ...]:
-        """In which clock each node of the graph is made; samples stand in clock 0."""
+        """The clock in which each node of the graph is computed; samples stand in clock 0."""
         return clocks_of(self.graph, self.adders_per_clock)
 
     @property
@@ -130,7 +133,7 @@ class ConstantMatrix(Block):
 
     @property
     def errors(self) -> tuple[tuple[int, int], ...]:
-        """By how much cutting can move each sum at the least and the most, in units of the sum."""
+        """The least and the largest error of each sum by dropped bits, in units of the sum."""
         graph = self.graph
         found = []
         for row, bias in zip(graph.rows, self.biases, strict=True):
@@ -153,7 +156,7 @@ class ConstantMatrix(Block):
 
     @property
     def result_bounds(self) -> tuple[tuple[int, int], ...]:
-        """The least and the largest of each result before it saturates."""
+        """The least and the largest value of each result before it saturates."""
         bounds, found = self.graph.bounds, []
         for row in self.graph.rows:
             ends = [_result(row, end, self.drop(row)) for end in bounds[row.node]]
@@ -167,7 +170,7 @@ class ConstantMatrix(Block):
 
     @property
     def ends(self) -> tuple[tuple[tuple[int, ...], tuple[int, ...]], ...]:
-        """Of each row the frames that drive its sum to its lower and its upper end."""
+        """For each row, the frames that drive its sum to its lower and to its upper end."""
         low, high = self.in_fmt.low, self.in_fmt.high
         return tuple(
             (
@@ -182,10 +185,10 @@ class ConstantMatrix(Block):
         return _borders(self)
 
     def beside(self, row: int, at: int) -> Codes:
-        """Frames whose result of a row is just below ``at``, and others whose result is not.
+        """Frames whose result of a row is just below ``at``, and frames whose result just is not.
 
-        Always the same for the same row, so that a bench that drives them meets the border as
-        closely as ``borders`` says.
+        They are always the same for the same row, so a bench that drives them comes as close to the
+        border as ``borders`` says.
 
         Returns
         -------
@@ -199,16 +202,16 @@ class ConstantMatrix(Block):
         return {f"result {i}": word for i, word in enumerate(words)}
 
     def drop(self, row: Row) -> int:
-        """Places by which the number of a row's node is moved right to the result's last."""
+        """By how many places a row shifts the number of its node right to get the result."""
         return self.out_shift - row.shift - self.graph.lows[row.node]
 
     def words(self, samples: Sequence[Codes] | Codes) -> list[Codes]:
-        """Results before they saturate, of the values of each sample."""
+        """Results before they saturate, from the values of each sample."""
         numbers = self.graph.numbers(samples)
         return [_result(row, numbers[row.node], self.drop(row)) for row in self.graph.rows]
 
     def process(self, frames: ArrayLike) -> Codes:
-        """Results in ``out_fmt``, shape (..., rows), of frames of samples, shape (..., inputs).
+        """Results in ``out_fmt``, shape (..., rows), for frames of samples, shape (..., inputs).
 
         Raises
         ------
@@ -220,7 +223,7 @@ class ConstantMatrix(Block):
         return np.clip(words, self.out_fmt.low, self.out_fmt.high)
 
     def exact(self, frames: Codes) -> Codes:
-        """The same in Python's integers, which have no width; see ``process``."""
+        """The same in Python's integers, which never overflow; see ``process``."""
         words = self.words(np.moveaxis(np.asarray(frames, dtype=object), -1, 0))
         clipped = np.clip(np.stack(words, axis=-1), self.out_fmt.low, self.out_fmt.high)
         return clipped.astype(np.int64)
@@ -228,7 +231,7 @@ class ConstantMatrix(Block):
 
 @lru_cache(maxsize=64)
 def _borders(matrix: ConstantMatrix) -> tuple[Border, ...]:
-    """Where each row saturates."""
+    """The values at which each row saturates."""
     found = []
     for i, ends in enumerate(matrix.ends):
         least, most = (matrix.quantities(np.array(end))[f"result {i}"] for end in ends)
@@ -256,6 +259,6 @@ def _beside(matrix: ConstantMatrix, row: int, at: int) -> Codes:
 
 
 def _result(row: Row, number: Any, drop: int) -> Any:
-    """A row's result of the number at its node, of which it drops some places, or adds them."""
+    """A row's result from the number at its node, which is shifted right by ``drop`` or left."""
     number = ~number if row.minus else number
     return number >> drop if drop >= 0 else number << -drop

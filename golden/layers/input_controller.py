@@ -1,4 +1,4 @@
-"""CONTROLLER 1: counts the samples of a frame and refuses frames of the wrong length."""
+"""CONTROLLER 1: counts the samples of a frame and refuses frames of a wrong length."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 @dataclass(frozen=True)
 class FrameScan:
-    """What the controller decided for each sample, as arrays of one length.
+    """The controller's decision about each sample, as arrays of equal length.
 
     Attributes
     ----------
     addr : int64 array
         Position of the sample in its frame, 0 where the sample is dropped.
     accept : bool array
-        False while the rest of an overlong frame is dropped.
+        False for the samples of an overlong frame that are dropped.
     done : bool array
-        The sample completes a frame that yields a result.
+        The sample completes a frame that yields results.
     error : bool array
-        The sample breaks the frame: ``frame_error`` follows for one clock.
+        The sample breaks the frame, so ``frame_error`` follows for one clock.
     """
 
     addr: Codes
@@ -38,11 +38,11 @@ class FrameScan:
 
 
 class FrameJudge(Protocol):
-    """What decides which frames a network takes."""
+    """A block that decides which frames a network accepts."""
 
     @property
     def inputs(self) -> int:
-        """Elements of a good frame."""
+        """Number of elements of a good frame."""
 
     def process(self, last: ArrayLike, clock: ArrayLike) -> FrameScan:
         """Decisions for elements that arrive after a reset; see ``InputController.process``."""
@@ -58,17 +58,17 @@ class InputController(Block):
         Samples of one frame, 1 or more.
     spacing : int
         Least clocks from the last sample of one frame to the last sample of the next. A design
-        that needs more clocks for its outputs or for its activations than a frame has samples sets
-        it to their number; otherwise it is 0 and its counter is left out.
+        whose outputs or activations need more clocks than a frame has samples sets it to that
+        number of clocks; otherwise it is 0 and its counter is left out.
 
     Notes
     -----
     A frame is wrong when ``last`` comes too early or does not come with the last sample, or when
-    the frame ends before ``spacing`` clocks have passed. A wrong frame raises one error; of an
+    the frame ends before ``spacing`` clocks have passed. A wrong frame raises one error. Of an
     overlong frame everything up to and including its ``last`` is dropped.
 
-    The name of the entity tells ``inputs`` and ``spacing``, so that controllers of equal frames are
-    one entity.
+    The name of the entity contains ``inputs`` and ``spacing``, so that controllers of equal frames
+    are one entity.
     """
 
     block = "input_controller"
@@ -133,7 +133,8 @@ class InputController(Block):
 
     @property
     def latency(self) -> int:
-        # Operands, product, accumulator, output of the nodes that it steers.
+        # One clock each for operands, product, accumulator, and output of the nodes that it
+        # controls.
         return 4
 
     def facts(self) -> tuple[str, ...]:

@@ -31,8 +31,8 @@ class InputIntegral(WeightedSum):
 
     Notes
     -----
-    It holds the weights and biases; its nodes are one entity, with an accumulator for the widest
-    sum of all.
+    The block holds the weights and biases. All its nodes are instances of one entity, whose
+    accumulator holds the widest sum of all.
     """
 
     block = "input_integral"
@@ -52,7 +52,7 @@ class InputIntegral(WeightedSum):
 
     @property
     def hidden(self) -> int:
-        """Hidden nodes."""
+        """Number of hidden nodes."""
         return len(self.weights)
 
     @property
@@ -62,14 +62,14 @@ class InputIntegral(WeightedSum):
 
     @property
     def acc_width(self) -> int:
-        """Bits of the sums: no partial sum of any node can leave them."""
+        """Bits of the sums. They are enough for every partial sum of every node."""
         shape = (self.in_fmt, self.coeff_fmt, self.out_fmt, self.product_shift)
         rows = zip(self.weights, self.biases, strict=True)
         return max(NodeSum(*shape, weights, bias).acc_width for weights, bias in rows)
 
     @property
     def node(self) -> InputNode:
-        """What each of its nodes is."""
+        """The block of each node."""
         return InputNode(
             self.in_fmt, self.coeff_fmt, self.out_fmt, self.product_shift, self.acc_width
         )
@@ -117,7 +117,7 @@ class InputIntegral(WeightedSum):
         return {f"sum {j}": sums for j, sums in enumerate(self.exact(frames).T)}
 
     def process(self, frames: ArrayLike) -> Codes:
-        """Results, shape (..., hidden), of frames of samples, shape (..., inputs).
+        """Results, shape (..., hidden), for frames of samples, shape (..., inputs).
 
         Raises
         ------

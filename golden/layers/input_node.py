@@ -1,4 +1,4 @@
-"""One node of the input integral: a neuron's weighted sum of serial samples."""
+"""One node of the input integral: the weighted sum of a neuron, sample by sample."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ class InputNode(WeightedSum):
     in_fmt, coeff_fmt, out_fmt, product_shift
         See ``WeightedSum``.
     acc_width : int
-        Bits of the accumulator; whoever gives the weights sees to it that no partial sum leaves
-        them.
+        Bits of the accumulator. The block that supplies the weights ensures that every partial sum
+        fits.
 
     Notes
     -----
-    Weights and bias come in through ports, so that nodes which differ in them alone are one entity,
-    whose name tells the fraction bits of the weights and the bits of the sum.
+    Weights and bias enter through ports. So nodes that differ only in them are one entity, whose
+    name contains the fraction bits of the weights and the bits of the sum.
     """
 
     block = "input_node"
@@ -47,7 +47,7 @@ class InputNode(WeightedSum):
 
     @property
     def controls(self) -> tuple[Port, ...]:
-        """What CONTROLLER 1 tells all nodes of a layer."""
+        """The signals with which CONTROLLER 1 controls all nodes of a layer."""
         return (
             taken(
                 "preset",
@@ -77,7 +77,7 @@ class InputNode(WeightedSum):
         )
 
     def holds(self, weights: ArrayLike, biases: ArrayLike) -> NDArray[np.bool_]:
-        """Whether the block is specified for weights: no samples bring a sum out of its bits.
+        """Whether the block may be used with these weights: no samples make a sum overflow.
 
         See ``partial_sums`` for the parameters.
         """
@@ -98,7 +98,7 @@ class InputNode(WeightedSum):
 
     @property
     def latency(self) -> int:
-        # Operands, product, accumulator, output.
+        # One clock each for operands, product, accumulator and output.
         return 4
 
     @property
@@ -119,7 +119,7 @@ class InputNode(WeightedSum):
         return {"sum": self.exact(*inputs)}
 
     def process(self, frames: ArrayLike, weights: ArrayLike, biases: ArrayLike) -> Codes:
-        """Results in ``out_fmt``, shape (...), of frames of samples, shape (..., inputs).
+        """Results in ``out_fmt``, shape (...), for frames of samples, shape (..., inputs).
 
         See ``exact`` for parameters and exceptions.
         """
@@ -141,7 +141,7 @@ class InputNode(WeightedSum):
         Raises
         ------
         InputError
-            For a code outside its format, or a sum that leaves the accumulator.
+            For a code outside its format, or a sum that does not fit in the accumulator.
         """
         x = self.in_fmt.check(frames, f"{self.block} frames")
         w = self.coeff_fmt.check(weights, f"{self.block} weights")

@@ -1,4 +1,4 @@
-"""The adders of a constant matrix as a person reads them."""
+"""The adders of a constant matrix as a text for a person to read."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from golden.layers.shift_add import Constant, Input, ShiftAdd
 def listing(matrix: ConstantMatrix) -> list[str]:
     """A heading, and a line for every node of the graph and for every result.
 
-    ``is`` is in whole numbers, with shifts and ``~`` as Python has them. ``cut`` counts the places
-    of a node's exact sum, or of a result's, that it has not.
+    The column ``is`` shows whole numbers, with shifts and ``~`` as in Python. ``cut`` is the number
+    of low bits that a node or a result lacks compared with its exact sum.
     """
     rows = [("node", "cut", "is")]
     for number, cut in enumerate(matrix.graph.lows):

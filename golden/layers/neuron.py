@@ -1,4 +1,4 @@
-"""Neuron: a weighted sum of samples that come all at once."""
+"""Neuron: a weighted sum of samples that arrive all at once."""
 
 from __future__ import annotations
 
@@ -16,18 +16,19 @@ from golden.port import CLOCK, Port, given, group, taken
 
 @dataclass(frozen=True)
 class Neuron(NodeSum):
-    """(b + sum_k w_k x_k) Y, a multiplier for every weight (thesis section 5.2.1).
+    """(b + sum_k w_k x_k) Y, with a multiplier for every weight (thesis section 5.2.1).
 
     Parameters
     ----------
     in_fmt, coeff_fmt, out_fmt, product_shift, weights, bias
         See ``NodeSum``.
     factor : int, or None
-        De-normalisation Y_i of an output (equation 4.17); None leaves its multiplier out.
+        De-normalisation Y_i of an output (equation 4.17). With None its multiplier is left out.
 
     Notes
     -----
-    Sum and product with the factor are exact; rounded half up and saturated to ``out_fmt``.
+    The sum and its product with the factor are exact. The result is rounded half up and saturated
+    to ``out_fmt``.
     """
 
     block = "neuron"
@@ -55,7 +56,8 @@ class Neuron(NodeSum):
 
     @property
     def latency(self) -> int:
-        # Product, adder tree, product with the factor, rounding.
+        # One clock for the product, one per level of the adder tree, one for the product with the
+        # factor, and one for rounding.
         return 1 + tree_depth(len(self.weights) + 1) + (self.factor is not None) + 1
 
     @property

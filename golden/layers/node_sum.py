@@ -1,4 +1,4 @@
-"""What one neuron is in either form, fed sample by sample or all at once: a bounded sum."""
+"""The bounded sum of one neuron, whether its samples come one by one or all at once."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from golden.layers.weighted_sum import WeightedSum
 
 @dataclass(frozen=True)
 class NodeSum(WeightedSum):
-    """b + sum_k w_k x_k of one neuron.
+    """The sum b + sum_k w_k x_k of one neuron.
 
     Parameters
     ----------
@@ -26,9 +26,9 @@ class NodeSum(WeightedSum):
 
     Notes
     -----
-    The sum is exact: ``acc_width`` holds the sum of the magnitudes of all terms, hence every
-    partial sum in any order. The result is rounded half up and saturated to ``out_fmt``; with no
-    bits to drop and a sum no wider than ``out_fmt`` both vanish.
+    The sum is exact: ``acc_width`` bits hold the sum of the magnitudes of all terms, and hence
+    every partial sum in any order. The result is rounded half up and saturated to ``out_fmt``. With
+    no bits to drop, and a sum no wider than ``out_fmt``, neither costs hardware.
     """
 
     weights: tuple[int, ...]
@@ -40,29 +40,30 @@ class NodeSum(WeightedSum):
 
     @property
     def acc_bound(self) -> int:
-        """Largest magnitude that the sum can reach with samples anywhere in ``in_fmt``.
+        """Largest magnitude that the sum can reach for any samples of ``in_fmt``.
 
-        ``|floor(w x / 2**s)|`` is largest at the most negative sample, where it is exact.
+        The magnitude ``|floor(w x / 2**s)|`` is largest at the most negative sample, where it is
+        exact.
         """
         terms = [abs(w * self.in_fmt.low) >> self.product_shift for w in self.weights]
         return sum(terms) + abs(self.bias << self.bias_shift)
 
     @property
     def acc_width(self) -> int:
-        """Bits of the sum: no sum of any subset of the terms can leave it."""
+        """Bits of the sum. They are enough for the sum of any subset of the terms."""
         return signed_width(map(int, self.partial_sums(self.weights, self.bias)))
 
     @property
     def reach(self) -> int:
-        """Largest magnitude code of the result."""
+        """Largest magnitude that the code of the result can have."""
         return min((self.acc_bound >> self.out_shift) + 1, self.out_fmt.high)
 
     def scaled(self, acc: Codes) -> Codes:
-        """What is rounded: the sum, where a subclass does not multiply it."""
+        """The number that is rounded: the sum itself, unless a subclass multiplies it."""
         return acc
 
     def process(self, frames: ArrayLike) -> Codes:
-        """Results in ``out_fmt``, shape (...), of frames of samples, shape (..., inputs).
+        """Results in ``out_fmt``, shape (...), for frames of samples, shape (..., inputs).
 
         Raises
         ------

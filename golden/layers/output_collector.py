@@ -1,4 +1,4 @@
-"""Output collector: results that come side by side leave one after the other."""
+"""Output collector: takes results that come side by side and sends them one by one."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from golden.port import CLOCKED, Port, given, group, taken
 
 @dataclass(frozen=True)
 class OutputCollector(Block):
-    """The outputs of several networks as one frame (thesis section 5.5).
+    """Turns the outputs of several networks into one frame (thesis section 5.5).
 
     Parameters
     ----------
     fmt : Fix
         Format of the results.
     outputs : int
-        Results of one frame, 1 or more.
+        Number of results of one frame, 1 or more.
 
     Raises
     ------
@@ -46,7 +46,7 @@ class OutputCollector(Block):
 
     @property
     def count_width(self) -> int:
-        """Bits of the number of results still to leave."""
+        """Bits of the number of results that have not left yet."""
         return self.outputs.bit_length()
 
     @property

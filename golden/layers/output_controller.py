@@ -14,7 +14,7 @@ from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 @dataclass(frozen=True)
 class OutputController(Block):
-    """Row address for each output in turn (thesis section 5.4.5.3, CONTROLLER 2).
+    """Gives the row address of each output in turn (thesis section 5.4.5.3, CONTROLLER 2).
 
     Parameters
     ----------
@@ -23,7 +23,7 @@ class OutputController(Block):
 
     Notes
     -----
-    The name of the entity tells ``outputs``, so that controllers of equal frames are one entity.
+    The name of the entity contains ``outputs``, so that controllers of equal frames are one entity.
     """
 
     block = "output_controller"

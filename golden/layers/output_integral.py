@@ -1,4 +1,4 @@
-"""Output integral: the outputs, one after the other, on one multiplier per hidden node."""
+"""Output integral: computes one output after the other, on one multiplier per hidden node."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from golden.port import CLOCKED, Port, Unsigned, given, group, taken
 
 @dataclass(frozen=True)
 class OutputIntegral(WeightedSum):
-    """y_i = (b_i + sum_j w_ij r_j) Y_i, one output a clock (thesis equation 5.2, Figure 5.11).
+    """y_i = (b_i + sum_j w_ij r_j) Y_i, one output per clock (thesis equation 5.2, Figure 5.11).
 
     Parameters
     ----------
@@ -27,12 +27,12 @@ class OutputIntegral(WeightedSum):
     biases : tuple of int
         Codes of ``coeff_fmt``, one per output.
     factors : tuple of int, or None
-        De-normalisation Y_i (equation 4.17); None leaves the multiplier out.
+        De-normalisation Y_i (equation 4.17). With None its multiplier is left out.
 
     Notes
     -----
-    Sum and product with Y_i are exact. The result is rounded half up (in ``thesis`` precision
-    there are no bits to drop) and saturated to ``out_fmt``.
+    The sum and its product with Y_i are exact. The result is rounded half up (in ``thesis``
+    precision there are no bits to drop) and saturated to ``out_fmt``.
     """
 
     block = "output_integral"
@@ -82,17 +82,18 @@ class OutputIntegral(WeightedSum):
 
     @property
     def latency(self) -> int:
-        # Operands, product, adder tree, product with the factor, rounding.
+        # One clock each for operands and product, one per level of the adder tree, one for the
+        # product with the factor, and one for rounding.
         return 2 + tree_depth(self.hidden + 1) + (self.factors is not None) + 1
 
     @property
     def outputs(self) -> int:
-        """Results of one frame."""
+        """Number of results of one frame."""
         return len(self.weights)
 
     @property
     def hidden(self) -> int:
-        """Activations of one frame."""
+        """Number of activations of one frame."""
         return len(self.weights[0])
 
     def sum_range(self, row: int) -> tuple[int, int]:
@@ -102,7 +103,7 @@ class OutputIntegral(WeightedSum):
 
     @property
     def acc_width(self) -> int:
-        """Bits of the sum: no partial sum of any output can leave them."""
+        """Bits of the sum. They are enough for every partial sum of every output."""
         return signed_width(end for i in range(self.outputs) for end in self.sum_range(i))
 
     @property
@@ -130,7 +131,7 @@ class OutputIntegral(WeightedSum):
         return {f"sum {row}": sums[addr == row, row] for row in range(self.outputs)}
 
     def process(self, activations: ArrayLike) -> Codes:
-        """Results in ``out_fmt``, shape (..., outputs), of activations, shape (..., hidden).
+        """Results in ``out_fmt``, shape (..., outputs), for activations, shape (..., hidden).
 
         Raises
         ------
@@ -143,6 +144,6 @@ class OutputIntegral(WeightedSum):
         return requantise(acc, self.out_shift, self.out_fmt, Rounding.ROUND, Overflow.SATURATE)
 
     def exact(self, activations: ArrayLike) -> Codes:
-        """The sums before they meet their factors; see ``process``."""
+        """The sums before the product with their factors; see ``process``."""
         r = self.in_fmt.check(activations, "output_integral activations", self.hidden)
         return self.sums(r, np.array(self.weights), np.array(self.biases))

@@ -1,8 +1,8 @@
-"""A constant matrix as a graph of shifted adds that shares what its rows have in common.
+"""A constant matrix as a graph of shifted adds, in which rows share common sums.
 
-Two-term common subexpressions of canonical signed digits, as in R. I. Hartley, Subexpression
-sharing in filters using canonic signed digit multipliers, IEEE Transactions on Circuits and
-Systems II, 1996; the choice among them is ours.
+It looks for common subexpressions of two terms in canonical signed digits, as in R. I. Hartley,
+Subexpression sharing in filters using canonic signed digit multipliers, IEEE Transactions on
+Circuits and Systems II, 1996. The rule by which it chooses among them is ours.
 """
 
 from __future__ import annotations
@@ -18,37 +18,39 @@ from golden.fixed import signed_width
 from golden.layers.shift_add import Constant, Input, Node, Row, ShiftAdd, Sum, cut_back
 from golden.signed_digits import signed_digits
 
-# A term of a row: a node and the places by which it is moved left.
+# A term of a row: a node, and the number of places by which it is shifted left.
 Term = tuple[int, int]
-# Two terms as one: their nodes, the places of the second above the first, and whether their signs
-# differ: then the second is taken from the first.
+# Two terms together: their nodes, the number of places by which the second is shifted left against
+# the first, and whether their signs differ. If they do, the second is subtracted from the first.
 Pattern = tuple[int, int, int, bool]
-# By how many per cent luck moves what a pattern is worth, in one run after the other.
+# By how many per cent chance changes the value of a pattern. Successive runs use these in turn.
 SPREADS = (0, 20)
-# Runs, the fewer the larger the matrix: about as many pairs of digits are looked at in all.
+# The most runs. A large matrix gets fewer of them, so that about ``PAIRS`` pairs of digits are
+# examined in all.
 RUNS = 40
-# A register more pays when it saves more than one in so many bits and itself.
+# One more stage of registers is worth while when it saves more than one bit of adders in this
+# number plus one.
 PAYS = 19
 PAIRS = 400_000
 
 
 class Growing:
-    """A graph of sums to which more are added."""
+    """A graph of sums that is still being extended."""
 
     def __init__(self, inputs: int, low: int, high: int):
         self.low, self.high = low, high
         self.nodes: list[Node] = [Input(k) for k in range(inputs)]
         self.levels = [0] * inputs
         self.widths = [signed_width((low, high))] * inputs
-        # Products with the inputs, and the constant last.
+        # For each node its factors of all inputs, and its constant at the end.
         self._weights = [tuple(int(j == k) for j in range(inputs + 1)) for k in range(inputs)]
 
     def constant(self, value: int) -> int:
-        """The place of a new constant."""
+        """Append a constant; returns its index among the nodes."""
         return self._append(Constant(value), 0, (0,) * (len(self._weights[0]) - 1) + (value,))
 
     def sum(self, node: Sum) -> int:
-        """The place of a new sum."""
+        """Append a sum; returns its index among the nodes."""
         pairs = zip(self._weights[node.low], self._weights[node.high], strict=True)
         weights = tuple(node.low_sign * a + node.high_sign * (b << node.shift) for a, b in pairs)
         return self._append(node, 1 + max(self.levels[node.low], self.levels[node.high]), weights)
@@ -63,7 +65,7 @@ class Growing:
         return len(self.nodes) - 1
 
     def copy(self) -> Growing:
-        """Another graph that begins as this one."""
+        """Another graph that begins with the same nodes."""
         other = Growing(0, self.low, self.high)
         for name, values in vars(self).items():
             if isinstance(values, list):
@@ -71,26 +73,26 @@ class Growing:
         return other
 
     def overlap(self, pattern: Pattern) -> int:
-        """Places in which both terms of a pattern have bits."""
+        """Number of places in which both terms of a pattern have bits."""
         low, high, shift, _ = pattern
         return max(0, min(self.widths[low], self.widths[high] + shift) - shift)
 
     def top(self, term: Term) -> int:
-        """The place above the highest bit of a term."""
+        """The place just above the highest bit of a term."""
         return term[1] + self.widths[term[0]]
 
 
 def pattern_of(one: Term, other: Term, differ: bool) -> tuple[Pattern, Term]:
-    """What two terms are together, and which of them is the low one, whose sign the sum has."""
+    """The pattern of two terms, and the low one of them, which gives the sum its sign."""
     low, high = one, other
-    # Most of the time of a search is spent here.
+    # A search spends most of its time here.
     if high[1] < low[1] or (high[1] == low[1] and high[0] < low[0]):
         low, high = high, low
     return (low[0], high[0], high[1] - low[1], differ), low
 
 
 class Sharing:
-    """Rows of terms with signs, in which patterns that occur often become terms of their own."""
+    """Rows of signed terms, in which patterns that occur often become terms of their own."""
 
     def __init__(
         self, graph: Growing, rows: list[dict[Term, int]], place: int, spread: int, random: Random
@@ -98,7 +100,7 @@ class Sharing:
         self.graph, self.rows, self.place = graph, rows, place
         self.spread, self.random = spread, random
         self.luck: dict[Pattern, int] = {}
-        # By pattern the rows and terms at which its low term stands.
+        # For each pattern the rows in which it occurs, each with the pattern's low term there.
         self.places: dict[Pattern, set[tuple[int, Term]]] = defaultdict(set)
         self.queue: list[tuple[int, int, Pattern]] = []
         for number, row in enumerate(rows):
@@ -115,22 +117,22 @@ class Sharing:
                 yield pattern_of(term, other, sign != row[term])
 
     def _uses(self, pattern: Pattern) -> list[tuple[int, Term]]:
-        """Places of a pattern no two of which share a term."""
+        """Occurrences of a pattern, of which no two share a term."""
         found: list[tuple[int, Term]] = []
-        taken: set[tuple[int, Term]] = set()
+        used: set[tuple[int, Term]] = set()
         for number, low in sorted(self.places[pattern]):
             ends = {(number, low), (number, (pattern[1], low[1] + pattern[2]))}
-            if not ends & taken:
-                taken |= ends
+            if not ends & used:
+                used |= ends
                 found.append((number, low))
         return found
 
     def _gain(self, pattern: Pattern) -> int:
-        """Bits of adders that it saves, or about that, times a random number about 100.
+        """About how many bits of adders a pattern saves, times a random number near 100.
 
-        A sum that is shared has the bits of the place at which it is needed best.
+        A shared sum has the bits of the occurrence that needs the most.
         """
-        # Only a node beside itself can share a term with its neighbour.
+        # Two occurrences can share a term only if the pattern has the same node twice.
         uses = self._uses(pattern) if pattern[0] == pattern[1] else self.places[pattern]
         overlap = self.graph.overlap(pattern)
         if len(uses) < 2 or not overlap:
@@ -146,7 +148,7 @@ class Sharing:
             heapq.heappush(self.queue, (-gain, self.random.getrandbits(32), pattern))
 
     def run(self) -> None:
-        """Share until nothing is there more than once."""
+        """Share patterns until none occurs more than once."""
         while self.queue:
             offered, _, pattern = heapq.heappop(self.queue)
             gain = self._gain(pattern)
@@ -178,12 +180,12 @@ class Sharing:
 def add_up(
     graph: Growing, terms: list[tuple[Term, int]], depth: int, place: int
 ) -> tuple[Term, int]:
-    """One term for all of a row, the smallest first, in no more than ``depth`` levels if possible.
+    """Add all terms of a row, smallest first, in at most ``depth`` levels if that is possible.
 
-    Terms of levels l can be added within d levels when the sum of ``2**l`` is ``2**d`` at most.
-    Bits below ``place`` are of no use, so that of two terms there either may be taken from the
-    other: the negative one, or the row would have to be negated in the end. What is taken from a
-    constant is positive, too.
+    Terms of levels l can be added within d levels if the sum of their ``2**l`` is at most ``2**d``.
+    Bits below ``place`` are not used, so of two terms there either may be subtracted from the
+    other. The negative one is subtracted, since otherwise the row would have to be negated in the
+    end. When a constant takes part, the sum is made positive too.
     """
     while len(terms) > 1:
         terms.sort(key=lambda item: (graph.top(item[0]), graph.levels[item[0][0]], item))
@@ -197,7 +199,7 @@ def add_up(
         sign = 1 if low_sign != high_sign and free else low_sign
         constants = [isinstance(graph.nodes[term[0]], Constant) for term in (low, high)]
         if any(constants) and terms:
-            # Of a constant either sign will do.
+            # The sign of a constant can still be chosen freely.
             sign = 1
             low_sign, high_sign = (1, high_sign) if constants[0] else (low_sign, 1)
         node = graph.sum(Sum(low[0], high[0], shift, low_sign * sign, high_sign * sign))
@@ -206,7 +208,7 @@ def add_up(
 
 
 def _pair(weights: Sequence[int], room: int) -> tuple[int, int]:
-    """The first two whose sum takes no more room than is left; else the two of the least weight."""
+    """The first two whose sum fits in the room that is left; else the two of the least weight."""
     count = len(weights)
     for second in range(1, count):
         for first in range(second):
@@ -219,18 +221,18 @@ def _pair(weights: Sequence[int], room: int) -> tuple[int, int]:
 
 @dataclass(frozen=True)
 class Matrix:
-    """Sums of products with constants; see ``shared``.
+    """A constant matrix whose sums of products are wanted; see ``shared``.
 
     Attributes
     ----------
     weights : tuple of tuple of int
         A row for each sum.
     biases : tuple of int
-        What each sum is added to.
+        The constant of each sum.
     low, high : int
-        The least and the largest input.
+        The least and the largest value of an input.
     place : int
-        The least place that is kept.
+        The lowest bit position of a sum that is kept.
     """
 
     weights: tuple[tuple[int, ...], ...]
@@ -242,16 +244,16 @@ class Matrix:
 
 @lru_cache(maxsize=64)
 def shared(matrix: Matrix, levels: int, spare: int) -> ShiftAdd:
-    """The graph of a matrix with the fewest bits of adders that some runs find.
+    """The graph for a matrix with the fewest bits of adders among several runs.
 
     Parameters
     ----------
     matrix : Matrix
     levels : int
-        Adders between registers. The graph has no more registers than it must, or one more where
-        that pays.
+        Most adders between two registers. The graph has the least possible number of register
+        stages, or one more where that saves enough.
     spare : int
-        Adders that stand behind the last of a row.
+        Adders that follow the last adder of a row.
     """
     digits = [
         {(k, place): sign for k, weight in enumerate(row) for place, sign in signed_digits(weight)}
@@ -280,14 +282,14 @@ def shared(matrix: Matrix, levels: int, spare: int) -> ShiftAdd:
 def finished(
     matrix: Matrix, graph: Growing, rows: Sequence[dict[Term, int]], depth: int
 ) -> ShiftAdd:
-    """The graph with all terms of each row added up, cut, and with the constants of the rows."""
+    """The finished graph: the terms of each row added up, low bits dropped, constants put in."""
     place = matrix.place
     results, constants = [], []
     for row, bias in zip(rows, matrix.biases, strict=True):
         needed = bool(bias or place or not row)
         if not needed:
             term, sign = add_up(graph, list(row.items()), depth, place)
-            # What is inverted has to be corrected by 1.
+            # A constant is needed to add the 1 that inverting a number leaves out.
             needed = sign < 0
         if needed:
             constants.append(graph.constant(bias >> place))
@@ -303,7 +305,7 @@ def finished(
         for row, bias in zip(made.rows, matrix.biases, strict=True)
         if made.weights[row.node][-1]
     ]
-    # Those of the rows stand in their order.
+    # These constants come in the order of the rows.
     rest = iter(values)
     return replace(
         made,
@@ -312,13 +314,13 @@ def finished(
 
 
 def _constant(graph: ShiftAdd, row: Row, bias: int, place: int) -> int:
-    """What a row's constant must be for its mean to be that of the exact sum, cut at ``place``."""
+    """The constant with which a row's mean is that of the exact sum, cut at ``place``."""
     reach = graph.reaches[row.node]
     unit = graph.weights[row.node][-1] << row.shift
     twice = 2 * bias - ((1 << place) - 1)
     if row.minus:
-        # A number is negated by inverting its bits, which is one less.
+        # Hardware negates a number by inverting its bits, which gives one less.
         twice = -twice - (2 << (graph.lows[row.node] + row.shift))
     twice -= reach.twice_mean << row.shift
-    # Halves up.
+    # The quotient is rounded half up.
     return (twice + abs(unit)) // (2 * unit) if unit > 0 else -((twice + abs(unit)) // (-2 * unit))

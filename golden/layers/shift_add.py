@@ -1,8 +1,8 @@
 """Shifted adds: sums of products with constants as a graph of adders, without a multiplier.
 
-A node is an input, a constant, or the sum or difference of two nodes, one of them moved left. A
-row, one result of a matrix, is a node moved left, maybe negated. Nodes below the least place that
-anybody asks for are cut.
+A node is an input, a constant, or the sum or difference of two nodes, one of which is shifted left.
+A row, which is one result of a matrix, is a node shifted left, and negated where needed. Each node
+has only the low bits that somebody needs.
 """
 
 from __future__ import annotations
@@ -16,23 +16,24 @@ from golden.fixed import Codes, signed_width
 
 @dataclass(frozen=True)
 class Input:
-    """Number ``number`` of the inputs."""
+    """The input of this number."""
 
     number: int
 
 
 @dataclass(frozen=True)
 class Constant:
-    """A whole number."""
+    """A whole number as a node of its own."""
 
     value: int
 
 
 @dataclass(frozen=True)
 class Sum:
-    """``low + (high << shift)``, either of them negated but not both: two nodes by their places.
+    """``low + (high << shift)``; the operands are nodes' indices, and one of them may be negated.
 
-    A number is cheapest taken away as the high one: the low one's last bits then pass as they are.
+    It is cheapest to subtract the high operand, because the last bits of the low one then pass
+    unchanged.
     """
 
     low: int
@@ -47,7 +48,7 @@ Node = Input | Constant | Sum
 
 @dataclass(frozen=True)
 class Row:
-    """A result: a node moved left by ``shift``, negated where ``minus``."""
+    """A result: a node shifted left by ``shift``, and negated if ``minus`` is set."""
 
     node: int
     shift: int
@@ -56,9 +57,9 @@ class Row:
 
 @dataclass(frozen=True)
 class Alignment:
-    """What the hardware of a sum adds: ``low >> low_cut`` and ``(high >> high_cut) << move``.
+    """The operands that the hardware adds: ``low >> low_cut`` and ``(high >> high_cut) << move``.
 
-    One of ``high_cut`` and ``move`` is 0.
+    At least one of ``high_cut`` and ``move`` is 0.
     """
 
     low_cut: int
@@ -68,16 +69,16 @@ class Alignment:
 
 @dataclass(frozen=True)
 class Reach:
-    """What a node can be: its exact value, and by how much cutting can move it.
+    """The range of a node: that of its exact value, and that of the error of dropped bits.
 
     Attributes
     ----------
     least, most : int
-        Of the exact value, over all inputs.
+        Bounds of the exact value, over all inputs.
     below, above : int
-        The error of cutting lies between them.
+        Bounds of the error.
     twice_mean : int
-        Twice its mean when bits that are cut are as often 1 as 0.
+        Twice the mean error, if a dropped bit is 1 as often as 0.
     """
 
     least: int
@@ -89,16 +90,17 @@ class Reach:
 
 @dataclass(frozen=True)
 class ShiftAdd:
-    """A graph of shifted adds, cut.
+    """A graph of shifted adds in which low bits have been dropped.
 
     Parameters
     ----------
     low, high : int
-        The least and the largest input.
+        The least and the largest value of an input.
     nodes : tuple of Node
-        In an order in which a sum comes behind its operands.
+        All nodes; a sum comes after its operands.
     lows : tuple of int
-        Of each node the least place that is kept: it stands for its number times ``2**low``.
+        For each node the lowest place that is kept, so that a node's number stands for itself times
+        ``2**low``.
     rows : tuple of Row
     """
 
@@ -110,11 +112,11 @@ class ShiftAdd:
 
     @property
     def inputs(self) -> int:
-        """How many there are."""
+        """The number of inputs."""
         return sum(isinstance(node, Input) for node in self.nodes)
 
     def step(self, place: int) -> Alignment:
-        """How the sum at ``place`` is made of the numbers of its operands."""
+        """How the sum at index ``place`` is formed from the numbers of its operands."""
         node = self.nodes[place]
         assert isinstance(node, Sum)
         low = self.lows[place]
@@ -123,7 +125,7 @@ class ShiftAdd:
 
     @cached_property
     def levels(self) -> tuple[int, ...]:
-        """Of each node the adders on the longest way from an input."""
+        """For each node the number of adders on the longest path from an input."""
         found: list[int] = []
         for node in self.nodes:
             operands = (node.low, node.high) if isinstance(node, Sum) else ()
@@ -132,12 +134,12 @@ class ShiftAdd:
 
     @property
     def depth(self) -> int:
-        """Adders on the longest way to a row."""
+        """The number of adders on the longest path from an input to a row."""
         return max((self.levels[row.node] for row in self.rows), default=0)
 
     @cached_property
     def weights(self) -> tuple[tuple[int, ...], ...]:
-        """Of each node the exact product with each input, and the constant last."""
+        """For each node its exact factor of each input, and its constant at the end."""
         inputs = self.inputs
         found: list[tuple[int, ...]] = []
         for node in self.nodes:
@@ -154,7 +156,7 @@ class ShiftAdd:
 
     @cached_property
     def reaches(self) -> tuple[Reach, ...]:
-        """What each node can be."""
+        """The range of each node."""
         found: list[Reach] = []
         for place, node in enumerate(self.nodes):
             ends = [(w * self.low, w * self.high) for w in self.weights[place][:-1]]
@@ -181,7 +183,7 @@ class ShiftAdd:
 
     @cached_property
     def bounds(self) -> tuple[tuple[int, int], ...]:
-        """The least and the largest number that can stand at each node."""
+        """The least and the largest number that a node can hold, for each node."""
         return tuple(
             (-((-reach.least - reach.below) >> low), (reach.most + reach.above) >> low)
             for reach, low in zip(self.reaches, self.lows, strict=True)
@@ -194,7 +196,7 @@ class ShiftAdd:
 
     @property
     def adder_bits(self) -> int:
-        """Bits of all adders: of each, those above the places where one operand alone has bits."""
+        """Bits of all adders. Low bits where only one operand has bits need no adder."""
         return sum(
             max(0, self.widths[place] - (self.step(place).move if node.low_sign > 0 else 0))
             for place, node in enumerate(self.nodes)
@@ -202,7 +204,7 @@ class ShiftAdd:
         )
 
     def numbers(self, samples: Sequence[Codes] | Codes) -> list[Codes]:
-        """What stands at each node, for the values of each input: arrays or Python's integers."""
+        """The number at each node for given inputs, which are arrays or Python's integers."""
         found: list[Codes] = []
         for place, node in enumerate(self.nodes):
             if isinstance(node, Input):
@@ -220,7 +222,7 @@ class ShiftAdd:
 def cut_back(
     low: int, high: int, nodes: Sequence[Node], rows: Sequence[Row], least: int
 ) -> ShiftAdd:
-    """The graph with no bit that no row needs; ``least`` is the least place that is kept.
+    """The graph without the bits that no row needs, where ``least`` is the lowest place to keep.
 
     Nodes that no row uses are left out.
     """
@@ -237,7 +239,7 @@ def cut_back(
         if isinstance(node, Sum) and at is not None:
             need(node.low, at)
             need(node.high, at - node.shift)
-    # Inputs and constants stay whole: what is not needed of them is no wire.
+    # Inputs and constants keep all bits, because their unused bits cost no wires.
     kept = [n for n, node in enumerate(nodes) if needed[n] is not None or isinstance(node, Input)]
     places = {n: place for place, n in enumerate(kept)}
 
@@ -256,5 +258,5 @@ def cut_back(
 
 
 def clocks_of(graph: ShiftAdd, levels: int) -> tuple[int, ...]:
-    """How many registers stand before each node, with one every ``levels`` adders."""
+    """The number of registers before each node, with one after every ``levels`` adders."""
     return tuple(max(0, -(-level // levels) - 1) for level in graph.levels)

@@ -1,4 +1,4 @@
-"""What both layers share: the binary points of a sum of products."""
+"""What both layers share: a sum of products, and the binary points in it."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from golden.layers.closest import closest
 
 @dataclass(frozen=True)
 class WeightedSum(Block):
-    """Bias plus products of samples and weights, each product cut before it is added.
+    """Bias plus products of samples and weights; low bits of each product are dropped before.
 
     Parameters
     ----------
     in_fmt, coeff_fmt, out_fmt : Fix
         Formats of sample, weight and result.
     product_shift : int
-        Fraction bits cut (floor) from each product before it is added: 13 in ``thesis``
-        precision, 0 in ``exact``.
+        Fraction bits that are dropped (floor) from each product before it is added: 13 in
+        ``thesis`` precision, 0 in ``exact``.
 
     Raises
     ------
     InputError
-        When the sum has fewer fraction bits than the result or the bias needs.
+        When the sum would have fewer fraction bits than the result or the bias.
     """
 
     area = "layers"
@@ -53,23 +53,23 @@ class WeightedSum(Block):
 
     @property
     def bias_shift(self) -> int:
-        """Places by which the bias moves left to meet the sum's binary point."""
+        """Places by which the bias is shifted left, to the binary point of the sum."""
         return self.acc_frac - self.coeff_fmt.frac
 
     @property
     def out_shift(self) -> int:
-        """Fraction bits dropped at the end."""
+        """Number of fraction bits that are dropped from the sum to get the result."""
         return self.acc_frac - self.out_fmt.frac
 
     @property
     def ends(self) -> tuple[int, int]:
-        """The least sum whose result is not below ``out_fmt``, the least whose result is above."""
+        """The least sum whose result is not below ``out_fmt``, and the least with one above."""
         half = (1 << self.out_shift) >> 1
         low, high = self.out_fmt.low, self.out_fmt.high
         return (low << self.out_shift) - half, ((high + 1) << self.out_shift) - half
 
     def partial_sums(self, weights: ArrayLike, biases: ArrayLike) -> tuple[Codes, Codes]:
-        """Least and largest value of any partial sum, whatever the samples and their order.
+        """Least and largest value of any partial sum, for all samples in any order.
 
         Parameters
         ----------
@@ -83,14 +83,14 @@ class WeightedSum(Block):
         return least, most
 
     def _ends_of_terms(self, weights: ArrayLike) -> Codes:
-        """What each weight adds to a sum with the least and with the largest sample."""
+        """What each weight contributes to a sum for the least and for the largest sample."""
         column = np.asarray(weights, dtype=np.int64)[..., np.newaxis]
         samples: Codes = np.array([self.in_fmt.low, self.in_fmt.high], dtype=np.int64)
         products: Codes = column * samples
         return products >> self.product_shift
 
     def borders_of(self, quantity: str, row: Codes, bias: int, factor: int = 1) -> list[Border]:
-        """Where the result of a row of weights saturates; ``factor`` multiplies its sum."""
+        """The sums at which the result of a row saturates; ``factor`` multiplies the sum."""
         terms = self._ends_of_terms(row)
         start = bias << self.bias_shift
         least, most = (start + int(side.sum()) for side in (terms.min(axis=1), terms.max(axis=1)))
@@ -109,10 +109,10 @@ class WeightedSum(Block):
         return found
 
     def beside(self, row: Codes, bias: int, at: int) -> Codes:
-        """Samples whose sum is below ``at`` and samples whose sum is not, both close to it.
+        """Samples whose sum is below ``at``, and samples whose sum is not, both close to it.
 
-        Always the same two for the same row, so that a bench that drives them meets the border as
-        closely as ``borders_of`` says.
+        They are always the same two for the same row, so a bench that drives them comes as close to
+        the border as ``borders_of`` says.
 
         Returns
         -------
@@ -121,14 +121,14 @@ class WeightedSum(Block):
         Raises
         ------
         InputError
-            When the sums of the row do not reach both sides.
+            When the sums of the row do not lie on both sides of ``at``.
         """
         return _beside(self, tuple(int(weight) for weight in row), bias, at)
 
     def closest(
         self, row: Codes, start: int, target: int, above: bool, rng: np.random.Generator
     ) -> Codes | None:
-        """Samples whose sum is the closest to ``target``; see ``golden.layers.closest``."""
+        """Search samples whose sum is closest to ``target``; see ``golden.layers.closest``."""
         return closest(self.in_fmt, row, start, self.product_shift, target, above, rng)
 
     def sums(self, samples: Codes, weights: Codes, biases: Codes) -> Codes:
@@ -142,9 +142,10 @@ class WeightedSum(Block):
         """
         start = biases << self.bias_shift
         bound = np.abs(weights).sum(axis=1) * -self.in_fmt.low + np.abs(start)
-        # Processors multiply and shift 32 bits several at a time, 64 bits one by one.
+        # Processors multiply and shift several numbers of 32 bits at a time, but numbers of 64 bits
+        # one by one.
         number = np.int32 if bound.max() < 1 << 31 else np.int64
-        # Input by input, and frames last: what numpy does fastest.
+        # numpy is fastest input by input, with the frames along the last axis.
         columns = np.moveaxis(samples, -1, 0).astype(number, order="C")
         column = (slice(None), *(np.newaxis,) * (samples.ndim - 1))
         acc = np.empty((len(biases), *columns.shape[1:]), dtype=number)
@@ -165,7 +166,7 @@ def _beside(layer: WeightedSum, weights: tuple[int, ...], bias: int, at: int) ->
     found = []
     for target, above, end in ((at - 1, False, ends), (at, True, -1 - ends)):
         frame = layer.closest(row, start, target, above, np.random.default_rng(0))
-        # Where the search finds nothing, the sample's ends are on that side.
+        # Where the search finds nothing, the extreme samples are on that side.
         frame = end if frame is None else frame
         total = start + int(((row * frame) >> layer.product_shift).sum())
         if (total >= at) is not above:
@@ -177,5 +178,5 @@ def _beside(layer: WeightedSum, weights: tuple[int, ...], bias: int, at: int) ->
 
 
 def tree_depth(terms: int) -> int:
-    """Levels, hence clocks, of an adder tree with a register per level."""
+    """Levels of an adder tree, which are also its clocks, with a register after each level."""
     return (terms - 1).bit_length()

@@ -1,4 +1,4 @@
-"""Bytes of a serial line become frames, and what was wrong with the others is counted."""
+"""Turns the bytes of a serial line into frames, and counts what is wrong with other bytes."""
 
 from __future__ import annotations
 
@@ -18,28 +18,28 @@ from golden.link.packets import (
     kind_byte,
 )
 
-# Bytes that are kept back at most, until it is known what they are.
+# The most bytes that are held back until it is known what they are.
 MOST_WAITING = FRAME_HEADER + MOST_PAYLOAD + CHECK_BYTES
 _NUMBERS = 256
 _KIND = 0x0F
-# A packet of another kind that is seen once may be noise that happens to pass the check.
+# A packet of another kind that is seen only once may be noise that happens to pass the check.
 _SURE = 2
 
 
 @dataclass
 class Tally:
-    """What came over a line.
+    """Counts of what came over a line.
 
     Attributes
     ----------
     frames : int
     skipped : int
-        Bytes that are part of no packet, without those that may be the end of one that began
-        before anybody listened.
-    failed : int
-        Packets whose check failed; their bytes are among those that were skipped.
+        Bytes that belong to no packet. Not counted are those that may be the end of a packet that
+        began before the line was opened.
+        Packets whose check failed. Their bytes are also counted as skipped.
     missed : int
-        By how many the numbers of packets jumped; of a gap of 256 nothing is seen.
+        Packets that are missing according to the numbers of the others. A gap of 256 is not
+        noticed.
     others : Counter
         Sound packets of another version or length, by (version, bytes of the payload).
     """
@@ -54,7 +54,7 @@ class Tally:
         return replace(self, others=self.others.copy())
 
     def faults(self, before: Tally, layout: FrameLayout) -> dict[str, str]:
-        """A line for each kind of fault that there are more of than ``before``."""
+        """A line for each kind of fault that has occurred since the counts ``before``."""
         found = {}
         if count := self.skipped - before.skipped:
             found["skipped"] = (
@@ -69,8 +69,8 @@ class Tally:
                 continue
             if version != VERSION:
                 found[f"version {version}"] = (
-                    f"packets are of version {version} of the protocol, expected {VERSION}: board "
-                    "and tactus are not of one age"
+                    f"packets are of version {version} of the protocol, expected {VERSION}: the "
+                    "board and tactus are of different versions"
                 )
             else:
                 found[f"length {length}"] = (
@@ -81,13 +81,14 @@ class Tally:
 
 
 class Decoder:
-    """Finds the packets of an instrument in what a serial line brings, whatever is between them.
+    """Finds an instrument's packets in the bytes of a serial line, whatever is between them.
 
-    A packet begins wherever a SYNC is followed by the kind of a frame. Where its check fails only
-    that SYNC is skipped, and the search goes on at the next byte: so no whole packet behind garbage
-    is lost, unless noise passes for a packet, one in 65536 of those that begin like one; such a one
-    may hide as many packets as begin in ``MOST_WAITING`` bytes. What begins like a packet keeps
-    those behind it waiting until its bytes are there, ``MOST_WAITING`` at most.
+    A packet begins wherever SYNC is followed by the kind byte of a frame. If its check fails, only
+    this SYNC is skipped, and the search continues at the next byte. So no whole packet behind
+    garbage is lost, unless noise passes for a packet: this happens to one in 65536 places that
+    begin like a packet, and it can hide all packets that begin within ``MOST_WAITING`` bytes. Bytes
+    that begin like a packet hold back the packets behind them until all their bytes have come, at
+    most ``MOST_WAITING``.
 
     Parameters
     ----------
@@ -103,11 +104,11 @@ class Decoder:
         self.tally = Tally()
         self._kept = bytearray()
         self._number: int | None = None
-        # Who begins to listen hears the end of a packet first: that is no fault.
+        # Whoever opens a line first hears the end of a packet, which is no fault.
         self._joining = layout.packet_bytes - 1
 
     def feed(self, data: bytes) -> list[Frame]:
-        """The frames that end in ``data``, in their order."""
+        """The frames that are completed by ``data``, in their order."""
         kept, tally = self._kept, self.tally
         kept += data
         frames: list[Frame] = []
@@ -140,7 +141,7 @@ class Decoder:
         return frames
 
     def restart(self) -> None:
-        """The line was cut: what was half read is dropped, and any number may come next."""
+        """Start anew after the line was cut: drop half a packet, and allow any number next."""
         self._skip(len(self._kept))
         self._kept.clear()
         self._number = None

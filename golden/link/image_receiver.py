@@ -1,4 +1,4 @@
-"""image_receiver: packets become the bytes of an image, as an engine takes them."""
+"""image_receiver: turns packets into the bytes of an image for an engine."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from golden.input_error import InputError
 from golden.link.packets import IMAGE, SYNC, kind_byte
 from golden.port import CLOCKED, Port, Unsigned, given, taken
 
-# What a byte is in a packet: what ends the wait, the kind, two of the length, one of the image.
+# The states of a packet: waiting for SYNC, the kind, two bytes of the length, and the image.
 PLACES = 5
 
 
 @dataclass(frozen=True)
 class Loaded:
-    """What stands on the outputs in each clock.
+    """The outputs in each clock, and what the block holds.
 
     Attributes
     ----------
     load_valid, load_last : bool array
     load_data : int64 array
-        0 in a clock without ``load_valid``; so is ``load_last``.
+        0 in a clock without ``load_valid``, as ``load_last`` is too.
     place : int64 array
-        What a byte of this clock would be, of ``PLACES``.
+        The state in which a byte of this clock would be read, from 0 to ``PLACES`` - 1.
     stored : int64 array
-        Bytes that are kept.
+        The number of bytes that are stored.
     """
 
     load_valid: NDArray[np.bool_]
@@ -45,16 +45,17 @@ class Loaded:
 class ImageReceiver(Block):
     """Finds the packets of images among bytes (ours; see ``golden.link.packets``).
 
-    A byte SYNC and one of version and kind begin a packet; with another version or kind, or a
-    length of 0, there is none. When no byte comes for ``idle_clocks`` inside an image, it ends with
-    a byte 0 more, which fails its check; before its first byte the packet is forgotten.
+    A packet begins with a byte SYNC and a byte of version and kind. With another version or kind,
+    or a length of 0, there is no packet. When no byte comes for ``idle_clocks`` inside an image,
+    the image is ended with a further byte 0, so that its check fails. If this happens before the
+    image's first byte, the packet is dropped.
 
     Parameters
     ----------
     idle_clocks : int
-        Clocks without a byte that end a packet.
+        Clocks without a byte after which a packet ends.
     depth : int
-        Bytes that come while the engine computes, at most; so many are kept.
+        Number of bytes that can be stored: the most that come while the engine computes.
 
     Raises
     ------
@@ -99,13 +100,13 @@ class ImageReceiver(Block):
 
     @property
     def latency(self) -> int:
-        """From a byte of an image to the same byte, where nothing waits."""
+        """Clocks from a byte of an image to the same byte at the output, if none waits."""
         return 1
 
     def process(
         self, in_valid: ArrayLike, in_data: ArrayLike, load_ready: ArrayLike, reset: ArrayLike
     ) -> Loaded:
-        """What happens in each clock; all arrays have one element a clock."""
+        """The outputs in each clock; all arrays have one element for each clock."""
         columns = [np.asarray(c).tolist() for c in (in_valid, in_data, load_ready, reset)]
         count = len(columns[0])
         valid, last = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
@@ -138,7 +139,7 @@ class ImageReceiver(Block):
 
     @staticmethod
     def _header(place: int, length: int, byte: int) -> tuple[int, int]:
-        """The place behind a byte, and the length as far as it is known."""
+        """The state after a byte, and as much of the length as is known."""
         if place == 0:
             return int(byte == SYNC), 0
         if place == 1:

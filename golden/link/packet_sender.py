@@ -1,4 +1,4 @@
-"""packet_sender: what an instrument shows becomes packets, byte after byte."""
+"""packet_sender: sends an instrument's samples and outputs as packets, byte by byte."""
 
 from __future__ import annotations
 
@@ -16,25 +16,25 @@ from golden.link.packets import COUNT_BYTES, FLAGS, Frame, FrameLayout
 from golden.port import CLOCKED, Port, Unsigned, given, taken
 from golden.precision import SIGNAL
 
-# A point's number has a byte.
+# The number of a point has one byte.
 MOST_POINTS = 256
-# A counter reaches no more, see docs/new-block.md.
+# A counter cannot go higher; see docs/new-block.md.
 MOST_PATIENCE = 1 << 30
 
 
 @dataclass(frozen=True)
 class Sending:
-    """What stands on the outputs in each clock, and what is sent.
+    """The outputs in each clock, and the packets that are sent.
 
     Attributes
     ----------
     out_valid : bool array
     out_data : int64 array
-        The byte in a clock of ``out_valid``, 0 in others.
+        The byte in clocks in which ``out_valid`` is high; 0 in the others.
     begins : list of int
         The clocks in which packets begin.
     frames : list of Frame
-        What these say.
+        The contents of these packets.
     """
 
     out_valid: NDArray[np.bool_]
@@ -45,22 +45,23 @@ class Sending:
 
 @dataclass(frozen=True)
 class PacketSender(Block):
-    """Frames of an instrument as packets (ours; see ``golden.link.packets``).
+    """Sends the frames of an instrument as packets (ours; see ``golden.link.packets``).
 
-    A frame is whole with its last output. If the line is free then, a packet says what there is; if
-    not, the frame is counted and not sent. A packet goes as well when the line has been free for
-    ``patience`` clocks, with the newest samples and the outputs that are held: while the converter
-    is missing, or an image.
+    A frame is complete with its last output. If the line is free then, a packet with the frame is
+    sent; otherwise the frame is only counted. A packet is also sent when the line has been free for
+    ``patience`` clocks. It carries the newest samples and the outputs that are held, and is what a
+    computer sees while the converter or an image is missing.
 
     Parameters
     ----------
     inputs, outputs : int
-        Codes of a packet. Elements of a frame beyond them are not sent.
+        Number of codes in a packet. Elements of a frame beyond them are not sent.
     points : int
-        Of the profile; 0 where none is drawn. Each packet carries the next of them.
+        Number of points of the profile; 0 where none is drawn. Each packet carries the next point.
     reload : bool
-        Whether frames can be refused, and images and bytes of the line be wrong.
+        Whether frames can be refused, and whether images and bytes of the line can be wrong.
     patience : int
+        Clocks without a packet after which one is sent.
 
     Raises
     ------
@@ -94,7 +95,7 @@ class PacketSender(Block):
 
     @property
     def ports(self) -> tuple[Port, ...]:
-        told = (
+        errors = (
             taken("frame_error", "a frame is refused in this clock"),
             taken("image_error", "the last image was not valid"),
             taken("line_error", "a byte without a stop bit came; high for one clock"),
@@ -114,7 +115,7 @@ class PacketSender(Block):
             taken("result_data", "output y", SIGNAL),
             taken("result_last", "the output is the last of the frame"),
             taken("converter_error", "no frame leaves the reader"),
-            *(told if self.reload else ()),
+            *(errors if self.reload else ()),
             *(drawn if self.points else ()),
             taken("out_ready", "a byte is taken in this clock"),
             given("out_valid", "`out_data` holds a byte, until it is taken"),
@@ -131,41 +132,42 @@ class PacketSender(Block):
 
     @property
     def latency(self) -> int:
-        """From the last output of a frame to the first byte."""
+        """Clocks from the last output of a frame to the first byte."""
         return 2
 
     @property
     def interval(self) -> int:
-        """From one packet's begin to the next, where each byte is taken at once."""
+        """Clocks from the beginning of a packet to the next, if each byte is accepted at once."""
         return self.layout.packet_bytes + 1
 
     def process(
         self, columns: Mapping[str, ArrayLike], reset: ArrayLike, byte_clocks: int = 0
     ) -> Sending:
-        """What happens in each clock.
+        """Compute what the block does in each clock.
 
         Parameters
         ----------
         columns : mapping
-            By the name of each input but clock and reset, one element a clock. Data matter in
-            clocks of their ``valid`` alone.
+            For the name of each input except clock and reset, one element per clock. Data are used
+            only in clocks in which their ``valid`` is high.
         reset : array_like
         byte_clocks : int
-            Of a transmitter that takes the bytes, instead of a column ``out_ready``.
+            Clocks per byte of a transmitter that accepts the bytes; it replaces the column
+            ``out_ready``.
         """
         names = [p.name for p in self.ports if p.direction == "in" and p not in CLOCKED]
         if byte_clocks:
             names.remove("out_ready")
-        given_ = [np.asarray(columns[name]).tolist() for name in names]
+        inputs = [np.asarray(columns[name]).tolist() for name in names]
         clears = np.asarray(reset).tolist()
         count = len(clears)
         valid, data = np.zeros(count, dtype=bool), np.zeros(count, dtype=np.int64)
         begins: list[int] = []
         frames: list[Frame] = []
-        # With a transmitter, the first clock in which it takes a byte.
+        # With a transmitter: the first clock in which it accepts the next byte.
         state, free = _State(self), 0
         for t in range(count):
-            now = dict(zip(names, (column[t] for column in given_), strict=True))
+            now = dict(zip(names, (column[t] for column in inputs), strict=True))
             if byte_clocks:
                 now["out_ready"] = int(t >= free)
             if state.packet:
@@ -181,7 +183,7 @@ class PacketSender(Block):
 
 
 class _State:
-    """What the block holds from clock to clock."""
+    """The state that the block holds from clock to clock."""
 
     def __init__(self, twin: PacketSender) -> None:
         self.twin = twin
@@ -189,7 +191,8 @@ class _State:
         self.outputs = [0] * twin.outputs
         self.at = {"sample": 0, "result": 0, "profile": 0}
         self.point, self.wanted = (0, 0, 0), 0
-        # Flags since the packet before, and a frame refused since the frame before.
+        # The flags that were set since the packet before, and whether a frame was refused since the
+        # frame before.
         self.since = dict.fromkeys(FLAGS[1:], False)
         self.refused = False
         self.number = self.count = self.waited = 0
@@ -197,7 +200,7 @@ class _State:
         self.packet = b""
 
     def step(self, now: dict[str, int]) -> Frame | None:
-        """One clock; gives the frame of a packet that begins in it."""
+        """Advance by one clock; returns the frame of a packet that begins in it, or None."""
         for name in self.since:
             self.since[name] |= bool(now.get(name))
         ready, wanted = bool(now["out_ready"]), self.wanted
@@ -224,8 +227,8 @@ class _State:
         return frame
 
     def _frame(self, now: dict[str, int]) -> Frame:
-        told = self.since | {"frame_error": self.since["frame_error"] or self.refused}
-        flags = {"converter_error": bool(now["converter_error"])} | told
+        reported = self.since | {"frame_error": self.since["frame_error"] or self.refused}
+        flags = {"converter_error": bool(now["converter_error"])} | reported
         return Frame(
             self.number,
             tuple(name for name in FLAGS if flags[name]),
@@ -236,7 +239,7 @@ class _State:
         )
 
     def _catch(self, now: dict[str, int], name: str, words: list[int]) -> bool:
-        """Keep an element of a stream; says whether it is the last of a frame."""
+        """Store an element of a stream; returns whether it is the last of a frame."""
         if not now[f"{name}_valid"]:
             return False
         place, last = self.at[name], bool(now[f"{name}_last"])

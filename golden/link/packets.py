@@ -1,16 +1,16 @@
-"""What goes over the serial line of an instrument: frames to a computer, images to the board.
+"""The packets on an instrument's serial line: frames to a computer, images to the board.
 
-A packet begins with SYNC, a byte of version and kind, and the bytes that its payload has. All
-numbers have their highest byte first.
+A packet begins with SYNC, a byte of version and kind, and the number of bytes of its payload. All
+numbers are sent with their highest byte first.
 
     frame:  SYNC, VERSION FRAME, length (1 byte), number (1 byte), payload, check (2 bytes)
     image:  SYNC, VERSION IMAGE, length (2 bytes), the bytes of the image
 
-The payload of a frame is a byte of flags, how many frames the network has computed (16 bits), the
-samples, the outputs and, where a profile is drawn, one of its points: its number (1 byte), i_p and
-f(i_p). Codes are two's complement of 16 bits. The check is CRC-16 with the polynomial
-x^16 + x^12 + x^5 + 1 from CHECK_PRESET on, over everything between SYNC and itself. An image has a
-check of its own (``golden.engine.image``).
+The payload of a frame consists of a byte of flags, the number of frames that the network has
+computed (16 bits), the samples, the outputs and, where a profile is drawn, one of its points: its
+number (1 byte), i_p and f(i_p). Codes are two's complement of 16 bits. The check is CRC-16 with the
+polynomial x^16 + x^12 + x^5 + 1, starting from CHECK_PRESET, over everything between SYNC and the
+check. An image has its own check (``golden.engine.image``).
 """
 
 from __future__ import annotations
@@ -28,7 +28,8 @@ CHECK_PRESET = 0xFFFF
 CHECK_BYTES = 2
 CODE_BYTES = 2
 COUNT_BYTES = 2
-# Bits of the byte of flags. The first is now, the others are since the packet before.
+# The bits of the byte of flags. The first one is the present state; the others say what has
+# happened since the packet before.
 FLAGS = ("converter_error", "frame_error", "image_error", "line_error")
 FRAME_HEADER = 4
 MOST_PAYLOAD = 255
@@ -45,18 +46,18 @@ def check_of(data: bytes) -> int:
 
 @dataclass(frozen=True)
 class Frame:
-    """What one packet says.
+    """The contents of one packet.
 
     Attributes
     ----------
     number : int
-        Of the packet, modulo 256.
+        Number of the packet, modulo 256.
     flags : tuple of str
-        Those of FLAGS that are set.
+        The FLAGS that are set.
     count : int
-        Frames that the network has computed, modulo 65536.
+        Number of frames that the network has computed, modulo 65536.
     samples, outputs : tuple of int
-        Codes.
+        The values as codes.
     point : tuple of int or None
         Number, i_p and f(i_p) of a point of the profile.
     """
@@ -71,18 +72,18 @@ class Frame:
 
 @dataclass(frozen=True)
 class FrameLayout:
-    """Where everything stands in the packets of an instrument.
+    """The positions of all values in the packets of an instrument.
 
     Parameters
     ----------
     inputs, outputs : int
     drawn : bool
-        Whether it draws a profile.
+        Whether the instrument draws a profile.
 
     Raises
     ------
     InputError
-        When the payload is too long for its length.
+        When the payload is longer than its byte of length can say.
     """
 
     inputs: int
@@ -106,7 +107,7 @@ class FrameLayout:
         return FRAME_HEADER + self.payload_bytes + CHECK_BYTES
 
     def to_bytes(self, frame: Frame) -> bytes:
-        """A packet as it is sent."""
+        """The bytes of a packet, as they are sent."""
         payload = bytearray([sum(1 << FLAGS.index(name) for name in frame.flags)])
         payload += frame.count.to_bytes(COUNT_BYTES, "big")
         payload += b"".join(map(_code, (*frame.samples, *frame.outputs)))
@@ -118,7 +119,7 @@ class FrameLayout:
         return bytes([SYNC]) + body + check_of(body).to_bytes(CHECK_BYTES, "big")
 
     def from_payload(self, number: int, payload: bytes) -> Frame:
-        """The frame in a payload of ``payload_bytes``."""
+        """The frame in a payload, which must have ``payload_bytes`` bytes."""
         flags = tuple(name for bit, name in enumerate(FLAGS) if payload[0] >> bit & 1)
         at = 1 + COUNT_BYTES
         count = int.from_bytes(payload[1:at], "big")
@@ -144,7 +145,7 @@ def image_packet(image: bytes) -> bytes:
     Raises
     ------
     InputError
-        When it is longer than the length can say.
+        When the image is longer than its two bytes of length can say.
     """
     if not 1 <= len(image) <= MOST_IMAGE:
         raise InputError(f"image: got {len(image)} bytes, expected 1 to {MOST_IMAGE}")

@@ -1,4 +1,4 @@
-"""uart_receiver: bits on a line become bytes."""
+"""uart_receiver: turns the bits on a line into bytes."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 @dataclass(frozen=True)
 class Received:
-    """What stands on the outputs in each clock.
+    """The outputs in each clock.
 
     Attributes
     ----------
     out_valid, line_error : bool array
     out_data : int64 array
-        The byte in a clock of ``out_valid``, 0 in others.
+        The byte in clocks in which ``out_valid`` is high; 0 in the others.
     """
 
     out_valid: NDArray[np.bool_]
@@ -32,16 +32,16 @@ class Received:
 
 @dataclass(frozen=True)
 class UartReceiver(Block):
-    """The bytes of a line: start bit, eight bits from the lowest, stop bit (ours).
+    """Receives bytes: a start bit, eight bits from the lowest, and a stop bit (ours).
 
-    A fall of the line begins a byte if the line is 0 half a bit later, too. Each further bit is
-    read in its middle. Where the stop bit is 0 there is no byte, but an error, and the next byte
-    begins with the next fall.
+    A fall of the line begins a byte if the line is still 0 half a bit later. Each further bit is
+    read in its middle. If the stop bit is 0, the byte is dropped and an error is raised; the next
+    byte begins with the next fall.
 
     Parameters
     ----------
     divisor : int
-        Clocks of a bit.
+        Number of clocks of a bit.
 
     Raises
     ------
@@ -51,8 +51,9 @@ class UartReceiver(Block):
     Notes
     -----
     The stop bit is read ``9 * divisor + divisor // 2`` clocks after the first clock of the start
-    bit, and at most one clock later than that after its edge: the sender's bit may be 2.5 % shorter
-    or 5.5 % longer with a divisor of 4, 4.8 % and 5.5 % with 25 (tests/test_link.py).
+    bit, and at most one clock later than that after the edge of the start bit. So the sender's bit
+    may be 2.5 % shorter or 5.5 % longer with a divisor of 4, and 4.8 % or 5.5 % with 25
+    (tests/test_link.py).
     """
 
     block = "uart_receiver"
@@ -78,31 +79,32 @@ class UartReceiver(Block):
 
     @property
     def synchroniser(self) -> int:
-        """Registers that the line goes through first."""
+        """Number of registers that the line passes first."""
         return 2
 
     @property
     def stop_clocks(self) -> int:
-        """From the first clock of the start bit to that in which the stop bit is read."""
+        """Clocks from the first clock of the start bit to that in which the stop bit is read."""
         return (BYTE_BITS - 1) * self.divisor + self.divisor // 2
 
     @property
     def latency(self) -> int:
-        """From the first clock of the start bit on ``rx`` to the byte."""
+        """Clocks from the first clock of the start bit on ``rx`` to the byte."""
         return self.synchroniser + self.stop_clocks + 1
 
     @property
     def interval(self) -> int:
-        """A start bit may come as soon as the stop bit is read."""
+        """Clocks from one start bit to the next, which may come once the stop bit is read."""
         return self.stop_clocks + 1
 
     def process(self, rx: ArrayLike, reset: ArrayLike) -> Received:
-        """What happens in each clock; all arrays have one element a clock."""
+        """The outputs in each clock; all arrays have one element for each clock."""
         line, clears = np.asarray(rx).tolist(), np.asarray(reset).tolist()
         count = len(line)
         valid, error = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
         data = np.zeros(count, dtype=np.int64)
-        # What the line was, after the registers and one clock before; the clock of the start bit.
+        # The levels of the line in the registers, its level one clock before, and the clock in
+        # which the start bit began.
         late, before, began = [1] * self.synchroniser, 1, -1
         bits: list[int] = []
         for t in range(count):

@@ -1,4 +1,4 @@
-"""uart_transmitter: bytes become bits on a line."""
+"""uart_transmitter: turns bytes into bits on a line."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.port import CLOCKED, Port, Unsigned, given, taken
 
-# Start bit, eight bits from the lowest, stop bit.
+# A byte has a start bit, eight bits from the lowest on, and a stop bit.
 BYTE_BITS = 10
 LEAST_DIVISOR = 4
 
 
 def check_divisor(entity: str, divisor: int) -> None:
-    """Refuse fewer clocks in a bit than a receiver needs to find its middle.
+    """Refuse a bit of fewer clocks than a receiver needs to find its middle.
 
     Raises
     ------
@@ -30,18 +30,18 @@ def check_divisor(entity: str, divisor: int) -> None:
 
 
 def bits_of(byte: int) -> tuple[int, ...]:
-    """What stands on the line for a byte, bit after bit."""
+    """The levels of the line for a byte, bit by bit."""
     return (0, *(byte >> n & 1 for n in range(8)), 1)
 
 
 @dataclass(frozen=True)
 class UartTransmitter(Block):
-    """Bytes as start bit, eight bits from the lowest, stop bit; the line is 1 between them (ours).
+    """Sends a byte as start bit, eight bits from the lowest, stop bit; between bytes 1 (ours).
 
     Parameters
     ----------
     divisor : int
-        Clocks of a bit.
+        Number of clocks of a bit.
 
     Raises
     ------
@@ -72,7 +72,7 @@ class UartTransmitter(Block):
 
     @property
     def latency(self) -> int:
-        """From the clock in which a byte is taken to its start bit."""
+        """Clocks from the clock in which a byte is accepted to its start bit."""
         return 1
 
     @property
@@ -82,16 +82,16 @@ class UartTransmitter(Block):
     def process(
         self, in_valid: ArrayLike, in_data: ArrayLike, reset: ArrayLike
     ) -> tuple[NDArray[np.bool_], Codes]:
-        """``in_ready`` and ``tx`` in each clock; all arrays have one element a clock."""
+        """``in_ready`` and ``tx`` in each clock; all arrays have one element for each clock."""
         columns = [np.asarray(column).tolist() for column in (in_valid, in_data, reset)]
         count = len(columns[0])
         ready, tx = np.ones(count, dtype=bool), np.ones(count, dtype=np.int64)
-        # The first clock in which a byte is taken.
+        # The first clock in which the next byte is accepted.
         free = 0
         for t, (valid, data, clears) in enumerate(zip(*columns, strict=True)):
             ready[t] = t >= free
             if clears:
-                # What is on its way stops.
+                # A reset stops the byte that is being sent.
                 tx[t + 1 :], free = 1, t + 1
             elif valid and ready[t]:
                 sent = np.repeat(bits_of(data), self.divisor)[: count - t - 1]

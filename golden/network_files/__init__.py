@@ -1,1 +1,1 @@
-"""Trained networks on disk."""
+"""Reads and writes trained networks."""

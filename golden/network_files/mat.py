@@ -1,4 +1,4 @@
-"""Networks as MATLAB files with the fields of Netlab, as the thesis' Appendix 5 loads them."""
+"""Networks as MATLAB files with the fields of Netlab, as Appendix 5 of the thesis loads them."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ from golden.mlp import Mlp
 from golden.network_files.numbers import real_numbers
 from golden.real import Real
 
-# Netlab keeps samples in rows: w1 is inputs x hidden, b1 is 1 x hidden.
+# Netlab stores samples in rows, so w1 is inputs x hidden, and b1 is 1 x hidden.
 TRANSPOSED = ("w1", "w2")
 VARIABLE = "network"
 FIELDS = ("w1", "b1", "w2", "b2")
 
 
 def read(path: Path) -> dict[str, Real]:
-    """The arrays of the one structure in the file that has the fields w1, b1, w2 and b2.
+    """The arrays of the only structure in the file that has the fields w1, b1, w2 and b2.
 
     The structure may have any name; the fields may also be variables of the file itself.
 
     Raises
     ------
     InputError
-        When the file is no MATLAB file up to version 7, or holds no such fields or several.
+        When the file is no MATLAB file up to version 7, or has no such structure or several.
     """
     with reading(path, "a MATLAB file up to version 7"):
         variables = loadmat(path, squeeze_me=False, struct_as_record=False)
@@ -51,7 +51,7 @@ def read(path: Path) -> dict[str, Real]:
 
 
 def _fields(value: Any) -> dict[str, Any] | None:
-    """The four fields of a 1 x 1 structure, or None."""
+    """The four fields of a 1 x 1 structure; None for anything else."""
     if not isinstance(value, np.ndarray) or value.size != 1 or value.dtype != object:
         return None
     structure = value.ravel()[0]

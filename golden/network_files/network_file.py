@@ -1,7 +1,8 @@
-"""Trained networks on disk.
+"""Reads and writes trained networks.
 
-The project's own form is an NPZ of w1, b1, w2 and b2 with its provenance beside it as TOML;
-networks trained elsewhere come as Netlab-style .mat or as .onnx. A scene can name any of the three.
+The project's own format is an NPZ file of w1, b1, w2 and b2, with its provenance beside it as TOML.
+Networks trained elsewhere come as .mat in the style of Netlab or as .onnx. A scene can name files
+of all three formats.
 """
 
 from __future__ import annotations
@@ -30,18 +31,18 @@ from golden.table import suggest
 
 NAMES = ("w1", "b1", "w2", "b2")
 
-# A form's module is imported when a file asks for it: those of .mat and .onnx take half a second,
-# and every bench reads a scene at its start.
+# The module of a format is imported only when a file needs it. Those for .mat and .onnx take half a
+# second to import, and every bench reads a scene when it starts.
 FORMS = {f".{form}": f"golden.network_files.{form}" for form in ("npz", "mat", "onnx")}
 
 
 def provenance_path(path: Path) -> Path:
-    """Where the provenance of the network at ``path`` stands."""
+    """The path of the provenance of the network at ``path``."""
     return path.with_suffix(".provenance.toml")
 
 
 def read_provenance(path: Path) -> dict[str, Any] | None:
-    """What stands beside the network at ``path``; None where nothing does.
+    """The provenance beside the network at ``path``; None if there is none.
 
     Raises
     ------
@@ -58,22 +59,22 @@ def read_provenance(path: Path) -> dict[str, Any] | None:
 
 
 def load_network(path: Path, shape: tuple[int, int, int]) -> Mlp:
-    """The network at ``path``.
+    """Load the network at ``path``.
 
     Parameters
     ----------
     path : Path
     shape : tuple of int
-        Inputs, hidden nodes and outputs that the network must have; 0 hidden nodes take as many
-        as it has.
+        Inputs, hidden nodes and outputs that the network must have. With 0 hidden nodes, any number
+        is accepted.
 
     Raises
     ------
     MissingFileError
-        When there is no such file; the message says how to train one.
+        When there is no such file. The message says how to train one.
     InputError
-        When the file's ending or contents are none of the three forms, an array is missing, has
-        another shape than expected, or holds NaN; the message names file and array.
+        When the file's ending or contents are none of the three formats, or when an array is
+        missing, has another shape than expected, or holds NaN. The message names file and array.
     """
     form = _form(path)
     check_file(path, "no such network; make train SCENE=... writes it")
@@ -95,7 +96,7 @@ def load_network(path: Path, shape: tuple[int, int, int]) -> Mlp:
         arrays[name] = found[name]
     for name, array in arrays.items():
         if array.shape != expected[name]:
-            # As the file has it.
+            # The message shows the shapes as they are in the file.
             way = -1 if name in form.TRANSPOSED else 1
             hint = "; it is transposed" if array.T.shape == expected[name] else ""
             raise InputError(
@@ -108,7 +109,7 @@ def load_network(path: Path, shape: tuple[int, int, int]) -> Mlp:
 
 
 def _form(path: Path) -> ModuleType:
-    """The module that reads and writes files of this ending."""
+    """The module that reads and writes files with this ending."""
     if path.suffix not in FORMS:
         known = list(FORMS)
         raise InputError(
@@ -119,7 +120,7 @@ def _form(path: Path) -> ModuleType:
 
 
 def write_network(path: Path, mlp: Mlp) -> None:
-    """Write the network in the form that the file's ending asks for; whole or not at all.
+    """Write the network in the format of the file's ending, completely or not at all.
 
     Raises
     ------
@@ -137,7 +138,7 @@ def check_target(path: Path) -> None:
     Raises
     ------
     InputError
-        For one that cannot be written, and for another ending.
+        For a path that cannot be written, and for an unknown ending.
     """
     _form(path)
     check_writable([path])
@@ -149,8 +150,8 @@ def check_targets(paths: Sequence[Path]) -> None:
     Raises
     ------
     InputError
-        For one that cannot be written, another ending than ``write_network`` knows, and two
-        networks with one file.
+        For a path that cannot be written, for an ending that ``write_network`` does not know, and
+        for two networks with the same file.
     """
     files = [file for path in paths for file in _files(path)]
     for i, file in enumerate(files):
@@ -165,17 +166,17 @@ def _files(path: Path) -> tuple[Path, Path]:
     return path, provenance_path(path)
 
 
-# Texts, numbers and tables of these.
+# Values are texts, numbers, and tables of these.
 Provenance = Mapping[str, Any]
 
 
 def save_networks(networks: Sequence[tuple[Path, Mlp, Provenance]]) -> None:
-    """Write networks and the provenance of each: all of them, or none.
+    """Write networks and the provenance of each, either all of them or none.
 
     Raises
     ------
     InputError
-        When one of the files cannot be written; then all are what they were.
+        When one of the files cannot be written; then all files are as they were before.
     """
     with replace_files([file for path, *_ in networks for file in _files(path)]) as temporaries:
         for number, (path, mlp, provenance) in enumerate(networks):
@@ -191,8 +192,9 @@ def save_network(path: Path, mlp: Mlp, provenance: Provenance) -> None:
 
 
 def _toml(value: Any) -> str:
-    """A text, a number or a table of these as TOML writes it on one line."""
+    """The value on one line of TOML: a text, a number or a table of these."""
     if isinstance(value, dict):
         return "{ " + ", ".join(f"{_toml(k)} = {_toml(v)}" for k, v in value.items()) + " }"
-    # A text of JSON is one of TOML, but for the one control character that JSON leaves as it is.
+    # A JSON text is a TOML text too, except for the one control character that JSON does not
+    # escape.
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -1,4 +1,4 @@
-"""Networks as NPZ files without pickle, the project's own form."""
+"""Networks as NPZ files without pickle, which is the project's own format."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from golden.mlp import Mlp
 from golden.network_files.numbers import real_numbers
 from golden.real import Real
 
-# Of the weights, nodes stand in rows.
+# In this format, the rows of a weight matrix are nodes.
 TRANSPOSED = ()
 
 
 def read(path: Path) -> dict[str, Real]:
-    """Every array of an NPZ file, as float64.
+    """Read every array of an NPZ file as float64.
 
     Raises
     ------
@@ -33,5 +33,5 @@ def read(path: Path) -> dict[str, Real]:
 
 
 def write(path: Path, mlp: Mlp) -> None:
-    """Write the four arrays."""
+    """Write the four arrays of a network."""
     np.savez(path, w1=mlp.w1, b1=mlp.b1, w2=mlp.w2, b2=mlp.b2)

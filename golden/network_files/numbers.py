@@ -1,4 +1,4 @@
-"""What stands in a file as an array of real numbers, whichever form the file has."""
+"""Turns the contents of a file into arrays of real numbers, for all formats."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from golden.real import Real
 
 
 def real_numbers(path: Path, name: str, value: Any) -> Real:
-    """An array as float64.
+    """Turn an array into float64.
 
     Raises
     ------

@@ -1,7 +1,7 @@
 """Networks as ONNX graphs: a chain of two linear layers with tanh between them.
 
-What scales values one by one - samples, hidden nodes or outputs - is folded into the layer that
-follows, or into the one before.
+Operators that scale each value by itself (samples, hidden nodes or outputs) are folded into the
+layer that follows, or into the one before.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from golden.mlp import Mlp, shifted
 from golden.network_files.numbers import real_numbers
 from golden.real import Real
 
-# Whichever way they stand in the file, weights are told as of nodes in rows.
+# Whatever their order in the file, weights are described with nodes in rows.
 TRANSPOSED = ()
 LINEAR = ("Gemm", "MatMul")
 ELEMENTWISE = ("Add", "Sub", "Mul", "Div", "Scaler")
-# Each with the numbers of inputs that it may have.
+# For each operator, the numbers of inputs that it may have.
 OPERATORS = {
     "Gemm": (2, 3),
     "MatMul": (2,),
@@ -37,7 +37,7 @@ OPERATORS = {
     "Identity": (1,),
     "Reshape": (2,),
 }
-# Each with the field that holds its value, and the type that says so.
+# For each attribute, the field that holds its value, and the type that it must have.
 ATTRIBUTES = {
     "alpha": ("f", AttributeProto.FLOAT),
     "beta": ("f", AttributeProto.FLOAT),
@@ -46,33 +46,33 @@ ATTRIBUTES = {
     "offset": ("floats", AttributeProto.FLOATS),
     "scale": ("floats", AttributeProto.FLOATS),
 }
-# Old enough for every runtime in use, new enough for every operator used.
+# These are old enough for every runtime in use, and new enough for every operator used here.
 OPSET, IR_VERSION = 13, 7
 
 
 class _Chain:
-    """The layers found so far, walking the graph from its input."""
+    """The layers found so far, from the graph's input onwards."""
 
     def __init__(self, path: Path, output: str):
         self.path = path
         self.output = output
         self.layers: list[dict[str, Real]] = []
         self.tanh_after: list[int] = []
-        # What stands before a layer: value by value, factor * x + shift.
+        # The values before the next layer are factor * x + shift, each by itself.
         self.factor, self.shift = np.ones(1), np.zeros(1)
 
     def refuse(self, node: Any, reason: str) -> InputError:
         return InputError(f"{self.path}: operator {node.op_type} ({node.name!r}): {reason}")
 
     def linear(self, node: Any, weights: Real, bias: Real) -> None:
-        """A layer on what stands before it."""
+        """Add a layer, into which the scaling before it is folded."""
         width = weights.shape[1]
         factor, shift = (self.wide(node, v, width) for v in (self.factor, self.shift))
         self.factor, self.shift = np.ones(1), np.zeros(1)
         self.layers.append({"w": weights * factor, "b": shifted(bias, weights, shift)})
 
     def elementwise(self, node: Any, factor: Real, shift: Real) -> None:
-        """Each value times its factor, plus its shift."""
+        """Multiply each value by its factor, and add its shift."""
         if self.layers and len(self.layers) not in self.tanh_after:
             layer = self.layers[-1]
             factor, shift = (self.wide(node, v, len(layer["b"])) for v in (factor, shift))
@@ -85,24 +85,24 @@ class _Chain:
             self.factor, self.shift = old * factor, before * factor + shift
 
     def wide(self, node: Any, values: Real, width: int) -> Real:
-        """One value for each of ``width``."""
+        """One value for each of ``width`` inputs or outputs."""
         if len(values) not in (1, width):
             raise self.refuse(node, f"got {len(values)} values, expected 1 or {width}")
         return np.broadcast_to(values, width)
 
 
 def read(path: Path) -> dict[str, Real]:
-    """The arrays of a network that PyTorch, Keras or scikit-learn exported.
+    """The arrays of a network that PyTorch, Keras or scikit-learn has exported.
 
-    Understood are Gemm or MatMul, then Tanh, then Gemm or MatMul. Before and after each of them
-    may stand Add, Sub, Mul, Div and Scaler with constants, Cast, Identity, and a Reshape that
+    The graph must be Gemm or MatMul, then Tanh, then Gemm or MatMul. Before and after each of these
+    there may be Add, Sub, Mul, Div and Scaler with constants, Cast, Identity, and a Reshape that
     changes nothing.
 
     Raises
     ------
     InputError
-        When the file is no ONNX graph, or for any other operator or order; the message names
-        the operator.
+        When the file is no ONNX graph, or has another operator or order. The message names the
+        operator.
     """
     with reading(path, "an ONNX file"):
         model = onnx.load(str(path))
@@ -137,30 +137,30 @@ def read(path: Path) -> dict[str, Real]:
 
 
 def _array(path: Path, tensor: Any) -> Any:
-    """A constant of the graph."""
+    """The value of a constant in the graph."""
     with reading(path, f"an ONNX file whose tensor {tensor.name!r} holds numbers"):
         array = numpy_helper.to_array(tensor)
-        # Short floats are records to numpy.
+        # numpy sees short floats as records.
         return array.astype(np.float32) if array.dtype.kind == "V" else array
 
 
 def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> None:
-    """Take one operator into the chain."""
+    """Add one operator to the chain."""
     domains = ("ai.onnx.ml",) if node.op_type == "Scaler" else ("", "ai.onnx")
     if node.op_type not in OPERATORS or node.domain not in domains:
         raise chain.refuse(node, f"not supported, expected one of {', '.join(OPERATORS)}")
-    given = [name for name in node.input if name]
-    if len(given) not in OPERATORS[node.op_type] or len(node.output) != 1:
+    used = [name for name in node.input if name]
+    if len(used) not in OPERATORS[node.op_type] or len(node.output) != 1:
         expected = " or ".join(str(count) for count in OPERATORS[node.op_type])
         raise chain.refuse(
             node,
-            f"got {len(given)} inputs and {len(node.output)} outputs, expected {expected} and 1",
+            f"got {len(used)} inputs and {len(node.output)} outputs, expected {expected} and 1",
         )
-    if current not in given:
+    if current not in used:
         raise chain.refuse(node, f"does not read {current!r}; expected a chain without branches")
-    others = [name for name in given if name != current]
+    others = [name for name in used if name != current]
     missing = [name for name in others if name not in constants]
-    if missing or given.count(current) != 1:
+    if missing or used.count(current) != 1:
         raise chain.refuse(
             node, f"reads {missing or current!r}, expected constants beside {current!r}"
         )
@@ -187,8 +187,8 @@ def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> 
     elif node.op_type == "Tanh":
         chain.tanh_after.append(len(chain.layers))
     elif node.op_type == "Reshape":
-        # skl2onnx ends with a column of all results, whatever the number of outputs: the values
-        # and their order stay what they are.
+        # skl2onnx ends with a column of all results, whatever the number of outputs. The values and
+        # their order stay the same.
         width = len(chain.layers[-1]["w"]) if chain.layers else None
         shapes = [[-1, width]] + ([[-1, 1]] if node.output[0] == chain.output else [])
         shape = np.asarray(constants[others[0]]).tolist()
@@ -199,7 +199,7 @@ def _step(chain: _Chain, node: Any, current: str, constants: dict[str, Any]) -> 
 def _factor_and_shift(
     chain: _Chain, node: Any, current: str, values: list[Real], attributes: dict[str, Any]
 ) -> tuple[Real, Real]:
-    """What an operator that takes value by value multiplies with, and then adds."""
+    """The factor and the shift by which an operator changes each value by itself."""
     if node.op_type == "Scaler":
         offset, scale = (np.array(attributes.get(key, [])) for key in ("offset", "scale"))
         if not offset.size or not scale.size:
@@ -219,7 +219,7 @@ def _factor_and_shift(
 
 
 def _row(chain: _Chain, node: Any, values: Real) -> Real:
-    """A constant that holds one number for each value of a frame, or one for all."""
+    """A constant that holds one number for each value of a frame, or one number for all."""
     if values.size != 1 and values.shape[-1] != values.size:
         raise chain.refuse(node, f"got a constant of shape {values.shape}, expected one row")
     row: Real = values.ravel()
@@ -227,7 +227,7 @@ def _row(chain: _Chain, node: Any, values: Real) -> Real:
 
 
 def write(path: Path, mlp: Mlp) -> None:
-    """Write the network as Gemm, Tanh, Gemm on double precision numbers."""
+    """Write the network as Gemm, Tanh, Gemm with numbers of double precision."""
     inputs, _, outputs = mlp.shape
     nodes = [
         helper.make_node("Gemm", ["x", "w1", "b1"], ["q"], name="layer1", transB=1),

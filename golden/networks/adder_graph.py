@@ -1,4 +1,4 @@
-"""Adder graph: a network of two layers without a multiplier, a frame every clock."""
+"""Adder graph: a network of two layers without a multiplier, which takes a frame every clock."""
 
 from __future__ import annotations
 
@@ -26,20 +26,20 @@ from golden.networks.design import Design
 from golden.precision import EXACT, SIGNAL, Precision
 from golden.real import Real
 
-# Adders between two registers, where a scene says nothing.
+# The most adders between two registers, where a scene does not set it.
 ADDERS_PER_CLOCK = 5
-# Places below the last of q and of y that are added.
+# Bits below the last place of q and of y that take part in the additions.
 GUARD = (1, 1)
 
 
 @dataclass(frozen=True)
 class AdderGraph(Design):
-    """y = f2(tanh(f1(x))), every sum of a layer in one graph of shifted adds, none multiplied.
+    """y = f2(tanh(f1(x))); shifted adds form all sums of a layer together, without a multiplier.
 
     Parameters
     ----------
     first : ConstantMatrix
-        A row for each hidden node, with as many bits of q as its sum can have.
+        A row for each hidden node; its result has as many bits of q as its sum can need.
     activations : tuple of Bipartite
         One per hidden node.
     second : ConstantMatrix
@@ -47,8 +47,8 @@ class AdderGraph(Design):
 
     Notes
     -----
-    A code of q and of r stands for the middle of its step: so q is floored, and half the sum of
-    its weights is part of an output's bias. That is rounded half up, the output too.
+    A code of q or r stands for the middle of its step. So q is rounded down, and half the sum of an
+    output's weights is part of that output's bias. The output is rounded half up.
     """
 
     block = "adder_graph"
@@ -117,7 +117,8 @@ class AdderGraph(Design):
             adders_per_clock,
             variant=f"{prefix}hidden",
         )
-        # Half a step of each r, and of the output.
+        # The bias makes up for half a step of each r, and rounds the output with half a step of its
+        # own.
         shift = RESULT.frac + second.fmt.frac - SIGNAL.frac
         biases = tuple(
             (bias << RESULT.frac) + (sum(row) >> 1) + ((1 << shift) >> 1)
@@ -154,7 +155,7 @@ class AdderGraph(Design):
         return _groups(self.activations, self.first.result_widths)
 
     def shared(self, nodes: tuple[int, ...]) -> Bipartite | BipartitePair:
-        """What computes the activation of some nodes."""
+        """The block that computes the activation of the given nodes."""
         activation = self.activations[nodes[0]]
         return pair_for(activation) if len(nodes) == NODES else activation
 
@@ -184,7 +185,7 @@ class AdderGraph(Design):
 
     @property
     def input_controller(self) -> InputController:
-        """A frame is one element, and good: no hardware decides."""
+        """A frame is one element and always good, so no hardware decides about it."""
         return InputController(1, 0)
 
     def parts(self) -> tuple[Block, ...]:
@@ -223,7 +224,7 @@ class AdderGraph(Design):
         return self.second.exact(np.stack(columns, axis=-1))
 
     def error_bounds(self, mlp: Mlp, precision: Precision, sensors: int) -> Real:
-        """See ``Design``; what cutting adds is ``ConstantMatrix.errors``."""
+        """See ``Design``. ``ConstantMatrix.errors`` is the part that comes from dropped bits."""
         first = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights")
         second = quantised(mlp.w2, mlp.b2, precision, "layer 2 weights")
         q_off = _off(mlp.w1, mlp.b1, first, self.first)
@@ -234,12 +235,12 @@ class AdderGraph(Design):
 
 
 def _chosen(hardware: Mapping[str, object] | None) -> dict[str, Any]:
-    """What a scene chooses of the options."""
+    """The options that a scene sets."""
     return dict(hardware or {})
 
 
 def beside(networks: Sequence[Constants]) -> Constants:
-    """Networks of the same inputs as one: all hidden nodes, of which each output sees its own."""
+    """Join networks of the same inputs; each output has weights for its own hidden nodes only."""
     firsts, seconds = ([getattr(c, name) for c in networks] for name in ("first", "second"))
     hidden = [len(layer.biases) for layer in firsts]
     first, second = _stacked(firsts), _stacked(seconds)
@@ -259,7 +260,7 @@ def beside(networks: Sequence[Constants]) -> Constants:
 
 
 def _stacked(layers: Sequence[Layer]) -> Layer:
-    """The neurons of all layers, with the fraction bits of the one that has the most."""
+    """The neurons of all layers, in a format with the largest number of fraction bits of them."""
     frac = max(layer.fmt.frac for layer in layers)
     width = max(layer.fmt.width + frac - layer.fmt.frac for layer in layers)
     moved = [(layer, frac - layer.fmt.frac) for layer in layers]
@@ -278,7 +279,7 @@ def _halved(activation: ActivationBlock) -> Bipartite:
 
 
 def _width(weights: Sequence[Sequence[int]], biases: Sequence[int], shift: int) -> int:
-    """Bits of the sums of all rows, less their last ``shift``, whatever cutting does to them."""
+    """Bits that the sums of all rows need without their last ``shift`` bits, however cut."""
     most = max(
         sum(map(abs, row)) * -SIGNAL.low + abs(bias)
         for row, bias in zip(weights, biases, strict=True)
@@ -287,7 +288,7 @@ def _width(weights: Sequence[Sequence[int]], biases: Sequence[int], shift: int) 
 
 
 def _groups(activations: Sequence[Bipartite], widths: Sequence[int]) -> tuple[tuple[int, ...], ...]:
-    """The nodes whose tables are shared: two of about the same width at a time, in block RAM."""
+    """The nodes that share their tables. In block RAM two nodes of similar width form a group."""
     count = NODES if activations[0].memory == "block_ram" else 1
     order = sorted(range(len(widths)), key=lambda j: (widths[j], j))
     return tuple(tuple(order[n : n + count]) for n in range(0, len(order), count))
@@ -296,12 +297,12 @@ def _groups(activations: Sequence[Bipartite], widths: Sequence[int]) -> tuple[tu
 def _off(weights: Real, biases: Real, layer: Layer, matrix: ConstantMatrix) -> Real:
     """How far each result can be from the real sum of samples of magnitude 1 at most.
 
-    What rounding took from weights and bias, what cutting moves, and half a step of the result,
-    with one unit of the sum for the halves that its constant loses.
+    The error has three parts: the rounding of weights and bias; the bits that are dropped in the
+    sum, with one unit more for the halves that its constant loses; and half a step of the result.
     """
-    taken = np.abs(weights - layer.fmt.to_real(layer.weights)).sum(axis=1)
-    taken += np.abs(biases - layer.fmt.to_real(layer.biases))
+    rounding = np.abs(weights - layer.fmt.to_real(layer.weights)).sum(axis=1)
+    rounding += np.abs(biases - layer.fmt.to_real(layer.biases))
     units = np.array([max(map(abs, ends)) + 1 for ends in matrix.errors], dtype=np.float64)
     step = 2.0**-matrix.out_fmt.frac
-    result: Real = taken + (units / 2.0**matrix.out_shift + 0.5) * step
+    result: Real = rounding + (units / 2.0**matrix.out_shift + 0.5) * step
     return result

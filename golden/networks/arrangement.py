@@ -1,4 +1,4 @@
-"""How the networks of a scene stand to each other: single, multiple or cascade."""
+"""How the networks of a scene are arranged: single, multiple or cascade."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ Number = TypeVar("Number", np.int64, np.float64)
 def seen(
     arrangement: str, samples: NDArray[Number], earlier: Sequence[NDArray[Number]]
 ) -> NDArray[Number]:
-    """What a network sees: the samples and, in a cascade, the outputs of the networks before it.
+    """The inputs of a network: the samples and, in a cascade, the outputs of earlier networks.
 
     Parameters
     ----------
     arrangement : str
     samples : array, shape (frames, sensors)
     earlier : sequence of arrays, shape (frames, 1)
-        Outputs of the networks before it.
+        Outputs of the networks before this one.
     """
     return np.concatenate([samples, *earlier], axis=-1) if arrangement == "cascade" else samples
 
@@ -48,14 +48,14 @@ def process_real(
 
 
 def arrange(arrangement: str, mlps: Sequence[Mlp], build: Callable[[Mlp, str], Design]) -> Network:
-    """The bit-true twin of all networks together; of one alone, that network's.
+    """The bit-true twin of all networks together; a single network is its own twin.
 
     Parameters
     ----------
     arrangement : str
     mlps : sequence of Mlp
     build : callable
-        The bit-true network of one, from its weights and the variant that tells it from others.
+        Builds the bit-true network from an Mlp and from the variant that distinguishes it.
     """
     if len(mlps) == 1:
         return build(mlps[0], "")
@@ -66,7 +66,7 @@ def arrange(arrangement: str, mlps: Sequence[Mlp], build: Callable[[Mlp, str], D
         )
     if arrangement == "cascade":
         return Cascade(networks)
-    # One result a clock leaves (a cascade's frames are longer than that in any case), and all take
-    # the frames that the slowest takes.
+    # One result leaves per clock, and all networks must accept the same frames, so the interval is
+    # that of the slowest. The frames of a cascade are longer than its outputs in any case.
     slowest = max(len(networks), *(network.interval for network in networks))
     return Multiple(tuple(replace(n, min_interval=slowest) for n in networks))

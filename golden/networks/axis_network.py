@@ -1,4 +1,4 @@
-"""AXI4-Stream around a network: a network that can be made to wait."""
+"""AXI4-Stream around a network, so that both sides of it can be made to wait."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ from golden.precision import SIGNAL
 BYTES = (SIGNAL.width + 7) // 8
 TDATA = Fix(8 * BYTES, SIGNAL.frac)
 
-# From a result to its place on the output: into the memory, and out of it.
+# Clocks of a result in the FIFO of the output: one into the memory, and one out of it.
 FIFO_CLOCKS = 2
 
 
 @dataclass(frozen=True)
 class AxisNetwork(Network):
-    """The outputs of a network, its frames taken and given with a handshake.
+    """A network whose frames and outputs are transferred with a handshake.
 
-    As a network it is the one inside: same frames of samples, same outputs. A frame is its samples
-    alone; the slots that a cascade needs behind them are made inside.
+    It computes the same outputs from the same frames as the network inside. A frame consists of its
+    samples alone; the slots that a cascade needs behind them are added inside.
 
     Parameters
     ----------
     network : Network
-        One whose outputs are a stream.
+        A network whose outputs are a stream.
     """
 
     block = "axis_network"
@@ -82,31 +82,31 @@ class AxisNetwork(Network):
 
     @property
     def frames_under_way(self) -> int:
-        """Frames that may be between the last sample and the last output taken.
+        """How many frames may be between their last sample and the transfer of their last output.
 
-        As many as keep the network busy while nobody waits: from a frame's last sample until the
-        clock in which another may take its place there are ``slots``, the clocks to the last output
-        and 2 clocks.
+        This many frames keep the network busy while nobody waits. From a frame's last sample until
+        the clock in which another frame may take its place there are ``slots``, the clocks to the
+        last output and 2 clocks.
         """
         clocks = self.slots + self.network.output_clocks[-1] + 2
         return -(-clocks // self.interval)
 
     @property
     def output_clocks(self) -> tuple[int, ...]:
-        """Where nobody waits."""
+        """The clocks of the outputs when neither side waits."""
         return tuple(self.slots + FIFO_CLOCKS + c for c in self.network.output_clocks)
 
     @property
     def slots(self) -> int:
-        """Elements of a frame of the network behind the samples."""
+        """Elements behind the samples in a frame of the network inside."""
         return self.network.input_controller.inputs - self.inputs
 
     @property
     def spacing(self) -> int:
-        """Clocks from frame to frame that a frame does not take by its own length, or 0.
+        """Clocks from frame to frame that must be enforced; 0 where a frame is long enough itself.
 
-        They are counted from a frame's last sample, to the next frame's last, or to its first where
-        the network takes none before.
+        They are counted from a frame's last sample to the next frame's last sample, or to its first
+        sample where the network accepts none before.
         """
         if self.network.busy:
             return self.network.busy + 1
@@ -114,7 +114,7 @@ class AxisNetwork(Network):
 
     @property
     def input_controller(self) -> InputController:
-        """Judges frames as they are sent; it is no part, and no frame comes too close."""
+        """Judges frames as they are sent. It is not built, and no frame comes too close."""
         return InputController(self.inputs, 0)
 
     @property
@@ -139,7 +139,7 @@ class AxisNetwork(Network):
     def process_stream(
         self, data: ArrayLike, last: ArrayLike
     ) -> tuple[Codes, NDArray[np.bool_], int]:
-        """What leaves, for transfers that enter after a reset, however long anybody waits.
+        """The transfers that leave, for those that enter after a reset, however long anybody waits.
 
         Parameters
         ----------
@@ -154,16 +154,16 @@ class AxisNetwork(Network):
         data, last : int array, bool array
             ``m_axis_tdata``, sign-extended, and ``m_axis_tlast`` of each transfer.
         errors : int
-            Frames of the wrong length, which give no transfer.
+            Frames of the wrong length, which cause no transfer.
 
         Raises
         ------
         InputError
-            For data that no ``TDATA`` holds.
+            For data outside the format ``TDATA``.
         """
         words = TDATA.check(data, f"{self.entity} s_axis_tdata")
         codes = ((words - SIGNAL.low) & ((1 << SIGNAL.width) - 1)) + SIGNAL.low
-        # Frames cannot come too close, so their clocks do not matter.
+        # The handshake keeps frames apart, so the clocks of the transfers do not matter here.
         scan = self.input_controller.process(last, np.arange(len(words)))
         ends = np.flatnonzero(scan.done)
         frames = codes[ends[:, np.newaxis] + np.arange(1 - self.inputs, 1)]

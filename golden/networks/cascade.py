@@ -35,13 +35,13 @@ class Cascade(Several):
     Notes
     -----
     A frame of the hardware's stream has as many elements as the last network has inputs: the
-    samples, then slots into which the earlier outputs are put.
+    samples, and then slots for the earlier outputs.
 
     A network sees the beginning of every frame, also of one that ends too early or too late, and
-    takes it for a whole one. Where a network needs more clocks than it sees elements, it could then
-    refuse the next frame as too close, and the others would not. So a cascade with such a network
-    has a ``frame_store``: the controller judges whole frames, and the networks see good ones alone,
-    at least ``interval`` clocks apart.
+    takes it for a whole frame. Where a network needs more clocks than it sees elements, it could
+    then refuse the next frame as too close while the others accept it. Therefore a cascade with
+    such a network has a ``frame_store``: the controller judges whole frames, and the networks see
+    only good ones, at least ``interval`` clocks apart.
     """
 
     block = "cascade"
@@ -62,14 +62,14 @@ class Cascade(Several):
 
     @property
     def frame_store(self) -> OutputCollector | None:
-        """What hands on the elements of a frame that was found good, where the networks need it."""
+        """Passes on the elements of a frame that was found good; None where no network needs it."""
         if all(network.interval <= network.inputs for network in self.networks):
             return None
         return OutputCollector(SIGNAL, self.networks[-1].inputs, variant="frame")
 
     @property
     def multiplexers(self) -> tuple[StreamMultiplexer, ...]:
-        """One between each network and the next."""
+        """The multiplexers, one between each network and the next."""
         return tuple(
             StreamMultiplexer(SIGNAL, slot, variant=str(slot))
             for slot in range(self.inputs, self.networks[-1].inputs)
@@ -87,7 +87,7 @@ class Cascade(Several):
 
     @property
     def latency(self) -> int:
-        """Of a frame store too, whose last element leaves behind all others of its frame."""
+        """It includes that of a frame store, whose last element leaves after all others."""
         parts = [*self.networks, *self.multiplexers, self.output_collector]
         clocks = sum(part.latency for part in parts)
         if self.frame_store is None:

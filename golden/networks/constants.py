@@ -1,4 +1,4 @@
-"""From a trained network to the constants that every design of hardware is built from."""
+"""Turns a trained network into the constants from which every design of hardware is built."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from golden.real import Real
 
 @dataclass(frozen=True)
 class Layer:
-    """Codes of a layer's weights, shape (neurons, inputs), and biases, their format, and Q or Y."""
+    """A layer in codes: weights, shape (neurons, inputs), biases, format, and factors Q or Y."""
 
     weights: tuple[tuple[int, ...], ...]
     biases: tuple[int, ...]
@@ -27,7 +27,7 @@ class Layer:
     factors: tuple[int, ...]
 
     def of_neurons(self, kept: Sequence[int]) -> Layer:
-        """This layer with some of its neurons."""
+        """This layer with only some of its neurons."""
         return replace(
             self,
             weights=tuple(self.weights[j] for j in kept),
@@ -36,12 +36,12 @@ class Layer:
         )
 
     def of_inputs(self, kept: Sequence[int]) -> Layer:
-        """This layer on some of its inputs."""
+        """This layer with only some of its inputs."""
         return replace(self, weights=tuple(tuple(row[j] for j in kept) for row in self.weights))
 
 
 def quantised(weights: Real, biases: Real, precision: Precision, name: str) -> Layer:
-    """A layer in the formats of a precision, normalised where it asks for that.
+    """A layer in the formats of a precision, normalised where the precision demands it.
 
     Raises
     ------
@@ -78,7 +78,7 @@ class Constants:
     ----------
     precision : Precision
     first, second : Layer
-        Without the hidden nodes that are not built.
+        The layers without the hidden nodes that are not built.
     activations : tuple of ActivationBlock
         One per hidden node.
     useless_nodes : int
@@ -99,7 +99,7 @@ def constants_of(
     options: Mapping[str, object] | None = None,
     lean: bool = True,
 ) -> Constants:
-    """Quantise a trained network and choose its activations; every design takes what comes out.
+    """Quantise a trained network and choose its activations, the same way for every design.
 
     Parameters
     ----------
@@ -108,21 +108,21 @@ def constants_of(
     activation : str
         A name of ``SCHEMES``.
     options : mapping, optional
-        What is chosen of the activation's options.
+        The options of the activation that a scene sets.
     lean : bool
-        Leave out what the weights make useless: segments of activations, hidden nodes. Results are
-        the same either way.
+        Whether to leave out what the weights make useless: segments of activations, and hidden
+        nodes. The results are the same either way.
 
     Raises
     ------
     InputError
-        When weights do not fit their format, or when in ``thesis`` precision a normalised sum
-        could leave its 14 bits.
+        When weights do not fit in their format, or when in ``thesis`` precision a normalised sum
+        could exceed its 14 bits.
 
     Notes
     -----
-    A weight whose code is 0 adds nothing to a sum, so a node with such weights alone changes no
-    output. One node stays, because a network has at least one.
+    A weight whose code is 0 adds nothing to a sum, so a node whose weights to the outputs are all 0
+    changes no output. One node is always built, because a network has at least one.
     """
     first = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights")
     second = quantised(mlp.w2, mlp.b2, precision, "layer 2 weights")
@@ -146,7 +146,7 @@ def constants_of(
 
 
 def _sums(layer: Layer, out_fmt: Fix, precision: Precision) -> list[NodeSum]:
-    """The sum of each neuron of a layer, whose bounds are the same in every design."""
+    """The sum of each neuron of a layer. Its bounds are the same in every design."""
     return [
         NodeSum(SIGNAL, layer.fmt, out_fmt, precision.product_shift, weights, bias)
         for weights, bias in zip(layer.weights, layer.biases, strict=True)
@@ -154,7 +154,7 @@ def _sums(layer: Layer, out_fmt: Fix, precision: Precision) -> list[NodeSum]:
 
 
 def _refuse_wrapping(precision: Precision, widths: Iterable[tuple[str, int]]) -> None:
-    """The thesis' adders wrap, and a wrapped sum is a wrong sum."""
+    """Refuse sums that the thesis' adders would wrap, since a wrapped sum is wrong."""
     for name, width in widths:
         if precision.normalise and width > SIGNAL.width:
             raise InputError(

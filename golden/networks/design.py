@@ -1,4 +1,4 @@
-"""What every design has in common: hardware that one trained network becomes."""
+"""What all designs have in common: each turns one trained network into hardware."""
 
 from __future__ import annotations
 
@@ -20,22 +20,23 @@ from golden.real import Real
 class Design(Network):
     """A network of two layers in one form of hardware; a scene names it by its ``block``.
 
-    A subclass in ``golden.networks`` is found by itself (``golden.networks.designs``).
+    A subclass in ``golden.networks`` is found without being registered
+    (``golden.networks.designs``).
 
     Attributes
     ----------
     arrangements : tuple of str
-        Those in which a scene may use it.
+        The arrangements in which a scene may use it.
     precisions : tuple of str
-        Those that it is made for.
+        The precisions for which it is made.
     known_activations : tuple of str
-        Those that it computes; empty for all.
+        The activations that it can compute; empty for all.
     half_codes : bool
-        Whether it takes activations whose codes stand for the middle of their step.
+        Whether it accepts activations whose codes stand for the middle of their step.
     options : tuple of str
-        Keys of the section ``[hardware]`` that are about this design alone.
+        Keys of the section ``[hardware]`` that belong to this design alone.
     min_interval : int
-        Clocks that whoever takes the outputs needs from one frame to the next.
+        Clocks from one frame to the next that the receiver of the outputs needs.
     useless_nodes : int
         Hidden nodes that are not built, because no output uses them.
     """
@@ -50,13 +51,13 @@ class Design(Network):
 
     @classmethod
     def from_constants(cls, constants: Constants, variant: str = "") -> Self:
-        """The design of a trained network.
+        """Build the design of a trained network.
 
         Parameters
         ----------
         constants : Constants
         variant : str
-            Tells it from other networks of the same design.
+            Distinguishes it from other networks of the same design.
         """
         raise NotImplementedError
 
@@ -71,9 +72,9 @@ class Design(Network):
         lean: bool = True,
         hardware: Mapping[str, object] | None = None,
     ) -> Self:
-        """The design of a network in real weights; see ``constants_of``.
+        """Build the design of a network with real weights; see ``constants_of``.
 
-        ``hardware`` has what a scene chooses of the design's own ``options``.
+        ``hardware`` holds the design's own ``options`` that a scene sets.
         """
         return cls.from_constants(constants_of(mlp, precision, activation, options, lean), variant)
 
@@ -86,32 +87,33 @@ class Design(Network):
         hardware: Mapping[str, object] | None = None,
         activation_options: Mapping[str, object] | None = None,
     ) -> Network | None:
-        """All networks of a scene as one, for a design that arranges them by itself."""
+        """All networks of a scene as one network, for a design that arranges them itself."""
         return None
 
     @property
     def hidden_weights(self) -> list[Sequence[int]]:
-        """A code for each input of each hidden sum; their signs tell what drives it to an end."""
+        """A code for each input of each hidden sum; the signs tell what drives it to its limits."""
         return [node.weights for node in self.exact_layers.hidden]
 
     @property
     def exact_layers(self) -> ExactLayers:
-        """What it computes, without anything that is shared, folded or cut."""
+        """The computation of the design without any sharing, folding or dropped bits."""
         raise NotImplementedError
 
     def exact(self, frames: Codes) -> Codes:
-        """Output codes as integers of any width compute them, layer by layer."""
+        """Output codes, computed layer by layer in integers of unlimited width."""
         return self.exact_layers.process(frames)
 
     def error_bounds(self, mlp: Mlp, precision: Precision, sensors: int) -> Real:
-        """How far each output can be from real arithmetic that saturates, in real units.
+        """How far each output can be from saturating real arithmetic, in real units.
 
         Parameters
         ----------
         mlp : Mlp
-            The network that this is the design of, all of its hidden nodes built.
+            The network from which this design was made, with all of its hidden nodes built.
         precision : Precision
         sensors : int
-            Inputs that are samples; those behind them are outputs of earlier networks.
+            Number of inputs that are samples; the inputs behind them are outputs of earlier
+            networks.
         """
         return two_layer_bounds(mlp, precision, self.exact_layers.activations)

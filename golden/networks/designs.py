@@ -1,4 +1,4 @@
-"""The designs that a scene can name: every subclass of ``Design`` in this package."""
+"""The designs that a scene can name: all subclasses of ``Design`` in this package."""
 
 from __future__ import annotations
 
@@ -15,11 +15,12 @@ def _found() -> dict[str, type[Design]]:
         if module.name == "designs":
             continue
         for value in vars(import_module(f"golden.networks.{module.name}")).values():
-            # A design's block is its module's name; an imported design is met in its own module.
+            # The block of a design is its module's name. An imported design is found in its own
+            # module.
             if isinstance(value, type) and issubclass(value, Design) and value.block == module.name:
                 designs[value.block] = value
     return designs
 
 
-# By name, in the order of the alphabet.
+# By name, in alphabetical order.
 DESIGNS = _found()

@@ -1,4 +1,4 @@
-"""Engine: a whole scene on one multiplier, or on none, and a program."""
+"""Engine: computes a whole scene with a program and one multiplier, or none."""
 
 from __future__ import annotations
 
@@ -38,13 +38,13 @@ from golden.port import Port, Unsigned, given, taken
 from golden.precision import EXACT, SIGNAL, Precision
 from golden.real import Real
 
-# What multiplies, the smallest first.
+# The kinds of multiplier, the smallest hardware first.
 KINDS = ("serial", "dsp")
-# Smaller memories would be made of LUTs in some devices, which are slower behind a block RAM.
+# Some devices build smaller memories from LUTs, which are slower behind a block RAM.
 LEAST_ADDR_WIDTH = 7
-# With fewer, Yosys makes the test for saturation anew for each bit that it chooses.
+# With fewer bits, Yosys repeats the test for saturation for each bit that it selects.
 LEAST_ACC_WIDTH = 38
-# Bits of a sum that no scene of weights below 512 leaves.
+# So many bits hold the sums of any scene with weights below 512.
 WHOLE_ACC_WIDTH = 44
 LOAD_PORTS = (
     taken("load_valid", "`load_data` holds a byte of an image"),
@@ -57,23 +57,24 @@ LOAD_PORTS = (
 
 @dataclass(frozen=True)
 class Engine(Design):
-    """Every neuron of a scene, one product a clock (ours; single, multiple and cascade alike).
+    """Every neuron of a scene, one product per clock (ours; single, multiple and cascade alike).
 
-    Without a multiplier, with ``multiplier = "serial"``, a product takes as many clocks as its
-    operand has bits. Results are the same.
+    With ``multiplier = "serial"`` the engine has no multiplier, and a product takes as many clocks
+    as its operand has bits. The results are the same.
 
     Parameters
     ----------
     program : Program
     acc_width : int
-        Bits of the sum: no sum of the program leaves them.
+        Bits of the sum. All sums of the program fit in them.
     graph : Graph
-        What the program was made from.
+        The graph from which the program was made.
     loaded : Image or None
-        What an engine that can be reloaded runs; its hardware depends on ``loaded.sizes`` alone.
+        The image that a reloadable engine runs; its hardware depends on ``loaded.sizes`` alone.
         None for a program that is part of the hardware.
     budget : int
-        Clocks from the last sample to the last output that the scene asks for; 0 for none.
+        The most clocks from the last sample to the last output that the scene allows; 0 for no
+        limit.
     """
 
     block = "engine"
@@ -112,12 +113,12 @@ class Engine(Design):
         arrangement : str
         mlps : sequence of Mlp
         lean : bool
-            Leave out terms of zero weight, hidden nodes that no output uses, and segments of the
-            table that no hidden sum reaches. Results are the same either way.
+            Whether to leave out terms of zero weight, hidden nodes that no output uses, and
+            segments of the table that no hidden sum reaches. The results are the same either way.
         hardware : mapping, optional
-            What the scene chooses of ``options``.
+            The ``options`` that the scene sets.
         activation_options : mapping, optional
-            None: its activation has no other form.
+            Must be None, because the activation has no options here.
         variant : str
         """
         chosen: dict[str, Any] = {"segment_width": 9, "pipeline": "short"} | dict(hardware or {})
@@ -170,14 +171,14 @@ class Engine(Design):
         chosen: dict[str, Any],
         variant: str,
     ) -> Self:
-        """The smallest engine whose last output leaves ``clocks`` after the last sample.
+        """The smallest engine whose last output leaves ``clocks`` or fewer after the last sample.
 
         Raises
         ------
         InputError
-            When none does; the message says what the fastest takes.
+            When no engine is fast enough; the message says how many clocks the fastest takes.
         """
-        # Without a multiplier there is one pipeline, and no image.
+        # An engine without a multiplier has only one pipeline and cannot load an image.
         kinds = ["dsp"] if chosen["pipeline"] != "short" or chosen.get("reload") else list(KINDS)
         kinds = [chosen["multiplier"]] if "multiplier" in chosen else kinds
         for kind in kinds:
@@ -222,12 +223,12 @@ class Engine(Design):
 
     @cached_property
     def output_clocks(self) -> tuple[int, ...]:
-        """The steps of the outputs, from the last sample on."""
+        """The clock in which each output leaves, counted from the last sample."""
         return tuple(map(self.program.clock, self.program.output_steps))
 
     @property
     def clocks_text(self) -> str:
-        """``output_clocks`` for the exported file, which must not depend on an image."""
+        """``output_clocks`` as text for the exported file, which must not depend on an image."""
         return "as the image says" if self.loaded else ", ".join(map(str, self.output_clocks))
 
     @property
@@ -236,7 +237,7 @@ class Engine(Design):
 
     @property
     def interval(self) -> int:
-        """Samples of a frame come when the last output of the one before has left."""
+        """Samples of a frame may come once the last output of the frame before has left."""
         return self.output_clocks[-1] + self.program.pipeline.free + self.inputs - 1
 
     @property
@@ -245,7 +246,7 @@ class Engine(Design):
 
     @property
     def serial(self) -> bool:
-        """Whether it does without a multiplier."""
+        """Whether the engine works without a multiplier."""
         return isinstance(self.program, SerialProgram)
 
     @property
@@ -261,7 +262,7 @@ class Engine(Design):
         return self.loaded.to_bytes() if self.loaded else b""
 
     def running(self, image: Image) -> Self:
-        """The same hardware with another image."""
+        """The same hardware, running another image."""
         return replace(self, program=image.program, loaded=image)
 
     @property
@@ -283,7 +284,7 @@ class Engine(Design):
 
     @property
     def frame_guard(self) -> FrameGuard:
-        """In the place of the frame check, where the image can change."""
+        """Replaces the frame check where the image can change."""
         return FrameGuard(self.addr_width, self.program.pipeline)
 
     @property
@@ -293,7 +294,7 @@ class Engine(Design):
 
     @property
     def program_ram(self) -> ProgramRam:
-        """In the place of the program memory, where the image can change."""
+        """Replaces the program memory where the image can change."""
         return ProgramRam(
             self._sizes.program_addr_width,
             self._sizes.segments,
@@ -328,7 +329,7 @@ class Engine(Design):
 
     @property
     def operand_select(self) -> OperandSelect:
-        # As late as the word of the table.
+        # The operand must be as late as the word of the table.
         return OperandSelect(self.program.segment_width, self.program.pipeline.table)
 
     @property
@@ -341,7 +342,7 @@ class Engine(Design):
 
     @property
     def replay_memory(self) -> ReplayMemory:
-        """Takes the place of ``program_memory`` where there is no multiplier."""
+        """Replaces ``program_memory`` where there is no multiplier."""
         return ReplayMemory(
             self.program.table,
             self.program.words,
@@ -351,17 +352,17 @@ class Engine(Design):
 
     @property
     def plane_select(self) -> PlaneSelect:
-        """Takes the place of ``operand_select``."""
+        """Replaces ``operand_select`` where there is no multiplier."""
         return PlaneSelect(self.program.segment_width)
 
     @property
     def serial_accumulate(self) -> SerialAccumulate:
-        """Takes the place of ``multiply_accumulate``."""
+        """Replaces ``multiply_accumulate`` where there is no multiplier."""
         return SerialAccumulate(self.acc_width)
 
     @property
     def steps(self) -> tuple[Block, ...]:
-        """What reads the program, chooses operands and adds up."""
+        """The blocks that read the program, choose the operands and add the products up."""
         if self.serial:
             return self.replay_memory, self.plane_select, self.serial_accumulate
         return self.program_memory, self.operand_select, self.multiply_accumulate
@@ -404,7 +405,7 @@ class Engine(Design):
         return multiplier, spent
 
     def left_out(self) -> list[str]:
-        """What is counted as words costs memory and, one each, a clock of every frame."""
+        """Each word that is left out saves memory, and each step saves a clock of every frame."""
         graph, program = self.graph, self.program
         texts = []
         if self.serial:

@@ -1,5 +1,6 @@
-"""A network of two layers in Python's integers, which have no width: what no accumulator may
-differ from.
+"""A network of two layers in Python's integers, which never overflow.
+
+Every design must give the same results.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from golden.layers.weighted_sum import WeightedSum
 
 @dataclass(frozen=True)
 class ExactSum:
-    """One neuron's sum, as integers of any width compute it.
+    """One neuron's sum, computed in integers of unlimited width.
 
     Attributes
     ----------
@@ -24,7 +25,7 @@ class ExactSum:
     weights : sequence of int
     bias : int
     factor : int
-        What the sum is multiplied by.
+        Factor by which the sum is multiplied.
     """
 
     formats: WeightedSum
@@ -33,7 +34,7 @@ class ExactSum:
     factor: int = 1
 
     def process(self, frames: Codes) -> Codes:
-        """The neuron's result of every frame."""
+        """The neuron's result for every frame."""
         results = (
             exact_sum(self.formats, self.weights, self.bias, frame, self.factor)[1]
             for frame in frames.tolist()
@@ -58,7 +59,7 @@ class ExactLayers:
     outputs: list[ExactSum]
 
     def process(self, frames: Codes) -> Codes:
-        """Output codes; the activations part by part instead of from their tables of results."""
+        """Output codes; activations are computed by parts, not read from tables of results."""
         pairs = zip(self.hidden, self.activations, strict=True)
         r = np.stack([activation.compute(one.process(frames)) for one, activation in pairs], axis=1)
         return np.stack([one.process(r) for one in self.outputs], axis=1)
@@ -67,7 +68,7 @@ class ExactLayers:
 def exact_sum(
     formats: WeightedSum, weights: Sequence[int], bias: int, samples: Iterable[int], factor: int = 1
 ) -> tuple[int, int]:
-    """The sum, and the result: rounded half up and saturated."""
+    """The sum of a neuron, and its result, which is rounded half up and saturated."""
     products = (w * x >> formats.product_shift for w, x in zip(weights, samples, strict=True))
     total = (bias << formats.bias_shift) + sum(products)
     shift = formats.out_shift

@@ -1,4 +1,4 @@
-"""Hybrid: a network of two layers, folded over its inputs and over its outputs."""
+"""Hybrid: a network of two layers that is folded over its inputs and over its outputs."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from golden.precision import SIGNAL
 
 @dataclass(frozen=True)
 class Hybrid(Design):
-    """y = f2(activation(f1(x))) with N + M + L folded work (thesis section 5.4, Figure 5.8).
+    """y = f2(activation(f1(x))), folded over samples and outputs (thesis section 5.4, Figure 5.8).
 
     Layer 1 has one multiplier per hidden node, used once per sample; each hidden node has one
     activation; layer 2 has one multiplier per hidden node, used once per output.
@@ -52,7 +52,7 @@ class Hybrid(Design):
                 f"{self.entity}: got {hidden} nodes, {len(self.activations)} activations and "
                 f"{self.output_integral.hidden} weights per output, expected equal numbers"
             )
-        # All activations answer in the same clock.
+        # All activations must answer in the same clock.
         clocks = sorted({activation.latency for activation in self.activations})
         if len(clocks) > 1:
             raise InputError(

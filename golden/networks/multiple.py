@@ -17,12 +17,12 @@ from golden.precision import SIGNAL
 
 @dataclass(frozen=True)
 class Multiple(Several):
-    """y_i = network_i(x): every network sees the same samples (thesis section 3.12, Figure 3.21).
+    """y_i = network_i(x): all networks read the same samples (thesis section 3.12, Figure 3.21).
 
     Parameters
     ----------
     networks : tuple of Design
-        One per output, in the order of the outputs, all of the same number of inputs.
+        One per output, in the order of the outputs; all have the same number of inputs.
 
     Raises
     ------
@@ -35,7 +35,8 @@ class Multiple(Several):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        # Each judges the frames by itself: one would refuse a frame that another takes.
+        # Each network judges the frames by itself, so with unequal intervals one could refuse a
+        # frame that another accepts.
         intervals = [network.interval for network in self.networks]
         if len(set(intervals)) > 1:
             raise InputError(f"{self.entity}: got intervals of {intervals}, expected one interval")

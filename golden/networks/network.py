@@ -1,4 +1,4 @@
-"""What every network has in common: frames in, frames out."""
+"""What all networks have in common: frames go in, and frames come out."""
 
 from __future__ import annotations
 
@@ -16,18 +16,19 @@ from golden.port import CLOCKED, Port, given, group, taken
 from golden.precision import SIGNAL
 from golden.sensing.scan_sequencer import ScanSequencer
 
-# Frames computed at a time; 4096 x 16 nodes x 8 bytes fit a second-level cache.
+# Number of frames that are computed at a time: 4096 x 16 nodes x 8 bytes fit in a second-level
+# cache.
 CHUNK = 4096
 
 
 @dataclass(frozen=True)
 class Network(Block):
-    """From frames of sample codes to frames of output codes, one frame at a time or millions."""
+    """Computes frames of output codes from frames of sample codes, one frame or millions."""
 
     area = "networks"
-    # How frames come and go: "serial", an element a clock; "words", all at once; "axi_stream",
-    # with a handshake; "converter", codes of an analogue-to-digital converter in, a serial frame
-    # out; "spi", its bits in.
+    # How frames enter and leave. "serial": one element per clock. "words": all elements at once.
+    # "axi_stream": with a handshake. "converter": codes of an analogue-to-digital converter enter,
+    # and a serial frame leaves. "spi": the converter's bits enter.
     stream: ClassVar[str] = "serial"
 
     @property
@@ -50,17 +51,17 @@ class Network(Block):
 
     @property
     def inputs(self) -> int:
-        """Samples of one frame."""
+        """The number of samples of one frame."""
         raise NotImplementedError
 
     @property
     def outputs(self) -> int:
-        """Results of one frame."""
+        """The number of results of one frame."""
         raise NotImplementedError
 
     @property
     def past(self) -> int:
-        """Frames after a reset that yield no outputs: those that the first outputs need."""
+        """How many frames after a reset yield no outputs, because the first outputs need them."""
         return 0
 
     @property
@@ -70,12 +71,12 @@ class Network(Block):
 
     @property
     def input_controller(self) -> FrameJudge:
-        """What judges frames; its ``inputs`` are the elements of the stream."""
+        """The block that judges frames; its ``inputs`` are the elements of the stream."""
         raise NotImplementedError
 
     @property
     def busy(self) -> int:
-        """Clocks after a frame's last element in which none of the next frame is taken."""
+        """Clocks after a frame's last element in which no element of the next frame is accepted."""
         return 0
 
     @property
@@ -92,27 +93,27 @@ class Network(Block):
 
     @property
     def members(self) -> tuple[Network, ...]:
-        """The networks that this one is arranged of, in the order of the outputs."""
+        """The networks of which this one is composed, in the order of the outputs."""
         return ()
 
     @property
     def image(self) -> bytes:
-        """What must be loaded before it takes frames; empty where nothing is."""
+        """The bytes that must be loaded before it accepts frames; empty where nothing is loaded."""
         return b""
 
     @property
     def load_ports(self) -> tuple[Port, ...]:
-        """Those through which the image comes; none where nothing is loaded."""
+        """The ports through which the image is loaded; none where nothing is loaded."""
         return ()
 
     @property
     def core(self) -> Network:
-        """The network without front end, readout or another interface around it."""
+        """The network without a front end, a readout or another interface around it."""
         return self
 
     @property
     def scanner(self) -> ScanSequencer | None:
-        """What makes the frames, where ``stream`` is ``converter``."""
+        """The block that makes the frames, where ``stream`` is ``converter``."""
         return None
 
     def compute(self, frames: Codes) -> Codes:
@@ -120,24 +121,24 @@ class Network(Block):
         raise NotImplementedError
 
     def left_out(self) -> list[str]:
-        """What this network does not need and therefore does not build."""
+        """Texts about what this network does not need and therefore does not build."""
         raise NotImplementedError
 
     def process(self, frames: ArrayLike) -> Codes:
-        """Output codes of frames of sample codes.
+        """Compute output codes from frames of sample codes.
 
-        Computed in chunks that stay in the processor's cache, so that memory beyond the results
-        does not grow with the batch.
+        The work is done in chunks that stay in the processor's cache, so the memory beyond the
+        results does not grow with the batch.
 
         Parameters
         ----------
         frames : array_like of int, shape (..., inputs)
-            Where there is a ``past``, of shape (frames, inputs), in the order of time.
+            Where ``past`` is not 0, the shape is (frames, inputs), in the order of time.
 
         Returns
         -------
         Codes, shape (..., outputs)
-            Where there is a ``past``, without its frames.
+            Where ``past`` is not 0, the first ``past`` frames have no row.
 
         Raises
         ------
@@ -165,9 +166,9 @@ def serial_ports(element: str, meaning: str, refused: str) -> tuple[Port, ...]:
     Parameters
     ----------
     element, meaning : str
-        What a frame consists of, and what ``in_data`` is.
+        The elements of a frame, and what ``in_data`` holds.
     refused : str
-        Which frames raise ``frame_error``.
+        The frames that raise ``frame_error``.
     """
     return (
         *CLOCKED,
@@ -182,7 +183,7 @@ def serial_ports(element: str, meaning: str, refused: str) -> tuple[Port, ...]:
 
 
 def frame_error(refused: str) -> Port:
-    """The port that tells of frames that are refused, and which those are."""
+    """The port that reports refused frames; its text says which frames those are."""
     return given(
         "frame_error", f"high for one clock for each frame {refused}, which gives no outputs"
     )

@@ -1,7 +1,8 @@
-"""Multiplications and additions that one frame costs, from the equations of a network.
+"""Multiplications and additions for one frame, counted from the equations of a network.
 
-Activation functions are left out, as in thesis section 3.11.3. An addition has two operands; a
-subtraction is one; a sum of n numbers is n - 1. Constants are computed beforehand.
+Activation functions are not counted, as in thesis section 3.11.3. An addition has two operands and
+a subtraction counts as one, so a sum of n numbers is n - 1 additions. Constants are computed
+beforehand.
 """
 
 from __future__ import annotations
@@ -11,14 +12,14 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Operations:
-    """Counts for one frame."""
+    """The numbers of operations for one frame."""
 
     multiplications: int
     additions: int
 
 
 def mlp_operations(shape: tuple[int, int, int]) -> Operations:
-    """Equation 3.11: every node sums its products and its bias.
+    """Equation 3.11: every node adds up its products and its bias.
 
     Parameters
     ----------
@@ -31,10 +32,10 @@ def mlp_operations(shape: tuple[int, int, int]) -> Operations:
 
 
 def rbf_operations(shape: tuple[int, int, int]) -> Operations:
-    """Equations 3.13 and 3.14 as they stand.
+    """Equations 3.13 and 3.14, counted as they are written.
 
-    A node takes one difference and one square an input, their sum, and one multiplication by
-    -1 / (2 sigma^2); an output is as in the MLP.
+    For each input a node has one difference and one square; it adds the squares up and multiplies
+    by -1 / (2 sigma^2) once. An output is like one of the MLP.
     """
     inputs, hidden, outputs = shape
     return Operations(
@@ -44,13 +45,13 @@ def rbf_operations(shape: tuple[int, int, int]) -> Operations:
 
 
 def rbf_operations_drawn(shape: tuple[int, int, int]) -> Operations:
-    """The same network as section 3.11.3 counts its block diagram, Figure 3.16.
+    """The same network, counted as section 3.11.3 does with the block diagram, Figure 3.16.
 
-    The squared distance is drawn as sum(X*X) - sum(X*C) + sum(C*C). A node has sum(X*C) and
-    sum(C*C), with one multiplication beyond the inputs in each; sum(X*X) is shared. Two more
-    additions a node join the three, one multiplication a node divides by the width. At an output,
-    the sum of all products counts as one addition, whatever the number of its operands, and the
-    bias as another.
+    The squared distance is drawn as sum(X*X) - sum(X*C) + sum(C*C). Each node has sum(X*C) and
+    sum(C*C), each with one multiplication more than there are inputs; sum(X*X) is shared by all
+    nodes. Per node two more additions join the three sums, and one multiplication divides by the
+    width. At an output, the sum of all products counts as one addition, whatever the number of its
+    operands, and the bias as another.
     """
     inputs, hidden, outputs = shape
     return Operations(

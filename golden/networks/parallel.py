@@ -1,4 +1,4 @@
-"""Parallel: a network of two layers, every multiplication at once."""
+"""Parallel: a network of two layers that does all multiplications at once."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ from golden.precision import SIGNAL
 class Parallel(Design):
     """y = f2(activation(f1(x))), all samples of a frame in one clock (thesis section 5.2).
 
-    A multiplier for every weight of both layers, N M + M L of them, and one activation per hidden
-    node; all outputs leave in one clock.
+    Every weight of both layers has its own multiplier, N M + M L of them, and every hidden node has
+    one activation. All outputs leave in one clock.
 
     Parameters
     ----------
@@ -46,21 +46,22 @@ class Parallel(Design):
 
     def __post_init__(self) -> None:
         hidden = len(self.hidden_neurons)
-        taken = {len(neuron.weights) for neuron in self.output_neurons}
-        if not {hidden} == {len(self.activations)} == taken:
+        per_output = {len(neuron.weights) for neuron in self.output_neurons}
+        if not {hidden} == {len(self.activations)} == per_output:
             raise InputError(
                 f"{self.entity}: got {hidden} hidden neurons, {len(self.activations)} activations "
-                f"and {sorted(taken)} weights per output, expected equal numbers"
+                f"and {sorted(per_output)} weights per output, expected equal numbers"
             )
         if len({len(neuron.weights) for neuron in self.hidden_neurons}) != 1:
             raise InputError(f"{self.entity}: got hidden neurons of unequal numbers of weights")
-        # All activations answer in the same clock.
+        # All activations must answer in the same clock.
         clocks = sorted({activation.latency for activation in self.activations})
         if len(clocks) > 1:
             raise InputError(
                 f"{self.entity}: got activations of latencies {clocks}, expected one latency"
             )
-        # All outputs leave in one clock: with the factor's multiplier or without.
+        # All outputs must leave in one clock, so either all have the multiplier of a factor or
+        # none.
         if len({neuron.factor is None for neuron in self.output_neurons}) != 1:
             raise InputError(f"{self.entity}: got factors of some outputs, expected all or none")
 
@@ -126,7 +127,7 @@ class Parallel(Design):
 
     @property
     def input_controller(self) -> InputController:
-        """A frame is one element: it keeps frames as far apart as the activation needs."""
+        """A frame is one element; frames are kept as far apart as the activation needs."""
         spacing = self.interval if self.interval > 1 else 0
         return InputController(1, spacing)
 

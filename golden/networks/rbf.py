@@ -1,4 +1,4 @@
-"""The radial basis function network in floating point: what the thesis compares its MLP with."""
+"""The radial basis function network in floating point, with which the thesis compares its MLP."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ class Rbf:
     Parameters
     ----------
     centres : float array, shape (hidden, inputs)
-        c_j.
+        The centres c_j.
     widths : float array, shape (hidden,)
-        sigma_j, above 0, in the unit of the inputs.
+        The widths sigma_j, above 0, in the unit of the inputs.
     weights : float array, shape (outputs, hidden)
     biases : float array, shape (outputs,)
 
@@ -57,13 +57,13 @@ class Rbf:
         return self.centres.shape[1], self.centres.shape[0], self.weights.shape[0]
 
     def hidden(self, frames: ArrayLike) -> Real:
-        """Basis functions, shape (..., hidden), of frames, shape (..., inputs)."""
+        """Values of the basis functions, shape (..., hidden), for frames, shape (..., inputs)."""
         x = np.asarray(frames, dtype=np.float64)[..., np.newaxis, :]
         distance: Real = ((x - self.centres) ** 2).sum(axis=-1)
         result: Real = np.exp(-distance / (2 * self.widths**2))
         return result
 
     def process(self, frames: ArrayLike) -> Real:
-        """Outputs, shape (..., outputs), of frames, shape (..., inputs)."""
+        """Outputs, shape (..., outputs), for frames, shape (..., inputs)."""
         result: Real = self.hidden(frames) @ self.weights.T + self.biases
         return result

@@ -1,4 +1,4 @@
-"""What arrangements of several networks have in common: one output of each, in their order."""
+"""What the arrangements of several networks share: each network gives one output, in order."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ class Several(Network):
     Raises
     ------
     InputError
-        For fewer than two networks, or networks of other inputs and outputs than ``_inputs_of``
-        asks for.
+        For fewer than two networks, or for networks whose inputs differ from ``_inputs_of`` or that
+        have more than one output.
     """
 
     networks: tuple[Design, ...]
 
     def _inputs_of(self, number: int) -> int:
-        """How many inputs network ``number`` must have."""
+        """The number of inputs that network ``number`` must have."""
         raise NotImplementedError
 
     def __post_init__(self) -> None:

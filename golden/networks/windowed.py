@@ -1,4 +1,4 @@
-"""Windowed: a network that takes samples of past frames, too."""
+"""Windowed: a network that also reads samples of past frames."""
 
 from __future__ import annotations
 
@@ -22,14 +22,15 @@ class Windowed(Network):
     Parameters
     ----------
     network : Network
-        One between two streams.
+        A network between two streams.
     window : Window
-        Its samples.
+        The samples that the network reads.
 
     Raises
     ------
     InputError
-        For a network of other inputs, or one that is no stream or waits for an image.
+        For a network with another number of inputs, and for one that takes no stream of samples,
+        must be loaded with an image, or has a past itself.
     """
 
     block = "windowed"
@@ -74,7 +75,7 @@ class Windowed(Network):
 
     @property
     def output_clocks(self) -> tuple[int, ...]:
-        """Behind the frame that the frame window sends."""
+        """They are counted past the frame that the frame window sends."""
         window = self.frame_window
         sent = window.latency + window.elements - 1
         return tuple(sent + clocks for clocks in self.network.output_clocks)
@@ -85,7 +86,7 @@ class Windowed(Network):
 
     @property
     def input_controller(self) -> InputController:
-        """Judges frames as the frame window does; it is no part."""
+        """Judges frames as the frame window does. It is not built."""
         return self.frame_window.input_controller
 
     @property

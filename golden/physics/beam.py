@@ -21,15 +21,17 @@ class Beam:
     Parameters
     ----------
     length, width, thickness : float
-        I_B, 1 um to 1 km; 1 um to 1 km; 1 um to 1 m. By default the rig of thesis section 3.3.
+        I_B from 1 um to 1 km, width from 1 um to 1 km, thickness from 1 um to 1 m. The default is
+        the rig of thesis section 3.3.
     elastic_modulus : float
-        E in Pa, 1 kPa to 10 TPa. By default mild steel, 200 GPa; the thesis prints none.
+        E in Pa, 1 kPa to 10 TPa. The default is mild steel, 200 GPa; the thesis prints no value.
 
     Notes
     -----
-    Bernoulli's theory: small slopes, no shear, the beam's own weight left out. The error grows with
-    the square of the slope: 23 g at the tip make a slope of 0.4, where a bending moment is some
-    percent less than the theory says, because the tip comes nearer to the root.
+    Bernoulli's theory holds for small slopes, without shear and without the beam's own weight. The
+    error grows with the square of the slope. 23 g at the tip cause a slope of 0.4, at which a
+    bending moment is some percent less than in the theory, because the tip comes nearer to the
+    root.
 
     Raises
     ------
@@ -56,7 +58,7 @@ class Beam:
         return self.elastic_modulus * self.width * self.thickness**3 / 12
 
     def _domain(self, at: ArrayLike, mass: ArrayLike, position: ArrayLike) -> list[Real]:
-        """Point, force and place of the load, checked."""
+        """Point, force and place of the load, after a check."""
         i, d, a = checked(
             at=(at, 0, self.length),
             mass=(mass, 0, MOST_MASS),
@@ -70,25 +72,25 @@ class Beam:
         Parameters
         ----------
         at : array_like of float
-            i_B, m from the root; the arguments broadcast.
+            i_B in m from the root. The arguments are broadcast.
         mass : array_like of float
             D in kg, 0 to 1e6.
         position : array_like of float
-            a, m from the root.
+            a in m from the root.
 
         Raises
         ------
         InputError
-            For a place off the beam or a mass outside its range, NaN included.
+            For a place off the beam or a mass outside its range, which includes NaN.
         """
         i, force, a = self._domain(at, mass, position)
-        # Both cases of the equation: the nearer of the two places stands squared.
+        # Both cases of the equation have the smaller of the two places squared.
         near, far = np.minimum(i, a), np.maximum(i, a)
         result: Real = -force * near**2 * (3 * far - near) / (6 * self.stiffness)
         return result
 
     def slope(self, at: ArrayLike, mass: ArrayLike, position: ArrayLike) -> Real:
-        """Slope theta = dv/di_B (equation 3.3); arguments and errors as ``deflection``."""
+        """Slope theta = dv/di_B (equation 3.3), with arguments and errors as in ``deflection``."""
         i, force, a = self._domain(at, mass, position)
         near = np.minimum(i, a)
         result: Real = -force * near * (2 * a - near) / (2 * self.stiffness)
@@ -98,7 +100,7 @@ class Beam:
         """Bending moment M_B = E I v'' in N m (equations 3.4 and 3.5): -D a_g (a - i_B) or 0.
 
         The thesis prints 3.5 without the sign that its own 3.1 and 3.3 give, and as v'' itself,
-        where by 3.4 it is E I v''. Arguments and errors as ``deflection``.
+        although it is E I v'' according to 3.4. Arguments and errors are as in ``deflection``.
         """
         i, force, a = self._domain(at, mass, position)
         result: Real = -force * np.maximum(a - i, 0)
@@ -106,25 +108,25 @@ class Beam:
 
 
 def mean_arm(distance: ArrayLike, half_width: ArrayLike, triangular: ArrayLike) -> Real:
-    """Lever arm max(distance, 0) averaged over a load of some width, in m.
+    """Lever arm max(distance, 0), averaged over a load of some width, in m.
 
-    Equation 3.5 is for a load at a point. A load spread over a - h to a + h has the moment
-    D a_g times this: the integral of its density times max(u, 0). Far from the sensor it is the
-    same; within h the kink is rounded.
+    Equation 3.5 is for a load at a point. A load that is spread over a - h to a + h has the moment
+    D a_g times this arm, which is the integral of its density times max(u, 0). Farther than h from
+    the sensor both are the same; within h the kink is rounded.
 
     Parameters
     ----------
     distance : array_like of float
-        a - i_B, from the sensor to the middle of the load; the arguments broadcast.
+        a - i_B, from the sensor to the middle of the load. The arguments are broadcast.
     half_width : array_like of float
         h, 0 to 1 km.
     triangular : array_like of bool
-        Density falling from the middle to nothing at both ends, instead of even.
+        Whether the density falls from the middle to 0 at both ends, instead of being constant.
 
     Raises
     ------
     InputError
-        For an argument outside its range, NaN included.
+        For an argument outside its range, which includes NaN.
     """
     d, h, r = _covered(distance, half_width)
     even = h * r**2
@@ -139,13 +141,13 @@ def arm_slopes(
 ) -> tuple[Real, Real]:
     """Derivatives of ``mean_arm`` by distance and by half-width.
 
-    The first is the part of the load beyond the sensor. The second is 0 wherever the sensor does
-    not lie under the load: there no reading of a moment holds anything of the width.
+    The first is the part of the load that lies beyond the sensor. The second is 0 wherever the
+    sensor does not lie under the load; there the bending moment does not depend on the width.
 
     Parameters
     ----------
     distance, half_width, triangular
-        See ``mean_arm``, whose errors these are.
+        See ``mean_arm``, which also raises the same errors.
     """
     d, h, r = _covered(distance, half_width)
     pointed = np.asarray(triangular, dtype=bool)
@@ -160,7 +162,7 @@ def arm_slopes(
 
 
 def _covered(distance: ArrayLike, half_width: ArrayLike) -> tuple[Real, Real, Real]:
-    """Distance and half-width, checked, and the part of the load's width beyond the sensor."""
+    """Distance and half-width after a check, and the part of the load's width beyond the sensor."""
     d, h = checked(distance=(distance, -1e6, 1e6), half_width=(half_width, 0, 1e3))
     spread = np.abs(d) < h
     r = (np.divide(d, h, out=np.zeros(np.broadcast_shapes(d.shape, h.shape)), where=spread) + 1) / 2

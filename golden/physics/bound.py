@@ -1,12 +1,13 @@
-"""How well a load can be known from noisy gauges: the bound of Cramer and Rao.
+"""The precision with which noisy gauges can determine a load: the bound of Cramer and Rao.
 
-No estimator that is right on average has a smaller standard deviation, whatever it is: a network
-of any size, or a search through the model itself. An estimator that is *not* right on average, as
-one that knows which loads there are, may be nearer; ``known_loads`` says how near.
+No unbiased estimator has a smaller standard deviation, whatever it is: a network of any size, or a
+search through the model itself. An estimator that is *not* unbiased, such as one that knows which
+loads there are, may be better; ``known_loads`` computes how much better.
 
-Load, position and width are unknown, the shape is known. It is one of two, so nothing can be
-derived by it; and together with an unknown width it is never in the readings: both show in the
-gauges under the load alone, and a triangle reads as a narrower rectangle does.
+Load, position and width are unknown, and the shape is known. The shape is one of two, so there is
+no derivative by it. Moreover, shape and an unknown width cannot both be found from the readings:
+both only affect the gauges under the load, and a triangle gives the readings of a narrower
+rectangle.
 """
 
 from __future__ import annotations
@@ -23,13 +24,13 @@ from golden.physics.strain_sensor import StrainSensor, loads_from_codes
 from golden.real import Real
 from golden.units import FULL_SCALE, LOAD_G, POSITION_MM, WIDTH_MM
 
-# What is unknown, in the order of the coded targets.
+# The unknowns, in the order of the coded targets.
 UNKNOWN = ("load", "position", "width")
 
-# The mean magnitude of an error that is normal, as a part of its standard deviation.
+# The mean magnitude of a normally distributed error, as a part of its standard deviation.
 MEAN_PER_DEVIATION = math.sqrt(2 / math.pi)
 
-# A part of a column that lies outside the others and is smaller than this is rounding.
+# If less than this part of a column is independent of the others, it is only rounding.
 _ROUNDING = 1e-9
 
 
@@ -39,44 +40,44 @@ def slopes_by_codes(sensors: Sequence[StrainSensor], codes: ArrayLike) -> Real:
     Parameters
     ----------
     sensors : sequence of StrainSensor
-        On one beam.
+        Gauges on the same beam.
     codes : array_like of float, shape (n, 4)
         Placements as coded targets; see ``loads_from_codes``.
 
     Returns
     -------
     float array, shape (n, sensors, 3)
-        V for one unit of the code.
+        In V for one unit of the code.
     """
     loads = loads_from_codes(codes, sensors[0].beam)
-    # Codes count the position from the tip, the beam from its root.
+    # Codes count the position from the tip, but the beam counts it from the root.
     si = np.array([LOAD_G / 1e3, -POSITION_MM / 1e3, WIDTH_MM / 2e3]) / FULL_SCALE
     return np.stack([sensor.slopes(loads) for sensor in sensors], axis=-2) * si
 
 
 def least_deviations(slopes: ArrayLike, noise: ArrayLike) -> Real:
-    """The bound: least standard deviation of each unknown, where the others are unknown too.
+    """The bound: the least standard deviation of each unknown if the others are unknown too.
 
-    Equation: the square root of the diagonal of the inverse of the Fisher information
-    ``J^T S^-1 J``. It is taken as 1 over the length of that part of a column of ``S^-1/2 J`` that
-    the other columns cannot make, which exists where the inverse does not.
+    Equation: it is the square root of the diagonal of the inverse of the Fisher information ``J^T
+    S^-1 J``. It is computed as 1 over the length of that part of a column of ``S^-1/2 J`` that is
+    independent of the other columns. This exists even where the inverse does not.
 
     Parameters
     ----------
     slopes : array_like of float, shape (..., readings, unknowns)
-        J, derivatives of the readings.
+        J, the derivatives of the readings.
     noise : array_like of float
-        Standard deviation of the noise of each reading, or one for all; above 0.
+        Standard deviation of the noise of each reading, or one number for all; above 0.
 
     Returns
     -------
     float array, shape (..., unknowns)
-        Infinite where the readings hold nothing of an unknown that could not be another.
+        Infinite where the effect of an unknown on the readings can be that of another one.
 
     Raises
     ------
     InputError
-        For noise of 0 or less, or another number of readings.
+        For noise of 0 or less, or for another number of readings.
     """
     least, most = float(np.finfo(np.float64).tiny), float(np.finfo(np.float64).max)
     (sigma,) = checked(noise=(noise, least, most))
@@ -86,7 +87,7 @@ def least_deviations(slopes: ArrayLike, noise: ArrayLike) -> Real:
         raise InputError(f"noise: got shape {sigma.shape}, expected one number or {readings}")
     matrix = matrix / np.broadcast_to(sigma, readings)[:, np.newaxis]
     lengths = np.linalg.norm(matrix, axis=-2, keepdims=True)
-    # Columns of one length, so that what is small is small whatever the units.
+    # All columns get the same length, so that smallness does not depend on units.
     unit = np.divide(matrix, lengths, out=np.zeros_like(matrix), where=lengths > 0)
     found = []
     for k in range(unknowns):
@@ -101,11 +102,11 @@ def least_deviations(slopes: ArrayLike, noise: ArrayLike) -> Real:
 def least_mean_errors(
     sensors: Sequence[StrainSensor], codes: ArrayLike, noise: ArrayLike, scale: ArrayLike
 ) -> Real:
-    """The bound of each placement as the networks' errors are given: in percent.
+    """The bound of each placement in percent, as the errors of networks are stated.
 
-    Equation: ``100 sqrt(2 / pi) sigma / scale``: the errors of an estimator that reaches the bound
-    are normal in the limit of little noise, and the mean magnitude of a normal error is
-    ``sqrt(2 / pi)`` of its standard deviation.
+    Equation: ``100 sqrt(2 / pi) sigma / scale``. With little noise the errors of an estimator that
+    reaches the bound have a normal distribution, and their mean magnitude is ``sqrt(2 / pi)`` times
+    their standard deviation.
 
     Parameters
     ----------
@@ -114,12 +115,12 @@ def least_mean_errors(
     noise : array_like of float
         See ``least_deviations``.
     scale : array_like of float, shape (n, 3)
-        What 100 % is; see ``golden.metrics.error_scale``.
+        The number that is 100 %; see ``golden.metrics.error_scale``.
 
     Returns
     -------
     float array, shape (n, 3)
-        Load, position and width.
+        The bounds of load, position and width.
     """
     deviations = least_deviations(slopes_by_codes(sensors, codes), noise)
     result: Real = 100 * MEAN_PER_DEVIATION * deviations / np.asarray(scale)

@@ -1,4 +1,4 @@
-"""From a deflection to a code: sensors and their conditioning, thesis sections 3.6 and 6.4."""
+"""The path from a deflection to a code: sensors and conditioning, thesis sections 3.6 and 6.4."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ class ReflectiveSensor:
     Parameters
     ----------
     rest : float
-        V without deflection, 0 to 100; the thesis has 3.5 to 4.7.
+        Output in V without deflection, 0 to 100; the thesis has 3.5 to 4.7.
     sensitivity : float
-        V/m, -1e6 to 1e6. 450 by default: ours; with it a 10 kg swing moves the sensors by the 10 to
-        60 mV that the thesis reports.
+        V/m, -1e6 to 1e6. The default of 450 is ours: with it a 10 kg swing moves the sensors by the
+        10 to 60 mV that the thesis reports.
     linear : float
-        m, 1 um to 1 m: beyond this deflection either way the output stays what it is there. 1 mm by
-        default, what a person on the plate makes (section 6.2.1).
+        m, 1 um to 1 m. Beyond this deflection, in both directions, the output stays constant. The
+        default of 1 mm is the deflection by a person on the plate (section 6.2.1).
     noise : float
         Standard deviation of Gaussian noise, V, 0 to 10.
 
@@ -58,7 +58,7 @@ class ReflectiveSensor:
         )
 
     def read(self, deflection: ArrayLike, rng: np.random.Generator) -> Real:
-        """Volts for deflections in m; the noise is the next of ``rng``.
+        """Volts for deflections in m; the noise comes from ``rng``.
 
         Raises
         ------
@@ -78,9 +78,10 @@ class Conditioning:
     Parameters
     ----------
     gain : float
-        G, -1e6 to 1e6; the thesis has 10 for sensors 1 and 3, 80 for sensor 2.
+        G, -1e6 to 1e6; the thesis has 10 for sensors 1 and 3, and 80 for sensor 2.
     cutoff : float
-        Of the first-order high pass, Hz, 0 to below half of the rate; 0 passes DC too.
+        Cut-off of the first-order high pass in Hz, 0 to below half of the rate; with 0, DC passes
+        too.
     rate : float
         Samples per second, 1e-3 to 1e9.
 
@@ -99,17 +100,17 @@ class Conditioning:
         checked(cutoff=(self.cutoff, 0, 0.499 * self.rate))
 
     def amplify(self, volts: ArrayLike, rest: float) -> Real:
-        """High pass, then gain; V, not clipped.
+        """Apply the high pass and then the gain; the result in V is not clipped.
 
-        The high pass is the bilinear image of s / (s + omega) with its cut-off in place
-        (``scipy.signal.butter``), settled at ``rest`` before the first sample.
+        The high pass is the bilinear transform of s / (s + omega) with the right cut-off
+        (``scipy.signal.butter``). Before the first sample it has settled at ``rest``.
 
         Parameters
         ----------
         volts : array_like of float, shape (n,)
-            n of 1 or more.
+            At least one sample.
         rest : float
-            V.
+            Output of the sensor at rest, in V.
 
         Raises
         ------
@@ -127,9 +128,9 @@ class Conditioning:
         return np.asarray(self.gain * passed)
 
     def convert(self, volts: ArrayLike, rest: float) -> tuple[Codes, int]:
-        """What the ADC gives: codes of Fix(14,13), and how many samples the clipping circuit cut.
+        """The output of the ADC: codes of Fix(14,13), and the number of samples that were clipped.
 
-        Arguments and errors as ``amplify``; rounding and saturation as ``Fix.quantise``.
+        Arguments and errors are as in ``amplify``; rounding and saturation as in ``Fix.quantise``.
         """
         return SIGNAL.quantise(self.amplify(volts, rest))
 
@@ -138,14 +139,15 @@ class Conditioning:
 class LowPass:
     """The filter behind the amplifier of each gauge of the digit.
 
-    First order, which is ours: thesis section 3.6 prints the cut-off alone, and a picture.
+    It is of first order, which is our choice: thesis section 3.6 prints only the cut-off, and a
+    picture.
 
     Parameters
     ----------
     cutoff : float
         Hz, 1e-6 to below half of the rate.
     rate : float
-        Samples per second, 1e-3 to 1e9; by default the scans of the four sensors.
+        Samples per second, 1e-3 to 1e9; the default is that of the scans of the four sensors.
 
     Raises
     ------
@@ -161,15 +163,15 @@ class LowPass:
         checked(cutoff=(self.cutoff, 1e-6, 0.499 * self.rate))
 
     def passed(self, volts: ArrayLike) -> Real:
-        """Filtered readings in V, settled at the first of them before it.
+        """Filtered readings in V; before the first sample the filter has settled at its value.
 
-        The bilinear image of omega / (s + omega) with its cut-off in place
+        The filter is the bilinear transform of omega / (s + omega) with the right cut-off
         (``scipy.signal.butter``).
 
         Parameters
         ----------
         volts : array_like of float, shape (n,)
-            n of 1 or more.
+            At least one sample.
 
         Raises
         ------
@@ -185,7 +187,7 @@ class LowPass:
         return np.asarray(v[0] + found)
 
     def settling(self, part: float) -> float:
-        """Seconds from a step until this part of it is left: -ln(part) / (2 pi cutoff).
+        """Seconds after a step until only this part of it is left: -ln(part) / (2 pi cutoff).
 
         Parameters
         ----------
@@ -195,16 +197,16 @@ class LowPass:
         Raises
         ------
         InputError
-            For a part outside its range, NaN included.
+            For a part outside its range, which includes NaN.
         """
         checked(part=(part, 1e-300, 1))
         return -math.log(part) / (2 * math.pi * self.cutoff)
 
     @property
     def noise_left(self) -> float:
-        """Standard deviation that is left of white noise, as a part of it.
+        """The standard deviation of filtered white noise, as a part of the unfiltered one.
 
-        With k = tan(pi cutoff / rate) the variance is k / (1 + k) of what it was.
+        With k = tan(pi cutoff / rate), the variance is k / (1 + k) of the unfiltered variance.
         """
         k = math.tan(math.pi * self.cutoff / self.rate)
         return math.sqrt(k / (1 + k))

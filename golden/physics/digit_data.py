@@ -1,7 +1,7 @@
-"""``python -m golden.physics.digit_data FILE``: vectors of a flexible digit that obeys theory.
+"""``python -m golden.physics.digit_data FILE``: vectors of a flexible digit, by its theory.
 
 The sensors are those that fit the recorded vectors best (``strain_sensor.fit_sensors``), so a scene
-may name the file where it names appendix2.csv.
+can use the file in the place of appendix2.csv.
 """
 
 from __future__ import annotations
@@ -31,7 +31,8 @@ from golden.units import FULL_SCALE, LOAD_G, POSITION_MM, WIDTH_MM
 RECORDED = Path(__file__).parents[1] / "data" / "appendix2.csv"
 SENSORS = ("sensor1", "sensor2", "sensor3", "sensor4")
 
-# What is left of sensor 4, the only one recorded at every placement, after the fit.
+# The residual of sensor 4 after the fit. It is the only sensor that was recorded at every
+# placement.
 NOISE = 0.008  # V
 
 LEAST_LOAD_G = 6.0  # Table 3.1
@@ -41,7 +42,7 @@ MOST_ROWS = 1_000_000
 
 
 def digit_data(rows: int, seed: int, noise: float = NOISE) -> Real:
-    """Placements drawn at random and what the four sensors read.
+    """Random placements, and the readings of the four sensors for them.
 
     Parameters
     ----------
@@ -55,9 +56,9 @@ def digit_data(rows: int, seed: int, noise: float = NOISE) -> Real:
     Returns
     -------
     float array, shape (rows, 8)
-        Sensors 1 to 4 in V, within -1 to 1; load (6 to 23 g), position (from where the load's outer
-        edge is 6.35 mm from the tip, to 127 mm), width (the four of Table 3.1) and shape as coded
-        targets.
+        Sensors 1 to 4 in V, within -1 to 1. Then, as coded targets: the load (6 to 23 g), the
+        position (from where the outer edge of the load is 6.35 mm from the tip, up to 127 mm), the
+        width (one of the four of Table 3.1), and the shape.
 
     Raises
     ------

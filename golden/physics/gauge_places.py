@@ -1,8 +1,8 @@
-"""Where gauges on a beam should sit: the bound of what they let anybody know, made small.
+"""Finds the best places for gauges on a beam, which make the bound of their errors small.
 
-What is known beforehand takes part: load, position and width are somewhere in their ranges, which
-counts as a reading of each with the standard deviation of that range. So a bound is never larger
-than what a guess is off by, and means can be taken over placements whose width no gauge feels.
+Prior knowledge is included: load, position and width lie within their ranges, which counts as a
+reading of each with the standard deviation of its range. So a bound is never larger than the error
+of a guess, and means can be computed even over placements whose width no gauge measures.
 """
 
 from __future__ import annotations
@@ -19,29 +19,30 @@ from golden.physics.gauge_rig import OUTPUTS, GaugeRig
 from golden.physics.strain_sensor import StrainSensor
 from golden.real import Real
 
-# Places are tried at this distance: gauges cannot be glued nearer to where they should be.
+# The distance of the places that are tried, since nobody can glue a gauge more precisely.
 STEP = 1e-3  # m
 MOST_PLACES = 500
 
-# Parts of the objective; less is rounding, and would make it the machine's choice.
+# The least improvement, as a part of the objective. Less is only rounding, which depends on the
+# machine.
 LEAST_GAIN = 1e-9
 
 
 @dataclass(frozen=True)
 class Placing:
-    """Bounds of a rig for any places of its gauges."""
+    """The bounds of a rig for any places of its gauges."""
 
     rig: GaugeRig
 
     @cached_property
     def places(self) -> Real:
-        """Where a gauge may sit, m."""
+        """The places in m where a gauge may be."""
         low, high = self.rig.span
         count = min(int((high - low) / STEP + 1e-6) + 1, MOST_PLACES)
         return np.linspace(low, high if count == MOST_PLACES else low + STEP * (count - 1), count)
 
     def information(self, place: float) -> Real:
-        """Of one gauge about mass, position and half-width at each placement, (n, 3, 3).
+        """Information of a gauge about mass, position and half-width at each placement, (n, 3, 3).
 
         Its amplifier is set so that the largest moment reads full scale.
         """
@@ -62,7 +63,7 @@ class Placing:
 
     @cached_property
     def _beforehand(self) -> Real:
-        """What is known without a gauge."""
+        """The information without any gauge."""
         rig = self.rig
         known = np.array(rig.known)
         spreads = np.where(known, 1.0, rig.spreads)
@@ -73,12 +74,12 @@ class Placing:
     def errors_of(self, information: Real) -> Real:
         """Bounds from the information of the gauges, (..., n, 3): mean errors in percent.
 
-        What is known has no error.
+        A known quantity has no error.
         """
         rig = self.rig
         unknown = np.flatnonzero(~np.array(rig.known))
         total = (information + self._beforehand)[..., unknown[:, np.newaxis], unknown]
-        # Units of one size, so that the inverse is exact.
+        # All units are scaled to the same size, so that the inverse is accurate.
         unit = rig.spreads[unknown]
         inverse = np.linalg.inv(total * unit[:, np.newaxis] * unit)
         variances = np.diagonal(inverse, axis1=-2, axis2=-1)
@@ -88,27 +89,27 @@ class Placing:
         return found
 
     def errors(self, places: Sequence[float]) -> Real:
-        """Bounds at each placement for gauges at some places, (n, 3)."""
+        """Bounds at each placement for gauges at the given places, (n, 3)."""
         return self.errors_of(sum((self.information(p) for p in places), np.zeros((1, 3, 3))))
 
     def score(self, errors: Real) -> Real:
-        """What is to be small: mean or worst over placements and the outputs that count."""
+        """The number to minimise: mean or worst error over placements and outputs that count."""
         counted = errors[..., [OUTPUTS.index(name) for name in self.rig.outputs]]
         flat = counted.reshape(*counted.shape[:-2], -1)
         result: Real = flat.mean(axis=-1) if self.rig.objective == "mean" else flat.max(axis=-1)
         return result
 
     def best(self) -> list[float]:
-        """The places found: the same on every run.
+        """The best places that were found; they are the same in every run.
 
-        From several starts gauge after gauge moves to where it is best for the others, until none
-        moves. Starts: one gauge after the other where it helps most, evenly spread, and what is
-        compared with.
+        From several starts, each gauge in turn moves to its best place among the others, until none
+        moves any more. The starts are: one gauge after another where it helps most; evenly spread
+        gauges; and the places for comparison.
 
         Raises
         ------
         InputError
-            When there is no room for as many.
+            When there is no room for so many gauges.
         """
         count = self.rig.count
         even = np.linspace(0, len(self.places) - 1, count).round().astype(int).tolist()
@@ -123,7 +124,7 @@ class Placing:
         return [float(self.places[k]) for k in sorted(chosen)]
 
     def _apart(self, chosen: list[int]) -> bool:
-        """Whether no two are too near."""
+        """Whether all gauges are far enough apart."""
         return bool((np.diff(self.places[sorted(chosen)]) >= self.rig.apart - STEP / 1e3).all())
 
     def _descended(self, start: list[int]) -> tuple[float, list[int]]:
@@ -144,7 +145,7 @@ class Placing:
                 return float(score), chosen
 
     def _best_beside(self, others: list[int]) -> tuple[float, int]:
-        """The score with one more gauge where it is best, and that place; infinite without room."""
+        """The best score with one more gauge, and its place; infinite if there is no room."""
         known = self._all[others].sum(axis=0)
         free = np.ones(len(self.places), dtype=bool)
         for k in others:
@@ -152,11 +153,12 @@ class Placing:
         at = np.flatnonzero(free)
         if not len(at):
             return np.inf, 0
-        # Some at a time: of all together the information would be too large.
+        # The places are evaluated in groups, because the arrays for all together would be too
+        # large.
         parts = np.array_split(at, min(len(at), 16))
         scores = np.concatenate(
             [self.score(self.errors_of(known + self._all[part])) for part in parts]
         )
-        # Of places that score alike the one nearest to the root.
+        # Of places with equal scores, the one nearest to the root is taken.
         best = int((scores <= scores.min() * (1 + LEAST_GAIN)).argmax())
         return float(scores[best]), int(at[best])

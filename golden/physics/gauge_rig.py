@@ -1,4 +1,4 @@
-"""A beam that gauges are to be placed on: the TOML file of ``make sensors``."""
+"""A beam on which gauges are to be placed: the TOML file of ``make sensors``."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ OBJECTIVES = ("mean", "worst")
 SHAPES = {"rectangle": False, "triangle": True}
 MOST_GAUGES = 32
 
-# Positions along the range of the load, for each width, shape and load.
+# Number of positions along the range of the load, for each width, shape and load.
 POSITIONS = 25
 
 
@@ -100,38 +100,38 @@ RIG = Table(
 
 @dataclass(frozen=True)
 class GaugeRig:
-    """What ``make sensors`` is asked.
+    """The question that is put to ``make sensors``.
 
     Attributes
     ----------
     name : str
     beam : golden.physics.beam.Beam
     count : int
-        Gauges to place.
+        Number of gauges to place.
     span : tuple of float
-        m from the root, where a gauge may sit.
+        Range in m from the root in which a gauge may be.
     apart : float
-        m, least distance of two.
+        Least distance of two gauges in m.
     full_scale, noise : float
-        V; see the file.
+        In V; see the file.
     noise_strain : float
     compare : tuple of float
-        m from the root; none where there is nothing to compare with.
+        Places in m from the root to compare with; may be empty.
     cell_noise : float
-        Of a sensor that reads the load alone, as a part of what the heaviest load reads; infinite
-        where there is none.
+        Noise of a sensor that reads only the load, as a part of its reading for the heaviest load;
+        infinite where there is no such sensor.
     masses : tuple of float
-        kg, the least and the largest.
+        The least and the largest mass in kg.
     placements : Loads
-        Every placement over which errors are taken.
+        All placements over which errors are computed.
     known : tuple of bool
-        Whether load, position and width are known beforehand: those of one value.
+        Whether load, position and width are known beforehand, which holds for a range of one value.
     spreads : float array, shape (3,)
-        Standard deviation of mass, position and half-width over the placements, in SI units.
+        Standard deviations of mass, position and half-width over the placements, in SI units.
     percent : float array, shape (placements, 3)
         Error in percent for one SI unit of mass, position and half-width.
     outputs : tuple of str
-        Whose errors count.
+        The outputs whose errors count.
     objective : str
         "mean" or "worst".
     """
@@ -161,8 +161,8 @@ def load_rig(name: str) -> GaugeRig:
     Raises
     ------
     InputError
-        For an unknown rig, or a file that cannot be read.
-        For a fault in the file; the message names file, key, what was got and what was expected.
+        For an unknown rig, or for a file that cannot be read. For a fault in the file, the message
+        names file, key, what was got and what was expected.
     """
     known = sorted(path.stem for path in FOLDER.glob("*.toml"))
     path = FOLDER / f"{name}.toml" if name in known else Path(name)
@@ -251,7 +251,7 @@ def _rig(values: dict[str, dict[str, Any]], path: Path) -> GaugeRig:
 
 
 def _placements(loads: dict[str, Any], length: float) -> Loads:
-    """Both ends of the loads, at every width and shape, all along what is left of the beam."""
+    """The least and the largest load, with all widths and shapes, along the free beam."""
     low, high = loads["position_mm"]
     rows = [
         (mass / 1e3, place / 1e3, width / 2e3, SHAPES[shape])

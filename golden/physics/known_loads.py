@@ -1,8 +1,8 @@
-"""How well a load can be known by an estimator that knows which loads there are.
+"""The precision of an estimator that knows beforehand which loads there are.
 
-The bound of Cramer and Rao (``bound``) is for estimators that are right on average whatever the
-load. One that knows what is likely beforehand can be nearer, and can name what no reading holds:
-its least mean error is that of the median of what is likely after the readings.
+The bound of Cramer and Rao (``bound``) is for estimators that are unbiased for every load. An
+estimator with prior knowledge can be better, and can even determine what the readings do not
+contain. Its least mean error is that of the median of the distribution after the readings.
 """
 
 from __future__ import annotations
@@ -16,24 +16,24 @@ from golden.physics.strain_sensor import StrainSensor, loads_from_codes, read_se
 from golden.real import Real
 from golden.units import FULL_SCALE, POSITION_MM
 
-# Where load and position can be after the readings: this many times their bound to either side, in
-# steps of a half of it, which cost an error one per cent.
+# Load and position after the readings are searched within this many times their bound on both
+# sides. The steps are half a bound wide, which changes an error by one per cent.
 REACH, STEPS = 6, 25
 
-# Halves of all that is likely that differ by less are equal.
+# Values whose cumulative weights differ from one half by less count as equally good medians.
 _TIE = 1e-6
 
 
 def kinds_of(targets: Real, known_loads: bool) -> Real:
-    """Load, width and shape of everything that may lie on the beam, shape (kinds, 3).
+    """Load, width and shape of everything that can lie on the beam, shape (kinds, 3).
 
     Parameters
     ----------
     targets : float array, shape (n, 4)
         Coded placements.
     known_loads : bool
-        Only those that stand in ``targets``. Otherwise any load, so NaN, of any width with any
-        shape that stands there.
+        Whether only the loads in ``targets`` are possible. Otherwise any load is possible, which
+        NaN stands for, with any width and any shape that occur in ``targets``.
     """
     if known_loads:
         found: Real = np.unique(targets[:, [0, 2, 3]], axis=0)
@@ -51,21 +51,22 @@ def least_errors(
     draws: int,
     rng: np.random.Generator,
 ) -> Real:
-    """Mean magnitude of the error at each placement, in percent, of the best such estimator.
+    """The mean error of the best such estimator at each placement, in percent.
 
     Parameters
     ----------
     sensors : sequence of StrainSensor
-        What reads, and what the estimator knows.
+        The sensors that are read; the estimator knows them.
     targets : float array, shape (n, 4)
-        Coded placements; equally likely kinds of loads come from them, see ``kinds_of``.
+        Coded placements. They determine the kinds of loads, which are equally likely; see
+        ``kinds_of``.
     noise : float array, shape (sensors,)
-        Standard deviation, V.
+        Standard deviation in V.
     scale : float array, shape (n, 4)
-        What 100 % is.
+        The number that is 100 %.
     known_loads : bool
     draws : int
-        Readings at each placement.
+        Number of readings at each placement.
     rng : numpy Generator
 
     Returns
@@ -83,7 +84,7 @@ def least_errors(
         likely = _around(target, spreads[n], kinds, farthest)
         means = read_sensors(sensors, loads_from_codes(likely, beam)) / noise
         seen = exact[n] / noise + rng.standard_normal((draws, len(sensors)))
-        # The square, without what is the same for all candidates.
+        # The squared distance, without the part that is the same for all candidates.
         fits = seen @ means.T - (means**2).sum(axis=1) / 2
         after = np.exp(fits - fits.max(axis=1, keepdims=True))
         for c, values in enumerate(likely.T):
@@ -94,7 +95,7 @@ def least_errors(
 
 
 def _around(target: Real, spread: Real, kinds: Real, farthest: float) -> Real:
-    """Candidates near a placement, of all kinds, none beyond the root of the beam."""
+    """Candidates of all kinds near a placement, none of them beyond the root of the beam."""
     steps = np.linspace(-REACH, REACH, STEPS)
     loads = target[0] + spread[0] * steps
     places = np.clip(target[1] + spread[1] * steps, 0, farthest)
@@ -109,7 +110,7 @@ def _around(target: Real, spread: Real, kinds: Real, farthest: float) -> Real:
 def _medians(values: Real, weights: Real) -> Real:
     """The weighted median of ``values`` for each row of ``weights``.
 
-    Where nothing decides between two values, half-way: not the one that rounding favours.
+    Where two values are equally good, it is their mean, and not the one that rounding favours.
     """
     order = np.argsort(values, kind="stable")
     total = np.cumsum(weights[:, order], axis=1)

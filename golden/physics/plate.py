@@ -1,4 +1,4 @@
-"""The surface plate: thesis equations 6.1 to 6.3, for loads and points anywhere."""
+"""The surface plate: thesis equations 6.1 to 6.3, for loads and points at any place."""
 
 from __future__ import annotations
 
@@ -12,12 +12,13 @@ from golden.domain import checked
 from golden.input_error import InputError
 from golden.real import Real
 
-# Terms times pairs of one chunk of the series: small enough for a cache, large enough for numpy.
+# Number of terms times pairs in one chunk of the series, which is small enough for a cache and
+# large enough for numpy.
 CHUNK = 1 << 16
 MOST_TERMS = 1_000_000
 
 # From the table `plate` of `make figures`: at the load itself, where the series converges slowest,
-# this many are within 2e-6 of the limit, in less time than the coarsest grid takes.
+# the sum of so many terms is within 2e-6 of the limit, and takes less time than the coarsest grid.
 TERMS = 1000
 
 
@@ -28,21 +29,22 @@ class Plate:
     Parameters
     ----------
     length, width : float
-        a (x) and b (y) in m, 1 mm to 1 km, neither more than a hundred times the other. By default
-        the outer plate of thesis section 6.2.1, clamped along its long sides.
+        a (x) and b (y) in m, 1 mm to 1 km; neither may be more than a hundred times the other. The
+        default is the outer plate of thesis section 6.2.1, which is clamped along its long sides.
     thickness : float
         t_r in m, 1 um to 1 m.
     elastic_modulus : float
-        E in Pa, 1 kPa to 10 TPa. By default steel, 200 GPa; the thesis prints none.
+        E in Pa, 1 kPa to 10 TPa. The default is steel, 200 GPa; the thesis prints no value.
     poisson : float
-        nu, 0 to 0.5. By default steel, 0.3.
+        nu, 0 to 0.5. The default is steel, 0.3.
     clamped : bool
-        The edges y = 0 and y = b: clamped (equation 6.3), or simply supported (6.1, 6.2).
+        Whether the edges y = 0 and y = b are clamped (equation 6.3) or simply supported (6.1, 6.2).
 
     Notes
     -----
-    Kirchhoff's theory: deflections small against the thickness, thickness small against the sides,
-    static loads, the plate's own weight left out.
+    Kirchhoff's theory assumes that deflections are small compared with the thickness, that the
+    thickness is small compared with the sides, and that loads are static; the plate's own weight is
+    left out.
 
     Raises
     ------
@@ -73,7 +75,7 @@ class Plate:
         return self.elastic_modulus * self.thickness**3 / (12 * (1 - self.poisson**2))
 
     def _pairs(self, points: ArrayLike, loads: ArrayLike) -> tuple[Real, Real, Real, Real]:
-        """x, y of the points and xi, eta of the loads, checked, as (n, 1) and (1, k)."""
+        """x, y of the points and xi, eta of the loads after a check, as (n, 1) and (1, k)."""
         places = []
         for name, value in (("points", points), ("loads", loads)):
             array = np.asarray(value, dtype=np.float64)
@@ -92,12 +94,12 @@ class Plate:
     def influence(self, points: ArrayLike, loads: ArrayLike, terms: int = TERMS) -> Real:
         """Deflection at each point for 1 N at each load, m/N, positive in the load's direction.
 
-        The deflection under forces F is ``influence @ F``: the plate is linear.
+        The plate is linear, so the deflection under forces F is ``influence @ F``.
 
-        Equation 6.1 sums over m what a unit load at (xi, eta) does along the line x of the m-th
-        sine. The clamped edges add the deflection of the edge moments that bring both slopes to 0:
-        one symmetric and one antisymmetric part. On the axis y = eta = b / 2 this is equation 6.3,
-        whose second sum is printed for that axis alone.
+        Equation 6.1 sums, over m, the effect of a unit load at (xi, eta) along the line x of the
+        m-th sine. Clamped edges add the deflection by those edge moments that make both slopes 0;
+        it has a symmetric and an antisymmetric part. On the axis y = eta = b / 2 the result is
+        equation 6.3, whose second sum is printed for that axis only.
 
         Parameters
         ----------
@@ -114,18 +116,19 @@ class Plate:
 
         Notes
         -----
-        Hyperbolic functions appear only as exp(-u) with u of 0 or more: nothing overflows for any
-        number of terms; factors below the smallest float are 0, as they should be. Time grows with
-        terms times pairs, memory does not grow with terms.
+        Hyperbolic functions appear only as exp(-u) with u of 0 or more. So nothing overflows for
+        any number of terms, and factors below the smallest float become 0, as they should. The time
+        grows with the number of terms times that of pairs; the memory does not grow with the number
+        of terms.
 
-        **Error**: what the terms left out amount to stays below ``tail``. Rounding is 1e-13 of the
-        largest deflection for plates of like sides; for b = a / 100 cancellation costs four digits
-        more (tests/test_plate.py).
+        **Error**: the sum of the terms that are left out is below ``tail``. Rounding errors are
+        1e-13 of the largest deflection for plates with similar sides. For b = a / 100, cancellation
+        costs four more digits (tests/test_plate.py).
 
         Raises
         ------
         InputError
-            For a place off the plate, terms outside their range, NaN.
+            For a place off the plate, for a number of terms outside its range, and for NaN.
         """
         checked(terms=(terms, 1, MOST_TERMS))
         x, y, xi, eta = self._pairs(points, loads)
@@ -146,14 +149,14 @@ class Plate:
         return result
 
     def tail(self, points: ArrayLike, loads: ArrayLike, terms: int = TERMS) -> Real:
-        """A bound of what the terms beyond ``terms`` add to ``influence``, m/N, shape (n, k).
+        """A bound of the part of ``influence`` in the terms beyond ``terms``, m/N, shape (n, k).
 
-        A supported edge, and even more a clamped one, only takes from what an endless strip would
-        do: 0 <= line <= (1 + u) exp(-u) / 2 with ``u = k |y - eta|``. This falls with m, so that
+        A supported edge, and even more a clamped edge, only reduces the deflection of an infinite
+        strip: 0 <= line <= (1 + u) exp(-u) / 2 with ``u = k |y - eta|``. This decreases with m, so
         the tail is at most its first value times the sum of 1 / m^3 (Hurwitz' zeta function).
-        Beside the load it falls exponentially, on its line as 1 / m^2.
+        Beside the load it decreases exponentially, and on the load's line as 1 / m^2.
 
-        Arguments and errors as ``influence``.
+        Arguments and errors are as in ``influence``.
         """
         checked(terms=(terms, 1, MOST_TERMS))
         _, y, _, eta = self._pairs(points, loads)
@@ -177,8 +180,8 @@ def _plus(u: Real) -> Real:
 def _supported(beta: Real, p: Real, q: Real) -> Real:
     """The bracket of equation 6.1 times its quotient of hyperbolic sines.
 
-    p is beta eta / b and q beta y_1 / b, of which at most one goes beyond beta / 2 and
-    p + q <= beta. u coth(u) sinh(u) is written u cosh(u), so that u = 0 divides nothing.
+    p is beta eta / b and q is beta y_1 / b. At most one of them exceeds beta / 2, and p + q <=
+    beta. u coth(u) sinh(u) is written as u cosh(u), so that nothing is divided by 0 at u = 0.
     """
     sp, sq, sb = _minus(p), _minus(q), _minus(beta)
     scaled = (1 + beta * _plus(beta) / sb) * sp * sq - q * _plus(q) * sp - p * _plus(p) * sq
@@ -186,14 +189,14 @@ def _supported(beta: Real, p: Real, q: Real) -> Real:
 
 
 def _edge_slope(beta: Real, p: Real) -> Real:
-    """Slope of equation 6.1 at an edge, over k; p is k times the load's way to the other edge."""
+    """Slope of equation 6.1 at an edge, over k; p is k times the load's distance from the other."""
     sb = _minus(beta)
     scaled = beta * _plus(beta) / sb * _minus(p) - p * _plus(p)
     return np.asarray(scaled * np.exp(p - beta) / sb)
 
 
 def _clamping(alpha: Real, t: Real, to_low: Real, to_high: Real) -> Real:
-    """What clamping the edges takes off, with t = k (y - b / 2), alpha = k b / 2.
+    """The reduction by clamped edges, with t = k (y - b / 2), alpha = k b / 2.
 
     Both parts solve the plate equation without a load and are 0 at the edges:
     t sinh(t) - alpha tanh(alpha) cosh(t) and t cosh(t) - alpha coth(alpha) sinh(t).

@@ -1,4 +1,4 @@
-"""The plate equation by finite differences: an independent check of the series."""
+"""The plate equation by finite differences, as an independent check of the series."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ def _biharmonic(plate: Plate, columns: int, rows: int) -> sparse.csc_array:
     x, y = second(columns, plate.length), second(rows, plate.width)
     fourth = (y @ y).tolil()
     if plate.clamped:
-        # A mirrored node beyond the edge has the deflection of its image, where a simply supported
-        # edge has its negative: 1 + 1 of the mirror instead of -1 + 1.
+        # A mirrored node beyond a clamped edge has the deflection of its image; at a simply
+        # supported edge it has the negative of it. So the mirror adds 1 + 1 instead of -1 + 1.
         for end in (0, rows - 2):
             fourth[end, end] += 2 * (rows / plate.width) ** 4
     identity_x = sparse.eye_array(columns - 1)
@@ -42,14 +42,14 @@ def _biharmonic(plate: Plate, columns: int, rows: int) -> sparse.csc_array:
 def grid_influence(plate: Plate, load: ArrayLike, columns: int, rows: int) -> Real:
     """Deflection of all inner nodes for 1 N at one node, m/N.
 
-    The thirteen-point stencil of the plate equation, second order; beside the load, where the
-    curvature has no limit, the error is of second order but for a logarithm.
+    It uses the thirteen-point stencil of the plate equation, which is of second order. At the load,
+    where the curvature has no limit, the error is of second order except for a logarithm.
 
     Parameters
     ----------
     plate : Plate
     load : array_like of float, shape (2,)
-        xi and eta in m; taken to the nearest inner node.
+        xi and eta in m; the load acts at the nearest inner node.
     columns, rows : int
         Cells along x and y, 4 to 2000.
 
@@ -75,13 +75,13 @@ def grid_influence(plate: Plate, load: ArrayLike, columns: int, rows: int) -> Re
 
 
 def natural_frequency(plate: Plate, density: float, columns: int, rows: int) -> float:
-    """Lowest natural frequency in Hz, of second order in the cells.
+    """Lowest natural frequency in Hz; the error is of second order in the size of the cells.
 
     Parameters
     ----------
     plate : Plate
     density : float
-        kg/m^3, 1 to 1e5; steel has 7850.
+        kg/m^3, 1 to 1e5; that of steel is 7850.
     columns, rows : int
         Cells along x and y, 4 to 2000.
 

@@ -1,4 +1,4 @@
-"""The swing on its plate: what the three sensors see (thesis sections 6.2 to 6.4)."""
+"""The swing on its plate, and the readings of its three sensors (thesis sections 6.2 to 6.4)."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from golden.real import Real
 
 @dataclass(frozen=True)
 class Rig:
-    """A swing in the middle of a plate, its frames along the plate's length.
+    """A swing in the middle of a plate, with its frames along the plate's length.
 
     Parameters
     ----------
@@ -25,15 +25,15 @@ class Rig:
     frames : float
         Distance of the two A-frames in m; 0.350 in thesis section 6.2.2.
     offset : float
-        Sensors 1 and 3 lie on the line of the feet, this far off the middle of the plate's width,
-        m; sensor 2 lies in the middle. Ours: the thesis has them "closely to" the axis, and a
-        sensor on the axis sees the same whichever frame carries the load, so that no sensor would
-        feel the wobble.
+        Distance in m of sensors 1 and 3, which lie on the line of the feet, from the middle of the
+        plate's width; sensor 2 lies in the middle. The value is ours: the thesis has them "closely
+        to" the axis, but a sensor on the axis gives the same reading whichever frame carries the
+        load, so that no sensor would detect the wobble.
 
     Raises
     ------
     InputError
-        When a foot or a sensor would lie off the plate.
+        When a foot or a sensor would be off the plate.
     """
 
     plate: Plate = field(default_factory=Plate)
@@ -50,7 +50,7 @@ class Rig:
 
     @property
     def feet(self) -> Real:
-        """Where the four feet stand, shape (4, 2): side 1 then side 2, each left then right."""
+        """The places of the four feet, shape (4, 2): side 1 then side 2, each left then right."""
         middle, across = self.plate.length / 2, self.plate.width / 2
         return np.array(
             [
@@ -62,7 +62,7 @@ class Rig:
 
     @property
     def sensors(self) -> Real:
-        """Where the three sensors are, shape (3, 2)."""
+        """The places of the three sensors, shape (3, 2)."""
         middle, across = self.plate.length / 2, self.plate.width / 2
         half = self.swing.feet / 2
         return np.array(
@@ -76,15 +76,15 @@ class Rig:
     def forces(self, motion: Motion, lateral: Real, lateral_acceleration: Real) -> Real:
         """Force of each foot in N, shape (n, 4).
 
-        Either side's force (equations 6.4 and 6.5) is divided among its frames: evenly, as the
-        thesis assumes, but for the wobble, which is ours. A mass at x off the middle whose support
-        it accelerates by x'' at the height of the axis tilts the load to one frame by
-        (D a_g x - D x'' height) / frames, half of it on either side.
+        The force on each side (equations 6.4 and 6.5) is divided equally between its frames, as the
+        thesis assumes, apart from the wobble, which is our addition. A mass at x off the middle,
+        whose support it accelerates by x'' at the height of the axis, shifts the load to one frame
+        by (D a_g x - D x'' height) / frames, half of it on each side.
 
         Raises
         ------
         InputError
-            When a foot would have to be held down: the swing would leave the plate.
+            When a foot would have to be held down, because the swing would leave the plate.
         """
         swing = self.swing
         tilt = swing.mass * (GRAVITY * lateral - lateral_acceleration * swing.height) / self.frames

@@ -16,27 +16,27 @@ from golden.physics.beam import MOST_MASS, Beam, arm_slopes, mean_arm
 from golden.real import Real
 from golden.units import FULL_SCALE, LOAD_G, POSITION_MM, WIDTH_MM
 
-# Loads and their columns as golden/data/appendix2.csv has them.
+# The columns of loads in golden/data/appendix2.csv.
 COLUMNS = ("load", "position", "width", "shape")
 TRIANGLE_CODE, RECTANGLE_CODE = 0.9, 0.45  # Table 3.1
 
-# A gauge that reads the load alone is one infinitely far away; the search ends at this many lengths
-# of the beam, where the arm changes by 0.4 % over the whole working range.
+# A gauge that reads only the load is one at infinity. The search ends at this many lengths of the
+# beam, where the arm changes by 0.4 % over the whole working range.
 FARTHEST = 100.0
 
 
 @dataclass(frozen=True)
 class Loads:
-    """Loads on the beam in SI units; the arrays broadcast.
+    """Loads on the beam in SI units. The arrays are broadcast.
 
     Parameters
     ----------
     mass : float array
-        D, kg.
+        D in kg.
     position : float array
-        a, m from the root to the middle of the load.
+        a in m, from the root to the middle of the load.
     half_width : float array
-        m.
+        h in m.
     triangular : bool array
         See ``mean_arm``.
     """
@@ -47,17 +47,17 @@ class Loads:
     triangular: Real
 
     def at_points(self) -> Loads:
-        """The same without width: what equation 3.5 is for."""
+        """The same loads without width, which equation 3.5 assumes."""
         return replace(self, half_width=np.zeros_like(self.half_width))
 
 
 def loads_from_codes(codes: ArrayLike, beam: Beam) -> Loads:
-    """What coded targets (load, position, width, shape; Table 3.1) are on the beam.
+    """The loads on the beam for coded targets (load, position, width, shape; Table 3.1).
 
     Parameters
     ----------
     codes : array_like of float, shape (..., 4)
-        0.9 is 23 g, 127 mm from the tip, 50.8 mm of width (``golden.units``).
+        0.9 means 23 g, 127 mm from the tip, and a width of 50.8 mm (``golden.units``).
     beam : Beam
     """
     load, position, width, shape = np.moveaxis(np.asarray(codes, dtype=np.float64), -1, 0)
@@ -105,14 +105,15 @@ class StrainSensor:
     Parameters
     ----------
     gain : float
-        V per strain; see ``bridge_gain``. Positive reads an upward bend as positive.
+        V per strain; see ``bridge_gain``. With a positive gain an upward bend gives a positive
+        reading.
     offset : float
-        V_off, V.
+        V_off in V.
     position : float
-        m from the root. Below 0 no gauge of this beam can be; the formula is carried on, so that a
-        fit can say that a sensor does not read a bending moment.
+        In m from the root. Below 0 there can be no gauge on this beam. The formula still continues
+        there, so that a fit can show that a sensor does not read a bending moment.
     beam : Beam
-        gamma is half of its thickness.
+        The beam; gamma is half of its thickness.
     """
 
     gain: float
@@ -126,7 +127,7 @@ class StrainSensor:
         Raises
         ------
         InputError
-            For a mass outside 0 to 1e6 kg or a load beyond the root, NaN included.
+            For a mass outside 0 to 1e6 kg or a load beyond the root, which includes NaN.
         """
         mass, arm = self._mass_and_arm(loads)
         strain = -mass * GRAVITY * arm * self.beam.thickness / (2 * self.beam.stiffness)
@@ -134,7 +135,7 @@ class StrainSensor:
         return result
 
     def slopes(self, loads: Loads) -> Real:
-        """Derivatives of ``read`` by mass, position and half-width, shape (..., 3); V/kg and V/m.
+        """Derivatives of ``read`` by mass, position and half-width, shape (..., 3); V/kg, V/m.
 
         Raises
         ------
@@ -158,26 +159,26 @@ class StrainSensor:
 
 
 def fit_sensor(readings: ArrayLike, loads: Loads, beam: Beam, spread: bool = True) -> StrainSensor:
-    """Gain, offset and position for which equation 3.9 is nearest to recorded readings.
+    """Gain, offset and position with which equation 3.9 fits recorded readings best.
 
-    Least squares over all readings. For each position gain and offset follow from a linear
-    solution, so that SciPy searches the position alone, from the root.
+    It is a least-squares fit over all readings. For each position, gain and offset follow from a
+    linear solution, so SciPy searches only the position, starting from the root.
 
     Parameters
     ----------
     readings : array_like of float, shape (n,)
-        V.
+        Readings in V.
     loads : Loads
-        n of them.
+        A load for each reading.
     beam : Beam
     spread : bool
-        Take the width of the loads into account (``mean_arm``); otherwise equation 3.5 as printed,
-        for a load at a point.
+        Whether to take the width of the loads into account (``mean_arm``); otherwise equation 3.5
+        is used as printed, for a load at a point.
 
     Raises
     ------
     InputError
-        For fewer than four readings, NaN or infinite ones, or loads of another number.
+        For fewer than four readings, for NaN or infinite ones, or for another number of loads.
     """
     most = float(np.finfo(np.float64).max)
     (volts,) = checked(readings=(readings, -most, most))
@@ -188,11 +189,12 @@ def fit_sensor(readings: ArrayLike, loads: Loads, beam: Beam, spread: bool = Tru
     used = loads if spread else loads.at_points()
 
     def solved(nearness: Real) -> StrainSensor:
-        """Of a gauge at length (1 - 1 / nearness): 1 is the root, 0 infinitely far outside."""
+        """The fit at length (1 - 1 / nearness): 1 is the root, and 0 is infinitely far outside."""
         position = beam.length * (1 - 1 / float(nearness[0]))
         unit = StrainSensor(1.0, 0.0, position, beam).read(used)
         matrix = np.stack([unit, np.ones_like(unit)], axis=1)
-        # Readings of a distant gauge are huge; columns of like size keep the solution exact.
+        # The readings of a distant gauge are huge. Columns of similar size keep the solution
+        # accurate.
         scale = np.maximum(np.abs(matrix).max(axis=0), np.finfo(np.float64).tiny)
         gain, offset = np.linalg.lstsq(matrix / scale, volts)[0] / scale
         return StrainSensor(float(gain), float(offset), position, beam)
@@ -204,14 +206,14 @@ def fit_sensor(readings: ArrayLike, loads: Loads, beam: Beam, spread: bool = Tru
 
 
 def fit_sensors(table: ArrayLike, beam: Beam, spread: bool = True) -> list[StrainSensor]:
-    """One fit for each sensor.
+    """Fit each sensor.
 
     Parameters
     ----------
     table : array_like of float, shape (rows, sensors + 4)
         Readings, then load, position, width and shape as coded targets.
     beam, spread
-        See ``fit_sensor``, whose errors these are.
+        See ``fit_sensor``, which also raises the same errors.
     """
     rows = np.asarray(table, dtype=np.float64)
     loads = loads_from_codes(rows[:, -len(COLUMNS) :], beam)

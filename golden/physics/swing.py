@@ -1,4 +1,4 @@
-"""The swing of thesis section 6.3.2 and Appendix 7: motion, bearing forces, foot forces."""
+"""The swing of thesis section 6.3.2 and Appendix 7: motion, bearing forces and foot forces."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ EXPLICIT = ("RK23", "RK45", "DOP853")
 IMPLICIT = ("Radau", "BDF", "LSODA")
 METHODS = EXPLICIT + IMPLICIT
 
-# From the tables `swing` and `swing_damping` of `make figures`: lightly damped, DOP853 and LSODA
-# take like times, and near upright DOP853 errs less. Overdamped, from two natural frequencies on,
-# its samples between steps miss the tolerance, then its steps are bounded by stability; LSODA keeps
-# the tolerance and is the faster.
+# From the tables `swing` and `swing_damping` of `make figures`: with light damping, DOP853 and
+# LSODA take similar times, and near upright DOP853 has the smaller error. With overdamping, from
+# two natural frequencies on, the samples of DOP853 between its steps miss the tolerance, and then
+# stability limits its steps. LSODA keeps the tolerance there and is faster.
 LIGHT, STRONG = "DOP853", "LSODA"
 STRONG_DAMPING = 2.0
 TOLERANCE = 1e-10
@@ -33,25 +33,26 @@ MOST_SAMPLES = 10_000_000
 
 @dataclass(frozen=True)
 class Swing:
-    """A pendulum between two A-frames. By default the rig of thesis section 6.2.2.
+    """A pendulum between two A-frames. The default is the rig of thesis section 6.2.2.
 
     Parameters
     ----------
     mass : float
         D in kg, 1 mg to 1000 t.
     arm : float
-        I'_p, from the axis to the centre of the mass, 1 mm to 100 m.
+        I'_p, the distance from the axis to the centre of the mass, 1 mm to 100 m.
     gyration : float
-        Radius of gyration of the mass about its own centre, m, 0 to 100: the moment of inertia of
-        Appendix 7, equation 3, is J_x = D gyration^2. With 0 the motion is equation 2 as printed.
+        Radius of gyration of the mass about its own centre in m, 0 to 100. The moment of inertia of
+        Appendix 7, equation 3, is J_x = D gyration^2. With 0 the motion is that of equation 2 as
+        printed.
     damping : float
-        kappa in m/s, 0 or more; the rate kappa / arm goes to 1e6 1/s. 0.05 in Appendix 7.
+        kappa in m/s, 0 or more; the rate kappa / arm may be up to 1e6 1/s. Appendix 7 has 0.05.
     leg : float
-        I_p, length of a leg, 1 mm to 100 m.
+        I_p, the length of a leg, 1 mm to 100 m.
     feet : float
-        Between the two feet of a frame, m, above 0 and below two legs; 2 psi follows.
+        Distance of the two feet of a frame in m, above 0 and below two legs; it determines 2 psi.
     frame_mass : float
-        kg, 0 to 1e6: everything that does not swing, evenly on all feet.
+        Mass in kg, 0 to 1e6, of everything that does not swing, distributed equally on all feet.
 
     Raises
     ------
@@ -80,26 +81,26 @@ class Swing:
 
     @property
     def half_angle(self) -> float:
-        """psi in rad, between a leg and the vertical."""
+        """psi in rad, the angle between a leg and the vertical."""
         return math.asin(self.feet / (2 * self.leg))
 
     @property
     def height(self) -> float:
-        """Of the axis above the feet, m."""
+        """Height of the axis above the feet in m."""
         return self.leg * math.cos(self.half_angle)
 
     @property
     def damping_rate(self) -> float:
-        """kappa / I'_p, 1/s."""
+        """Rate of the damping, kappa / I'_p, in 1/s."""
         return self.damping / self.arm
 
     @property
     def natural_frequency(self) -> float:
-        """Of small swings without damping, rad/s; its square is D a_g I'_p / J."""
+        """Frequency of small swings without damping in rad/s; its square is D a_g I'_p / J."""
         return math.sqrt(GRAVITY * self.arm) / math.hypot(self.arm, self.gyration)
 
     def energy(self, angle: ArrayLike, speed: ArrayLike) -> Real:
-        """Kinetic and potential energy in J, 0 at rest at the bottom."""
+        """Kinetic and potential energy in J; it is 0 at rest at the bottom."""
         phi, rate = np.asarray(angle, dtype=np.float64), np.asarray(speed, dtype=np.float64)
         inertia = self.mass * (self.arm**2 + self.gyration**2)
         lift = 2 * self.arm * np.sin(phi / 2) ** 2
@@ -108,18 +109,18 @@ class Swing:
 
 @dataclass(frozen=True)
 class Motion:
-    """A swing over time.
+    """The motion of a swing over time.
 
     Attributes
     ----------
     time : float array, shape (n,)
-        s, from 0.
+        Time in s, from 0.
     angle : float array, shape (n,)
-        phi in rad, 0 hanging; positive towards foot 2.
+        phi in rad; 0 when hanging, and positive towards foot 2.
     speed : float array, shape (n,)
-        rad/s.
+        In rad/s.
     evaluations : int
-        Of the differential equation.
+        Number of evaluations of the differential equation.
     """
 
     time: Real
@@ -145,38 +146,40 @@ def swing_motion(
     ----------
     swing : Swing
     start : float
-        phi_initial in rad, -pi to pi; pi is upright, where it stays for lack of any push.
+        phi_initial in rad, -pi to pi. pi is upright, where the swing stays because nothing pushes
+        it.
     seconds : float
-        Two to ten million samples.
+        Duration; it must give two to ten million samples.
     rate : float
         Samples per second, 1e-3 to 1e9; the thesis captured 200.
     start_speed : float
         rad/s, -1e6 to 1e6.
     method : str, optional
-        RK23, RK45, DOP853, Radau, BDF or LSODA of ``scipy.integrate.solve_ivp``. By default DOP853,
-        and LSODA where the swing is overdamped, the damping rate above two natural frequencies; see
-        docs/physics.md for the measured errors and times behind it.
+        RK23, RK45, DOP853, Radau, BDF or LSODA of ``scipy.integrate.solve_ivp``. The default is
+        DOP853, or LSODA if the swing is overdamped, with a damping rate above two natural
+        frequencies; see docs/physics.md for the measured errors and times behind this choice.
     tolerance : float
-        Relative, 2.3e-14 to 0.1; the absolute one is a thousandth of it.
+        Relative tolerance, 2.3e-14 to 0.1; the absolute tolerance is a thousandth of it.
     most_evaluations : int
-        Above 0: how much work to allow. An explicit method needs as many as the damping rate times
-        the seconds, however loose the tolerance.
+        The most work that is allowed, above 0. An explicit method needs as many evaluations as the
+        damping rate times the seconds, however large the tolerance is.
 
     Returns
     -------
     Motion
-        At 0, 1 / rate, ...: ``seconds`` times ``rate`` samples.
+        Samples at 0, 1 / rate, ...; there are ``seconds`` times ``rate`` of them.
 
     Notes
     -----
-    **Error** with the defaults over 4 s (table ``swing``): 2e-10 rad plain, 1e-10 strongly damped,
-    6e-8 from 179.9 degrees, where an error at the start grows about a thousandfold.
-    Energy drifts by less than 1e-8 in 1000 periods without damping (table ``stability``).
+    **Error** with the defaults over 4 s (table ``swing``): 2e-10 rad in the plain case, 1e-10 rad
+    with strong damping, and 6e-8 rad when started from 179.9 degrees, where an error at the start
+    grows about a thousandfold. Without damping the energy drifts by less than 1e-8 in 1000 periods
+    (table ``stability``).
 
     Raises
     ------
     InputError
-        For an argument outside its range, NaN included, or an unknown method.
+        For an argument outside its range, which includes NaN, or an unknown method.
     ArithmeticError
         When the method gives up before the end, or needs more evaluations than allowed.
     """
@@ -228,23 +231,24 @@ def swing_motion(
 
 
 def undamped_angle(swing: Swing, start: float, time: ArrayLike) -> Real:
-    """phi in closed form without damping, let go at rest: what ``swing_motion`` is checked against.
+    """phi in closed form, without damping and released at rest, as a check of ``swing_motion``.
 
-    Jacobi's elliptic functions: 2 asin(k sn(K - omega t, k)) with k = sin(start / 2). The damping
-    of ``swing`` is left out.
+    It uses Jacobi's elliptic functions: 2 asin(k sn(K - omega t, k)) with k = sin(start / 2). The
+    damping of ``swing`` is ignored.
 
     Parameters
     ----------
     swing : Swing
     start : float
-        rad; below pi by 1e-6 at least, either way: upright the period has no end.
+        In rad; the magnitude must be at least 1e-6 below pi, because the period of an upright start
+        is infinite.
     time : array_like of float
-        s, 0 to 1e9.
+        In s, 0 to 1e9.
 
     Raises
     ------
     InputError
-        For an argument outside its range, NaN included.
+        For an argument outside its range, which includes NaN.
     """
     most = math.pi - 1e-6
     _, t = checked(start=(start, -most, most), time=(time, 0, 1e9))
@@ -254,19 +258,19 @@ def undamped_angle(swing: Swing, start: float, time: ArrayLike) -> Real:
 
 
 def bearing_forces(swing: Swing, angle: ArrayLike, speed: ArrayLike) -> tuple[Real, Real]:
-    """Forces on the axis in N, Appendix 7: F_x towards foot 2, F_y downwards.
+    """Forces on the axis in N by Appendix 7: F_x towards foot 2, and F_y downwards.
 
-    Along the rod acts F_cp = D (a_g cos(phi) + I'_p phi'^2), across it F_m: what the inertia of the
-    mass about its own centre takes; a point mass has none. F_cp is taken from the speed, so that it
-    holds with damping too; without damping it is what energy gives for a point mass,
-    D a_g (3 cos(phi) - 2 cos(phi_initial)). Damping acts on the mass, as the drag of the air does,
-    not on the bearing.
+    Along the rod acts F_cp = D (a_g cos(phi) + I'_p phi'^2). Across it acts F_m, which comes from
+    the inertia of the mass about its own centre; a point mass has none. F_cp is computed from the
+    speed, so that it holds with damping too. Without damping it equals what energy gives for a
+    point mass, D a_g (3 cos(phi) - 2 cos(phi_initial)). Damping acts on the mass, like the drag of
+    the air, and not on the bearing.
 
     Parameters
     ----------
     swing : Swing
     angle, speed : array_like of float
-        phi in rad, phi' in rad/s, finite; they broadcast.
+        phi in rad and phi' in rad/s, finite. They are broadcast.
 
     Raises
     ------
@@ -284,11 +288,11 @@ def bearing_forces(swing: Swing, angle: ArrayLike, speed: ArrayLike) -> tuple[Re
 
 
 def foot_forces(swing: Swing, angle: ArrayLike, speed: ArrayLike) -> tuple[Real, Real]:
-    """N_y1 and N_y2 in N, downwards: the two feet on either side together (equations 6.4, 6.5).
+    """N_y1 and N_y2 in N, downwards, each for the two feet of one side (equations 6.4, 6.5).
 
-    The leg's length cancels: (F_y sin(psi) -+ F_x cos(psi)) / (2 sin(psi)), and half of the frame's
-    weight on either side. Below 0 the feet would have to be held down, or the swing tips over.
-    Arguments and errors as ``bearing_forces``.
+    The leg's length cancels: (F_y sin(psi) -+ F_x cos(psi)) / (2 sin(psi)), plus half of the
+    frame's weight on each side. Below 0 the feet would have to be held down, or the swing tips
+    over. Arguments and errors are as in ``bearing_forces``.
     """
     horizontal, downward = bearing_forces(swing, angle, speed)
     even = (downward + swing.frame_mass * GRAVITY) / 2

@@ -1,8 +1,8 @@
-"""``python -m golden.physics.swing_data FOLDER``: recordings of the swing, as chapter 6 made them.
+"""``python -m golden.physics.swing_data FOLDER``: recordings of the swing, as in chapter 6.
 
-One run to train on and independent runs to test with, each released at an angle of its own, with
-noise and a wobble of its own. FOLDER gets swing-train.csv, swing-test-1.csv, ... and swing.toml,
-which says how they came about and what the coded targets are in millimetres.
+There is one run for training and there are independent runs for testing. Each is released at
+another angle, with another noise and another wobble. FOLDER gets swing-train.csv, swing-test-1.csv,
+... and swing.toml, which says how they were made and what the coded targets are in millimetres.
 """
 
 from __future__ import annotations
@@ -32,34 +32,35 @@ from golden.table import write_table
 COLUMNS = ("sensor1", "sensor2", "sensor3", "x", "y", "z")
 GAINS = (10.0, 80.0, 10.0)  # section 6.4.2
 RATE, SECONDS = 200.0, 25.0  # section 6.4.3
-# Degrees. The first run trains; the last two are for what was chosen without them.
+# In degrees. The first run trains; the last two test what was chosen without them.
 ANGLES = (35.0, 30.0, 25.0, 20.0, 33.0)
 BOUND = 0.7  # of the coded targets, section 6.4.4
 
-# V at the sensor, before the gain. See docs/physics.md: Figure 6.14 is not in the text of the
-# thesis; this noise alone costs a network about what the thesis' best one errs in all.
+# In V at the sensor, before the gain. See docs/physics.md: Figure 6.14 is not in the text of the
+# thesis. This noise alone causes about the whole error of the thesis' best network.
 NOISE = 5e-5
 
-# kg. Without a frame's weight a swing from 35 degrees would lift its feet; the thesis takes
-# "the rig" into account and prints no weight.
+# In kg. Without the weight of a frame, a swing from 35 degrees would lift its feet. The thesis
+# takes "the rig" into account, but prints no weight.
 FRAME_MASS = 10.0
-# Largest wobble at release and what is drawn of it, so that no run is like another.
+# The largest wobble at release, and the least part of it that is drawn, so that all runs differ.
 WOBBLE = 0.008  # m
 LEAST_WOBBLE = 0.75
 
 
 @dataclass(frozen=True)
 class Recording:
-    """One run.
+    """One run of the swing.
 
     Attributes
     ----------
     sensors : float array, shape (n, 3)
-        What the ADC gives, V: values of Fix(14,13).
+        Output of the ADC in V, as values of Fix(14,13).
     place : float array, shape (n, 3)
-        x (wobble), y = arm sin(phi), z = arm (1 - cos(phi)) of the mass, m, from where it hangs.
+        x (wobble), y = arm sin(phi), z = arm (1 - cos(phi)) of the mass in m, relative to where it
+        hangs.
     clipped : int
-        Samples beyond the ADC.
+        Number of samples beyond the range of the ADC.
     """
 
     sensors: Real
@@ -75,22 +76,22 @@ def record(
     rig: Rig | None = None,
     rate: float = RATE,
 ) -> Recording:
-    """Let the swing go and record.
+    """Release the swing and record it.
 
     Parameters
     ----------
     angle : float
-        At release, degrees, -60 to 60.
+        Angle at release in degrees, -60 to 60.
     seed : int
-        0 or more: of the noise and of the wobble (6 to 8 mm at release, any phase).
+        0 or more; determines the noise and the wobble (6 to 8 mm at release, with any phase).
     noise : float
-        Standard deviation at each reflective sensor, V, 0 to 10.
+        Standard deviation at each reflective sensor in V, 0 to 10.
     seconds : float
-        See ``swing_motion``; 25 by default.
+        See ``swing_motion``; the default is 25.
     rig : Rig, optional
-        By default a frame of 10 kg on the plate of the thesis.
+        The default is a frame of 10 kg on the plate of the thesis.
     rate : float
-        Samples a second.
+        Samples per second.
 
     Raises
     ------
@@ -122,14 +123,14 @@ def record(
 
 @dataclass(frozen=True)
 class Coding:
-    """Coded target = (place - offset) * scale, as section 6.4.4 makes it of the training run.
+    """Coded target = (place - offset) * scale, computed from the training run as in section 6.4.4.
 
     Attributes
     ----------
     offset : float array, shape (3,)
-        m: the mean of each coordinate.
+        The mean of each coordinate in m.
     scale : float array, shape (3,)
-        1/m: 0.7 over the largest magnitude that is left.
+        In 1/m: 0.7 divided by the largest magnitude after the offset.
     """
 
     offset: Real
@@ -137,7 +138,7 @@ class Coding:
 
     @classmethod
     def of(cls, recording: Recording) -> Coding:
-        """The coding for which a recording fills -0.7 to 0.7."""
+        """The coding with which a recording fills -0.7 to 0.7."""
         offset = recording.place.mean(axis=0)
         return cls(offset, BOUND / np.abs(recording.place - offset).max(axis=0))
 
@@ -149,22 +150,22 @@ class Coding:
 def write_recordings(
     folder: Path, seed: int = 1, angles: Sequence[float] = ANGLES, noise: float = NOISE
 ) -> list[Path]:
-    """Write a run for each angle; the first trains, and its coding is that of all.
+    """Write a run for each angle. The first one trains, and its coding is used for all.
 
     Parameters
     ----------
     folder : Path
     seed : int
-        Of the first run; the n-th has seed + n.
+        Seed of the first run; run n after it has seed + n.
     angles : sequence of float
-        Degrees; at least one.
+        In degrees; at least one.
     noise : float
         See ``record``.
 
     Raises
     ------
     InputError
-        See ``record``; also without an angle.
+        See ``record``. Also if there is no angle.
     """
     if not angles:
         raise InputError("angles: got none, expected at least one")

@@ -1,4 +1,4 @@
-"""The lateral wobble of the swing: ours; the thesis measures it and models it nowhere."""
+"""The lateral wobble of the swing. It is our addition: the thesis measures it without a model."""
 
 from __future__ import annotations
 
@@ -16,18 +16,19 @@ from golden.real import Real
 class Wobble:
     """A lightly damped second mode, x'' + 2 zeta omega x' + omega^2 x = 0, in closed form.
 
-    Independent of the pendulum: frames that rock sideways on the plate, with the mass on them.
+    It is independent of the pendulum: the frames rock sideways on the plate, with the mass on them.
 
     Parameters
     ----------
     amplitude : float
-        At time 0, m, 0 to 10. 8 mm make the mean of 9 mm from end to end of thesis Table 6.2.
+        Amplitude in m at time 0, 0 to 10. 8 mm give the mean of 9 mm from end to end in thesis
+        Table 6.2.
     frequency : float
-        omega / (2 pi) in Hz, 1e-3 to 1e6; 1.9 by default, no multiple of the swing's 0.7 Hz.
+        omega / (2 pi) in Hz, 1e-3 to 1e6; the default of 1.9 is no multiple of the swing's 0.7 Hz.
     ratio : float
-        zeta, 0 to 0.5; by default the wobble dies away about as fast as the swing.
+        zeta, 0 to 0.5; with the default the wobble decays about as fast as the swing.
     phase : float
-        rad, -2 pi to 2 pi: x = amplitude cos(phase) at time 0.
+        In rad, -2 pi to 2 pi: x = amplitude cos(phase) at time 0.
 
     Raises
     ------
@@ -54,7 +55,7 @@ class Wobble:
         Raises
         ------
         InputError
-            For a time outside its range, NaN included.
+            For a time outside its range, which includes NaN.
         """
         (t,) = checked(time=(time, 0, 1e9))
         omega = 2 * math.pi * self.frequency

@@ -1,1 +1,1 @@
-"""Gain and offset of each sensor from a few known placements, written into a copy of a scene."""
+"""Finds gain and offset of each sensor from known placements, and writes a corrected scene."""

@@ -1,4 +1,4 @@
-"""Which placements to make, how many, and how often to read them."""
+"""Chooses which placements to make, how many, and how often to read them."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ from golden.recalibration.outlook import Planned, planned
 from golden.recalibration.sensitivity import Sensitivity, spread_out
 from golden.scene import Scene
 
-# What a plan may ask for. Of one placement alone nothing can be left out.
+# Limits of a plan. With only one placement, none could be left out.
 LEAST_PLACEMENTS, MOST_PLACEMENTS = 2, 24
 REPEATS = (1, 2, 4, 8, 16)
 
-# Rows of the recording that are weighed against each other.
+# The most rows of the recording that are compared with each other.
 MOST_CANDIDATES = 500
 
 
 @dataclass(frozen=True)
 class Proposed:
-    """A placement to make.
+    """A placement that is proposed.
 
     Attributes
     ----------
     row : int
-        Of the recording, from 0.
+        Row of the recording, from 0.
     expected : Planned
-        What is expected with it and those before it.
+        The expectation with this placement and those before it.
     """
 
     row: int
@@ -38,18 +38,18 @@ class Proposed:
 
 
 def proposed(recorded: Sensitivity, times: int = 1) -> Iterator[Proposed]:
-    """Rows of the recording in the order in which they lower the expected error most.
+    """Rows of the recording, in the order in which they reduce the expected error most.
 
-    Each is the one after which the mean square error that is expected over the recording, the mean
-    of all outputs, is least: ``tr(M C)`` of ``golden.recalibration.outlook``. With a placement
-    ``C`` becomes ``C - C J^T (S + J C J^T)^-1 J C``. No row comes again: what its network errs
-    there would count twice.
+    The next row is always the one that makes the expected mean square error over the recording,
+    averaged over all outputs, the least: ``tr(M C)`` of ``golden.recalibration.outlook``. With a
+    placement, ``C`` becomes ``C - C J^T (S + J C J^T)^-1 J C``. No row is proposed twice, because
+    the network's own error there would count twice.
 
     Parameters
     ----------
     recorded : Sensitivity
     times : int
-        How often each placement is to be read.
+        How often each placement will be read.
     """
     rows = spread_out(len(recorded.recorded), MOST_CANDIDATES)
     there = recorded.recorded.at(rows)
@@ -63,7 +63,7 @@ def proposed(recorded: Sensitivity, times: int = 1) -> Iterator[Proposed]:
         inner = np.linalg.inv(spread + reach @ tells.transpose(0, 2, 1))
         lowered = np.einsum("roi,rop,rpj,ij->r", reach, inner, reach, squares, optimize=True)
         part = lowered / np.sum(squares * covariance)
-        # Rounded, so that of two that tell as much the first is taken on every machine.
+        # The numbers are rounded, so that of two equal ones every machine takes the first.
         best = int((part.round(6) + left).argmax())
         left[best] = -np.inf
         covariance = covariance - reach[best].T @ inner[best] @ reach[best]
@@ -72,20 +72,20 @@ def proposed(recorded: Sensitivity, times: int = 1) -> Iterator[Proposed]:
 
 @dataclass(frozen=True)
 class Plan:
-    """How many of the proposed placements make a gain sure, and how often they are to be read."""
+    """How many of the proposed placements ensure a gain, and how often to read each of them."""
 
     placements: Sequence[Proposed]
     times: int
 
 
 def plan(recorded: Sensitivity) -> Plan | None:
-    """The fewest readings from which drifts as they are expected are nearly all surely corrected.
+    """The fewest readings with which nearly all expected drifts are surely corrected.
 
     Returns
     -------
     Plan or None
-        None where even ``MOST_PLACEMENTS`` placements, read most often, are not enough: what the
-        networks err of themselves hides such a drift.
+        None where even ``MOST_PLACEMENTS`` placements, read most often, are not enough because the
+        networks' own errors hide such a drift.
     """
     found: list[Plan] = []
     for times in REPEATS if recorded.noise.any() else REPEATS[:1]:
@@ -99,6 +99,6 @@ def plan(recorded: Sensitivity) -> Plan | None:
 
 
 def placement(scene: Scene, targets: Real) -> str:
-    """Known outputs, as signals, in words."""
+    """A text with the known outputs of a placement, which are given as signals."""
     values = scene.in_units(targets)
     return ", ".join(f"{n} {v:g}" for n, v in zip(scene.outputs, values, strict=True))

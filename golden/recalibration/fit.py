@@ -1,21 +1,22 @@
-"""Gain and offset of each sensor, from a few placements whose outputs are known.
+"""Fits gain and offset of each sensor to a few placements whose outputs are known.
 
-The networks stay what they are. What is fitted is a correction ``gain * reading + offset`` of each
-sensor before them. It is general: the placements need not stand in the recording, and any scene can
-be recalibrated.
+The networks stay unchanged. A correction ``gain * reading + offset`` of each sensor before the
+networks is fitted. The method is general: the placements need not be in the recording, and any
+scene can be recalibrated.
 
-It is a Bayesian linear regression through the derivatives of the networks:
+The method is a Bayesian linear regression through the derivatives of the networks:
 
-- ``theta`` is what the sensors have drifted by, in standard deviations of the drift that is
-  expected. Beforehand its mean is 0 and its covariance ``I``.
+- ``theta`` is the drift of the sensors, in standard deviations of the expected drift. Before
+  any reading its mean is 0 and its covariance is ``I``.
 - A placement says ``known outputs = outputs of the corrected readings + e``. ``S`` is the
-  covariance of ``e``: what networks err of themselves, and noise of the readings. See
+  covariance of ``e``, which contains the networks' own errors and the noise of the readings. See
   ``Sensitivity``.
-- What is likeliest afterwards is where ``sum e^T S^-1 e + theta^T theta`` is least: a ridge
-  regression whose weight is the drift that is expected. With ``J``, the derivatives of the outputs
-  by ``theta``, its covariance is ``C = (I + sum J^T S^-1 J)^-1``.
+- The most likely ``theta`` afterwards is where ``sum e^T S^-1 e + theta^T theta`` is least. This
+  is a ridge regression whose weight comes from the expected drift. With ``J``, the derivatives of
+  the outputs by ``theta``, its covariance is ``C = (I + sum J^T S^-1 J)^-1``.
 
-Where placements tell little against their noise, ``theta`` stays near 0, which is no correction.
+If the placements tell little compared with their noise, ``theta`` stays near 0, which means no
+correction.
 """
 
 from __future__ import annotations
@@ -31,20 +32,20 @@ from golden.real import Real
 from golden.recalibration.placements import Placements
 from golden.recalibration.sensitivity import Sensitivity, outputs_and_slopes
 
-# Of a signal: to the bit.
+# The least span of signals, which is one code.
 LEAST_SPAN = 2.0**-13
 
 
 @dataclass(frozen=True)
 class Fit:
-    """What is known of the drift after some placements.
+    """The knowledge of the drift after some placements.
 
     Attributes
     ----------
     theta : float array, shape (2 sensors,)
-        The likeliest; see ``Sensitivity``.
+        The most likely drift; see ``Sensitivity``.
     covariance : float array, shape (2 sensors, 2 sensors)
-        How unsure it is.
+        The uncertainty of the drift.
     """
 
     theta: Real
@@ -52,16 +53,16 @@ class Fit:
 
 
 def fit(recorded: Sensitivity, placements: Placements, start: Real | None = None) -> Fit:
-    """What the sensors have drifted by.
+    """Estimate how far the sensors have drifted.
 
     Parameters
     ----------
     recorded : Sensitivity
     placements : Placements
     start : float array, shape (2 sensors,), optional
-        Where the descent starts. By default there are two, and the better is taken: from no
-        correction, and from the one that brings the readings next to those that were recorded at
-        the nearest placement. The first alone may end elsewhere.
+        Where the descent starts. By default there are two descents, and the better result is used.
+        One starts from no correction, the other from the correction that brings the readings next
+        to those recorded at the nearest placement. The first alone could end in another minimum.
     """
     scene, samples = recorded.scene, placements.inputs
     roots = np.linalg.cholesky(recorded.spread(placements))
@@ -70,7 +71,7 @@ def fit(recorded: Sensitivity, placements: Placements, start: Real | None = None
 
     @lru_cache(maxsize=1)
     def both(theta: bytes) -> tuple[Real, Real]:
-        """Outputs and slopes: a descent asks for either at the same place."""
+        """Outputs and slopes together, because a descent asks for both at the same point."""
         return outputs_and_slopes(scene, recorded.moved(samples, np.frombuffer(theta)))
 
     def errors(theta: Real) -> Real:
@@ -93,16 +94,16 @@ def fit(recorded: Sensitivity, placements: Placements, start: Real | None = None
 
 
 def misses(recorded: Sensitivity, placements: Placements, theta: Real) -> Real:
-    """Outputs less known outputs of corrected placements, shape (placements, outputs), percent."""
+    """Errors of the outputs of corrected placements, shape (placements, outputs), in percent."""
     outputs, _ = outputs_and_slopes(recorded.scene, recorded.moved(placements.inputs, theta))
     return 100 * (outputs - placements.targets) / placements.scale
 
 
 def by_chance(recorded: Sensitivity, placements: Placements) -> float:
-    """How likely errors as large as those of the placements are if nothing has drifted.
+    """How likely errors as large as those of the placements would be without any drift.
 
-    Equation: ``sum e^T S^-1 e`` of uncorrected placements is then distributed as chi squared, with
-    as many degrees of freedom as there are known outputs.
+    Equation: without drift, ``sum e^T S^-1 e`` of uncorrected placements has a chi-squared
+    distribution with as many degrees of freedom as there are known outputs.
     """
     found = misses(recorded, placements, np.zeros(2 * placements.inputs.shape[1]))
     inverse = np.linalg.inv(recorded.spread(placements))
@@ -117,11 +118,11 @@ class LeftOut:
     Attributes
     ----------
     before, after : float array, shape (placements, outputs)
-        Without a correction, and with the one that is fitted to all other placements.
+        Errors without a correction, and with a correction that is fitted to all other placements.
     expected : float array, shape (placements, outputs)
-        Standard deviations that the second should have.
+        Expected standard deviations of ``after``.
     spread : float array, shape (placements, outputs)
-        Of these what is no drift.
+        The part of these that does not come from drift.
     """
 
     before: Real
@@ -131,21 +132,20 @@ class LeftOut:
 
     @property
     def closer(self) -> bool:
-        """Whether they come out closer with corrections than without, each error weighed by what is
-        no drift in it."""
+        """Whether corrections reduce the errors, each divided by its part that is no drift."""
         before, after = (((part / self.spread) ** 2).sum() for part in (self.before, self.after))
         return bool(after < before)
 
 
 def left_out(recorded: Sensitivity, placements: Placements, all_of_them: Fit) -> LeftOut:
-    """Leave out one placement after the other, with all its readings.
+    """Leave out one placement after another, with all of its readings.
 
     Parameters
     ----------
     recorded : Sensitivity
     placements : Placements
     all_of_them : Fit
-        To all placements: where the descents without one start.
+        Fit to all placements, from which the fits without one of them start.
     """
     before = misses(recorded, placements, np.zeros(2 * placements.inputs.shape[1]))
     spread = np.einsum("roo->ro", recorded.spread(placements))
@@ -167,7 +167,8 @@ def _towards_recorded(recorded: Sensitivity, placements: Placements) -> Real:
     sensors = missing.shape[1]
     found = []
     for sensor in range(sensors):
-        # A little of the least correction, where readings that hardly differ say nothing of both.
+        # A small weight on the least correction decides between gain and offset where the readings
+        # hardly differ.
         matrix = np.vstack([moves[:, [sensor, sensor + sensors]], LEAST_SPAN * np.eye(2)])
         found.append(np.linalg.lstsq(matrix, np.append(missing[:, sensor], [0, 0]))[0])
     return np.concatenate(np.array(found).T)

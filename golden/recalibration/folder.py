@@ -1,12 +1,12 @@
-"""A copy of a scene with corrected sensors: scene file, networks with provenance, recording.
+"""A copy of a scene with corrected sensors: scene file, networks, provenance and recording.
 
-A correction is folded into the weights as a scale of the sensors is: ``w1 (factor x + offset)`` is
-``(w1 factor) x`` with ``w1 offset`` in the biases. Nothing else of a network changes, so its
-hardware is as large as before, and an engine that can be reloaded is the same one.
+A correction is folded into the weights in the same way as a scale of the sensors: ``w1 (factor x +
+offset)`` is ``(w1 factor) x``, with ``w1 offset`` added to the biases. Nothing else in a network
+changes, so its hardware is as large as before, and a reloadable engine stays the same.
 
-The recording of the copy is the scene's as the sensors would give it now: each reading that the
-correction turns into the recorded one. So errors of the copy are those that remain if nothing but
-gain and offset has changed.
+The recording of the copy is that of the scene as the sensors would give it now: each reading is the
+one that the correction turns into the recorded reading. So the errors of the copy are those that
+remain if only gain and offset have changed.
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ from golden.scene.scale import Scale, on_readings, on_signals, readings, signals
 from golden.scene.trained_scale import story
 from golden.table import read_table
 
-# Digits of a reading: of a code of fourteen bits they are two more than can matter.
+# Number of digits of a reading. They are two more than a code of fourteen bits can need.
 DIGITS = 9
 
 
 def corrected(scene: Scene, correction: Sequence[Scale]) -> list[Mlp]:
-    """The networks on signals, with the correction of each sensor in their weights."""
+    """The networks on signals, with the correction of each sensor folded into their weights."""
     found = []
     for mlp in scene.mlps():
         inputs, _, outputs = mlp.shape
@@ -47,24 +47,24 @@ def corrected(scene: Scene, correction: Sequence[Scale]) -> list[Mlp]:
 
 
 def now_read(scene: Scene, correction: Sequence[Scale], recorded: Real) -> Real:
-    """Readings that the correction turns into recorded ones, in the units of the sensors."""
+    """The readings that the correction turns into recorded ones, in the units of the sensors."""
     scales = scene.scales(scene.sensors)
     return readings(signals(signals(recorded, scales), correction), scales)
 
 
 def scene_file(scene: Scene, target: str) -> Path:
-    """Where the copy's scene file stands: a ``.toml`` file, or in a folder under its own name.
+    """The path of the copy's scene file: a ``.toml`` file, or the scene's name in a folder.
 
     Parameters
     ----------
     scene : Scene
     target : str
-        File or folder; nothing for ``build/<scene>/recalibrated``.
+        File or folder; empty for ``build/<scene>/recalibrated``.
 
     Raises
     ------
     InputError
-        For the scene itself.
+        For the folder of the scene itself.
     """
     folder = Path(target) if target else BUILD / scene.name / "recalibrated"
     path = folder if folder.suffix == ".toml" else folder / f"{scene.name}.toml"
@@ -77,24 +77,24 @@ def scene_file(scene: Scene, target: str) -> Path:
 
 
 def write_copy(
-    scene: Scene, correction: Sequence[Scale], told: dict[str, Any], path: Path
+    scene: Scene, correction: Sequence[Scale], provenance: dict[str, Any], path: Path
 ) -> list[Path]:
-    """Write the copy; the files written.
+    """Write the copy, and return the files that were written.
 
     Parameters
     ----------
     scene : Scene
     correction : sequence of Scale
         One for each sensor; see ``fit``.
-    told : dict
-        What the provenance says beside what it said before.
+    provenance : dict
+        Entries that are added to the provenance of each network.
     path : Path
         See ``scene_file``.
 
     Raises
     ------
     InputError
-        For what cannot be read or written.
+        For files that cannot be read or written.
     """
     weights = [path.parent / f"{p.stem}.npz" for p in scene.weights_paths]
     data = path.parent / scene.data_path.name
@@ -107,7 +107,7 @@ def write_copy(
         names = [scene.column(name) for name in scene.columns_of(number)]
         scales = {n: s for n, s in scene.known_scales.items() if n in names}
         before = _provenance(scene.weights_paths[number])
-        networks.append((weights[number], held, before | told | story(scales, held)))
+        networks.append((weights[number], held, before | provenance | story(scales, held)))
     save_networks(networks)
     _write_recording(scene, correction, data)
     with replace_file(path) as temporary:
@@ -116,7 +116,7 @@ def write_copy(
 
 
 def _provenance(weights: Path) -> dict[str, Any]:
-    """What was known of a network; nothing of one from elsewhere."""
+    """The provenance of a network; empty for a network from elsewhere."""
     path = provenance_path(weights)
     if not path.is_file():
         return {}
@@ -125,7 +125,7 @@ def _provenance(weights: Path) -> dict[str, Any]:
 
 
 def _write_recording(scene: Scene, correction: Sequence[Scale], path: Path) -> None:
-    """The file of the recording with other readings, every other cell as it stands."""
+    """Write the recording with other readings, and with every other cell unchanged."""
     recorded = read_table(scene.data_path, scene.sensors)
     now = now_read(scene, correction, recorded)
     if scene.converter_scales and np.array_equal(recorded, recorded.round()):
@@ -144,12 +144,12 @@ def _write_recording(scene: Scene, correction: Sequence[Scale], path: Path) -> N
 
 
 def _scene_text(scene: Scene, data: str, weights: list[str]) -> str:
-    """The scene file with other names of its files.
+    """The scene file with other names for its files.
 
     Raises
     ------
     InputError
-        When they cannot be found in it, written as they are.
+        When the names cannot be found and replaced in the text of the file.
     """
     text = scene.path.read_text(encoding="utf-8")
     raw = tomllib.loads(text)

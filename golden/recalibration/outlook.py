@@ -1,19 +1,21 @@
-"""What a correction can be expected to gain over the recording, and how surely.
+"""The gain that can be expected from a correction over the recording, and how sure it is.
 
-After placements the drift is known to be ``theta``, normal around the likeliest one, ``t``, with
-covariance ``C``. With ``M`` of an output as in ``Sensitivity``, what the drift adds to the mean
-square of the output's error is
+After placements the drift ``theta`` has a normal distribution around the most likely drift ``t``
+with covariance ``C``. With ``M`` of an output as in ``Sensitivity``, the drift adds to the mean
+square of the output's error
 
 - ``theta^T M theta`` without a correction,
 - ``(theta - t)^T M (theta - t)`` with it.
 
-The difference is what the correction gains, ``2 theta^T M t - t^T M t``. It is normal with mean
-``t^T M t``, which is never below 0, and standard deviation ``2 sqrt(t^T M C M t)``; the one over
-the other tells how likely the output gets better. Before any placement is read ``t`` is normal
-around 0 with covariance ``I - C``, and all else is the same.
+The difference is the gain of the correction, ``2 theta^T M t - t^T M t``. It has a normal
+distribution with mean ``t^T M t``, which is never below 0, and standard deviation ``2 sqrt(t^T M C
+M t)``. The ratio of the two determines how likely the output gets better. Before any placement is
+read, ``t`` has a normal distribution around 0 with covariance ``I - C``, and everything else is the
+same.
 
-The errors after placements are those of drifts that are drawn, since outputs bend: each drift says
-what the sensors would have given in the recording, and the networks what they make of it.
+The errors after placements are computed for randomly drawn drifts, because the outputs are not
+linear. Each drift determines the readings that the sensors would have given in the recording, and
+the networks compute the outputs for them.
 """
 
 from __future__ import annotations
@@ -29,38 +31,38 @@ from golden.recalibration.fit import Fit, LeftOut, by_chance
 from golden.recalibration.placements import Placements
 from golden.recalibration.sensitivity import Sensitivity, spread_out
 
-# How likely a correction must gain: over all outputs as two standard deviations say, for each
-# output as one says, since what a drift hardly touches never gains surely.
+# How likely a gain must be: over all outputs as likely as two standard deviations, and for each
+# output as likely as one, because the gain of an output that a drift hardly changes is never sure.
 SURE, EACH_SURE = 0.975, 0.84
 
-# How likely the errors of the placements may be without any drift: with more they show none.
+# The errors of the placements show a drift if they would be less likely than this without one.
 BY_CHANCE = 0.01
 
-# Of the drifts that are expected, how many placements must show so surely to be called enough.
+# Placements are called enough if they surely correct this part of the expected drifts.
 ENOUGH = 0.9
 
-# Drifts that are drawn, and rows of the recording that they are tried on at most.
+# The number of drifts that are drawn, and the most rows of the recording on which they are tried.
 DRAWS, MOST_ROWS = 200, 500
 
-# Of what is known after placements, in squares of the drift that is expected.
+# The least variance that placements explain, in squares of the expected drift.
 LEAST_KNOWN = 1e-9
 
-# Of a gain that is drawn: below it nothing would be left of a sensor.
+# The least gain that is drawn. Below it, nothing would be left of a sensor.
 LEAST_GAIN = 0.1
 
 
 @dataclass(frozen=True)
 class Outlook:
-    """What is expected over the recording.
+    """The expectation over the recording.
 
     Attributes
     ----------
     before, after : float array, shape (outputs,)
-        Root mean squares of the errors that are expected without and with the correction, percent.
+        Expected root mean square errors without and with the correction, in percent.
     before_unsure, after_unsure : float array, shape (outputs,)
-        Their standard deviations.
+        The standard deviations of these errors.
     chance, chances : float, and float array, shape (outputs,)
-        How likely the correction lowers the mean square of all outputs, and of each.
+        Probability that the correction lowers the mean square of all outputs, and of each output.
     """
 
     before: Real
@@ -72,14 +74,17 @@ class Outlook:
 
     @property
     def sure(self) -> bool:
-        """Whether the correction surely makes the outputs better."""
+        """Whether the correction surely improves the outputs."""
         return bool(_sure(np.array([self.chance, *self.chances])))
 
 
 def helps(recorded: Sensitivity, placements: Placements, found: Fit, left: LeftOut) -> bool:
-    """Whether a correction surely helps: placements show a drift, what is left out comes closer,
-    and what is expected is surely better. These are three views of it, since each can be wrong: the
-    drift is not as it was expected, or the networks err in another way than at random."""
+    """Whether a correction surely helps.
+
+    Three conditions must hold: the placements show a drift, the placements that are left out get
+    closer, and the expected outputs are surely better. Each condition alone can be wrong, if the
+    drift is not as expected, or if the errors of the networks are not random.
+    """
     return (
         by_chance(recorded, placements) < BY_CHANCE
         and left.closer
@@ -89,14 +94,14 @@ def helps(recorded: Sensitivity, placements: Placements, found: Fit, left: LeftO
 
 @dataclass(frozen=True)
 class Planned:
-    """What is expected over the recording before any placement is read.
+    """The expectation over the recording before any placement is read.
 
     Attributes
     ----------
     before, after : float array, shape (outputs,)
-        As in ``Outlook``, from the derivatives.
+        As in ``Outlook``, but computed from the derivatives.
     sure : float
-        Which part of the drifts as they are expected would be corrected surely.
+        The part of the expected drifts that would surely be corrected.
     """
 
     before: Real
@@ -105,12 +110,12 @@ class Planned:
 
     @property
     def enough(self) -> bool:
-        """Whether such placements are called enough."""
+        """Whether these placements are called enough."""
         return self.sure >= ENOUGH
 
 
 def outlook(recorded: Sensitivity, found: Fit) -> Outlook:
-    """Of a correction that was fitted to placements."""
+    """The expectation for a correction that was fitted to placements."""
     vectors = recorded.scene.vectors()
     rows = spread_out(len(vectors.inputs), MOST_ROWS)
     samples, targets, scale = vectors.inputs[rows], vectors.targets[rows], vectors.scale[rows]
@@ -135,13 +140,13 @@ def outlook(recorded: Sensitivity, found: Fit) -> Outlook:
 
 
 def planned(recorded: Sensitivity, covariance: Real) -> Planned:
-    """Of a correction that is still to be fitted, from what will be unsure then."""
+    """The expectation for a correction that is still to be fitted, with its later covariance."""
     unit, own = np.eye(len(covariance)), recorded.error**2
     before, after = (
         np.sqrt(own + np.einsum("oij,ij->o", recorded.squares, unsure))
         for unsure in (unit, covariance)
     )
-    # A little more than I - C, of which rounding may leave less than nothing.
+    # This is slightly more than I - C, because rounding may make an eigenvalue of I - C negative.
     root = np.linalg.cholesky(unit * (1 + LEAST_KNOWN) - covariance)
     drawn = np.random.default_rng(1).standard_normal((DRAWS, len(unit))) @ root.T
     sure = _sure(_chances(recorded, drawn, covariance))
@@ -149,13 +154,13 @@ def planned(recorded: Sensitivity, covariance: Real) -> Planned:
 
 
 def _sure(chances: Real) -> NDArray[np.bool_]:
-    """Whether chances of all outputs and of each, shape (..., 1 + outputs), are enough."""
+    """Whether the probabilities for all outputs and for each, shape (..., 1 + outputs), suffice."""
     needed = np.array([SURE, *[EACH_SURE] * (chances.shape[-1] - 1)])
     return np.asarray((chances >= needed).all(axis=-1))
 
 
 def _chances(recorded: Sensitivity, thetas: Real, covariance: Real) -> Real:
-    """How likely corrections make all outputs, and each, better.
+    """The probabilities that corrections improve all outputs together, and each output.
 
     Parameters
     ----------
@@ -171,7 +176,7 @@ def _chances(recorded: Sensitivity, thetas: Real, covariance: Real) -> Real:
     reach = thetas @ np.concatenate([each.mean(axis=0)[np.newaxis], each])
     gain = np.einsum("ocj,cj->co", reach, thetas)
     unsure = 2 * np.sqrt(np.einsum("oci,ij,ocj->co", reach, covariance, reach, optimize=True))
-    # Where nothing can change, nothing gets worse.
+    # An output that cannot change cannot get worse either.
     parts = np.divide(gain, unsure, out=np.full(gain.shape, np.inf), where=unsure > 0)
     result: Real = ndtr(parts)
     return result

@@ -1,4 +1,4 @@
-"""Known placements, each once, and the noise of their readings."""
+"""Known placements, each of them once, and the noise of their readings."""
 
 from __future__ import annotations
 
@@ -16,26 +16,26 @@ from golden.real import Real
 from golden.scene import Vectors
 from golden.table import read_table
 
-# Column of a CSV whose rows with the same number are one placement.
+# Column of a CSV file. Rows with the same number in it are readings of one placement.
 COLUMN = "placement"
 
-# How many readings must be free to differ before they tell their noise: of four the standard
+# The least number of degrees of freedom from which noise is estimated. With four the standard
 # deviation is known to a third.
 LEAST_FREE = 4
 
 
 @dataclass(frozen=True)
 class Placements:
-    """Known placements, each once, with the mean of its readings.
+    """Known placements, each of them once, with the mean of its readings.
 
     Attributes
     ----------
     inputs : float array, shape (placements, sensors)
-        Means of the readings, as signals.
+        Means of the readings as signals.
     targets, scale : float array, shape (placements, outputs)
         As in ``Vectors``.
     times : float array, shape (placements,)
-        How often each was read.
+        How often each placement was read.
     """
 
     inputs: Real
@@ -47,57 +47,58 @@ class Placements:
         return len(self.times)
 
     def without(self, number: int) -> Placements:
-        """All but one."""
+        """All placements but one."""
         return self.at(np.delete(np.arange(len(self)), number))
 
     def at(self, numbers: NDArray[np.intp]) -> Placements:
-        """Some of them."""
+        """Some of the placements."""
         return Placements(
             self.inputs[numbers], self.targets[numbers], self.scale[numbers], self.times[numbers]
         )
 
 
-def numbers_of(path: Path, taken: Sequence[str]) -> Real | None:
-    """The column ``placement`` of a CSV; None where it has none, or where a scene calls a sensor or
-    an output so.
+def numbers_of(path: Path, columns: Sequence[str]) -> Real | None:
+    """The column ``placement`` of a CSV file.
+
+    It is None if there is no such column, or if a sensor or an output of the scene has this name.
 
     Parameters
     ----------
     path : Path
-        Of a file that was read before; see ``read_table``.
-    taken : sequence of str
+        Path of a file that has been read before; see ``read_table``.
+    columns : sequence of str
         Columns of the scene.
     """
     with reading(path, "CSV"), path.open(newline="", encoding="utf-8-sig") as handle:
         header = next((row for row in csv.reader(handle) if row), [])
-    if COLUMN in taken or COLUMN not in [name.strip() for name in header]:
+    if COLUMN in columns or COLUMN not in [name.strip() for name in header]:
         return None
     result: Real = read_table(path, [COLUMN])[:, 0]
     return result
 
 
 def grouped(vectors: Vectors, numbers: Real | None) -> tuple[Placements, NDArray[np.intp]]:
-    """Rows with the same number are one placement that was read several times.
+    """Combine rows with the same number, which are readings of one placement.
 
-    Equal outputs alone do not make a placement: what a scene does not tell may differ.
+    Rows with equal outputs are not combined, because something that is not an output may differ.
 
     Parameters
     ----------
     vectors : Vectors
     numbers : float array, shape (rows,), or None
-        None if each row is a placement of its own.
+        The number of each row; None if each row is a placement of its own.
 
     Returns
     -------
     Placements
-        In the order in which they come first.
+        The placements, in the order in which they first occur.
     int array, shape (rows,)
-        Which of them each row is.
+        The index of the placement of each row.
 
     Raises
     ------
     InputError
-        For outputs that differ at one placement.
+        For rows of one placement with different outputs.
     """
     if numbers is None:
         numbers = np.arange(len(vectors.inputs), dtype=np.float64)
@@ -120,10 +121,10 @@ def grouped(vectors: Vectors, numbers: Real | None) -> tuple[Placements, NDArray
 
 
 def noise_of_repeats(vectors: Vectors, found: Placements, place: NDArray[np.intp]) -> Real | None:
-    """Standard deviation of one reading of each sensor, from placements that were read repeatedly.
+    """The standard deviation of one reading of each sensor, from placements read repeatedly.
 
-    Equation: the squares by which readings differ from the mean of their placement, summed over all
-    readings and divided by readings less placements.
+    Equation: it is the root of the sum over all readings of the squared differences from the mean
+    of the placement, divided by the number of readings minus the number of placements.
 
     Parameters
     ----------
@@ -135,7 +136,7 @@ def noise_of_repeats(vectors: Vectors, found: Placements, place: NDArray[np.intp
     Returns
     -------
     float array, shape (sensors,), or None
-        As signals; None where readings less placements are below ``LEAST_FREE``.
+        As signals; None if the number of readings minus that of placements is below ``LEAST_FREE``.
     """
     free = len(place) - len(found)
     if free < LEAST_FREE:

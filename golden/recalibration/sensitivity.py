@@ -1,4 +1,4 @@
-"""What a recording says of how drifts of the sensors, and noise, become errors of the outputs."""
+"""How drifts and noise of the sensors become errors of the outputs, from a recording."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from golden.recalibration.placements import Placements
 from golden.scene import Scene
 from golden.scene.scale import Scale, signals
 
-# The drift that is expected where nobody says another: standard deviations of a gain, and of an
-# offset as a part of the largest reading of its sensor.
+# The expected drift if no other is given: standard deviations of the gain, and of the offset as a
+# part of the sensor's largest reading.
 GAIN, OFFSET = 0.05, 0.02
 
-# Own error of a network, in percent, below which it is as good as none.
+# An own error of a network below this, in percent, does not count.
 LEAST_ERROR = 0.01
 
-# Draws of the noise of a reading.
+# How often the noise of a reading is drawn.
 DRAWS = 50
 
-# Recorded rows next to a placement that say what the networks err there of themselves.
+# Number of recorded rows next to a placement from which the networks' own errors there are taken.
 NEAREST = 3
 
 
@@ -35,7 +35,7 @@ def outputs_and_slopes(scene: Scene, samples: Real) -> tuple[Real, Real]:
     ----------
     scene : Scene
     samples : float array, shape (rows, sensors)
-        Signals.
+        The samples as signals.
 
     Returns
     -------
@@ -59,17 +59,17 @@ def outputs_and_slopes(scene: Scene, samples: Real) -> tuple[Real, Real]:
 class Sensitivity:
     """How drifts of the sensors, and noise of readings, become errors of the outputs of a scene.
 
-    A drift is told by ``theta``, shape (2 sensors,): what the gain of each sensor has to be
-    corrected by and then what each offset has to, in standard deviations of the drift that is
-    expected. So what is known beforehand is that ``theta`` has mean 0 and covariance ``I``.
+    A drift is described by ``theta``, shape (2 sensors,): first the correction of the gain of each
+    sensor, and then that of each offset, in standard deviations of the expected drift. So before
+    any reading ``theta`` has mean 0 and covariance ``I``.
 
     Attributes
     ----------
     scene : Scene
     gain, offset : float array, shape (sensors,)
-        Standard deviations of the drift that is expected; the offset as a signal.
+        Standard deviations of the expected drift; the offset is a signal.
     noise : float array, shape (sensors,)
-        Standard deviation of one reading, as a signal.
+        Standard deviation of one reading as a signal.
     """
 
     scene: Scene
@@ -79,16 +79,17 @@ class Sensitivity:
 
     @classmethod
     def of(cls, scene: Scene, noise: Real, drift: Disturbance | None = None) -> Sensitivity:
-        """Of a scene.
+        """The sensitivity of a scene.
 
         Parameters
         ----------
         scene : Scene
         noise : float array, shape (sensors,)
-            As a signal.
+            Standard deviation of one reading as a signal.
         drift : Disturbance, optional
-            Its gain and its offset, in the unit of the readings; by default a gain of ``GAIN`` and
-            of each sensor an offset of ``OFFSET`` of the largest reading in the recording.
+            Gain and offset of the expected drift, in the unit of the readings. The default is a
+            gain of ``GAIN`` and, for each sensor, an offset of ``OFFSET`` times the largest
+            recorded reading.
         """
         recorded, zero = scene.vectors().inputs, _zero(scene)
         if drift is None:
@@ -98,57 +99,57 @@ class Sensitivity:
         return cls(scene, np.full(len(zero), drift.gain), drift.offset / np.array(factors), noise)
 
     def moves(self, samples: Real) -> Real:
-        """What each number of ``theta`` adds to samples, shape (rows, 2 sensors)."""
+        """What each element of ``theta`` adds to samples, shape (rows, 2 sensors)."""
         by_gain = (samples + _zero(self.scene)) * self.gain
         result: Real = np.hstack([by_gain, np.broadcast_to(self.offset, by_gain.shape)])
         return result
 
     def moved(self, samples: Real, theta: Real) -> Real:
-        """Samples with a correction."""
+        """Samples after a correction."""
         by_gain, by_offset = np.split(self.moves(samples) * theta, 2, axis=1)
         return samples + by_gain + by_offset
 
     def drifted(self, samples: Real, theta: Real, least_gain: float) -> Real:
-        """Samples that the correction turns into these, as the sensors would give them now.
+        """Samples that the correction turns into these, which the sensors would give now.
 
         Parameters
         ----------
         samples : float array, shape (rows, sensors)
         theta : float array, shape (2 sensors,)
         least_gain : float
-            What stands for smaller gains of the correction, whose inverse would be of any size.
+            Lower limit for gains of the correction, whose inverse would otherwise have no limit.
         """
         found = self.correction(theta)
         return signals(samples, [replace(s, factor=max(s.factor, least_gain)) for s in found])
 
     def correction(self, theta: Real) -> list[Scale]:
-        """The correction of each sensor: ``offset + factor * signal`` is what networks get."""
+        """The correction of each sensor: networks get ``offset + factor * signal``."""
         by_gain, by_offset = np.split(theta, 2)
         gains = by_gain * self.gain
         offsets = gains * _zero(self.scene) + by_offset * self.offset
         return [Scale(float(o), float(1 + g)) for o, g in zip(offsets, gains, strict=True)]
 
     def by_theta(self, slopes: Real, samples: Real) -> Real:
-        """Derivatives by ``theta`` of derivatives by the sensors."""
+        """Turn derivatives by the sensors into derivatives by ``theta``."""
         result: Real = np.concatenate([slopes, slopes], axis=2)
         return result * self.moves(samples)[:, np.newaxis]
 
     @cached_property
     def own_errors(self) -> Real:
-        """What the networks err of themselves, shape (recorded rows, outputs), percent."""
+        """The networks' own errors, shape (recorded rows, outputs), in percent."""
         vectors = self.scene.vectors()
         result: Real = vectors.percent_errors(self.scene.process_real(vectors.inputs))
         return result
 
     @cached_property
     def error(self) -> Real:
-        """The root mean square of these, not below ``LEAST_ERROR``, shape (outputs,)."""
+        """The root mean square of the own errors, at least ``LEAST_ERROR``, shape (outputs,)."""
         result: Real = np.maximum(np.sqrt((self.own_errors**2).mean(axis=0)), LEAST_ERROR)
         return result
 
     @cached_property
     def recorded(self) -> Placements:
-        """The rows of the recording as placements that were read once."""
+        """The rows of the recording as placements that were each read once."""
         vectors = self.scene.vectors()
         return Placements(
             vectors.inputs, vectors.targets, vectors.scale, np.ones(len(vectors.inputs))
@@ -156,7 +157,7 @@ class Sensitivity:
 
     @cached_property
     def tells(self) -> Real:
-        """Derivatives by ``theta`` of the errors of the recorded rows in percent.
+        """Derivatives by ``theta`` of the errors of the recorded rows, in percent.
 
         Shape (recorded rows, outputs, 2 sensors).
         """
@@ -173,7 +174,7 @@ class Sensitivity:
         return result / len(self.tells)
 
     def telling(self, placements: Placements) -> Real:
-        """Derivatives by ``theta`` of the errors of placements in percent.
+        """Derivatives by ``theta`` of the errors of placements, in percent.
 
         Shape (placements, outputs, 2 sensors).
         """
@@ -183,13 +184,14 @@ class Sensitivity:
         return result
 
     def spread(self, placements: Placements) -> Real:
-        """``S``, the covariance of what is no drift in the errors of placements, in percent.
+        """``S``, the covariance of the part of the placements' errors without drift, in percent.
 
-        It is what the networks err of themselves, and what the noise of the readings becomes in
-        the networks, from draws of it around the reading and around that recorded nearest: where an
-        output has a step, a single reading may lie beyond it. The first is the mean square over the
-        recording, or of the rows recorded nearest to the placement where that is more: a network is
-        worst at the ends of what it was trained for, and just there a placement tells most.
+        It has two parts: the networks' own errors, and the effect of the readings' noise on the
+        outputs. The noise is drawn around the reading, and around the reading recorded nearest to
+        it, because where an output has a step, a single reading may lie beyond it. The own errors
+        are the mean square over the recording, or over the recorded rows nearest to the placement
+        if that is more: a network is worst at the ends of its range, and just there a placement
+        tells most.
 
         Returns
         -------
@@ -211,22 +213,22 @@ class Sensitivity:
         return result
 
     def nearest(self, placements: Placements) -> NDArray[np.intp]:
-        """The recorded rows whose outputs are nearest, shape (placements, ``NEAREST``)."""
+        """The recorded rows with the nearest outputs, shape (placements, ``NEAREST``)."""
         recorded = self.recorded.targets
         found = np.empty((len(placements), min(NEAREST, len(recorded))), dtype=np.intp)
         for number, targets in enumerate(placements.targets):
             squares = (((recorded - targets) / placements.scale[number]) ** 2).sum(axis=1)
-            # Rounded, so that of rows that are as near the first are taken on every machine.
+            # The distances are rounded, so that of equally near rows every machine takes the first.
             found[number] = squares.round(9).argsort(kind="stable")[:NEAREST]
         return found
 
 
 def spread_out(count: int, most: int) -> NDArray[np.intp]:
-    """Rows of so many, at most as many as asked for, the same distance apart."""
+    """Indices of at most ``most`` of ``count`` rows, evenly spread."""
     return np.linspace(0, count - 1, min(count, most)).round().astype(np.intp)
 
 
 def _zero(scene: Scene) -> Real:
-    """What makes signals proportional to readings: the signal of reading 0 with the other sign."""
+    """The offset that makes signals proportional to readings: minus the signal of reading 0."""
     scales = scene.scales(scene.sensors)
     return np.array([s.offset / s.factor for s in scales])

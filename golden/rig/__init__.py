@@ -1,4 +1,4 @@
-"""A user's own rig: a scene from readings, whether it can work, and outputs for new readings.
+"""A user's own rig: makes a scene from readings, checks it, and predicts outputs.
 
-``make scene``, ``make check`` and ``make predict``.
+The commands are ``make scene``, ``make check`` and ``make predict``.
 """

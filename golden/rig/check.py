@@ -1,6 +1,6 @@
-"""What can be wrong with a scene, found in seconds: before a search that takes minutes.
+"""Checks that find in seconds what is wrong with a scene, before a search that takes minutes.
 
-Each function looks at one part and gives a finding for everything in it, what is right included.
+Each function checks one part and returns a finding for everything in it, also for what is right.
 ``make train`` stops at the faults among ``before_training``.
 """
 
@@ -32,7 +32,7 @@ from golden.training.split import split_of
 
 
 def before_training(scene: Scene, build: Path) -> list[Finding]:
-    """Everything that a search needs."""
+    """All checks that a search needs."""
     return _once(
         *data(scene),
         *networks_writable(scene),
@@ -42,7 +42,7 @@ def before_training(scene: Scene, build: Path) -> list[Finding]:
 
 
 def everything(scene: Scene, build: Path) -> list[Finding]:
-    """Everything about a scene but the tools."""
+    """All checks of a scene, except those of the tools."""
     networks = networks_there(scene)
     missing = any(finding.verdict != OK for finding in networks)
     shown = data(scene)
@@ -58,7 +58,7 @@ def everything(scene: Scene, build: Path) -> list[Finding]:
 
 
 def _once(*findings: Finding) -> list[Finding]:
-    """Without those that two functions found."""
+    """Remove findings that two functions have both found."""
     return list(dict.fromkeys(findings))
 
 
@@ -72,7 +72,7 @@ def _summary(scene: Scene) -> str:
 
 
 def data(scene: Scene) -> list[Finding]:
-    """The recordings: whether they can be read, and what they show."""
+    """Check the recordings: whether they can be read, and what they show."""
     path = scene.data_text
     findings: list[Finding] = []
     with told(findings):
@@ -83,7 +83,7 @@ def data(scene: Scene) -> list[Finding]:
         text = f"{len(rows.inputs)} rows{without if rows.without_past else ''}"
         findings.append(Finding(OK, path, text))
         findings += readings.few_rows(path, len(rows.inputs))
-        # Of a row or two anything is constant.
+        # With only one or two rows every column looks constant.
         findings += [] if faults(findings) else _constant(scene, rows)
         if not faults(findings):
             scene = scaled(scene)
@@ -97,7 +97,7 @@ def data(scene: Scene) -> list[Finding]:
 
 
 def _columns(scene: Scene, rows: Recorded) -> list[Finding]:
-    """What each column shows, as recorded and as a signal."""
+    """Describe each column, as recorded and as a signal."""
     path, vectors = scene.data_text, scene.vectors()
     findings = []
     sensors = signals(rows.sensors, scene.scales(scene.sensors))
@@ -118,7 +118,7 @@ def _columns(scene: Scene, rows: Recorded) -> list[Finding]:
 
 
 def _converter(scene: Scene) -> list[Finding]:
-    """What the codes of the scene's converter stand for: its data sheet leaves no choice."""
+    """Describe the range of the scene's converter, which its data sheet determines."""
     if not (scene.front_end and scene.front_end.converter):
         return []
     scale = scene.scales(scene.sensors)[0]
@@ -144,7 +144,7 @@ def _constant(scene: Scene, rows: Recorded) -> list[Finding]:
 
 
 def networks_writable(scene: Scene) -> list[Finding]:
-    """The files that training writes: their endings, and whether each can be written."""
+    """Check the files that training writes: their endings, and whether they can be written."""
     findings: list[Finding] = []
     for path in scene.weights_paths:
         with told(findings):
@@ -156,13 +156,13 @@ def networks_writable(scene: Scene) -> list[Finding]:
 
 
 def networks_installed(scene: Scene) -> list[Finding]:
-    """Of a scene that pip has installed with tactus: it works, and cannot be trained in place."""
+    """A note about a scene that pip has installed: it works, but cannot be trained in place."""
     text = "belongs to the installed package, so train cannot write its networks"
     return [Finding(NOTE, str(scene.path), text)]
 
 
 def networks_there(scene: Scene) -> list[Finding]:
-    """The network files that are there: whether they fit the scene."""
+    """Check the network files that exist: whether they fit the scene."""
     findings: list[Finding] = []
     for member in scene.members:
         path = member.weights_path
@@ -176,7 +176,7 @@ def networks_there(scene: Scene) -> list[Finding]:
 
 
 def build_writable(scene: Scene, build: Path) -> list[Finding]:
-    """The folder that exports, benches and searches write into."""
+    """Check the folder into which exports, benches and searches write."""
     folder = build / scene.name
     findings: list[Finding] = []
     with told(findings):
@@ -189,14 +189,14 @@ def build_writable(scene: Scene, build: Path) -> list[Finding]:
 
 
 def design(scene: Scene, trained: bool) -> list[Finding]:
-    """The hardware: of the networks where they are there, else of the least and the largest."""
+    """Check the hardware with the trained networks or, without them, with the least and largest."""
     if trained:
         return [*_built(scene, ""), *_saturating(scene)]
     unknown: list[Finding] = []
     with told(unknown):
         scene = scaled(scene)
     if unknown:
-        return []  # A fault of the data, which is told there.
+        return []  # It is a fault of the data, and is reported with the data.
     low, high = scene.training.hidden
     findings: list[Finding] = []
     for hidden, verdict in ((low, FAULT), (high, WARNING)):
@@ -210,7 +210,7 @@ def design(scene: Scene, trained: bool) -> list[Finding]:
 
 def _built(scene: Scene, before: str) -> list[Finding]:
     findings: list[Finding] = []
-    # What is warned of weights is told again of those that training finds.
+    # Warnings about weights do not matter here, because training will find others and warn of them.
     with told(findings), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         core = scene.twin().core
@@ -222,7 +222,7 @@ def _built(scene: Scene, before: str) -> list[Finding]:
 
 
 def _saturating(scene: Scene) -> list[Finding]:
-    """Outputs that the networks drive beyond the codes."""
+    """Find outputs that the networks drive beyond the codes."""
     findings: list[Finding] = []
     with told(findings):
         findings += [Finding(WARNING, str(scene.path), text) for text in saturating(scene)]
@@ -231,7 +231,7 @@ def _saturating(scene: Scene) -> list[Finding]:
 
 @contextmanager
 def _stand_in(scene: Scene, hidden: int) -> Iterator[Scene]:
-    """The scene with small random networks in the place of those that are to be trained."""
+    """The scene with small random networks in place of those that are still to be trained."""
     rng = np.random.default_rng(0)
     with TemporaryDirectory() as folder:
         members = []

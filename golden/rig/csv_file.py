@@ -1,4 +1,4 @@
-"""A CSV as a user brings it: read as text, so that what is wrong with it can be said."""
+"""A user's CSV file, read as text so that messages can say exactly what is wrong with it."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from numpy.typing import NDArray
 from golden.files import check_file, reading
 from golden.input_error import InputError
 
-# What spreadsheets write between cells instead of a comma.
+# Other separators that spreadsheets write between cells.
 FOREIGN = {";": "a semicolon", "\t": "a tab", "|": "a bar"}
 DECIMAL_COMMA = re.compile(r"\s*[-+]?\d*,\d+([eE][-+]?\d+)?\s*")
 
 
 @dataclass(frozen=True)
 class Column:
-    """One column.
+    """One column of a CSV file.
 
     Attributes
     ----------
@@ -30,7 +30,7 @@ class Column:
     values : float array, shape (rows,)
         NaN where a cell holds no finite number.
     odd : tuple of (int, str)
-        Line in the file and text of the cells that hold none.
+        Line number and text of each cell that holds no finite number.
     """
 
     name: str
@@ -39,11 +39,11 @@ class Column:
 
     @property
     def numeric(self) -> bool:
-        """Whether it is meant to hold numbers: half of its cells or more do."""
+        """Whether the column is meant to hold numbers: at least half of its cells do."""
         return 2 * len(self.odd) <= len(self.values)
 
     def fault(self, path: Path) -> str:
-        """What keeps a column of numbers from being one; empty where nothing does."""
+        """The fault of a column of numbers, as a message; empty if there is none."""
         if not self.odd:
             return ""
         line, text = self.odd[0]
@@ -57,15 +57,15 @@ class Column:
 
 @dataclass(frozen=True)
 class CsvFile:
-    """Every cell of a CSV file.
+    """All cells of a CSV file.
 
     Attributes
     ----------
     path : Path
     names : tuple of str
-        The header, blanks around the names taken off.
+        The names in the header, without blanks around them.
     lines : tuple of int
-        Where each row stands in the file.
+        Line number of each row in the file.
     rows : tuple of tuple of str
     """
 
@@ -75,7 +75,7 @@ class CsvFile:
     rows: tuple[tuple[str, ...], ...]
 
     def column(self, name: str) -> Column:
-        """A column by its name."""
+        """Find a column by its name."""
         at = self.names.index(name)
         texts = [row[at] for row in self.rows]
         values = np.array([_number(text) for text in texts])
@@ -86,14 +86,14 @@ class CsvFile:
 
 
 def read_csv_file(path: Path) -> CsvFile:
-    """Read a CSV file: UTF-8, comma separated, the first line the names of the columns.
+    """Read a CSV file in UTF-8 with commas, whose first line holds the names of the columns.
 
     Raises
     ------
     InputError
-        When there is no such file, or it cannot be read.
-        For text that is not UTF-8, another separator than a comma, no rows, a header of numbers,
-        a name that stands twice, or rows of another length than the header.
+        When there is no such file, or it cannot be read. Also for text that is not UTF-8, another
+        separator than a comma, no rows, a header of numbers, a name that stands twice, or rows of
+        another length than the header.
     """
     check_file(path)
     text = _text(path)
@@ -136,7 +136,7 @@ def _text(path: Path) -> str:
 
 
 def _refuse_separator(path: Path, text: str) -> None:
-    """A header of one cell in which another sign stands is a table of another kind."""
+    """Refuse a header of one cell that contains another sign, which must be the separator."""
     header = next((line for line in text.splitlines() if line.strip()), "")
     if len(next(csv.reader([header]), [])) > 1:
         return

@@ -1,4 +1,4 @@
-"""The text of a scene for a recording, with the reasons for what it chooses."""
+"""The text of a scene for a recording, with comments that explain what was chosen."""
 
 from __future__ import annotations
 
@@ -30,25 +30,25 @@ outputs = {outputs}
 {group_by}{full_scale}{scale}{units}
 [network]
 {arrangement}
-# As many hidden nodes as training finds best.
+# Training finds the best number of hidden nodes.
 hidden = 0
 weights = {weights}
 
 [hardware]
 # One multiplier and a program for all networks, the smallest hardware there is.
 design = "engine"
-# Exact sums, one rounding a layer.
+# Sums are exact, and each layer rounds once.
 precision = "exact"
 
 [training]
-# Every number of hidden nodes from 4 to 12 from 8 random starts: about a minute for some hundred
-# rows on two cores. More of either err a little less and take longer.
+# Every number of hidden nodes from 4 to 12 is trained from 8 random starts, in about a minute for
+# some hundred rows on two cores. More of either lower the errors a little and take longer.
 hidden = [4, 12]
 restarts = 8
-# Little, since readings have little noise; 1e-4 where they have much.
+# A small value, because readings have little noise; use 1e-4 where they have much.
 weight_decay = 1e-6
-# With the standard deviation of the noise that is to be expected on every reading, in its unit,
-# networks are trained and chosen for it, which takes longer:
+# State the standard deviation of the noise that you expect on every reading, in its unit, and
+# networks are trained and chosen for this noise, which takes longer:
 # noise = {noise}
 {split}"""
 
@@ -57,52 +57,52 @@ SINGLE = """\
 arrangement = "single"\
 """
 CASCADE = """\
-# A network for each output, in the order of outputs; each sees the sensors and the outputs before
-# its own, since what a reading says of one output often hangs on another. Put first what can be
-# told from the sensors alone. With "multiple" each sees the sensors alone, and none hands its error
-# on: which errs less, training tells.
+# A network for each output, in the order of outputs. Each network sees the sensors and the outputs
+# before its own, because what a reading says about one output often depends on another. Put first
+# the outputs that follow from the sensors alone. With "multiple" each network sees sensors only,
+# and none passes its error on. Train with both to find out which has smaller errors.
 arrangement = "cascade"\
 """
 GROUP_BY = """\
-# Rows with equal values of it are one position: errors are shown as means over positions too.
+# Rows with equal values in it are one position. Errors are also shown as means over positions.
 group_by = {name}
 """
 FULL_SCALE = """\
-# Errors are in percent of this, from the least to the largest target. Take an output out, and its
-# errors are in percent of each target: only where no target is 0 or nearly.
+# Errors are in percent of this, the distance from the least to the largest target. Without an entry
+# here, errors of an output are in percent of each target, which works only if no target is 0.
 full_scale = {{ {pairs} }}
 """
 SCALE = """\
-# Readings or targets leave -1 to 1, which the hardware's numbers hold: factor and offset of each
-# column follow from the rows that train; those of sensors from the data sheet of a converter, where
-# a section [front_end] names one.
+# Readings or targets exceed -1 to 1, the range of the hardware's numbers. So every column gets a
+# factor and an offset. They follow from the rows that train or, for sensors, from the data sheet of
+# a converter if a section [front_end] names one.
 scale = "auto"
 """
 READ_BY = """\
-# Sensors stand for the codes that the hardware of {name} reads, so that its engine can be loaded
-# with these networks{beyond}.
+# Sensors have the scale with which the hardware of {name} reads them, so that its engine can be
+# loaded with these networks{beyond}.
 {line}"""
 UNITS = """\
-# As the names of the columns tell; only for what is printed.
+# The units come from the names of the columns; they are only used for what is printed.
 units = {{ {pairs} }}
 """
-# A name with its unit behind it: load [g], load (g).
+# A name followed by its unit: load [g] or load (g).
 UNIT = re.compile(r".*\S\s*(?:\[([^\[\]]+)\]|\(([^()]+)\))")
 BLOCKS = """\
-# Many rows are means of the rows beside them: one that is held out at random has been seen. So
-# stretches of neighbouring rows are held out.
+# Many rows are means of the rows beside them, so training would have seen a row that is held out at
+# random. Therefore stretches of neighbouring rows are held out.
 split = "blocks"
 """
 
 
 def draft(found: Survey, path: Path, hardware: Scene | None = None) -> str:
-    """The scene that is to stand at ``path``, for sensors that ``hardware`` reads."""
+    """The text of the scene at ``path``; with ``hardware``, for sensors that it reads."""
     file = os.path.relpath(found.recording.path, path.parent)
     outputs = list(found.outputs)
     pairs = ", ".join(f"{_key(n)} = {_span(v)}" for n, v in found.outputs.items())
     group = _positions(found)
-    told = {name: UNIT.fullmatch(name) for name in [*found.sensors, *outputs]}
-    units = ", ".join(f"{_key(n)} = {_quoted(u[1] or u[2])}" for n, u in told.items() if u)
+    named = {name: UNIT.fullmatch(name) for name in [*found.sensors, *outputs]}
+    units = ", ".join(f"{_key(n)} = {_quoted(u[1] or u[2])}" for n, u in named.items() if u)
     return TEMPLATE.format(
         schema=_quoted(os.path.relpath(EDITOR_SCHEMA, path.parent))[1:-1],
         file=_quoted(Path(file).name)[1:-1],
@@ -126,7 +126,7 @@ def draft(found: Survey, path: Path, hardware: Scene | None = None) -> str:
 
 
 def _read_by(found: Survey, hardware: Scene) -> str:
-    """The scale of the hardware for each sensor, and one for each output that needs it."""
+    """The hardware's scale for each sensor, and a scale for each output that needs one."""
     scales = hardware.known_scales
     pairs = [
         f"{_key(name)} = {{ offset = {scales[name].offset!r}, factor = {scales[name].factor!r} }}"
@@ -143,8 +143,11 @@ def _read_by(found: Survey, hardware: Scene) -> str:
 
 
 def _noise(found: Survey, hardware: Scene | None) -> str:
-    """A noise to begin with, in the unit of the sensors: ``NOISE`` of half their range, and no less
-    than the step of their readings, of which a converter's last bit alone is a good part."""
+    """A first value for the noise, in the unit of the sensors.
+
+    It is ``NOISE`` times half the range of the sensors, but at least the step of their readings,
+    because the last bit of a converter is already a large part of its noise.
+    """
     columns = list(found.sensors.values())
     if hardware:
         halves = [scale.factor for scale in hardware.scales(list(found.sensors))]
@@ -157,7 +160,7 @@ def _noise(found: Survey, hardware: Scene | None) -> str:
 
 
 def weights(outputs: list[str], path: Path) -> list[str]:
-    """Names of the network files, which hold the scene's: two scenes in a folder keep theirs."""
+    """Names of the network files, which contain the scene's, so scenes can share a folder."""
     if len(outputs) == 1:
         return [f"{path.stem}.npz"]
     plain = [re.sub(r"[^A-Za-z0-9]+", "-", name).strip("-").lower() for name in outputs]
@@ -167,7 +170,7 @@ def weights(outputs: list[str], path: Path) -> list[str]:
 
 
 def _positions(found: Survey) -> str:
-    """The output of the most values that come again and again; none may do."""
+    """Of the outputs whose values repeat, the one with the most values; empty if there is none."""
     counts = {name: len(np.unique(values)) for name, values in found.outputs.items()}
     often = {name: n for name, n in counts.items() if 1 < n <= len(found.recording.rows) / 2}
     return max(often, key=lambda name: often[name]) if often else ""
@@ -182,7 +185,7 @@ def _list(names: list[str]) -> str:
 
 
 def _quoted(text: str) -> str:
-    """A TOML string; JSON escapes as TOML does, but for one sign."""
+    """A TOML string; JSON escapes in the same way except for one character."""
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 

@@ -1,4 +1,4 @@
-"""What a scene's hardware makes of new readings."""
+"""Computes what a scene's hardware gives for new readings."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ NO_PAST = "no whole past"
 
 @dataclass(frozen=True)
 class Prediction:
-    """Outputs for new readings, of the rows that have a whole past.
+    """Outputs for new readings, of the rows that have a complete past.
 
     Attributes
     ----------
     outputs : float array, shape (rows, outputs)
-        Bit by bit those of the hardware, in the units of the outputs.
+        The same, bit by bit, as those of the hardware, in the units of the outputs.
     distances : float array, shape (rows,)
     reasons : list of str
         See ``TrainedOn``.
@@ -47,7 +47,7 @@ def readings_of(scene: Scene, recording: CsvFile) -> Real:
     Raises
     ------
     InputError
-        For columns that are missing or hold anything but numbers; all of them are told.
+        For all columns that are missing or hold anything but numbers, in one message.
     """
     found = []
     columns = []
@@ -64,9 +64,9 @@ def readings_of(scene: Scene, recording: CsvFile) -> Real:
 
 
 def predict(scene: Scene, readings: Real, known: TrainedOn) -> Prediction:
-    """What the hardware of a scene gives for readings in the units of the sensors.
+    """The outputs of a scene's hardware for readings in the units of the sensors.
 
-    Where its networks see past samples, the rows of ``readings`` are one after the other in time.
+    Where its networks read past samples, the rows of ``readings`` must follow each other in time.
     """
     seen = scene.window.frames(readings)
     outputs = hardware_outputs(scene, seen)
@@ -75,14 +75,14 @@ def predict(scene: Scene, readings: Real, known: TrainedOn) -> Prediction:
 
 
 def write_prediction(scene: Scene, recording: CsvFile, found: Prediction, path: Path) -> None:
-    """Write every column of the recording as it stands, and behind them what was found.
+    """Write every column of the recording unchanged, and behind them the columns of results.
 
-    A row without a whole past has no outputs and no distance; it is marked as outside.
+    A row without a complete past has no outputs and no distance, and is marked as outside.
 
     Raises
     ------
     InputError
-        When the recording has a column of such a name.
+        When the recording already has a column with the name of a result.
     """
     added = [*(f"{name}_predicted" for name in scene.outputs), DISTANCE, OUTSIDE, REASON]
     for name in added:
@@ -104,12 +104,12 @@ def write_prediction(scene: Scene, recording: CsvFile, found: Prediction, path: 
 
 
 def decimals(factor: float) -> int:
-    """Decimals that tell two codes of an output apart."""
+    """The number of decimals needed to distinguish two codes of an output."""
     return max(0, -math.floor(math.log10(math.ldexp(factor, -SIGNAL.frac))))
 
 
 def check_place(scene: Scene, source: Path, path: Path) -> None:
-    """Refuse to write over what is read.
+    """Refuse to overwrite a file that is read.
 
     Raises
     ------

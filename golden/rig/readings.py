@@ -1,6 +1,6 @@
-"""What recorded readings show before anything is trained on them.
+"""Finds out what recorded readings show before anything is trained on them.
 
-Each function looks at one thing and returns what it found, often nothing.
+Each function checks one thing and returns its findings, which are often none.
 """
 
 from __future__ import annotations
@@ -14,20 +14,21 @@ from golden.finding import FAULT, NOTE, WARNING, Finding, several
 from golden.precision import SIGNAL
 from golden.real import Real
 
-# A network has some dozens of weights, and half of the rows train.
+# A network has some dozens of weights, and only half of the rows train.
 LEAST_ROWS, FEW_ROWS = 8, 50
-# A sensor that uses less than this part of the codes is measured in steps of over one per cent.
+# A sensor that uses a smaller part of the codes is measured in steps of more than one per cent.
 FEW_CODES = 100
-# As many equal readings at an end, and so much more often than any reading within, are no chance.
+# So many equal readings at an end, and so many times as often as any reading within, are no chance.
 AT_AN_END, TIMES_WITHIN = 3, 3
-# Columns that differ by more than this part of their span tell different things.
+# Columns that differ by more than this part of their range carry different information.
 ALIKE = 1e-3
-# More of a recording than this on straight lines was not recorded, or far too densely.
+# If a larger part of a recording lies on straight lines, it was interpolated, or read far too
+# densely.
 LINES = 0.05
 
 
 def few_rows(subject: str, rows: int) -> list[Finding]:
-    """Too few rows to split, or to be sure of anything."""
+    """Find too few rows for a split, or for reliable results."""
     if rows < LEAST_ROWS:
         text = f"got {rows} rows, expected at least {LEAST_ROWS} to split in 50, 25, 25 %"
         return [Finding(FAULT, subject, text)]
@@ -40,29 +41,29 @@ def few_rows(subject: str, rows: int) -> list[Finding]:
 
 
 def constant(values: Real) -> bool:
-    """Whether a column is the same in every row."""
+    """Whether a column has the same value in every row."""
     return bool((values == values[0]).all())
 
 
 def counts_rows(values: Real) -> bool:
-    """Whether a column rises by one step from row to row: a number of the row, or its time."""
+    """Whether a column rises by the same step from row to row, as a row number or a time does."""
     steps = np.diff(values)
     return len(steps) > 1 and steps[0] != 0 and bool((np.abs(steps - steps[0]) < 1e-9).all())
 
 
 def repeats(values: Real, other: Real) -> bool:
-    """Whether a column is another one, perhaps in another unit: factor and offset between them."""
+    """Whether a column equals another one, apart from a factor and an offset between units."""
     if constant(values) or constant(other):
         return False
     a, b = (np.asarray(v - v.mean()) / np.ptp(v) for v in (values, other))
     sign = 1 if (a * b).sum() > 0 else -1
-    # Each is rounded to its decimals, and so are its ends and its mean.
+    # Each column is rounded to its decimals, and so are its ends and its mean.
     rounded = sum(1.5 * 10.0 ** -_decimals(v) / np.ptp(v) for v in (values, other))
     return bool(np.abs(a - sign * b).max() <= min(rounded, ALIKE) + 1e-9)
 
 
 def at_an_end(name: str, values: Real) -> list[Finding]:
-    """Many equal readings at an end of what was read: there the converter or amplifier ends."""
+    """Find many equal readings at an end of the range, where a converter or amplifier saturates."""
     found, counts = np.unique(values, return_counts=True)
     if len(found) < 2 * TIMES_WITHIN:
         return []
@@ -82,12 +83,12 @@ def at_an_end(name: str, values: Real) -> list[Finding]:
 
 
 def beyond(name: str, values: Real) -> int:
-    """How many readings the hardware's codes do not reach."""
+    """The number of readings beyond the range of the hardware's codes."""
     return SIGNAL.quantise(values, name)[1]
 
 
 def few_codes(name: str, values: Real) -> list[Finding]:
-    """A sensor that moves over few of the hardware's codes."""
+    """Find a sensor that uses only few of the hardware's codes."""
     codes = np.ptp(values) * 2**SIGNAL.frac
     if codes >= FEW_CODES:
         return []
@@ -99,14 +100,14 @@ def few_codes(name: str, values: Real) -> list[Finding]:
 
 
 def on_lines(readings: Real) -> NDArray[np.intp]:
-    """Rows in which most sensors are, to their last decimal, the means of the rows beside.
+    """Rows in which most sensors equal, to their last decimal, the means of the neighbouring rows.
 
-    A sensor that stays as it was in the row before does not count for it.
+    A sensor does not count if its reading is the same as in the row before.
     """
     if len(readings) < 3:
         return np.zeros(0, dtype=np.intp)
     before, here, after = readings[:-2], readings[1:-1], readings[2:]
-    # The mean is written with one decimal less than it has.
+    # A mean needs one decimal more than is written, so it was rounded.
     slack = 0.5 * 10.0 ** -np.array([_decimals(column) for column in readings.T])
     slack = slack * (1 + 1e-6) + 1e-12 * np.abs(readings).max(axis=0)
     straight = (np.abs(here - (before + after) / 2) <= slack) & (here != before)
@@ -114,7 +115,7 @@ def on_lines(readings: Real) -> NDArray[np.intp]:
 
 
 def interpolated(subject: str, readings: Real) -> list[Finding]:
-    """Rows that lie between others say nothing new, and what is held out among them was seen."""
+    """Find interpolated rows, which add nothing; held-out rows among them have been seen."""
     lines = len(on_lines(readings))
     if lines <= LINES * len(readings):
         return []
@@ -126,7 +127,7 @@ def interpolated(subject: str, readings: Real) -> list[Finding]:
 
 
 def twins(subject: str, names: Sequence[str], readings: Real) -> list[Finding]:
-    """Pairs of sensors that tell the same."""
+    """Find pairs of columns that carry the same information."""
     found = []
     for c, name in enumerate(names):
         for other in range(c):
@@ -138,7 +139,7 @@ def twins(subject: str, names: Sequence[str], readings: Real) -> list[Finding]:
 
 
 def odd_names(subject: str, names: Sequence[str]) -> list[Finding]:
-    """Names that a shell would take apart."""
+    """Find names that a shell would split."""
     odd = [name for name in names if not (name.isascii() and name.replace("-", "_").isidentifier())]
     if not odd:
         return []
@@ -147,10 +148,10 @@ def odd_names(subject: str, names: Sequence[str]) -> list[Finding]:
 
 
 def step(column: Real) -> float:
-    """The least by which two values of a column can differ, as they are written."""
+    """The smallest difference between two values of a column, as they are written."""
     return float(10.0 ** -_decimals(column))
 
 
 def _decimals(column: Real) -> int:
-    """Decimals that hold every value of a column."""
+    """The number of decimals that hold every value of a column."""
     return next((d for d in range(13) if np.array_equal(column.round(d), column)), 13)

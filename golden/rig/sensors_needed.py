@@ -1,8 +1,8 @@
-"""How much each sensor tells about each output, found by training without it.
+"""Finds how much each sensor tells about each output, by training without it.
 
-A sensor that is left out is not set to 0: new networks are trained for those that are left, since
-others often tell the same. Errors are those of rows that took no part in the training; see
-``golden.training.split``. Networks are in floating point with tanh and see the sensors alone.
+A sensor that is left out is not set to 0. Instead new networks are trained for the others, since
+these often carry the same information. Errors are those on rows that took no part in the training;
+see ``golden.training.split``. The networks are in floating point with tanh, and read only sensors.
 """
 
 from __future__ import annotations
@@ -28,16 +28,16 @@ from golden.training.task import LEAST_ROWS
 
 @dataclass(frozen=True)
 class Recording:
-    """What the sensors read, and what the outputs are.
+    """The readings of the sensors and the outputs that belong to them.
 
     Attributes
     ----------
     readings : float array, shape (rows, columns)
-        In the unit of the sensors.
+        The readings in the unit of the sensors.
     targets, scale : float arrays, shape (rows, outputs)
-        Of an output, and what an error of it counts against.
+        The outputs, and the divisors of their errors.
     sensors : tuple of str
-        The sensor of each column; of a sensor whose past is seen several columns.
+        The sensor of each column; a sensor whose past is used has several columns.
     outputs : tuple of str
     """
 
@@ -49,7 +49,7 @@ class Recording:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Each sensor once, in the order of the columns."""
+        """All sensors, each of them once, in the order of the columns."""
         return tuple(dict.fromkeys(self.sensors))
 
     def columns(self, kept: Sequence[str]) -> NDArray[np.int64]:
@@ -58,7 +58,7 @@ class Recording:
         Raises
         ------
         InputError
-            For no sensor, or a name that none has.
+            For no sensor, or for an unknown name.
         """
         unknown = [name for name in kept if name not in self.sensors]
         if unknown or not kept:
@@ -71,18 +71,18 @@ class Recording:
 
 @dataclass(frozen=True)
 class Effort:
-    """How networks are trained.
+    """The settings with which networks are trained.
 
     Attributes
     ----------
     hidden : int
-        Nodes of each network.
+        Number of hidden nodes of each network.
     starts : int
-        Networks of which the validation rows choose one.
+        Number of networks, of which the validation rows choose one.
     together : bool
-        Whether one network has all outputs; else each output has its own.
+        Whether one network has all outputs; otherwise each output has its own network.
     disturbance : Disturbance
-        What the sensors are expected to do to the readings, of every part of the rows.
+        The expected disturbance of the readings, in every part of the rows.
     optimiser, steps, patience, weight_decay
         As in ``golden.scene.sections.Training``.
     """
@@ -99,15 +99,14 @@ class Effort:
 
 @dataclass(frozen=True)
 class Errors:
-    """Errors of what was trained, in percent of the scale, shape (splits, outputs).
+    """Errors of trained networks, in percent of the scale, shape (splits, outputs).
 
     Attributes
     ----------
     validation : float array
-        Root mean squares on the rows that chose among the starts; what to leave out is decided by
-        these.
+        Root mean squares on the rows that chose among the starts. They decide what is left out.
     rms, mean : float arrays
-        Root mean squares and means of the magnitudes on the test rows, which decided nothing.
+        Root mean squares and mean magnitudes on the test rows, which decided nothing.
     """
 
     validation: Real
@@ -117,12 +116,12 @@ class Errors:
 
 @dataclass(frozen=True)
 class Removal:
-    """One sensor less.
+    """A step with one sensor less.
 
     Attributes
     ----------
     dropped : str
-        Empty in the first step, which has all sensors.
+        Name of the sensor that was left out; empty in the first step, which has all sensors.
     kept : tuple of str
     errors : Errors
     """
@@ -133,7 +132,7 @@ class Removal:
 
 
 def recording_of(scene: Scene) -> Recording:
-    """The recording of a scene, as its own training reads it."""
+    """The recording of a scene, as the scene's own training reads it."""
     vectors = scene.vectors()
     return Recording(
         readings(vectors.inputs, scene.scales(scene.inputs)),
@@ -145,7 +144,7 @@ def recording_of(scene: Scene) -> Recording:
 
 
 def splits_of(scene: Scene, seeds: Sequence[int]) -> list[Split]:
-    """The split that ``training.split`` of a scene names, for other seeds."""
+    """The split that ``training.split`` of a scene requests, for each of several seeds."""
     return [split_of(replace(scene, training=replace(scene.training, seed=seed))) for seed in seeds]
 
 
@@ -156,24 +155,24 @@ def held_out(
     effort: Effort,
     seed: int = 1,
 ) -> Errors:
-    """Errors of networks that see some of the sensors.
+    """Errors of networks that read only some of the sensors.
 
     Parameters
     ----------
     recording : Recording
     splits : sequence of Split
-        Networks are trained anew for each.
+        The splits; networks are trained anew for each.
     kept : sequence of str
-        The sensors that the networks see.
+        The sensors that the networks read.
     effort : Effort
     seed : int
-        Of starting weights and disturbance. The same seed, splits and sensors give the same on one
-        machine, whatever number of cores it has.
+        Seed of starting weights and disturbance. The same seed, splits and sensors give the same
+        result on one machine, with any number of cores.
 
     Raises
     ------
     InputError
-        For no sensor, or a name that none has.
+        For no sensor, or for an unknown name.
     """
     columns = recording.columns(kept)
     outputs = range(len(recording.outputs))
@@ -191,7 +190,7 @@ def held_out(
 def without_each(
     recording: Recording, splits: Sequence[Split], effort: Effort, seed: int = 1
 ) -> list[Removal]:
-    """All sensors, then all but one, for each of them; see ``held_out``."""
+    """Errors with all sensors, and then without each one of them; see ``held_out``."""
     names = recording.names
     steps = [Removal("", names, held_out(recording, splits, names, effort, seed))]
     if len(names) > 1:
@@ -206,16 +205,16 @@ def one_after_another(
     seed: int = 1,
     known: Sequence[Removal] = (),
 ) -> list[Removal]:
-    """All sensors, then one less each time: the one without which the worst output errs least.
+    """Leave out one sensor after another, each time that with which the worst output loses least.
 
-    What is left out is decided by the validation rows, the mean over the splits.
+    The validation rows decide what is left out, by the mean over the splits.
 
     Parameters
     ----------
     recording, splits, effort, seed
         See ``held_out``.
     known : sequence of Removal
-        What ``without_each`` found for the same, which is then not trained again.
+        Results of ``without_each`` for the same arguments, which are then not computed again.
     """
     found = {step.kept: step for step in known}
     names = recording.names
@@ -257,7 +256,7 @@ def _best(
     effort: Effort,
     seed: list[int],
 ) -> Real:
-    """Errors of the start that the validation rows choose, shape (3, outputs of the group)."""
+    """Errors of the network that the validation rows choose, shape (3, outputs of the group)."""
     training, validation, test = (
         _rows(recording, part, rows, columns, group, effort.disturbance, seed)
         for part, rows in vars(split).items()
@@ -291,7 +290,7 @@ def _rows(
     disturbance: Disturbance,
     seed: list[int],
 ) -> Rows:
-    """A part of the rows, as often as the disturbance needs draws; the same for any sensors."""
+    """A part of the rows, repeated as the disturbance requires; the same rows for any sensors."""
     if disturbance.none:
         found = recording.readings[rows]
     else:

@@ -1,9 +1,10 @@
-"""How much each sensor of a scene tells about each output, in a fraction of a second.
+"""Estimates in a fraction of a second how much each sensor tells about each output.
 
 A smooth map (``golden.rig.smooth_map``) from the sensors to the outputs is fitted to rows that
-train, with all sensors and without each one; its errors are those on rows that take no part. Such
-maps to the sensor itself, from the outputs and from these with the other sensors, show how much of
-it follows from anything. Networks err less; ``golden.rig.sensors_needed`` trains them for minutes.
+train, once with all sensors and once without each of them. Its errors are those on rows that take
+no part. Similar maps to the sensor itself, from the outputs, and from these together with the other
+sensors, show how much of it follows from anything. Networks have smaller errors;
+``golden.rig.sensors_needed`` trains them, which takes minutes.
 """
 
 from __future__ import annotations
@@ -24,15 +25,16 @@ Rows = NDArray[np.int64]
 
 LENGTHS = (0.35, 0.7, 1.4, 2.8)
 RIDGES = (1e-6, 1e-4, 1e-2)
-# Rows that train, and of either other part: more take longer and change little.
+# The most rows that train, and of each other part. More rows take longer and change little.
 MOST_ROWS, MOST_OTHERS = 150, 75
-# Of fewer rows no error is worth telling.
+# With fewer rows an error would mean nothing.
 LEAST_OTHERS = 4
-# An output is told where the error is below so much of that of a constant.
+# The sensors explain an output if its error is below this part of the error of a constant.
 TOLD = 0.8
-# A sensor of which less follows from all the rest, and without which no output that is told errs so
-# many times as much, tells nothing: so it is with noise. A sensor that corrects others, as one for
-# temperature, follows from no output, but from outputs and sensors together.
+# A sensor counts as useless if a smaller part of it follows from everything else, and if without it
+# the error of no explained output grows by this factor. Noise is like that. A sensor that corrects
+# others, such as one for temperature, follows from no output, but it does follow from outputs and
+# sensors together.
 FOLLOWS, WORSE = 0.25, 2.0
 
 
@@ -44,14 +46,15 @@ class Telling:
     ----------
     outputs : tuple of str
     constant : float array
-        Of the mean of the rows that train, which needs no sensor.
+        Errors of a constant, the mean of the rows that train, which needs no sensor.
     whole : float array
-        With all sensors.
+        Errors with all sensors.
     without : dict
-        Without each sensor, by its name.
+        Errors without each sensor, by its name.
     follows : dict
-        The part of the variance of each sensor, on held-out rows, that follows from the outputs, or
-        from the outputs and the other sensors if that is more; below 0 where a constant is nearer.
+        Part of the variance of each sensor, on held-out rows, that follows from the outputs, or
+        from the outputs and the other sensors if that is more. It is below 0 where a constant fits
+        better.
     """
 
     outputs: tuple[str, ...]
@@ -63,18 +66,18 @@ class Telling:
     @property
     def nothing(self) -> list[str]:
         """Sensors that tell nothing; see FOLLOWS."""
-        told = self.whole < TOLD * self.constant
-        if not told.any():
+        explained = self.whole < TOLD * self.constant
+        if not explained.any():
             return []
         return [
             name
             for name, errors in self.without.items()
-            if self.follows[name] < FOLLOWS and (errors < WORSE * self.whole)[told].all()
+            if self.follows[name] < FOLLOWS and (errors < WORSE * self.whole)[explained].all()
         ]
 
 
 def measured(recording: Recording, split: Split) -> Telling:
-    """What the sensors of a recording tell, by a split of its rows."""
+    """Measure how much the sensors of a recording tell, with a split of its rows."""
     train = thinned(split.training, MOST_ROWS)
     others = [thinned(part, MOST_OTHERS) for part in (split.validation, split.test)]
     rows = np.concatenate(others)
@@ -102,13 +105,13 @@ def measured(recording: Recording, split: Split) -> Telling:
 
 
 def _of(recording: Recording, name: str) -> tuple[Real, Real]:
-    """The columns of a sensor, and all others."""
+    """The columns of a sensor, and all other columns."""
     own = np.isin(recording.sensors, [name])
     return recording.readings[:, own], recording.readings[:, ~own]
 
 
 def _explained(known: Real, values: Real, train: Rows, others: list[Rows]) -> float:
-    """The part of the variance of held-out values that follows, of the column that does best."""
+    """The part of the variance of held-out values that is explained, in the best column."""
     rows = np.concatenate(others)
     variance = ((values[rows] - values[train].mean(axis=0)) ** 2).mean(axis=0)
     left = (_residuals(known, values, train, others) ** 2).mean(axis=0)
@@ -116,7 +119,7 @@ def _explained(known: Real, values: Real, train: Rows, others: list[Rows]) -> fl
 
 
 def _residuals(inputs: Real, values: Real, train: Rows, others: list[Rows]) -> Real:
-    """Of two parts that took no part in the fit; which fit counts is chosen on the other one."""
+    """Residuals of two parts that took no part in the fit; each part selects the other's fit."""
     unit = spread(values[train])
     found = []
     for length in LENGTHS:
@@ -128,7 +131,7 @@ def _residuals(inputs: Real, values: Real, train: Rows, others: list[Rows]) -> R
 
 
 def telling_of(scene: Scene) -> Telling | None:
-    """What the sensors of a scene tell; None for too few rows.
+    """Measure how much the sensors of a scene tell; None if there are too few rows.
 
     Raises
     ------
@@ -142,7 +145,7 @@ def telling_of(scene: Scene) -> Telling | None:
 
 
 def findings(scene: Scene) -> list[Finding]:
-    """What each sensor of a scene tells, in words; nothing for too few rows."""
+    """How much each sensor of a scene tells, in words; none if there are too few rows."""
     telling = telling_of(scene)
     if telling is None:
         return []
@@ -156,8 +159,8 @@ def findings(scene: Scene) -> list[Finding]:
             f"without any sensor {shown}",
         )
     ]
-    told = telling.whole < TOLD * telling.constant
-    if not told.any():
+    explained = telling.whole < TOLD * telling.constant
+    if not explained.any():
         text = "nothing: with all of them no output errs less than without any"
         return [*found, Finding(WARNING, subject, text)]
     nothing = telling.nothing

@@ -1,10 +1,10 @@
-"""A smooth function through recorded rows, found in a fraction of a second.
+"""A smooth function through recorded rows, fitted in a fraction of a second.
 
-Equation: ``f(x) = b0 + b x + sum_i a_i exp(-|x - x_i|^2 / (2 l^2))``: a plane, fitted by least
-squares, and what it leaves, by kernel ridge regression, ``(K + r I) a = values - b0 - b x``. The
-rows x_i are those that it is fitted to, each column in standard deviations of its own, and K holds
-the same exponential of every two of them. Of a few lengths l and ridges r those count that err
-least on rows held out from the fit. Nothing is drawn at random.
+The equation is ``f(x) = b0 + b x + sum_i a_i exp(-|x - x_i|^2 / (2 l^2))``. It is the sum of a
+plane, fitted by least squares, and of a kernel ridge regression for the residuals of the plane,
+``(K + r I) a = values - b0 - b x``. The x_i are the rows that are fitted, with each column in units
+of its standard deviation, and K holds the same exponential for every two of them. Of a few lengths
+l and ridges r, those with the least error on held-out rows are used. Nothing is random.
 """
 
 from __future__ import annotations
@@ -19,22 +19,23 @@ from scipy.interpolate import RBFInterpolator
 
 from golden.real import Real
 
-# As a part of the root of the number of inputs, which is how distances grow with it.
+# The lengths are parts of the root of the number of inputs, with which distances grow.
 LENGTHS = (0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0)
-# With less, the last bit of a float would show in what comes out.
+# With less, the last bit of a float would be visible in the result.
 RIDGES = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
-# Directions in which inputs vary by less than this part of the most have no slope.
+# In directions in which the inputs vary by less than this part of the largest variation, the plane
+# has no slope.
 SAME = 1e-6
 
 
 @dataclass(frozen=True)
 class SmoothMap:
-    """A fitted function; see the module.
+    """A fitted function; the equation is that of the module.
 
     Parameters
     ----------
     inputs, values : float arrays, shapes (rows, inputs) and (rows, values)
-        The rows that it is fitted to.
+        The rows that are fitted.
     length : float
         l as a part of the root of the number of inputs, above 0.
     ridge : float
@@ -48,7 +49,7 @@ class SmoothMap:
 
     @cached_property
     def _plane(self) -> Real:
-        """b0 and b; of least size where inputs hang together."""
+        """b0 and b; of the possible solutions for dependent inputs, the one of least size."""
         return np.asarray(
             np.linalg.lstsq(self._with_one(self.inputs), self.values, rcond=SAME)[0], np.float64
         )
@@ -66,7 +67,7 @@ class SmoothMap:
         )
 
     def __call__(self, inputs: Real) -> Real:
-        """Values for inputs, shape (rows, values)."""
+        """Values of the function for inputs, shape (rows, values)."""
         rest: Real = spread(self.values) * self._rest(self._standardised(inputs))
         return self._with_one(inputs) @ self._plane + rest
 
@@ -85,7 +86,7 @@ def spread(columns: Real) -> Real:
 
 
 def fitted(inputs: Real, values: Real, held_inputs: Real, held_values: Real) -> SmoothMap:
-    """The function that errs least on held-out rows, whose errors count in standard deviations.
+    """The function with the least error on held-out rows, in units of standard deviations.
 
     Parameters
     ----------
@@ -102,7 +103,7 @@ def fitted(inputs: Real, values: Real, held_inputs: Real, held_values: Real) -> 
 
 
 def thinned(rows: NDArray[np.int64], most: int) -> NDArray[np.int64]:
-    """So many of some rows, evenly from the first to the last; all where there are no more."""
+    """At most ``most`` of the rows, evenly spread from the first to the last."""
     if len(rows) <= most:
         return rows
     return rows[np.linspace(0, len(rows) - 1, most).round().astype(np.int64)]

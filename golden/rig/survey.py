@@ -1,4 +1,4 @@
-"""A recording looked at as a whole: which columns are what, and what is to be said about them."""
+"""Examines a recording as a whole: the role of each column, and what must be said about it."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from golden.table import suggest
 
 @dataclass(frozen=True)
 class Survey:
-    """What a scene of a recording can be made of.
+    """The parts of a recording from which a scene can be made.
 
     Attributes
     ----------
     recording : CsvFile
     sensors, outputs : dict
-        Columns by name, in the order of the file and in that of the user.
+        Columns by name: the sensors in the order of the file, the outputs in that of the user.
     left_out : dict
-        Names of the other columns, and why they are no sensors.
+        Names of the other columns, with the reasons why they are no sensors.
     findings : list of Finding
     """
 
@@ -37,17 +37,17 @@ class Survey:
 
     @property
     def beyond(self) -> bool:
-        """Whether anything lies outside the hardware's range, and so needs a scale."""
+        """Whether any value lies outside the hardware's range, so that a scale is needed."""
         columns = [*self.sensors.values(), *self.outputs.values()]
         return any(readings.beyond("", column) for column in columns)
 
     @property
     def interpolated(self) -> bool:
-        """Whether rows lie between others, so that one that is held out has been seen."""
+        """Whether rows are interpolated, so that a held-out row would have been seen."""
         return bool(readings.interpolated("", np.column_stack(list(self.sensors.values()))))
 
     def lines(self) -> list[str]:
-        """A line for every column: what it is, from where to where."""
+        """A line for every column: its role and its range."""
         wide = max(map(len, self.recording.names))
         shown = []
         for kind, columns in (("sensor", self.sensors), ("output", self.outputs)):
@@ -62,7 +62,7 @@ class Survey:
 
 
 def survey(recording: CsvFile, outputs: Sequence[str]) -> Survey:
-    """Look at a recording whose outputs are named; its other columns of numbers are sensors."""
+    """Examine a recording with these outputs; its other columns of numbers are sensors."""
     found = Survey(recording, {}, {}, {}, _wrong_outputs(recording, outputs))
     for name in dict.fromkeys(name for name in outputs if name in recording.names):
         _take_output(found, recording.column(name))
@@ -81,7 +81,7 @@ def survey(recording: CsvFile, outputs: Sequence[str]) -> Survey:
 
 
 def _wrong_outputs(recording: CsvFile, outputs: Sequence[str]) -> list[Finding]:
-    """Outputs that are no columns, or not named once."""
+    """Find outputs that are no columns, or that are named more than once."""
     path, names = str(recording.path), recording.names
     findings = [
         Finding(FAULT, path, f"no column {name!r}{suggest(name, names)}")
@@ -109,7 +109,7 @@ def _take_output(found: Survey, column: Column) -> None:
 
 
 def _take_other(found: Survey, column: Column) -> None:
-    """A column that is no output: a sensor, left out, or wrong."""
+    """Classify a column that is no output: as a sensor, as left out, or as wrong."""
     if not column.numeric:
         line, text = column.odd[0]
         found.left_out[column.name] = f"no numbers, line {line} holds {text!r}"
@@ -124,7 +124,7 @@ def _take_other(found: Survey, column: Column) -> None:
 
 
 def _shown(path: str, found: Survey) -> list[Finding]:
-    """What the readings show, sensor by sensor and together."""
+    """Find what the readings show, sensor by sensor and together."""
     findings = readings.interpolated(path, np.column_stack(list(found.sensors.values())))
     for name, values in found.sensors.items():
         findings += readings.at_an_end(name, values)
@@ -134,7 +134,7 @@ def _shown(path: str, found: Survey) -> list[Finding]:
 
 
 def _no_sensor(values: Real, sensors: dict[str, Real], outputs: dict[str, Real]) -> str:
-    """Why a column of numbers is no sensor; empty where it is one."""
+    """The reason why a column of numbers is no sensor; empty if it is one."""
     if readings.constant(values):
         return f"{values[0]:g} in every row"
     for name, others in (sensors | outputs).items():

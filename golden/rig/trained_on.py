@@ -1,7 +1,7 @@
-"""How well new readings fit the states that a network was trained on.
+"""Measures how well new readings fit the states on which a network was trained.
 
-A network gives an output for any reading. Where nothing like it was trained, the output says
-nothing, and the network cannot tell. Two things give such a reading away: an output beyond the
+A network gives an output for any reading. If it was trained on nothing similar, the output means
+nothing, and the network cannot know that. Two things reveal such a reading: an output beyond the
 range of the targets, and readings that the outputs do not explain.
 """
 
@@ -22,38 +22,40 @@ from golden.scene.vectors import read_recorded
 from golden.scene_errors import held_out_rows, told
 from golden.training.split import split_of
 
-# Of rows like those that were held out, the part that may be called outside.
+# The part of rows like the held-out ones that may be called outside.
 FALSE_ALARMS = 0.01
-# Of the range of an output, what it may leave the range by: a network errs at the ends too.
+# How far an output may exceed its range, as a part of the range, since a network errs at the ends
+# too.
 MARGIN = 0.1
-# Rows that the states are fitted to, and that are held against them: more hardly change them.
+# The most rows to which the states are fitted, and with which they are compared. More rows would
+# change them very little.
 MOST_FITTED, MOST_HELD = 400, 2000
 UNLIKE = "unlike every state that trained"
 
 
 @dataclass(frozen=True)
 class TrainedOn:
-    """What readings go with which outputs, as the rows that trained a network show it.
+    """The relation between readings and outputs in the rows that trained a network.
 
     Equation: a state is a point y in the range of the outputs, and a smooth map f gives the
-    readings that go with it. Readings x with the outputs y of the hardware are ``r = x - f(y)``
-    away from their state, y limited to its range, and the distance is
-    ``sqrt(r' S^-1 r) / limit``. S is the mean of r r' on held-out rows; the limit is such that the
-    part FALSE_ALARMS of rows like these is farther away.
+    readings that belong to it. For readings x, for which the hardware gives the outputs y, the
+    residual is ``r = x - f(y)``, with y limited to its range, and the distance is ``sqrt(r' S^-1 r)
+    / limit``. S is the mean of r r' on held-out rows. The limit is such that the part FALSE_ALARMS
+    of rows like these is farther away.
 
     Parameters
     ----------
     outputs : sequence of str
     low, high : float arrays, shape (outputs,)
-        The range of the targets of the rows that trained, in the units of the outputs.
+        The range of the targets in the rows that trained, in the units of the outputs.
     states : SmoothMap
-        f, from outputs to readings in the units of the sensors.
+        The map f, from outputs to readings in the units of the sensors.
     whitening : float array, shape (inputs, inputs)
-        W with ``W' W = S^-1``.
+        The matrix W with ``W' W = S^-1``.
     limit : float
     held, stretches : int
-        Rows that the limit was chosen on, and how many of these say something of their own: rows
-        beside each other in the file may all be near the limit for one reason.
+        Number of rows with which the limit was chosen, and how many of these count as independent.
+        Rows next to each other in the file may all be near the limit for the same reason.
     """
 
     outputs: Sequence[str]
@@ -67,16 +69,16 @@ class TrainedOn:
 
     @property
     def one_in(self) -> int:
-        """Of so many rows like those that were held out, one may be called outside."""
+        """One in so many rows like the held-out ones may be called outside."""
         return min(self.stretches + 1, round(1 / FALSE_ALARMS))
 
     def distances(self, readings: Real, outputs: Real) -> Real:
-        """From the state that the outputs stand for, in units of the limit; shape (rows,)."""
+        """Distances from the states of the outputs, in units of the limit, shape (rows,)."""
         residual = readings - self.states(np.clip(outputs, self.low, self.high))
         return _lengths(residual, self.whitening) / self.limit
 
     def reasons(self, outputs: Real, distances: Real) -> list[str]:
-        """Why each row, at its distance, is outside what was trained on; empty where it is not."""
+        """Why each row is outside what was trained on; empty where it is not outside."""
         margin = MARGIN * (self.high - self.low)
         reasons = []
         for row, distance in zip(outputs, distances, strict=True):
@@ -102,21 +104,22 @@ def learnt(
     ends: tuple[Real, Real] | None = None,
     stretches: int | None = None,
 ) -> TrainedOn:
-    """The states that recorded rows show, and how far others of their like are from them.
+    """The states that recorded rows show, and how far other rows like these are from them.
 
     Parameters
     ----------
     outputs : sequence of str
     readings, targets : float arrays, shapes (rows, inputs) and (rows, outputs)
-        Rows that the states are fitted to, in the units of the columns.
+        Rows to which the states are fitted, in the units of the columns.
     held_readings, held_outputs : float arrays, shapes (held, inputs) and (held, outputs)
-        Rows that took no part in that, and what the hardware gives for them.
+        Rows that took no part in the fit, and the outputs of the hardware for them.
     least : float array, shape (inputs,)
-        A standard deviation that the readings have at least: that of their codes.
+        The least standard deviation of the readings, which is that of their codes.
     ends : pair of float arrays, shape (outputs,), optional
-        The range of the outputs, where other rows trained too; else that of ``targets``.
+        The range of the outputs, where other rows trained too; by default that of ``targets``.
     stretches : int, optional
-        Stretches of the file that the held-out rows are of; else each row is one.
+        Number of stretches of the file from which the held-out rows come; by default each row
+        counts.
     """
     low, high = ends or (targets.min(axis=0), targets.max(axis=0))
     explained = np.clip(held_outputs, low, high)
@@ -124,13 +127,13 @@ def learnt(
     residual = held_readings - states(explained)
     count, inputs = residual.shape
     second = residual.T @ residual / count
-    # Few rows do not tell how the residuals of many sensors hang together.
+    # A few rows are not enough to estimate how the residuals of many sensors depend on each other.
     known = count / (count + inputs)
     second = known * second + np.diag((1 - known) * np.diag(second) + least**2)
     whitening: Real = np.linalg.inv(np.linalg.cholesky(second))
     held = np.sort(_lengths(residual, whitening))
     limit = held[min(count, math.ceil((1 - FALSE_ALARMS) * (count + 1))) - 1]
-    # Where the map leaves nothing, no farther than rounding to codes alone may be.
+    # If the map leaves no residual, the limit is the largest error by rounding to codes.
     limit = max(limit, math.sqrt(3) * np.linalg.norm(whitening * least))
     known_by = count if stretches is None else stretches
     return TrainedOn(outputs, low, high, states, whitening, float(limit), count, known_by)
@@ -142,8 +145,7 @@ def _lengths(residual: Real, whitening: Real) -> Real:
 
 
 def hardware_outputs(scene: Scene, readings: Real) -> Real:
-    """What the hardware of a scene gives for inputs in the units of the sensors, in the units of
-    the outputs."""
+    """The outputs of a scene's hardware for its inputs, both in their own units."""
     codes: Codes = scene.codes_of(readings)
     return scene.outputs_in_units(scene.twin().core.process(codes))
 
@@ -156,11 +158,12 @@ def code_steps(scene: Scene) -> Real:
 
 
 def trained_on(scene: Scene) -> tuple[TrainedOn, str]:
-    """The states that trained the networks of a scene, and which rows show them, in words.
+    """The states that trained the networks of a scene, and in words which rows show them.
 
-    They are fitted to the rows that ``training.split`` trains with; the others say how far such
-    rows are from them. The range of the outputs is that of all rows for networks that were trained
-    on, on all rows, and where it is unknown which trained, as of networks from elsewhere.
+    The states are fitted to the rows that ``training.split`` trains with; the other rows show how
+    far such rows are from them. The range of the outputs is that of all rows if the networks were
+    trained further on all rows, or if it is unknown which rows trained, as with networks from
+    elsewhere.
     """
     recorded, split = read_recorded(scene), split_of(scene)
     rows = split.training
@@ -187,5 +190,5 @@ def trained_on(scene: Scene) -> tuple[TrainedOn, str]:
 
 
 def stretches_of(rows: Codes) -> int:
-    """Stretches of rows that follow each other."""
+    """The number of stretches of rows that follow each other."""
     return 1 + int((np.diff(np.sort(rows)) > 1).sum())

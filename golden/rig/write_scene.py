@@ -1,4 +1,4 @@
-"""A scene for recorded readings, written to a file."""
+"""Writes a scene for recorded readings to a file."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from golden.training.scaling import scaled
 
 
 def names_of(text: str) -> list[str]:
-    """Column names between commas; one that holds a comma stands in double quotes."""
+    """Column names separated by commas; a name that contains a comma is in double quotes."""
     try:
         return [name.strip() for name in next(csv.reader([text], skipinitialspace=True), [])]
     except csv.Error as error:
@@ -23,7 +23,7 @@ def names_of(text: str) -> list[str]:
 
 
 def check_sensors(found: Survey, hardware: Scene) -> None:
-    """Refuse a recording whose sensors are not those that a scene's hardware reads.
+    """Refuse a recording with other sensors than those that a scene's hardware reads.
 
     Raises
     ------
@@ -43,19 +43,19 @@ def check_sensors(found: Survey, hardware: Scene) -> None:
 
 
 def write_scene(found: Survey, path: Path, hardware: Scene | None = None) -> Scene:
-    """Write the scene, once it is clear that it can be read.
+    """Write the scene, after a check that it can be read.
 
     Parameters
     ----------
     found : Survey
     path : Path
     hardware : Scene, optional
-        Whose hardware read the sensors, and is to run the networks.
+        Scene whose hardware has read the sensors, and will run the networks.
 
     Raises
     ------
     InputError
-        When the file, or a network that it would name, is there already.
+        When the file, or a network that it would name, already exists.
     """
     with replace_file(path) as temporary:
         temporary.write_text(draft(found, path, hardware), encoding="utf-8")

@@ -1,7 +1,7 @@
-"""A scene: which sensors, which outputs, which network, in which form of hardware.
+"""A scene: its sensors, its outputs, its networks, and the form of its hardware.
 
 A scene is one TOML file, in a folder of ``golden/scenes`` or anywhere else. Paths in it are
-relative to it.
+relative to the folder of this file.
 """
 
 from golden.scene.reading import (

@@ -1,4 +1,4 @@
-"""The bit-true twin of a scene's hardware: its networks, and what the scene puts around them."""
+"""Builds the bit-true twin of a scene's hardware: the networks, and what stands around them."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 
 
 def build_twin(scene: Scene, lean: bool) -> Network:
-    """The networks of a scene, with past, front end, readout or AXI4-Stream where it names them.
+    """The networks of a scene, and around them what it has: past, front end, readout, AXI4-Stream.
 
-    ``lean`` leaves out what the weights make useless; see ``constants_of``.
+    If ``lean`` is set, what the weights make useless is left out; see ``constants_of``.
 
     Raises
     ------
@@ -40,7 +40,7 @@ def build_twin(scene: Scene, lean: bool) -> Network:
     try:
         network = _of_several(scene, design, lean) or arrange(scene.arrangement, mlps, build)
     except InputError:
-        # What is wrong with one network alone is told of its file.
+        # If the fault is in one network alone, the message names that network's file.
         for member, mlp in zip(scene.members, mlps, strict=True):
             with naming(member.weights_path):
                 constants_of(mlp, scene.precision, scene.activation, scene.activation_options, lean)
@@ -71,10 +71,10 @@ def build_twin(scene: Scene, lean: bool) -> Network:
 
 
 def _of_several(scene: Scene, design: type[Design], lean: bool) -> Network | None:
-    """The networks as one, where the design arranges them by itself.
+    """The networks as one network, where the design arranges them itself; otherwise None.
 
-    With a front end it may take the clocks that a scan leaves. Where nothing does, the instrument
-    says so.
+    With a front end the network may take as many clocks as a scan leaves. If no network is fast
+    enough for that, the instrument reports it.
     """
     options = scene.design_options
     build = partial(

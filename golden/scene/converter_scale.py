@@ -1,9 +1,10 @@
-"""The scale of the sensors that a converter reads: it follows from the converter's data sheet.
+"""The scale of the sensors that a converter reads, which follows from the converter's data sheet.
 
-A part has fixed codes, and the hardware turns each into one signal. So what a reading is as a
-signal depends on the unit of the readings alone. There are three: signals of -1 to 1, the part's
-own codes, and any unit in which the scene tells what the part's reference is. Straight binary
-reaches from 0 to the reference, two's complement from minus to plus the reference.
+The codes of a part are fixed, and the hardware turns each into one signal. So the scale from
+readings to signals depends only on the unit of the readings. There are three possible units:
+signals of -1 to 1, the part's own codes, and any unit in which the scene states the part's
+reference. Straight binary reaches from 0 to the reference, and two's complement from minus to plus
+the reference.
 """
 
 from __future__ import annotations
@@ -25,13 +26,13 @@ SIGNALS = Scale()
 
 
 def part_scale(part: ConverterPart, reference: float = 0.0) -> Scale:
-    """What the signals of a part's codes stand for.
+    """The scale of a part: the readings for which the signals of its codes stand.
 
     Parameters
     ----------
     part : ConverterPart
     reference : float
-        What its reference is in the unit of the readings; 0 for readings that are its codes.
+        The part's reference in the unit of the readings; 0 for readings that are the part's codes.
     """
     straight = part.coding == STRAIGHT
     whole = reference or float(1 << (part.bits if straight else part.bits - 1))
@@ -39,7 +40,7 @@ def part_scale(part: ConverterPart, reference: float = 0.0) -> Scale:
 
 
 def converter_scales(scene: Scene) -> dict[str, Scale]:
-    """The scale of each sensor that the scene's converter sets.
+    """The scale of each sensor whose scale is fixed by the scene's converter.
 
     Empty for a scene without a converter, and for readings that are signals.
 
@@ -48,23 +49,26 @@ def converter_scales(scene: Scene) -> dict[str, Scale]:
     MissingFileError
         See ``read_recorded``.
     InputError
-        When a scale that the scene writes is not the converter's, or when the readings are neither
-        signals nor codes of it.
+        When the scene sets a scale that is not the converter's, or when the readings are neither
+        signals nor codes of the converter.
     """
     front_end = scene.front_end
     if front_end is None or not front_end.converter:
         return {}
     part = PARTS[front_end.converter]
     written = {name: scene.scale[name] for name in scene.sensors if name in scene.scale}
-    given = {name: scale for name, scale in written.items() if isinstance(scale, Scale)}
+    written_scales = {n: scale for n, scale in written.items() if isinstance(scale, Scale)}
     if front_end.reference:
         expected = part_scale(part, front_end.reference)
         why = f"converter {part.name!r} with front_end.reference {front_end.reference:g}"
     else:
-        # Where every sensor has a right scale, means of codes need not be told from other units.
-        codes = len(given) == len(scene.sensors) and set(given.values()) == {part_scale(part)}
+        # If the scene gives every sensor the scale of codes, readings that are means of codes need
+        # not be recognised as codes.
+        codes = len(written_scales) == len(scene.sensors) and set(written_scales.values()) == {
+            part_scale(part)
+        }
         expected, why = _unit(scene, part, AUTO if AUTO in written.values() else "none", codes)
-    for name, scale in given.items():
+    for name, scale in written_scales.items():
         if scale != expected:
             raise InputError(
                 f"{scene.path}: data.scale.{name}: got {_text(scale)}, expected "
@@ -74,16 +78,17 @@ def converter_scales(scene: Scene) -> dict[str, Scale]:
 
 
 def codes_of(scene: Scene, readings: Real) -> Real:
-    """Readings in codes as the scene's converter gives them: whole numbers that it has."""
+    """Round readings in codes to whole numbers, and clip them to the codes of the converter."""
     ends = [(s.offset - s.factor, s.offset + s.factor - 1) for s in scene.scales(scene.sensors)]
     low, high = np.array(ends).T
     return np.clip(np.rint(readings), low, high)
 
 
 def _unit(scene: Scene, part: ConverterPart, got: str, codes: bool) -> tuple[Scale, str]:
-    """The scale of readings whose unit the scene does not name, and why it is that.
+    """The scale of readings whose unit the scene does not state, and the reason for it.
 
-    ``codes`` tells that the scene says them to be codes, which means of codes are not seen to be.
+    ``codes`` says that the scene declares the readings to be codes. This is needed for means of
+    codes, which are no whole numbers and so cannot be recognised.
     """
     other = (
         "; readings in another unit, such as volts, take front_end.reference, which is what the "
@@ -98,7 +103,7 @@ def _unit(scene: Scene, part: ConverterPart, got: str, codes: bool) -> tuple[Sca
     whole = np.array_equal(readings, readings.round())
     if outside.any() and within and (codes or whole):
         return scale, f"the readings are {text}{other}"
-    # Some outliers make signals of no other unit.
+    # A few outliers do not mean that signals are in another unit.
     if (outside.mean(axis=0) <= MOST_OUTSIDE).all():
         return SIGNALS, f"the readings are signals of -1 to 1{other}"
     means = f"; means of codes take {_text(scale)} for each sensor" if within else ""

@@ -1,4 +1,4 @@
-"""The section ``[data]`` of a scene: its keys."""
+"""The keys of a scene's section ``[data]``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The section ``[front_end]`` of a scene: how its sensors are read."""
+"""The section ``[front_end]`` of a scene, which says how its sensors are read."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from golden.sensing.scan import MOST_SCAN_CLOCKS
 from golden.sensing.scan_sequencer import ScanSequencer
 from golden.window import Window
 
-# Parts that can be bought; without one it is a parallel code behind an analogue multiplexer.
+# Parts that can be bought. Without one, a parallel code comes from behind an analogue multiplexer.
 CONVERTERS = tuple(PARTS)
 FRONT_END = Table(
     {
@@ -70,23 +70,22 @@ FRONT_END = Table(
 
 @dataclass(frozen=True)
 class FrontEnd:
-    """What a scene says of its front end.
+    """The front end that a scene describes.
 
     Attributes
     ----------
     counter_width : int
         Bits of the counter of a scan, which takes 2**counter_width clocks.
     sample_at : float
-        Where in a slot the converter's code is taken, as a part of the slot.
+        The moment in a slot at which the converter's code is accepted, as a fraction of the slot.
     rate_hz : float
-        Scans a second that are asked for; 0 where one follows another at once.
+        Scans per second that are requested; 0 where one scan follows another at once.
     converter : str
-        The part that is read; empty for codes behind an analogue multiplexer.
+        Name of the part that is read; empty for codes behind an analogue multiplexer.
     reference : float
-        What the converter's reference is in the unit of the readings; 0 where the scene does not
-        tell.
+        The converter's reference in the unit of the readings; 0 where the scene does not state it.
     clock_mhz : float
-        The clock that the scene is meant for.
+        The clock for which the scene is meant.
     """
 
     counter_width: int
@@ -98,13 +97,13 @@ class FrontEnd:
 
     @property
     def scan_clocks(self) -> int:
-        """Clocks from one scan to the next: those nearest to ``rate_hz``."""
+        """Clocks from one scan to the next, as close to ``rate_hz`` as whole clocks allow."""
         if not self.rate_hz:
             return 1 << self.counter_width
         return round(_hertz(self.clock_mhz) / _exact(self.rate_hz))
 
     def describe(self) -> str:
-        """Scans a second, and how far they are from those that are asked for."""
+        """A text with the scans per second, and their deviation from the requested rate."""
         rate = _hertz(self.clock_mhz) / self.scan_clocks
         clock = f"{self.clock_mhz:g} MHz"
         text = f"a scan every {self.scan_clocks} clocks, {float(rate):.9g} Hz at {clock}"
@@ -130,12 +129,12 @@ class FrontEnd:
         return self._sequencer(network.inputs, network.input_controller.inputs)
 
     def converter_reader(self, network: Network) -> ConverterReader:
-        """The reader that makes frames for ``network`` of what ``converter`` sends.
+        """The reader that makes frames for ``network`` from the codes of ``converter``.
 
         Raises
         ------
         InputError
-            When the counter is too narrow for the part, or the part has not as many channels.
+            When the counter is too narrow for the part, or the part has too few channels.
         """
         return ConverterReader(
             SIGNAL,
@@ -148,15 +147,15 @@ class FrontEnd:
         )
 
     def clocks_left(self, window: Window) -> int:
-        """Clocks from a frame's last sample to the next that a network without slots takes.
+        """Clocks from a frame's last sample to the next, which a network without slots may use.
 
-        With a past it is a frame window that sends the samples, and a converter's are sent when
-        the scan is whole: one a clock.
+        With a past, a frame window sends the samples, and those of a converter are sent when the
+        scan is complete. In both cases they come one per clock.
 
         Raises
         ------
         InputError
-            As ``scan_sequencer``.
+            See ``scan_sequencer``.
         """
         if not window.plain:
             return self.scan_clocks - len(window.taps)
@@ -181,13 +180,13 @@ class FrontEnd:
 
 
 def front_end(values: dict[str, Any], clock_mhz: float, path: Path) -> FrontEnd:
-    """What the section says, each key by itself checked.
+    """The front end of a section whose keys have been checked one by one.
 
     Raises
     ------
     InputError
-        For a ``sample_at`` with a converter that has its own time, a reference without a converter,
-        or a rate that leaves no time for the slots or that no counter reaches.
+        For a ``sample_at`` with a converter, which has its own timing; for a reference without a
+        converter; and for a rate that leaves no time for the slots or that no counter reaches.
     """
     own = FRONT_END.keys["sample_at"].default
     if values["converter"] and values["sample_at"] != own:
@@ -213,7 +212,7 @@ def front_end(values: dict[str, Any], clock_mhz: float, path: Path) -> FrontEnd:
 
 
 def _exact(value: float) -> Fraction:
-    """The number that was written, not the nearest that the machine has."""
+    """The number exactly as it was written, and not the nearest floating-point number."""
     return Fraction(str(value))
 
 
@@ -222,5 +221,5 @@ def _hertz(clock_mhz: float) -> Fraction:
 
 
 def _six_digits(rate: Fraction, rounding: str) -> str:
-    """So that what a message allows is allowed."""
+    """Six digits, rounded so that every rate that a message allows is really allowed."""
     return f"{Context(6, rounding).divide(Decimal(rate.numerator), Decimal(rate.denominator)):f}"

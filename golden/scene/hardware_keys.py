@@ -1,4 +1,4 @@
-"""The section ``[hardware]`` of a scene: its keys."""
+"""The keys of a scene's section ``[hardware]``."""
 
 from __future__ import annotations
 

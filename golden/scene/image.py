@@ -1,4 +1,4 @@
-"""The image of a scene, for its own hardware or for that of another."""
+"""The image of a scene, for its own hardware or for that of another scene."""
 
 from __future__ import annotations
 
@@ -9,27 +9,27 @@ from golden.scene.scene import Scene
 
 
 def scene_image(scene: Scene, hardware: Engine) -> Image:
-    """What makes ``hardware`` run a scene.
+    """The image with which ``hardware`` runs a scene.
 
     Parameters
     ----------
     scene : Scene
-        Whatever its design: its networks matter, and that they see no past.
+        It may have any design, but must use no past samples; only its networks enter the image.
     hardware : Engine
-        One that can be reloaded.
+        An engine that can be reloaded.
 
     Raises
     ------
     InputError
-        See ``load_network``; also for past samples, for an arithmetic that the engine has not, and
-        for an image that does not fit.
+        See ``load_network``. Also for past samples, for a precision or an activation that the
+        engine does not have, and for an image that does not fit.
     """
     if hardware.loaded is None:
         raise InputError(f"{hardware.entity}: hardware.reload: got false, expected true")
     if not scene.window.plain:
         raise InputError(
-            f"{scene.path}: data.window: got past samples, expected none for an image: what keeps "
-            "the past is no part of it"
+            f"{scene.path}: data.window: got past samples, expected none: an image has no memory "
+            "for past samples"
         )
     for key, got, known in (
         ("precision", scene.precision.name, Engine.precisions),

@@ -1,4 +1,4 @@
-"""Which samples of past frames a scene's networks take: ``data.window`` and ``data.recordings``."""
+"""The samples of past frames that a scene's networks read: ``data.window``, ``data.recordings``."""
 
 from __future__ import annotations
 
@@ -13,50 +13,50 @@ from golden.networks.designs import DESIGNS
 from golden.table import suggest
 from golden.window import Window
 
-# Frames: a ring of more is no small memory any more.
+# The most frames of a past, because a larger ring would need a large memory.
 MOST_PAST = 1 << 16
 
 
 def read_window(data: dict[str, Any], path: Path) -> Window:
-    """``data.window``: one list of delays for all sensors, or one for some of them.
+    """Read ``data.window``: one list of delays for all sensors, or a list for some of them.
 
-    A sensor that a table does not name has its newest sample alone.
+    Of a sensor that the table does not name, only the newest sample is read.
 
     Raises
     ------
     InputError
-        For an unknown sensor, and delays that do not ascend.
+        For an unknown sensor, and for delays that do not ascend.
     """
-    given, sensors = data["window"], data["sensors"]
-    if not isinstance(given, dict):
-        return Window((_delays(given, f"{path}: data.window"),) * len(sensors))
-    for name in given:
+    written, sensors = data["window"], data["sensors"]
+    if not isinstance(written, dict):
+        return Window((_delays(written, f"{path}: data.window"),) * len(sensors))
+    for name in written:
         if name not in sensors:
             raise InputError(
                 f"{path}: data.window: {name!r} is no sensor, expected one of "
                 f"{', '.join(sensors)}{suggest(name, sensors)}"
             )
     return Window(
-        tuple(_delays(given.get(name, [0]), f"{path}: data.window.{name}") for name in sensors)
+        tuple(_delays(written.get(name, [0]), f"{path}: data.window.{name}") for name in sensors)
     )
 
 
-def _delays(given: list[int], place: str) -> tuple[int, ...]:
-    """The delays of one sensor."""
-    if any(a >= b for a, b in pairwise(given)):
-        raise InputError(f"{place}: got {given!r}, expected ascending delays, each once")
-    return tuple(given)
+def _delays(written: list[int], place: str) -> tuple[int, ...]:
+    """Check the delays of one sensor."""
+    if any(a >= b for a, b in pairwise(written)):
+        raise InputError(f"{place}: got {written!r}, expected ascending delays, each once")
+    return tuple(written)
 
 
 def tap_names(window: Window, sensors: Sequence[str]) -> tuple[str, ...]:
-    """What a reader calls the samples that a network takes."""
+    """Names, for a reader, of the samples that a network reads."""
     return tuple(
         sensors[tap.sensor] + (f" {tap.delay} before" if tap.delay else "") for tap in window.taps
     )
 
 
 def window_text(window: Window, sensors: Sequence[str]) -> str:
-    """The delays, as provenance and pages name them; nothing where there is no past."""
+    """The delays as text, for provenance and pages; empty where there is no past."""
     if window.plain:
         return ""
     texts = [" ".join(map(str, delays)) for delays in window.delays]
@@ -66,13 +66,14 @@ def window_text(window: Window, sensors: Sequence[str]) -> str:
 
 
 def check_window(values: dict[str, dict[str, Any]], window: Window, path: Path) -> None:
-    """Refuse what does not go with samples of past frames.
+    """Refuse settings that cannot be combined with samples of past frames.
 
     Raises
     ------
     InputError
-        For hardware that cannot, for rows that are left out, for rows or blocks that share their
-        samples with those of another part of the split, and for columns of one name.
+        For hardware that cannot use a past, for rows that are left out, for rows or blocks that
+        share samples with rows in another part of the split, and for columns with the name of a
+        past sample.
     """
     data, training = values["data"], values["training"]
     if window.plain:
@@ -93,8 +94,8 @@ def check_window(values: dict[str, dict[str, Any]], window: Window, path: Path) 
         )
     if values["hardware"]["reload"]:
         raise InputError(
-            f"{path}: hardware.reload: got true with a data.window, expected false: what keeps the "
-            "past is no part of an image"
+            f"{path}: hardware.reload: got true with a data.window, expected false: an image has "
+            "no memory for past samples"
         )
     if data["where"]:
         raise InputError(
@@ -115,14 +116,14 @@ def check_window(values: dict[str, dict[str, Any]], window: Window, path: Path) 
 
 
 def recordings(data: dict[str, Any], path: Path) -> list[str]:
-    """The names in ``data.file`` or ``data.recordings``, of which a scene has one.
+    """The names in ``data.file`` or ``data.recordings``; a scene has exactly one of these keys.
 
-    ``data`` is the section as it is given: a key that is left out is not there.
+    ``data`` is the section as it was written, without a key that is left out.
 
     Raises
     ------
     InputError
-        For both or none, and for two names of one file.
+        For both keys or none, and for two names of the same file.
     """
     file: str | None = data.get("file")
     several: list[str] | None = data.get("recordings")

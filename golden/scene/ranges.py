@@ -1,4 +1,4 @@
-"""What the ends of the codes stand for: what a converter's range has to be."""
+"""The readings that the first and the last code stand for, and so the range of a converter."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def ranges(scene: Scene) -> list[str]:
-    """A line for each sensor and output that names a scale or a unit."""
+    """A line for each sensor and output that has a scale or a unit."""
     ends = SIGNAL.to_real(np.array([[SIGNAL.low], [SIGNAL.high]]))
     lines = []
     for kind, columns in (("sensor", scene.sensors), ("output", scene.outputs)):

@@ -1,4 +1,4 @@
-"""Scenes by name or by file."""
+"""Reads scenes, by name or from a file."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ from golden.schema import check_names, read_toml, refuse_outside, values_of
 from golden.table import suggest
 
 FOLDER = Path(__file__).parents[1] / "scenes"
-# What a command takes that is given none: the thesis' own instrument, and the same sensors and
-# outputs as tactus builds them today.
+# The scenes that a command uses when it is given none: the instrument of the thesis, and the same
+# sensors and outputs as tactus builds them today.
 DEFAULT_SCENES = ("thesis", "digit")
 
 
 def scene_path(name: str) -> Path:
-    """The file of a scene that tactus ships: in a folder of its name."""
+    """The file of a scene that tactus ships. It is in a folder of the same name."""
     return FOLDER / name / f"{Path(name).name}.toml"
 
 
@@ -46,7 +46,7 @@ def scene_names() -> list[str]:
 
 
 def comparison_names() -> list[str]:
-    """The scenes that are kept only to compare others with."""
+    """The scenes that exist only to compare others with them."""
     return sorted(f"comparison/{folder.name}" for folder in (FOLDER / "comparison").iterdir())
 
 
@@ -56,9 +56,9 @@ def load_scene(name: str) -> Scene:
     Raises
     ------
     InputError
-        For an unknown scene; the message lists those there are. For one that cannot be read.
-        For faults in the file; of each the message names file, key, what was got and what was
-        expected.
+        For an unknown scene, in which case the message lists those there are; for a file that
+        cannot be read; and for faults in the file. For each fault the message names file, key, what
+        was got and what was expected.
     """
     known = scene_names()
     shipped = name in known or name in comparison_names()
@@ -78,7 +78,7 @@ def load_scene(name: str) -> Scene:
     with told(found):
         values = values_of(raw, SCENE, path)
     data = raw.get("data", {})
-    # What holds no text was told above.
+    # A key that holds no text has been reported above.
     if not (found and {"file", "recordings"} & set(data)):
         with told(found):
             files = recordings(data, path)
@@ -87,7 +87,7 @@ def load_scene(name: str) -> Scene:
 
 
 def _expanded(name: str) -> Path:
-    """The path, with the folder of a user for ~ where there is one."""
+    """The path with ``~`` replaced by a user's folder, where there is one."""
     try:
         return Path(name).expanduser()
     except RuntimeError:
@@ -122,17 +122,17 @@ def _scene(values: dict[str, dict[str, Any]], files: list[str], path: Path) -> S
 
 
 def _parts(values: dict[str, dict[str, Any]], path: Path) -> dict[str, Any]:
-    """The attributes of a scene that are checked with what they are made of.
+    """Those attributes of a scene that are checked while they are made.
 
     Raises
     ------
     InputError
-        For all faults of all of them.
+        For all faults in all of them, in one message.
     """
     data, hardware = values["data"], values["hardware"]
     clock_mhz = hardware["clock_mhz"]
     found: list[Finding] = []
-    # Of a section with a number that cannot be, nothing else is asked.
+    # The sections with a number out of range. Nothing else in them is checked.
     wrong: set[str] = set()
     for section, key in SCENE.keys.items():
         before = len(found)

@@ -1,4 +1,4 @@
-"""Figures of the thesis that a scene is compared with."""
+"""The figures of the thesis with which a scene is compared."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def _numbers() -> dict[str, Any]:
 
 
 def thesis_table(key: str) -> dict[str, Any]:
-    """A table of golden/data/thesis_numbers.toml by its dotted name; empty where there is none."""
+    """A table of golden/data/thesis_numbers.toml by its dotted name; empty if there is none."""
     table: Any = _numbers()
     for part in key.split("."):
         table = table.get(part) if isinstance(table, dict) else None
@@ -26,12 +26,13 @@ def thesis_table(key: str) -> dict[str, Any]:
 
 
 def thesis_figures(key: str, outputs: int, path: Path) -> list[float]:
-    """The thesis' largest mean errors that a scene names, one per output, in percent.
+    """The largest mean errors of the thesis that a scene names, in percent, one for each output.
 
     Raises
     ------
     InputError
-        When golden/data/thesis_numbers.toml has no such table, or another number of figures.
+        When golden/data/thesis_numbers.toml has no such table, or the table has another number of
+        figures.
     """
     figures = thesis_table(key).get("simulation")
     if figures is None or len(figures) != outputs:

@@ -1,4 +1,4 @@
-"""Outputs that leave the range of the codes: what the hardware then gives is the range's end."""
+"""Finds outputs outside the range of the codes, where the hardware gives the end of the range."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ import numpy as np
 if TYPE_CHECKING:
     from golden.scene.scene import Scene
 
-# How far beyond the codes, as a signal, an output saturates and is not only rounded.
+# How far an output, as a signal, must be beyond the codes to count as saturated and not as rounded.
 CLEARLY = 0.01
 
 
 def saturating(scene: Scene) -> list[str]:
-    """A sentence for each output that leaves the range of the codes on recorded frames.
+    """A sentence for each output that exceeds the range of the codes on recorded frames.
 
-    The networks are looked at in floating point, which takes no time whatever the design. A cascade
-    gives its later networks what earlier ones give before they saturate, so of a cascade the first
-    output that is named is sure.
+    The networks are evaluated in floating point, which is fast for every design. The later networks
+    of a cascade get the outputs of earlier ones before these saturate, so in a cascade only the
+    first output that is named is certain.
 
     Raises
     ------
@@ -31,7 +31,7 @@ def saturating(scene: Scene) -> list[str]:
         results = scene.process_real(vectors.inputs)
     sentences = []
     for name, column in zip(scene.outputs, results.T, strict=True):
-        # What is no number, of weights that overflow a float, is no output either.
+        # An output that is no number, because weights overflow a float, counts as saturated too.
         beyond = ~(np.abs(column) <= 1 + CLEARLY)
         if beyond.any():
             count = "all" if beyond.all() else f"{beyond.sum()} of"
@@ -43,6 +43,6 @@ def saturating(scene: Scene) -> list[str]:
 
 
 def warn_saturating(scene: Scene) -> None:
-    """Warn of outputs that saturate, a line for each."""
+    """Warn of outputs that saturate, with one line for each."""
     for sentence in saturating(scene):
         warnings.warn(f"{scene.path}: {sentence}", stacklevel=2)

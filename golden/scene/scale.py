@@ -1,14 +1,14 @@
-"""What the codes of a column stand for in the column's own unit: ``data.scale`` of a scene.
+"""The scale of a column, between its own unit and the codes: ``data.scale`` of a scene.
 
-Equation: ``reading = offset + factor * signal``, where a signal is code / 2**13, in [-1, 1). So
-``offset`` is the reading of code 0 and ``factor`` what full scale adds to it, both in the unit of
-the column: an ADC of 0 to 5 V has ``{ offset = 2.5, factor = 2.5 }``. A column that names no scale
-holds signals.
+The equation is ``reading = offset + factor * signal``, where a signal is code / 2**13, in [-1, 1).
+So ``offset`` is the reading at code 0, and ``factor`` is what full scale adds to it, both in the
+unit of the column. An ADC of 0 to 5 V has ``{ offset = 2.5, factor = 2.5 }``. A column without a
+scale holds signals.
 
-Hardware knows signals alone, and nothing is added to it: the scale of a sensor says which reading
-its converter has to give as which code. Where the scene names the converter, the scale is that of
-its data sheet; see ``golden.scene.converter_scale``. A network file maps readings to outputs in
-their units, whoever trained it; the scales are folded into its weights when it is read.
+The hardware knows only signals, and a scale adds nothing to it. The scale of a sensor says which
+code its converter must give for which reading. Where the scene names the converter, the scale comes
+from its data sheet; see ``golden.scene.converter_scale``. A network file maps readings to outputs
+in their units, whoever trained it; the scales are folded into its weights when it is read.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ from golden.table import suggest
 
 AUTO = "auto"
 
-# Of the range of the readings that "auto" is worked out from, what the codes reach beyond either
-# end: readings that are still to come go further, and half a bit of fourteen is what it costs.
+# With "auto" the codes reach beyond both ends of the range of the readings by this part of the
+# range, because later readings may go further. This costs half a bit of fourteen.
 BEYOND = 0.25
 
-# Far beyond any unit: it only keeps sums finite.
+# This is far beyond any unit, and only keeps sums finite.
 LARGEST = 1e150
 
 
@@ -42,7 +42,7 @@ class Scale:
     Attributes
     ----------
     offset, factor : float
-        In the unit of the column; the factor is above 0.
+        Both are in the unit of the column; the factor is above 0.
     """
 
     offset: float = 0.0
@@ -50,16 +50,16 @@ class Scale:
 
 
 def signals(readings: Real, scales: Sequence[Scale]) -> Real:
-    """Signals of readings, shape (..., columns)."""
+    """The signals for readings, shape (..., columns)."""
     offsets, factors = _arrays(scales)
-    # What overflows is outside every range, and refused there.
+    # A signal that overflows is outside every range, and is refused where ranges are checked.
     with np.errstate(over="ignore"):
         result: Real = (readings - offsets) / factors
     return result
 
 
 def readings(signals: Real, scales: Sequence[Scale]) -> Real:
-    """Readings of signals, shape (..., columns)."""
+    """The readings for signals, shape (..., columns)."""
     offsets, factors = _arrays(scales)
     result: Real = offsets + factors * signals
     return result
@@ -70,7 +70,7 @@ def _arrays(scales: Sequence[Scale]) -> tuple[Real, Real]:
 
 
 def on_signals(mlp: Mlp, inputs: Sequence[Scale], outputs: Sequence[Scale]) -> Mlp:
-    """A network on readings as the same network on signals, which is what hardware holds.
+    """Turn a network on readings into the same network on signals, which the hardware holds.
 
     Raises
     ------
@@ -89,7 +89,7 @@ def on_signals(mlp: Mlp, inputs: Sequence[Scale], outputs: Sequence[Scale]) -> M
 
 
 def on_readings(mlp: Mlp, inputs: Sequence[Scale], outputs: Sequence[Scale]) -> Mlp:
-    """A network on signals as the same network on readings, which is what a file holds."""
+    """Turn a network on signals into the same network on readings, which a file holds."""
     into, out = _arrays(inputs), _arrays(outputs)
     w1 = mlp.w1 / into[1]
     return Mlp(
@@ -98,15 +98,14 @@ def on_readings(mlp: Mlp, inputs: Sequence[Scale], outputs: Sequence[Scale]) -> 
 
 
 def range_scale(column: Real) -> Scale:
-    """The scale that "auto" stands for: the range of these readings, and a quarter of it beyond
-    either end.
+    """The scale for "auto": the range of these readings, extended by a quarter at both ends.
 
-    In three digits of the factor, so that it can be read and copied.
+    The factor is rounded to three digits, so that it can be read and copied.
 
     Raises
     ------
     InputError
-        When the readings do not differ, or are too large to subtract.
+        When all readings are equal, or when they are too large to subtract.
     """
     low, high = float(column.min()), float(column.max())
     half = high / 2 - low / 2
@@ -119,18 +118,18 @@ def range_scale(column: Real) -> Scale:
 
 
 def read_scale(data: dict[str, Any], path: Path) -> dict[str, Scale | str]:
-    """``data.scale``: column to its scale, or to "auto".
+    """Read ``data.scale``, which maps a column to its scale or to "auto".
 
     Raises
     ------
     InputError
-        For another column than a sensor or an output.
+        For a column that is neither a sensor nor an output.
     """
-    given, columns = data["scale"], [*data["sensors"], *data["outputs"]]
-    if given == AUTO:
+    written, columns = data["scale"], [*data["sensors"], *data["outputs"]]
+    if written == AUTO:
         return dict.fromkeys(columns, AUTO)
     found: dict[str, Scale | str] = {}
-    for name, value in given.items():
+    for name, value in written.items():
         refuse_other_column("scale", name, columns, path)
         auto = value == AUTO
         found[name] = AUTO if auto else Scale(**{key: float(value[key]) for key in value})
@@ -138,7 +137,7 @@ def read_scale(data: dict[str, Any], path: Path) -> dict[str, Scale | str]:
 
 
 def refuse_other_column(key: str, name: str, columns: Sequence[str], path: Path) -> None:
-    """Refuse a name in ``data.<key>`` that is no sensor and no output.
+    """Refuse a name in ``data.<key>`` that is neither a sensor nor an output.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""A scene: which sensors, which outputs, which network, in which form of hardware."""
+"""A scene: its sensors, its outputs, its networks, and the form of its hardware."""
 
 from __future__ import annotations
 
@@ -42,35 +42,37 @@ class Scene:
         The file's name without its ending.
     path : Path
     data_paths : tuple of Path
-        The recordings; of several none goes on where another ends.
+        The recordings. No recording is the continuation of another.
     sensors, outputs : tuple of str
         Columns of the recorded vectors.
     window : Window
-        Which samples of the sensors the networks take, of the newest frame and of past ones.
+        The samples that the networks read, of the newest frame and of past frames.
     group_by : str
-        Column of the positions over which equation 3.15 averages; empty where there are none.
+        Column of the positions over which equation 3.15 averages; empty where there are no
+        positions.
     where : dict
-        Columns and the values that they have in the rows that are used.
+        Columns, each with the value that it has in the rows that are used.
     full_scale : dict
-        Outputs whose error is divided by this constant instead of by the target; in their units.
+        For each output whose error is divided by a constant instead of by the target, this constant
+        in the output's unit.
     length_mm : dict
-        What the full scale of an output is in millimetres.
+        The full scale of an output in millimetres.
     scale : dict
-        Columns and their ``Scale``, or "auto", as the file says; see ``known_scales``.
+        Columns with their ``Scale``, or "auto", as the file says; see ``known_scales``.
     units : dict
-        Columns and the names of their units.
+        Columns with the names of their units.
     reference : str
-        Table of golden/data/thesis_numbers.toml to compare with, or nothing.
+        Table of golden/data/thesis_numbers.toml to compare with; empty for none.
     arrangement : str
     members : tuple of Member
         The networks, in the order of the outputs.
     design : str
         A name of ``DESIGNS``.
     design_options : dict
-        What the scene chooses of the design's options.
+        The options of the design that the scene sets.
     activation : str
     activation_options : dict
-        What the scene chooses of the activation's options.
+        The options of the activation that the scene sets.
     precision : Precision
     clock_mhz : float
     interface : str
@@ -118,40 +120,39 @@ class Scene:
 
     @property
     def files(self) -> list[Path]:
-        """Everything that the scene reads: its own file, its networks, its data."""
-        told = [provenance_path(path) for path in self.weights_paths if self.auto]
-        return [self.path, *self.weights_paths, *told, *self.data_paths]
+        """All files that the scene reads: its own file, its networks and its data."""
+        provenance = [provenance_path(path) for path in self.weights_paths if self.auto]
+        return [self.path, *self.weights_paths, *provenance, *self.data_paths]
 
     @property
     def data_path(self) -> Path:
-        """The recording; of several the first."""
+        """The recording; the first one if there are several."""
         return self.data_paths[0]
 
     @property
     def data_text(self) -> str:
-        """The recordings, as a message names them."""
+        """The names of the recordings for a message."""
         return ", ".join(map(str, self.data_paths))
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:
-        """What the networks take of the sensors, a name for each sample; without a past these are
-        the sensors."""
+        """A name for each sample that the networks read; without a past these are the sensors."""
         return tap_names(self.window, self.sensors)
 
     @property
     def window_text(self) -> str:
-        """The delays of the samples in frames; nothing where there is no past."""
+        """The delays of the samples in frames, as text; empty where there is no past."""
         return window_text(self.window, self.sensors)
 
     @property
     def activation_text(self) -> str:
-        """The activation as a reader names it, with the options that the scene chooses."""
+        """The activation as text, with the options that the scene sets."""
         options = ", ".join(f"{name} = {value}" for name, value in self.activation_options.items())
         return f"{self.activation} ({options})" if options else self.activation
 
     @property
     def scheme(self) -> Scheme:
-        """The activation with the scene's options."""
+        """The activation with the options that the scene sets."""
         return SCHEMES[self.activation].configured(self.activation_options)
 
     def vectors(self) -> Vectors:
@@ -182,12 +183,12 @@ class Scene:
         return mlps
 
     def columns_of(self, number: int) -> list[str]:
-        """What a network of the scene takes and gives: samples, earlier outputs, its own."""
+        """A network's inputs, which are samples and earlier outputs, and its own outputs."""
         member = self.members[number]
         return [*[*self.inputs, *self.outputs][: member.inputs], *member.outputs]
 
     def column(self, name: str) -> str:
-        """The column that something is read from: of a past sample that of its sensor."""
+        """The column that holds a name's readings; that of a past sample is its sensor's."""
         return self._columns.get(name, name)
 
     @cached_property
@@ -196,7 +197,7 @@ class Scene:
         return {name: self.sensors[tap.sensor] for name, tap in taps}
 
     def scales_of(self, number: int) -> tuple[list[Scale], list[Scale]]:
-        """The scales of what a network takes, and of what it gives."""
+        """The scales of a network's inputs, and those of its outputs."""
         scales, inputs = self.scales(self.columns_of(number)), self.members[number].inputs
         return scales[:inputs], scales[inputs:]
 
@@ -206,8 +207,7 @@ class Scene:
 
     @property
     def auto(self) -> list[str]:
-        """The columns whose scale training works out: all that are "auto", but for the sensors of a
-        converter."""
+        """The columns with a scale of "auto", except the sensors of a converter."""
         fixed = self.sensors if self.front_end and self.front_end.converter else ()
         return [n for n, scale in self.scale.items() if scale == AUTO and n not in fixed]
 
@@ -218,23 +218,23 @@ class Scene:
 
     @cached_property
     def known_scales(self) -> dict[str, Scale]:
-        """The scales of the columns that name one; see ``trained_scales``."""
+        """The scales of all columns that have one; see ``trained_scales``."""
         return trained_scales(self)
 
     def codes_of(self, readings: Real) -> Codes:
-        """Codes of what the networks take, shape (frames, inputs), from the sensors' units."""
+        """Codes of the networks' inputs, shape (frames, inputs), from readings of sensors."""
         return SIGNAL.quantise(signals(readings, self.scales(self.inputs)), "readings")[0]
 
     def in_units(self, outputs: Real) -> Real:
-        """Outputs, shape (frames, outputs), as signals, in their units."""
+        """Outputs in their units, from outputs as signals, shape (frames, outputs)."""
         return readings(outputs, self.scales(self.outputs))
 
     def outputs_in_units(self, codes: Codes) -> Real:
-        """Codes of the outputs, shape (frames, outputs), in their units."""
+        """Outputs in their units, from codes of the outputs, shape (frames, outputs)."""
         return self.in_units(SIGNAL.to_real(codes))
 
     def process_real(self, samples: Real) -> Real:
-        """Outputs of the trained networks with this scene's activation in floating point.
+        """Outputs of the trained networks in floating point, with this scene's activation.
 
         Samples and outputs are signals.
         """
@@ -265,5 +265,5 @@ class Scene:
         return build_twin(self, lean=False)
 
     def describe(self) -> str:
-        """Inputs, hidden nodes and outputs of each network."""
+        """The numbers of inputs, hidden nodes and outputs of each network, as text."""
         return ", ".join(":".join(str(n) for n in mlp.shape) for mlp in self.mlps())

@@ -1,4 +1,4 @@
-"""What a scene may hold: every section with its keys."""
+"""Everything that a scene may hold: its sections and their keys."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from golden.scene.uart import UART
 from golden.scene.visualisation import VISUALISATION
 from golden.schema import Alternatives, Each, Flag, Key, List, Number, Span, Table, Text, Whole
 
-# SCENE for an editor, which finds it by the first line of what make scene writes; ``make pages``
-# writes it.
+# The schema of SCENE for an editor, which finds it by the first line of a file that make scene has
+# written. ``make pages`` writes it.
 EDITOR_SCHEMA = Path(__file__).with_name("scene.schema.json")
 FEWEST = "fewest"
-# What digits = "fewest" lets an output err more, as a part of its error.
+# By which part of its error digits = "fewest" may increase the error of an output.
 DIGITS_TOLERANCE = 0.02
-# An engine's memory of operands has as many words.
+# An engine's operand memory has so many words.
 MOST_HIDDEN = 1024
 
 NETWORK = Table(

@@ -1,4 +1,4 @@
-"""The sections of a scene, checked, as what they mean."""
+"""Checks the sections of a scene, and turns them into the objects that they describe."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ from golden.table import suggest
 class Training:
     """How a scene's networks are trained; see ``golden.training``.
 
-    ``earlier_outputs`` tells what a network of a cascade trains on: the outputs that the networks
-    before it give in floating point (the thesis' cascade A) or bit-true (cascade B). ``split``,
-    ``split_by`` and ``block_rows`` are those of ``golden.training.split``; ``refit`` trains on, on
-    all rows, what was chosen; ``digits`` and ``digits_tolerance`` are those of
-    ``golden.training.few_digits``; ``disturbance`` is what the sensors are expected to do to the
-    readings.
+    ``earlier_outputs`` selects what a network of a cascade trains on: the outputs of earlier
+    networks in floating point (the thesis' cascade A) or bit-true (cascade B). ``split``,
+    ``split_by`` and ``block_rows`` are those of ``golden.training.split``. With ``refit`` the
+    chosen network is trained further, on all rows. ``digits`` and ``digits_tolerance`` are those of
+    ``golden.training.few_digits``. ``disturbance`` is the expected disturbance of the readings by
+    the sensors.
     """
 
     optimiser: str
@@ -57,9 +57,10 @@ class Member:
     Attributes
     ----------
     inputs : int
-        Samples and, in a cascade, the outputs of the networks before it.
+        Number of samples and, in a cascade, of the outputs of earlier networks.
     hidden : int
-        0 takes as many as the network file has; training then searches ``training.hidden``.
+        Hidden nodes. With 0 there are as many as in the network file, and training searches
+        ``training.hidden``.
     outputs : tuple of str
     weights_path : Path
     """
@@ -81,12 +82,12 @@ class Member:
 
 
 def beside(path: Path, key: str, name: str) -> Path:
-    """The file that a scene names relative to itself, without ``..`` on the way.
+    """The file that a scene names relative to its own folder, in a path without ``..``.
 
     Raises
     ------
     InputError
-        For a name that no file has.
+        For a text that cannot be the name of a file.
     """
     if not name or not name.isprintable():
         raise InputError(f"{path}: {key}: got {name!r}, expected the name of a file")
@@ -94,7 +95,7 @@ def beside(path: Path, key: str, name: str) -> Path:
 
 
 def check_data(data: dict[str, Any], path: Path) -> None:
-    """Refuse columns, units and a reference that cannot be.
+    """Refuse columns, units and a reference that are not possible.
 
     Raises
     ------
@@ -123,12 +124,12 @@ def check_data(data: dict[str, Any], path: Path) -> None:
 
 
 def training(values: dict[str, Any], path: Path) -> Training:
-    """The section ``[training]``.
+    """Turn the section ``[training]`` into a ``Training``.
 
     Raises
     ------
     InputError
-        For columns that do not go with the split.
+        For columns that do not fit the split.
     """
     kept = {key: values[key] for key in values if key not in ("noise", "drift")}
     read = {
@@ -186,7 +187,7 @@ def _split_by(values: dict[str, Any], path: Path) -> tuple[str, ...]:
 
 
 def check_hardware(values: dict[str, dict[str, Any]], path: Path) -> None:
-    """Refuse what does not go together: design, arrangement, interface and what stands around.
+    """Refuse a combination of design, arrangement, interface and surrounding sections.
 
     Raises
     ------
@@ -231,7 +232,7 @@ def check_hardware(values: dict[str, dict[str, Any]], path: Path) -> None:
 
 
 def check_uart(values: dict[str, dict[str, Any]], path: Path) -> None:
-    """Refuse a serial line without an instrument that has one, and what needs such a line.
+    """Refuse a serial line without an instrument for it, and settings that need such a line.
 
     Raises
     ------
@@ -251,12 +252,12 @@ def check_uart(values: dict[str, dict[str, Any]], path: Path) -> None:
 
 
 def check_reload(hardware: dict[str, Any], around: list[str], path: Path) -> None:
-    """Refuse what an engine that can be reloaded does not go with.
+    """Refuse settings that cannot be combined with an engine that can be reloaded.
 
     Raises
     ------
     InputError
-        For anything ``around`` it, and for sizes of a memory that is not its own.
+        For anything ``around`` the engine, and for sizes of a memory that the scene does not have.
     """
     if hardware["reload"] and around:
         raise InputError(
@@ -271,7 +272,7 @@ def check_reload(hardware: dict[str, Any], around: list[str], path: Path) -> Non
 
 
 def design_options(hardware: dict[str, Any], path: Path) -> dict[str, Any]:
-    """What is chosen of the design's own options.
+    """The design's own options that the scene sets.
 
     Raises
     ------
@@ -291,12 +292,13 @@ def design_options(hardware: dict[str, Any], path: Path) -> dict[str, Any]:
 
 
 def check_activation(hardware: dict[str, Any], path: Path) -> str:
-    """The activation's name, that of the precision where the scene names none.
+    """The activation's name; where the scene names none, that of the precision.
 
     Raises
     ------
     InputError
-        For options that the activation has not, or a precision or a design that it is not made for.
+        For options that the activation does not have, or a precision or a design for which it is
+        not made.
     """
     precision = PRECISIONS[hardware["precision"]]
     activation: str = hardware["activation"] or precision.activation
@@ -330,7 +332,7 @@ def check_activation(hardware: dict[str, Any], path: Path) -> str:
 def members(
     data: dict[str, Any], network: dict[str, Any], inputs: int, path: Path
 ) -> tuple[Member, ...]:
-    """The networks: one for all outputs, or one for each; ``inputs`` is what all of them take."""
+    """The networks: one for all outputs, or one for each. ``inputs`` are those common to all."""
     outputs = data["outputs"]
     single = network["arrangement"] == "single"
     groups = [outputs] if single else [[name] for name in outputs]

@@ -1,7 +1,7 @@
-"""What "auto" in ``data.scale`` came to when the networks of a scene were trained.
+"""The scales that "auto" in ``data.scale`` got when the networks of a scene were trained.
 
-Training writes it into the provenance beside each network file, with a digest of the weights: the
-scale of another network would be a wrong one.
+Training writes them into the provenance beside each network file, together with a digest of the
+weights, because the scales of another network would be wrong.
 """
 
 from __future__ import annotations
@@ -21,67 +21,68 @@ if TYPE_CHECKING:
 
 
 def story(scales: dict[str, Scale], mlp: Mlp) -> dict[str, Any]:
-    """What the provenance of a network tells of the scales that it was trained with.
+    """What the provenance of a network says about the scales with which it was trained.
 
     Parameters
     ----------
     scales : dict
-        Of every column that has one; where none has, nothing is told.
+        The scale of every column that has one. If none has, the result is empty.
     mlp : Mlp
-        What the network file holds.
+        The network as its file holds it.
     """
     table = {name: {"offset": s.offset, "factor": s.factor} for name, s in scales.items()}
     return {"scale": table, "scale_of": _digest(mlp)} if scales else {}
 
 
 def trained_scales(scene: Scene) -> dict[str, Scale]:
-    """The scale of every column that has one: as the scene writes it, as its converter's data sheet
-    says, and in the place of "auto" what it came to.
+    """The scale of every column that has one.
+
+    It comes from the scene, from the data sheet of the converter or, for "auto", from training.
 
     Raises
     ------
     MissingFileError
-        When "auto" is asked for and there is no network yet.
+        When a scale is "auto" and there is no network yet.
     InputError
-        When a network was not trained here, or with another scale than the others; see
-        ``converter_scales`` too.
+        When a network was not trained here, or with another scale than the other networks; see also
+        ``converter_scales``.
     """
     found = {name: scale for name, scale in scene.scale.items() if isinstance(scale, Scale)}
     found |= scene.converter_scales
     for name in scene.auto:
         places = [
-            (member.weights_path, _told(scene, number).get(name))
+            (member.weights_path, _scales_in_provenance(scene, number).get(name))
             for number, member in enumerate(scene.members)
             if name in map(scene.column, scene.columns_of(number))
         ]
-        for path, told in places:
-            if not isinstance(told, Scale) or told != places[0][1]:
-                reason = "another scale than the network before" if told else "no scale for it"
+        for path, scale in places:
+            if not isinstance(scale, Scale) or scale != places[0][1]:
+                reason = "another scale than the network before" if scale else "no scale for it"
                 raise InputError(
                     f"{scene.path}: data.scale.{name}: got {AUTO!r}, but {provenance_path(path)} "
                     f"has {reason}: {path.name} was not trained here or not by this scene; make "
                     "train works the scale out, for a network from elsewhere give { offset = , "
                     "factor = }, the range of the codes"
                 )
-            found[name] = told
+            found[name] = scale
     return {name: found[name] for name in (scene.scale | found) if name in found}
 
 
-def _told(scene: Scene, number: int) -> dict[str, Scale | str]:
-    """The scales in the provenance of a network; none where it is that of another one."""
+def _scales_in_provenance(scene: Scene, number: int) -> dict[str, Scale | str]:
+    """The scales in the provenance of a network; none if it belongs to another network."""
     member = scene.members[number]
     mlp, path = member.load(), provenance_path(member.weights_path)
     values = read_provenance(member.weights_path)
     if values is None or values.get("scale_of") != _digest(mlp):
         return {}
-    told = values.get("scale", {})
-    if not isinstance(told, dict):
-        raise InputError(f"{path}: scale: got {told!r}, expected a table")
-    return read_scale({"scale": told, "sensors": list(told), "outputs": []}, path)
+    table = values.get("scale", {})
+    if not isinstance(table, dict):
+        raise InputError(f"{path}: scale: got {table!r}, expected a table")
+    return read_scale({"scale": table, "sensors": list(table), "outputs": []}, path)
 
 
 def _digest(mlp: Mlp) -> str:
-    """A number for the weights, the same in every form of file."""
+    """A digest of the weights, which is the same for every format of file."""
     arrays = (mlp.w1, mlp.b1, mlp.w2, mlp.b2)
     data = b"".join(np.ascontiguousarray(a, dtype="<f8").tobytes() for a in arrays)
     return hashlib.sha256(data).hexdigest()[:16]

@@ -22,20 +22,20 @@ UART = Table(
     },
     name="a section",
 )
-# What a computer's UART stands, with what its own clock is off.
+# What the UART of a computer tolerates, including the deviation of its own clock.
 TOLERANCE = Fraction(2, 100)
 
 
 @dataclass(frozen=True)
 class Uart:
-    """What a scene says of its serial line.
+    """The serial line that a scene describes.
 
     Attributes
     ----------
     baud : int
-        Bits a second that are asked for.
+        Requested bits per second.
     divisor : int
-        Clocks of a bit.
+        Clocks per bit.
     """
 
     baud: int
@@ -43,12 +43,12 @@ class Uart:
 
 
 def uart(values: dict[str, Any], clock_mhz: float, path: Path) -> Uart:
-    """What the section says, each key by itself checked.
+    """The serial line of a section whose keys have been checked one by one.
 
     Raises
     ------
     InputError
-        For a rate that the clock does not make within 2 %.
+        For a rate from which the clock deviates by more than 2 %.
     """
     baud = values["baud"]
     clock = Fraction(str(clock_mhz)) * 1_000_000

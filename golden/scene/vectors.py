@@ -1,4 +1,4 @@
-"""The recorded vectors of a scene."""
+"""Reads the recorded vectors of a scene."""
 
 from __future__ import annotations
 
@@ -23,7 +23,8 @@ from golden.window import Window
 if TYPE_CHECKING:
     from golden.scene.scene import Scene
 
-# Of one sensor. More readings outside the codes' range are no outliers but in another unit.
+# The largest part of a sensor's readings outside the codes' range. If there are more, they are no
+# outliers, but in another unit.
 MOST_OUTSIDE = 0.1
 
 Rows = NDArray[np.intp]
@@ -38,12 +39,12 @@ class Recording:
     ----------
     path : Path
     sensors : float array, shape (rows, sensors)
-        Where there is a window, one row after the other in time.
+        If there is a window, the rows follow each other in time.
     targets : float array, shape (rows, outputs)
     groups : float array, shape (rows,)
-        Positions; zeros where the scene names none.
+        Positions; zeros where the scene has none.
     numbers : int array, shape (rows,)
-        Which rows of the file these are, from 0.
+        Numbers of these rows in the file, counted from 0.
     """
 
     path: Path
@@ -55,9 +56,9 @@ class Recording:
 
 @dataclass(frozen=True)
 class Recorded:
-    """What a scene's networks take and shall give, of every row that has a whole past.
+    """Inputs and targets of a scene's networks, for every row that has a complete past.
 
-    Rows of several recordings stand one recording after the other.
+    The rows of the recordings follow each other, one recording after the other.
 
     Attributes
     ----------
@@ -70,7 +71,7 @@ class Recorded:
 
     @cached_property
     def inputs(self) -> Real:
-        """In the units of the sensors, shape (rows, inputs)."""
+        """The networks' inputs in the units of the sensors, shape (rows, inputs)."""
         return np.concatenate([self.window.frames(one.sensors) for one in self.recordings])
 
     @cached_property
@@ -80,28 +81,28 @@ class Recorded:
 
     @cached_property
     def targets(self) -> Real:
-        """In the units of the outputs, shape (rows, outputs)."""
+        """The targets in the units of the outputs, shape (rows, outputs)."""
         return self._whole([one.targets for one in self.recordings])
 
     @cached_property
     def groups(self) -> Real:
-        """Positions, shape (rows,)."""
+        """The positions, shape (rows,)."""
         return self._whole([one.groups for one in self.recordings])
 
     @cached_property
     def numbers(self) -> Rows:
-        """Which rows of its file each is, from 0, shape (rows,)."""
+        """The number of each row in its file, counted from 0, shape (rows,)."""
         return self._whole([one.numbers for one in self.recordings])
 
     @cached_property
     def runs(self) -> Rows:
-        """Which recording each row is of, shape (rows,)."""
+        """The index of the recording of each row, shape (rows,)."""
         counts = [len(one.numbers) - self.window.past for one in self.recordings]
         return np.repeat(np.arange(len(counts)), counts)
 
     @property
     def without_past(self) -> int:
-        """Rows that are not used, because they have no whole past."""
+        """The number of rows that are not used because their past is not complete."""
         return self.window.past * len(self.recordings)
 
     def _whole(self, parts: list[Number]) -> Number:
@@ -109,13 +110,13 @@ class Recorded:
 
 
 def read_recorded(scene: Scene) -> Recorded:
-    """The rows that a scene uses.
+    """Read the rows that a scene uses.
 
     Raises
     ------
     InputError
-        See ``read_table`` and ``rows_where``; also for a recording that is no longer than the past
-        that the networks see.
+        See ``read_table`` and ``rows_where``. Also for a recording that is no longer than the past
+        that the networks read.
     """
     past = scene.window.past
     recordings = tuple(_recording(scene, path) for path in scene.data_paths)
@@ -139,21 +140,21 @@ def _recording(scene: Scene, path: Path) -> Recording:
 
 @dataclass(frozen=True)
 class Vectors:
-    """Recorded vectors as hardware knows them: inputs and targets as signals, inputs as codes.
+    """Recorded vectors as the hardware uses them: inputs and targets as signals, inputs as codes.
 
     Attributes
     ----------
     inputs : float array, shape (rows, inputs)
-        What the networks take; without a past the frames themselves.
+        Inputs of the networks; without a past these are the frames.
     targets : float array, shape (rows, outputs)
     scale : float array, shape (rows, outputs)
-        What an error counts against, as a signal: the target or a full scale.
+        The divisor of an error, as a signal: the target or a full scale.
     groups : float array, shape (rows,)
-        Positions, in the unit of their column.
+        Positions in the unit of their column.
     codes : int64 array, shape (rows, inputs)
     recordings : tuple of int64 array, shape (frames, sensors)
-        The codes of the frames of each recording, as they are sent to the hardware: where there is
-        a window, some more than there are rows.
+        The codes of the frames of each recording, as they are sent to the hardware. If there is a
+        window, these are more frames than there are rows.
     saturated : int
         Readings outside [-1, 1) that were replaced by the nearest code.
     outside : tuple of str
@@ -171,31 +172,31 @@ class Vectors:
 
     @property
     def samples(self) -> int:
-        """Samples of the recordings."""
+        """The number of samples in all recordings."""
         return sum(codes.size for codes in self.recordings)
 
     def percent_errors(self, results: Real) -> Real:
-        """Equation 3.16 for results, shape (rows, outputs), as signals: errors in percent."""
+        """Errors in percent by equation 3.16, for results as signals, shape (rows, outputs)."""
         return 100 * np.abs(self.targets - results) / self.scale
 
     def with_inputs(self, inputs: Real) -> Vectors:
-        """The same rows with other signals of the sensors, and the codes of these.
+        """The same rows with other signals of the sensors, and the codes of those signals.
 
-        What was recorded, ``recordings``, stays.
+        The attribute ``recordings`` stays as it was recorded.
         """
         codes, saturated = SIGNAL.quantise(inputs, "inputs")
         return replace(self, inputs=inputs, codes=codes, saturated=saturated)
 
 
 def read_vectors(scene: Scene) -> Vectors:
-    """The recorded vectors of a scene, quantised.
+    """Read the recorded vectors of a scene, and quantise them.
 
     Raises
     ------
     InputError
-        See ``read_recorded`` and ``trained_scales``; also for a target outside the range of the
-        codes, a target of 0 where the error is relative to the target, or a sensor of which more
-        than a tenth of the readings are outside.
+        See ``read_recorded`` and ``trained_scales``. Also for a target outside the range of the
+        codes, for a target of 0 where the error is relative to the target, and for a sensor with
+        more than a tenth of its readings outside the range.
     """
     rows = read_recorded(scene)
     scales = scene.scales(scene.outputs)
@@ -242,7 +243,7 @@ def _outside(scene: Scene, rows: Recorded, frames: list[Real]) -> list[str]:
     Raises
     ------
     InputError
-        When these are more than a tenth of its readings.
+        When they are more than a tenth of the sensor's readings.
     """
     sentences = []
     scales = scene.scales(scene.sensors)
@@ -251,7 +252,7 @@ def _outside(scene: Scene, rows: Recorded, frames: list[Real]) -> list[str]:
     own = np.concatenate([one.sensors for one in rows.recordings])
     all_frames = np.concatenate(frames)
     for c, name in enumerate(scene.sensors):
-        # 1 itself has the code next to it.
+        # A reading of exactly 1 is not outside, because the largest code is right next to it.
         count = int((np.abs(all_frames[:, c]) > 1).sum())
         if not count:
             continue
@@ -276,7 +277,9 @@ def _range(scale: Scale) -> str:
 def _remedy(scene: Scene, name: str) -> str:
     part = scene.front_end.converter if scene.front_end else ""
     if part and name in scene.sensors:
-        return f"converter {part!r} reads no more: mend front_end.reference in {scene.path}"
+        return (
+            f"converter {part!r} cannot read beyond it: correct front_end.reference in {scene.path}"
+        )
     return (
         f"give {name} a data.scale in {scene.path} that holds it, {{ offset = , factor = }}, or "
         "'auto', which make train works out"
@@ -284,6 +287,6 @@ def _remedy(scene: Scene, name: str) -> str:
 
 
 def warn_outside(scene: Scene) -> None:
-    """Warn of readings outside the range of the codes, a line for each sensor that has any."""
+    """Warn of readings outside the range of the codes, with one line for each sensor."""
     for sentence in scene.vectors().outside:
         warnings.warn(sentence, stacklevel=2)

@@ -1,4 +1,4 @@
-"""The section ``[visualisation]`` of a scene: which outputs are drawn, and where."""
+"""The section ``[visualisation]`` of a scene, which says what is drawn, and where."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from golden.visualisation.load_profile import SHAPE_THRESHOLD, LoadProfile, load
 
 RESULTS = ("load", "position", "width", "shape")
 
-# How a profile leaves for an oscilloscope, beside its codes.
+# The forms in which a profile can leave for an oscilloscope, besides its codes.
 ANALOGUE = ("pulse_density",)
 VISUALISATION = Table(
     {
@@ -47,15 +47,15 @@ VISUALISATION = Table(
 
 @dataclass(frozen=True)
 class Visualisation:
-    """What a scene says of its profile.
+    """The profile that a scene describes.
 
     Attributes
     ----------
     load_profile : LoadProfile
     results : tuple of int
-        Which outputs of the scene are load, position, width and shape.
+        Indices of the scene's outputs that are load, position, width and shape.
     analogue : str
-        One of ``ANALOGUE``, or nothing.
+        One of ``ANALOGUE``, or empty.
     """
 
     load_profile: LoadProfile
@@ -64,22 +64,23 @@ class Visualisation:
 
 
 def visualisation(values: dict[str, Any], data: dict[str, Any], path: Path) -> Visualisation:
-    """What the section says, each key by itself checked, as blocks.
+    """The profile of a section whose keys have been checked one by one.
 
     Parameters
     ----------
     values : dict
         The keys of ``VISUALISATION``.
     data : dict
-        The checked section ``[data]``; the lengths of position and width set C.
+        The checked section ``[data]``. The lengths of position and width in it determine C.
     path : Path
-        The scene's file, for messages.
+        The scene's file, which messages name.
 
     Raises
     ------
     InputError
-        For an output that the scene has not, that is named twice or that has a scale, an output
-        whose length in millimetres is not known, a ramp outside the format, or a C too large.
+        For an output that the scene does not have, that is named twice or that has a scale; for an
+        output whose length in millimetres is not known; for a ramp outside the format; and for a C
+        that is too large.
     """
     outputs = data["outputs"]
     scaled = outputs if data["scale"] == AUTO else data["scale"]
@@ -102,8 +103,8 @@ def visualisation(values: dict[str, Any], data: dict[str, Any], path: Path) -> V
             length, scale = (Fraction(str(data[k][name])) for k in ("length_mm", "full_scale"))
             units.append(length / scale)
         elif name in outputs:
-            text = f"expected that of the output which is the {key} of the visualisation"
-            found.append(fault(f"{path}: data.length_mm: got none of {name!r}, {text}"))
+            text = f"expected the length of the output that is the {key} of the visualisation"
+            found.append(fault(f"{path}: data.length_mm: {name!r} is missing, {text}"))
     refuse(found)
     drawn = {key: values[key] for key in ("start", "stop", "step", "shape_threshold")}
     try:

@@ -1,4 +1,4 @@
-"""The memory image of a scene as files, in three forms."""
+"""Writes the memory image of a scene as files, in three formats."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ _DIGITS = WORD_WIDTH // 4
 
 
 def hex_text(image: Image) -> str:
-    """A word a line, the whole memory: what ``$readmemh`` reads."""
+    """The whole memory, one word per line, as ``$readmemh`` reads it."""
     return "".join(f"{word:0{_DIGITS}x}\n" for word in image.contents)
 
 
 def mem_text(image: Image, name: str) -> str:
-    """Address, word and what the word stands for, up to the last word that is used."""
+    """Address, word and meaning of every word, up to the last word that is used."""
     lines = [
         f"@{address:03x} {word:0{_DIGITS}x} // {note}".removesuffix(" // ")
         for address, (word, note) in enumerate(zip(image.words, image.notes, strict=True))
@@ -38,12 +38,12 @@ def write_image(image: Image, name: str, folder: Path) -> None:
 
 
 def hardware_of(scene: Scene) -> Engine:
-    """The engine of a scene that can be reloaded.
+    """The reloadable engine of a scene.
 
     Raises
     ------
     InputError
-        For a scene of other hardware.
+        For a scene whose hardware is not a reloadable engine.
     """
     if scene.design_options.get("reload"):
         core = scene.twin().core

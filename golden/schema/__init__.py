@@ -1,15 +1,15 @@
-"""The TOML files that tactus reads, each declared once.
+"""Declares the TOML files that tactus reads, each of them once.
 
-A file is a ``Table`` of ``Key``, and a key has a ``Kind``, a default and what it means. From that
-one declaration come the check of a file with its messages, what stands in the place of keys that
-are left out, the JSON schema with which an editor completes and checks a file, and the tables of
-keys in the pages. What hangs on two keys together, or on another file, no kind can know: that is
-checked by who reads the file.
+A file is a ``Table`` of ``Key``, and a key has a ``Kind``, a default and a meaning. From this
+declaration come the check of a file with its messages, the values of keys that are left out, the
+JSON schema with which an editor completes and checks a file, and the tables of keys in the pages. A
+rule that involves two keys, or another file, is beyond any kind; the code that reads the file
+checks it.
 
-No library does this. pydantic gives no values where one key is at fault, so faults between other
-keys could not be told beside it; it tells a fault once for each kind that a key may have, and
-neither what was expected of a missing key nor which name is nearest: every message would be made
-here all the same. msgspec stops at the first fault.
+No library does all of this. pydantic returns no values when one key is wrong, so faults between the
+other keys could not be reported together with it. It reports a fault once for each kind that a key
+may have, and it says neither what was expected of a missing key nor which name is the nearest. So
+every message would have to be written here all the same. msgspec stops at the first fault.
 """
 
 from golden.schema.json_schema import json_schema

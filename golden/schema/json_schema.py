@@ -1,4 +1,4 @@
-"""The JSON schema of a file: what an editor completes and checks it with while it is written."""
+"""The JSON schema of a file, with which an editor completes and checks the file."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import json
 
 from golden.schema.keys import Table
 
-# The newest that editors of TOML are sure to know.
+# The newest draft that all editors of TOML support.
 DRAFT = "http://json-schema.org/draft-07/schema#"
 
 
 def json_schema(table: Table, title: str) -> str:
-    """The text of the schema's file."""
+    """The contents of the schema's file."""
     found = {"$schema": DRAFT, "title": title, **table.schema()}
     return json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False) + "\n"

@@ -1,4 +1,4 @@
-"""A table of a TOML file: its keys, each with its kind, its default and what it means."""
+"""A table of a TOML file: its keys, each with a kind, a default and a meaning."""
 
 from __future__ import annotations
 
@@ -15,18 +15,19 @@ REQUIRED = object()
 
 @dataclass(frozen=True)
 class Key:
-    """One key.
+    """One key of a table.
 
     Parameters
     ----------
     kind : Kind
     default : object
-        What stands in its place where it is left out; for a table ``{}``, which is read as one with
-        no keys. None where nothing does, and ``REQUIRED`` where it may not be left out.
+        Value of the key where it is left out. For a table it may be ``{}``, which is read as a
+        table without keys. None means that there is no value, and ``REQUIRED`` that the key must
+        not be left out.
     meaning : str
-        For pages and editors, in Markdown.
+        Description for pages and editors, in Markdown.
     shown : str
-        What a page shows in the place of the default.
+        Text that a page shows instead of the default.
     """
 
     kind: Kind
@@ -37,18 +38,18 @@ class Key:
 
 @dataclass(frozen=True)
 class Table(Kind):
-    """A table of these keys and no others.
+    """A table with these keys and no others.
 
     Parameters
     ----------
     keys : mapping of str to Key
     noun : str
-        What a message calls a key, with a blank behind it; nothing where its name is enough.
+        Word, with a blank behind it, that a message puts before the name of a key; empty for none.
     name : str
-        What a message calls the table.
+        Name of the table in a message.
     said : str
-        What a message expects in the place of a table whose keys are others, or not all there; each
-        key is told where it is empty.
+        What a message expects if the table has other keys or if keys are missing. If it is empty,
+        each key is reported by itself.
     """
 
     keys: Mapping[str, Key]
@@ -64,7 +65,7 @@ class Table(Kind):
         return type(value) is dict
 
     def _inner(self, value: Mapping[str, Any], place: str) -> Iterator[tuple[Kind, Any, str]]:
-        """Of the keys that are there: kind, value and place."""
+        """Kind, value and place of each key that is present."""
         for name, key in self.keys.items():
             if name in value:
                 yield key.kind, value[name], within(place, name)
@@ -100,10 +101,10 @@ class Table(Kind):
             yield from kind.outside(inner, where)
 
     def filled(self, value: Any) -> Any:
-        # What is given keeps the order of the file.
+        # The keys that are present keep the order of the file.
         left_out = {name: self.keys[name].default for name in self.keys if name not in value}
-        given = {**value, **{name: v for name, v in left_out.items() if v is not None}}
-        return {name: self.keys[name].kind.filled(v) for name, v in given.items()}
+        present = {**value, **{name: v for name, v in left_out.items() if v is not None}}
+        return {name: self.keys[name].kind.filled(v) for name, v in present.items()}
 
     def schema(self) -> dict[str, Any]:
         properties = {}
@@ -118,7 +119,7 @@ class Table(Kind):
         return found | ({"required": required} if required else {})
 
     def _needs(self, name: str) -> bool:
-        """Whether a file without this key is refused."""
+        """Whether a file without this key must be refused."""
         key = self.keys[name]
         if isinstance(key.kind, Table) and key.default is not None:
             return key.default is REQUIRED or any(map(key.kind._needs, key.kind.keys))
@@ -126,10 +127,10 @@ class Table(Kind):
 
 
 def within(place: str, name: str) -> str:
-    """The place of a key in what stands at ``place``."""
+    """The place of a key within the table at ``place``."""
     return f"{place}.{name}" if place else name
 
 
 def plain(markdown: str) -> str:
-    """Markdown without links and code, for an editor that shows it as it stands."""
+    """Markdown without links and code, for an editor that shows it unformatted."""
     return re.sub(r"\[([^][]*)\]\([^()]*\)", r"\1", markdown).replace("`", "")

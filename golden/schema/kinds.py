@@ -1,4 +1,4 @@
-"""What a key may hold: each kind tells it in messages, in pages and in JSON schema."""
+"""The kinds of values, and how each appears in messages, in pages and in a JSON schema."""
 
 from __future__ import annotations
 
@@ -17,19 +17,20 @@ def got(place: str, value: object, expected: str) -> str:
 
 
 class Kind:
-    """What a key may hold.
+    """A kind of value that a key may hold.
 
-    A file is asked in three steps, since nothing can be asked of a value of another type, and what
-    goes with other keys is asked beside ``outside``. ``place`` is what a message begins with.
+    A file is checked in three steps: ``strangers``, ``faults`` and ``outside``. The order matters,
+    because a value of the wrong type cannot be checked further. Rules between keys are checked
+    together with ``outside``. ``place`` is the beginning of a message.
 
     Attributes
     ----------
     choices : tuple of str
-        The texts that may stand here, where not every text may.
+        The texts that are allowed; empty where every text is.
     said : str
-        What a message expects in the place of what the kind says by itself.
+        What a message expects, instead of the kind's own text.
     absent : bool
-        Whether 0 stands for a key that is left out, and is no number that can be asked for.
+        Whether 0 means that the key is left out, so that 0 itself cannot be requested.
     """
 
     choices: tuple[str, ...] = ()
@@ -38,42 +39,42 @@ class Kind:
 
     @property
     def name(self) -> str:
-        """Of the type, for pages: ``a whole number``."""
+        """The name of the type, for pages, such as ``a whole number``."""
         raise NotImplementedError
 
     @property
     def expected(self) -> str:
-        """What a message expects of a value of another type."""
+        """What a message expects instead of a value of another type."""
         return self.said or self.name
 
     def accepts(self, value: object) -> bool:
-        """Whether the value is of this type, whatever is in it."""
+        """Whether the value has this type, whatever it contains."""
         raise NotImplementedError
 
     def strangers(self, value: Any, place: str) -> Iterator[str]:
-        """Names within the value that are not known."""
+        """Messages for unknown names within the value."""
         yield from ()
 
     def faults(self, value: Any, place: str) -> Iterator[str]:
-        """What is missing, of another type, or none of the choices."""
+        """Messages for what is missing, has another type, or is none of the choices."""
         if not self.accepts(value):
             yield got(place, value, self.expected)
 
     def outside(self, value: Any, place: str) -> Iterator[str]:
-        """Numbers that are too large or too small."""
+        """Messages for numbers that are too large or too small."""
         yield from ()
 
     def filled(self, value: Any) -> Any:
-        """The value as it is used: with defaults, and a float where a number is expected."""
+        """The value as it is used: with defaults, and as a float where a number is expected."""
         return value
 
     def schema(self) -> dict[str, Any]:
-        """The same in JSON schema."""
+        """This kind as a JSON schema."""
         raise NotImplementedError
 
     @property
     def within(self) -> str:
-        """Where its numbers may lie, for a page; nothing where any will do."""
+        """The range of its numbers, for a page; empty if there is no limit."""
         return ""
 
 
@@ -92,7 +93,7 @@ class Flag(Kind):
 
 @dataclass(frozen=True)
 class Anything(Kind):
-    """Whatever TOML has, since another part of the file tells what."""
+    """Any value of TOML, where another part of the file decides what is right."""
 
     name: str = field(default="anything", init=False)
 
@@ -110,11 +111,11 @@ class Text(Kind):
     Parameters
     ----------
     choices : tuple of str
-        Any text where there are none.
+        The texts that are allowed; empty where every text is.
     some : bool
-        Whether it may not be empty.
+        Whether the text must not be empty.
     said : str
-        What a message expects in the place of ``text`` and of the choices.
+        What a message expects, instead of ``text`` or the choices.
     """
 
     choices: tuple[str, ...] = ()
@@ -139,17 +140,17 @@ class Text(Kind):
 
 @dataclass(frozen=True)
 class Number(Kind):
-    """A number; a whole one will do.
+    """A number; a whole number is one too.
 
     Parameters
     ----------
     span : Span
     said : str
-        What a message expects in the place of type and span.
+        What a message expects, instead of type and span.
     finite : bool
-        Whether NaN and the infinities are no numbers here, whatever the span.
+        Whether NaN and the infinities are refused, whatever the span.
     absent : bool
-        Whether 0 stands for a key that is left out, and is no number that can be asked for.
+        Whether 0 means that the key is left out, so that 0 itself cannot be requested.
     """
 
     span: Span | None = None
@@ -203,20 +204,20 @@ class Whole(Number):
 
 @dataclass(frozen=True)
 class List(Kind):
-    """A list of one kind.
+    """A list of values of one kind.
 
     Parameters
     ----------
     of : Kind
     said : str
-        What a message expects of what stands in it.
+        What a message expects of the contents.
     name : str
     least, most : int
-        How many.
+        Least and largest number of values.
     once : bool
-        Whether none may stand there twice.
+        Whether each value may stand in the list only once.
     rising : bool
-        Whether none may be less than the one before it.
+        Whether no value may be less than the one before it.
     """
 
     of: Kind
@@ -264,7 +265,7 @@ class List(Kind):
 
 @dataclass(frozen=True)
 class Each(Kind):
-    """One value for all networks of a scene, or a list of one for each."""
+    """One value for all networks of a scene, or a list with one value for each network."""
 
     of: Kind
 
@@ -300,10 +301,10 @@ class Map(Kind):
     ----------
     of : Kind
     names : tuple of str
-        Those that may stand there; any where there are none.
+        The names that are allowed; empty where every name is.
     said : str
-        What a message expects where anything in it is at fault; each value is told where it is
-        empty.
+        What a message expects if anything in the table is wrong. If it is empty, each value is
+        reported by itself.
     """
 
     of: Kind
@@ -327,13 +328,13 @@ class Map(Kind):
             found = [
                 f for name, one in value.items() for f in self.of.faults(one, f"{place}.{name}")
             ]
-            yield from self._told(found, value, place)
+            yield from self._summarised(found, value, place)
 
     def outside(self, value: Any, place: str) -> Iterator[str]:
         found = [f for name, one in value.items() for f in self.of.outside(one, f"{place}.{name}")]
-        yield from self._told(found, value, place)
+        yield from self._summarised(found, value, place)
 
-    def _told(self, found: list[str], value: Any, place: str) -> list[str]:
+    def _summarised(self, found: list[str], value: Any, place: str) -> list[str]:
         return [got(place, value, self.said)] if found and self.said else found
 
     def schema(self) -> dict[str, Any]:
@@ -346,13 +347,13 @@ class Map(Kind):
 
 @dataclass(frozen=True)
 class Alternatives(Kind):
-    """One of several kinds; of two that accept a value the first is meant.
+    """One of several kinds; if more than one accepts a value, the first one counts.
 
     Parameters
     ----------
     kinds : tuple of Kind
     said : str
-        What a message expects in the place of their names.
+        What a message expects, instead of the names of the kinds.
     """
 
     kinds: tuple[Kind, ...]

@@ -1,4 +1,4 @@
-"""The keys of a table as the rows of a page."""
+"""Shows the keys of a table as rows of a page."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from golden.schema.keys import REQUIRED, Key, Table
 
 
 def key_rows(table: Table) -> str:
-    """A Markdown table: key, type, default and meaning."""
+    """A Markdown table with the key, type, default and meaning of each key."""
     lines = ["| key | type | default | meaning |", "|---|---|---|---|"]
     for name, key in table.keys.items():
         kind = key.kind.name.removeprefix("a ")

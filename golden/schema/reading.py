@@ -1,4 +1,4 @@
-"""A TOML file, read and checked against what is declared of it."""
+"""Reads a TOML file, and checks it against its declaration."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from golden.schema.kinds import Kind
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """What the file holds.
+    """Read the contents of a file.
 
     Raises
     ------
@@ -27,7 +27,7 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 
 def read_checked(path: Path, table: Table) -> dict[str, Any]:
-    """Every key of the file with its value, each checked by itself, defaults filled in.
+    """Read every key of a file with its value, check each by itself, and fill in the defaults.
 
     Raises
     ------
@@ -42,23 +42,23 @@ def read_checked(path: Path, table: Table) -> dict[str, Any]:
 
 
 def check_names(raw: dict[str, Any], table: Table, path: Path) -> None:
-    """Refuse names that are not known, what is no table, and numbers that TOML does not hold.
+    """Refuse unknown names, values in the place of a table, and numbers too large for TOML.
 
     Raises
     ------
     InputError
-        For all of them.
+        For all of them, in one message.
     """
     _refuse([*table.strangers(raw, ""), *_long(raw, "")], path)
 
 
 def values_of(raw: dict[str, Any], table: Table, path: Path) -> dict[str, Any]:
-    """Every key with its value, types and choices checked, defaults filled in.
+    """Every key with its value, after a check of types and choices, with defaults filled in.
 
     Raises
     ------
     InputError
-        For all keys that are missing or hold what they cannot.
+        For all keys that are missing or have a wrong value.
     """
     _refuse([*table.faults(raw, "")], path)
     found: dict[str, Any] = table.filled(raw)
@@ -71,16 +71,16 @@ def refuse_outside(values: Any, kind: Kind, place: str, path: Path) -> None:
     Parameters
     ----------
     values : object
-        As ``values_of`` gives them.
+        The values that ``values_of`` returns.
     kind : Kind
     place : str
-        Where in the file they stand; empty for all of it.
+        The place of the values in the file; empty for the whole file.
     path : Path
 
     Raises
     ------
     InputError
-        For all of them.
+        For all of them, in one message.
     """
     _refuse([*kind.outside(values, place)], path)
 
@@ -91,7 +91,7 @@ def _refuse(faults: list[str], path: Path) -> None:
 
 
 def _long(value: Any, place: str) -> Iterator[str]:
-    """Whole numbers have the 64 bits that TOML gives them, so that each is a float, too."""
+    """Messages for whole numbers beyond TOML's 64 bits; within them each is a float too."""
     if isinstance(value, dict):
         for key, inner in value.items():
             yield from _long(inner, within(place, key))

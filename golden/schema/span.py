@@ -1,4 +1,4 @@
-"""Where a number may lie."""
+"""The range in which a number may lie."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Span:
-    """The numbers between two ends, each of which is there or not; never NaN or an infinity.
+    """The numbers between two ends, each of which may be missing. NaN and infinities never fit.
 
     Parameters
     ----------
     least, most : float or None
-        Ends that belong to it.
+        Ends that are part of the range.
     above, below : float or None
-        Ends that do not.
+        Ends that are not part of the range.
     """
 
     least: float | None = None
@@ -25,7 +25,7 @@ class Span:
     below: float | None = None
 
     def holds(self, value: float) -> bool:
-        """Whether the number lies within."""
+        """Whether a number lies in the range."""
         return (
             math.isfinite(value)
             and (self.least is None or value >= self.least)
@@ -44,7 +44,7 @@ class Span:
         return " and ".join(text.format(end) for text, end in ends.items() if end is not None)
 
     def schema(self) -> dict[str, Any]:
-        """The same in JSON schema."""
+        """This range as a JSON schema."""
         words = {
             "minimum": self.least,
             "maximum": self.most,

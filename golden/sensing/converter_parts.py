@@ -1,15 +1,16 @@
-"""Analogue-to-digital converters that can be bought, as data: what they want and what they send."""
+"""Analogue-to-digital converters that can be bought: their interfaces and limits as data."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-# Codes from 0 to the reference, or from minus to plus the reference about a common voltage.
+# The codes go from 0 to the reference voltage, or from minus to plus the reference about a common
+# voltage.
 STRAIGHT, TWOS = "straight binary", "two's complement"
-# 10 kilohm bring 40 picofarad of pads and wires to 0.7 of the supply in 480 ns.
+# A pull-up of 10 kilohm charges 40 picofarad of pads and wires to 0.7 of the supply in 480 ns.
 PULL_UP_NS = 500
-# Pads of both chips and the wires between them, there and back.
+# Delay of the pads of both chips and of the wires between them, there and back.
 WIRES_NS = 50
 
 
@@ -17,42 +18,44 @@ WIRES_NS = 50
 class ConverterPart:
     """A converter of several channels on an SPI of mode 0.
 
-    Both sides take a bit at the rising edge of ``sclk`` and send the next one at its falling edge.
-    A transfer is the time in which ``cs_n`` is low; its clocks are counted from 1, and the bit of
-    clock n is the one that stands at the n-th rising edge. While ``cs_n`` is high the converter
-    lets go of ``miso``, which a pull-up holds at 1.
+    Both sides read a bit at the rising edge of ``sclk`` and send the next one at its falling edge.
+    A transfer is the time in which ``cs_n`` is low. Its clocks are counted from 1, and the bit of
+    clock n is the one on the wire at the n-th rising edge. While ``cs_n`` is high the converter
+    does not drive ``miso``, and a pull-up holds it at 1.
 
     Parameters
     ----------
     name : str
     bits : int
-        Of a code, which comes with the most significant bit first.
+        Bits of a code, which is sent with the most significant bit first.
     coding : str
         STRAIGHT or TWOS.
     commands : tuple of str
-        For each channel the bits that it is asked with, from clock 1 on. What follows is 0.
+        For each channel the bits that select it, from clock 1 on. All later bits are 0.
     first : int
         The clock of the code's most significant bit.
     clocks : int
-        Of a transfer.
+        Number of clocks of a transfer.
     zeros : tuple of int
         Clocks in which the converter drives 0, against the pull-up.
     mirrored : bool
-        The code follows once more from its second least significant bit on, that one first.
+        Whether the converter repeats the code in reverse order, beginning with its second least
+        significant bit.
     fastest_khz, slowest_khz : int
-        Of ``sclk``.
+        The highest and the lowest frequency of ``sclk``.
     high_ns, low_ns : int
-        The least that ``sclk`` is high and low.
+        The shortest times for which ``sclk`` may be high and low.
     select_ns, deselect_ns : int
-        The least from the fall of ``cs_n`` to the first rise of ``sclk``, and that ``cs_n`` is
-        high.
+        The shortest time from the fall of ``cs_n`` to the first rise of ``sclk``, and the shortest
+        time for which ``cs_n`` may be high.
     setup_ns, hold_ns : int
-        The least that a bit stands on ``mosi`` before and after a rise of ``sclk``.
+        The shortest times for which a bit must be stable on ``mosi`` before and after a rise of
+        ``sclk``.
     output_ns, release_ns : int
-        The most from a fall of ``sclk`` to the next bit, and from the rise of ``cs_n`` until
-        ``miso`` is let go.
+        The longest time from a fall of ``sclk`` to the next bit, and from the rise of ``cs_n``
+        until ``miso`` is released.
     acquisition_clocks, acquisition_ns : Fraction, int
-        How many clocks of a transfer the converter tracks its input, and how long it must.
+        For how many clocks of a transfer the converter tracks its input, and for how long it must.
     source : str
         The data sheet.
     """
@@ -81,7 +84,7 @@ class ConverterPart:
 
     @property
     def channels(self) -> int:
-        """Channels that can be asked for."""
+        """The number of channels that can be selected."""
         return len(self.commands)
 
     @property
@@ -90,10 +93,11 @@ class ConverterPart:
         return self.first + self.bits - 1
 
     def half_clocks(self, clock_mhz: Fraction) -> int:
-        """Clocks of half a period of ``sclk``: the least that break no limit.
+        """The fewest clocks of half a period of ``sclk`` that keep all limits.
 
-        ``cs_n`` falls and bits change half a period before ``sclk`` rises, and ``miso`` is read at
-        the end of the half in which it is high, a whole period after it was told to change.
+        ``cs_n`` falls and bits change half a period before ``sclk`` rises. ``miso`` is read at the
+        end of the half period in which ``sclk`` is high, which is a whole period after its bit was
+        requested.
         """
         whole_ns = (
             Fraction(1_000_000, self.fastest_khz),
@@ -104,19 +108,20 @@ class ConverterPart:
         return max(1, _clocks(max(*whole_ns, Fraction(2 * max(halves_ns))) / 2, clock_mhz))
 
     def high_clocks(self, clock_mhz: Fraction) -> int:
-        """Clocks that ``cs_n`` is high between two transfers, at least.
+        """The fewest clocks for which ``cs_n`` is high between two transfers.
 
-        The converter lets go of ``miso`` and the pull-up has brought it to 1.
+        In this time the converter releases ``miso``, and the pull-up brings the wire to 1.
         """
         return _clocks(max(self.deselect_ns, self.release_ns + PULL_UP_NS), clock_mhz)
 
 
 def _clocks(time_ns: Fraction | int, clock_mhz: Fraction) -> int:
-    """Whole clocks that last as long at least."""
+    """The fewest whole clocks that last at least so long."""
     return -int(-Fraction(time_ns) * clock_mhz / 1000 // 1)
 
 
-# Start, single-ended, channel; the clock after them ends the tracking of the input.
+# The command is the start bit, single-ended, and the channel. The clock after it ends the tracking
+# of the input.
 _MCP3208 = ConverterPart(
     name="mcp3208",
     bits=12,
@@ -140,8 +145,8 @@ _MCP3208 = ConverterPart(
     acquisition_ns=0,
     source="Microchip DS21298E, MCP3204/3208, supply of 2.7 V and more",
 )
-# Start, channel, a bit without meaning, single-ended, no power-down with the clock from outside.
-# The channels' numbers are not in their order.
+# The command is the start bit, the channel, a bit without meaning, single-ended, and no power-down
+# with an external clock. The numbers of the channels are not in ascending order.
 _ADS8344 = ConverterPart(
     name="ads8344",
     bits=16,
@@ -164,12 +169,12 @@ _ADS8344 = ConverterPart(
     output_ns=200,
     release_ns=200,
     acquisition_clocks=Fraction(9, 2),
-    # With 5 V, which asks for more than 2.7 V here.
+    # This is the value for 5 V, where it is longer than with 2.7 V.
     acquisition_ns=1700,
     source="Texas Instruments SBAS139E, ADS8344, supply of 2.7 V and more",
 )
 
-# By the name that a scene gives.
+# By the name that a scene uses.
 PARTS = {
     part.name: part
     for part in (

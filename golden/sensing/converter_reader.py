@@ -1,4 +1,4 @@
-"""Converter reader: frames from a converter of several channels on an SPI."""
+"""Converter reader: makes frames with a converter of several channels on an SPI."""
 
 from __future__ import annotations
 
@@ -18,17 +18,18 @@ from golden.sensing.scan import COUNTER_WIDTHS, Scan
 
 @dataclass(frozen=True)
 class ConverterReader(Scan):
-    """A transfer for each sensor in turn, and a frame of a scan whose transfers all were right.
+    """Reads each sensor with one transfer, and sends a frame if all transfers of a scan are right.
 
-    The upper bits of a counter are the turn, the lower ones the clock within it, as in
-    ``ScanSequencer``. In turn n channel n is read, at the end of the turn; before it ``cs_n`` is
-    high. What was read is kept until the scan is whole. Then its frame leaves, a sample a clock:
-    sample n is that of sensor n modulo ``inputs``, so that the later slots of a cascade cost no
-    transfer.
+    The upper bits of a counter are the number of the turn and the lower bits the clock within it,
+    as in ``ScanSequencer``. In turn n channel n is read, at the end of the turn; before that
+    ``cs_n`` is high. The codes are stored until the scan is complete. Then its frame leaves, one
+    sample per clock. Sample n is that of sensor n modulo ``inputs``, so that the later slots of a
+    cascade need no transfer.
 
-    A converter that is missing or stuck is told from the wire: before a transfer the pull-up holds
-    ``miso`` at 1, and in the clocks ``part.zeros`` the converter holds it at 0; one that repeats
-    its code must repeat the same. A scan with a transfer that is not so yields no frame.
+    The wire shows a converter that is missing or stuck: before a transfer the pull-up must hold
+    ``miso`` at 1; in the clocks ``part.zeros`` the converter must hold it at 0; and a converter
+    that repeats its code must repeat it unchanged. A scan in which a transfer fails one of these
+    tests yields no frame.
 
     Parameters
     ----------
@@ -36,28 +37,27 @@ class ConverterReader(Scan):
         Format of the samples.
     part : ConverterPart
     inputs : int
-        Sensors, each at the channel of its number.
+        Number of sensors; each is at the channel of its own number.
     slots : int
-        Elements of a frame: ``inputs``, and in a cascade the slots of its earlier outputs.
+        Elements of a frame: ``inputs``, and in a cascade also the slots of its earlier outputs.
     counter_width : int
-        Bits of the counter that are turn and clock; the turns take 2**counter_width clocks.
+        Bits of the counter for turn and clock together; all turns take 2**counter_width clocks.
     clock_mhz : float
-        Of the hardware, by which every limit of the part is kept.
+        Clock of the hardware. With it every limit of the part is kept.
     pause : int
-        Clocks behind the turns before the next scan, without a transfer.
+        Clocks without a transfer between the turns and the next scan.
 
     Raises
     ------
-    InputError
-        When a parameter is outside its range; for a counter too narrow for the part the message
-        names the least.
+    When a parameter is outside its range. For a counter that is too narrow for the part the message
+    names the least width.
 
     Notes
     -----
-    Codes of fewer bits than ``fmt`` get zeros behind them: code c of the part stands for the middle
-    of the voltages that give it, so nothing is added to what the part errs itself, half a step of
-    its own. Codes of more bits are rounded, halves up, and saturated: 0.5 steps of ``fmt`` at most,
-    and for the two largest of 16 bits 0.75.
+    Codes with fewer bits than ``fmt`` are extended by zeros. Code c of the part stands for the
+    middle of the voltages that give it, so nothing is added to the part's own error, which is half
+    of its own step. Codes with more bits are rounded half up and saturated. This adds an error of
+    at most 0.5 steps of ``fmt``, and of 0.75 for the two largest codes of 16 bits.
     """
 
     block = "converter_reader"
@@ -100,7 +100,7 @@ class ConverterReader(Scan):
 
     @property
     def clock(self) -> Fraction:
-        """``clock_mhz`` as it was written, not the nearest that the machine has."""
+        """``clock_mhz`` exactly as it was written, and not the nearest floating-point number."""
         return Fraction(str(self.clock_mhz))
 
     @property
@@ -119,14 +119,14 @@ class ConverterReader(Scan):
 
     @property
     def transfer_clocks(self) -> int:
-        """Clocks in which ``cs_n`` is low; the last half period has no edge."""
+        """Clocks in which ``cs_n`` is low. The last half period has no edge of ``sclk``."""
         return (2 * self.part.clocks + 1) * self.half_clocks
 
     @property
     def begin_clock(self) -> int:
-        """Clock of a turn two clocks before ``cs_n`` falls.
+        """The clock of a turn that is two clocks before ``cs_n`` falls.
 
-        Counted from 0; ``cs_n`` rises with the next turn.
+        It is counted from 0. ``cs_n`` rises when the next turn begins.
         """
         return self.slot_clocks - 2 - self.transfer_clocks
 
@@ -134,14 +134,14 @@ class ConverterReader(Scan):
     def read_clocks(self) -> Codes:
         """Clocks of a scan in which ``miso`` is read, shape (inputs, part.clocks + 1).
 
-        The first of each transfer is before it, where the pull-up holds the line.
+        The first of each transfer is before it begins, where the pull-up holds the line.
         """
         bits = np.arange(self.part.clocks + 1) * 2 * self.half_clocks + self.begin_clock + 1
         return np.arange(self.inputs)[:, np.newaxis] * self.slot_clocks + bits
 
     @property
     def shift(self) -> int:
-        """Bits of a code that the samples have not; below 0 those that are added."""
+        """Number of bits that a code has more than a sample; below 0, that it has less."""
         return self.part.bits - self.fmt.width
 
     @property
@@ -178,7 +178,7 @@ class ConverterReader(Scan):
 
     @property
     def latency(self) -> int:
-        """From the last bit of a scan to the first sample of its frame."""
+        """Clocks from the last bit of a scan to the first sample of its frame."""
         return 3
 
     def process(self, codes: ArrayLike) -> Codes:
@@ -187,7 +187,7 @@ class ConverterReader(Scan):
         Raises
         ------
         InputError
-            For a code that the converter has not.
+            For a code that the converter cannot send.
         """
         signed = self._signed(check_unsigned(codes, self.part.bits, f"{self.entity} codes"))
         if self.shift <= 0:
@@ -201,7 +201,7 @@ class ConverterReader(Scan):
         return np.asarray((codes ^ half) - half, dtype=np.int64)
 
     def converted(self, voltages: ArrayLike) -> Codes:
-        """What an ideal converter makes of codes of ``fmt``: the nearest that it has.
+        """The codes of an ideal converter for voltages in codes of ``fmt``, each the nearest one.
 
         Raises
         ------
@@ -220,12 +220,12 @@ class ConverterReader(Scan):
         return np.asarray(signed % (2 * half), dtype=np.int64)
 
     def received(self, bits: ArrayLike) -> tuple[Codes, NDArray[np.bool_]]:
-        """Codes of transfers, and whether a converter that works can have sent them.
+        """Codes of transfers, and whether a working converter can have sent them.
 
         Parameters
         ----------
         bits : array_like of int, shape (..., part.clocks + 1)
-            What stood on ``miso``, before the transfer and in each of its clocks.
+            The level of ``miso`` before the transfer and in each of its clocks.
         """
         part, sent = self.part, np.asarray(bits, dtype=np.int64)
         code = sent[..., part.first : part.last + 1]
@@ -237,7 +237,7 @@ class ConverterReader(Scan):
 
 
 def error_port() -> Port:
-    """The flag of a converter that is missing or stuck."""
+    """The port for a converter that is missing or stuck."""
     return given(
         "converter_error",
         "high from a transfer that no converter can have sent to the first scan without one; a "

@@ -1,4 +1,4 @@
-"""Frame window: past frames kept, and the samples of them that a network takes."""
+"""Frame window: stores past frames, and sends the samples of them that a network reads."""
 
 from __future__ import annotations
 
@@ -17,34 +17,35 @@ from golden.window import Window
 
 @dataclass(frozen=True)
 class FrameWindow(Block):
-    """Good frames go into a ring; after each a frame of its samples and of past ones leaves.
+    """Stores good frames in a ring; after each, a frame of its samples and of past ones leaves.
 
     Parameters
     ----------
     fmt : Fix
         Format of the samples.
     window : Window
-        Which samples leave.
+        The samples that leave.
     slots : int
-        Elements behind them, whatever they hold: those that a network's frame has beside samples.
+        Number of further elements, of any content, that a network's frame has after its samples.
     spacing : int
-        Least clocks from the last sample of one good frame to the last sample of the next, which
-        the network needs; 0, and its counter is left out, where a frame has samples enough.
+        Least clocks that the network needs from the last sample of one good frame to the last
+        sample of the next. It is 0, and its counter is left out, where a frame has enough samples.
 
     Raises
     ------
     InputError
-        For a negative number, or frames that may follow faster than they are sent.
+        For a negative number, or when frames could follow each other faster than they are sent.
 
     Notes
     -----
-    A frame is judged as by ``InputController``: one of the wrong length, or that ends too early,
-    raises one error and does not enter the past. After a reset nothing leaves before ``past`` good
-    frames have come; what the ring holds then does not matter, so it needs no reset.
+    A frame is judged like by ``InputController``: a frame that has the wrong length or ends too
+    early raises one error and is not stored. After a reset nothing leaves before ``past`` good
+    frames have come. Until then the contents of the ring are not used, so the ring needs no reset.
 
-    The ring is counted in words, of which there are a power of two, so that addresses wrap by
-    themselves. It holds the frames of the past, the newest, and the one that comes meanwhile; with
-    one word more, none is ever read in the clock in which it is written.
+    The ring's addresses count words, and the number of words is a power of two, so that addresses
+    wrap by themselves. The ring holds the past frames, the newest frame, and the frame that arrives
+    meanwhile. It has at least one word more, so that no word is ever read in the clock in which it
+    is written.
     """
 
     block = "frame_window"
@@ -64,37 +65,37 @@ class FrameWindow(Block):
 
     @property
     def sensors(self) -> int:
-        """Samples of a frame."""
+        """Number of samples of a frame that arrives."""
         return len(self.window.delays)
 
     @property
     def elements(self) -> int:
-        """Elements of a frame that leaves."""
+        """Number of elements of a frame that leaves."""
         return len(self.window.taps) + self.slots
 
     @property
     def past(self) -> int:
-        """Frames after a reset from which nothing leaves."""
+        """Number of frames after a reset for which nothing leaves."""
         return self.window.past
 
     @property
     def addr_width(self) -> int:
-        """Bits of the ring's address."""
+        """Bits of the address in the ring."""
         return (self.sensors * (self.past + 2)).bit_length()
 
     @property
     def words(self) -> int:
-        """Words of the ring."""
+        """Number of words in the ring."""
         return 1 << self.addr_width
 
     @property
     def offsets(self) -> tuple[int, ...]:
-        """Of each sample that leaves: words before the end of the newest frame."""
+        """For each sample that leaves: how many words it is before the end of the newest frame."""
         return tuple(self.sensors * (tap.delay + 1) - tap.sensor for tap in self.window.taps)
 
     @property
     def input_controller(self) -> InputController:
-        """Judges frames as this block does; it is no part."""
+        """Judges frames as this block does. It is not built."""
         return InputController(self.sensors, self.spacing)
 
     @property
@@ -122,7 +123,8 @@ class FrameWindow(Block):
 
     @property
     def latency(self) -> int:
-        # The ring's address, its word, and the clock in which the frame has become the newest.
+        # One clock each for the ring's address, for its word, and until the frame counts as the
+        # newest.
         return 3
 
     @property
@@ -138,7 +140,7 @@ class FrameWindow(Block):
         Parameters
         ----------
         frames : array_like of int, shape (frames, sensors)
-            In the order of time.
+            Good frames in the order of time.
 
         Raises
         ------

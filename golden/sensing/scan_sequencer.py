@@ -1,4 +1,4 @@
-"""Scan sequencer: the sensors in turn through an analogue multiplexer."""
+"""Scan sequencer: reads the sensors in turn through an analogue multiplexer."""
 
 from __future__ import annotations
 
@@ -18,32 +18,33 @@ from golden.sensing.scan import COUNTER_WIDTHS, Scan
 class ScanSequencer(Scan):
     """A counter and its slices (thesis sections 5.4.4 and 5.5).
 
-    The upper bits of the counter are the slot, the lower ones the clock within it. Slot n selects
-    sensor n modulo ``inputs``, so that four sensors and seven slots give the addresses 00 01 10 11
-    00 01 10. Late in each slot, when the multiplexer has settled, the converter's code is taken.
-    Where scans are wanted less often than they could follow each other, the counter pauses between
-    them, so that the samples of a frame stay close together in time.
+    The upper bits of the counter are the number of the slot and the lower bits the clock within it.
+    Slot n selects sensor n modulo ``inputs``, so that four sensors and seven slots give the
+    addresses 00 01 10 11 00 01 10. Late in each slot, when the multiplexer has settled, the
+    converter's code is accepted. Where scans need not follow each other as fast as possible, the
+    counter pauses between them, so that the samples of a frame stay close together in time.
 
     Parameters
     ----------
     fmt : Fix
         Format of the converter's codes and of the samples.
     inputs : int
-        Sensors.
+        Number of sensors.
     slots : int
-        Elements of a frame: ``inputs``, and in a cascade the slots of its earlier outputs.
+        Elements of a frame: ``inputs``, and in a cascade also the slots of its earlier outputs.
     counter_width : int
-        Bits of the counter that are slot and clock; the slots take 2**counter_width clocks.
+        Bits of the counter for slot and clock together; all slots take 2**counter_width clocks.
     sample_clock : int
-        Clock of a slot in which the code is taken, counted from 0. In clock 0 the address still
-        is that of the slot before.
+        Clock of a slot in which the code is accepted, counted from 0. In clock 0 the address is
+        still that of the slot before.
     pause : int
-        Clocks behind the slots before the next scan, in which the first sensor is selected.
+        Clocks between the slots and the next scan, in which the first sensor is selected.
 
     Raises
     ------
     InputError
-        When a parameter is outside its range; for a counter too narrow the message names the least.
+        When a parameter is outside its range. For a counter that is too narrow the message names
+        the least width.
     """
 
     block = "scan_sequencer"
@@ -87,20 +88,20 @@ class ScanSequencer(Scan):
 
     @property
     def interval(self) -> int:
-        """Clocks from one code that is taken to the next."""
+        """Clocks from one accepted code to the next."""
         return self.slot_clocks
 
     @property
     def addresses(self) -> tuple[int, ...]:
-        """The sensor that is selected in each slot, idle ones included; those settle the first.
+        """The sensor that is selected in each slot, idle slots included.
 
-        So does the pause.
+        In idle slots and in the pause the first sensor is selected, so that it settles.
         """
         idle = (1 << self.slot_width) - self.slots
         return tuple(n % self.inputs for n in range(self.slots)) + (0,) * idle
 
     def address_at(self, clocks: ArrayLike) -> Codes:
-        """The sensor that is selected so many clocks after the begin of a scan."""
+        """The sensor that is selected ``clocks`` clocks after the beginning of a scan."""
         turns = np.asarray(clocks) % self.scan_clocks // self.slot_clocks
         in_pause = [0]
         found = np.array([*self.addresses, *in_pause])
@@ -109,7 +110,7 @@ class ScanSequencer(Scan):
 
     @property
     def sample_clocks(self) -> Codes:
-        """Clocks of a scan in which a code is taken, in order."""
+        """The clocks of a scan in which a code is accepted, in ascending order."""
         return np.arange(self.slots) * self.slot_clocks + self.sample_clock
 
     @property
@@ -149,7 +150,7 @@ class ScanSequencer(Scan):
         return 1
 
     def process(self, scans: ArrayLike) -> Codes:
-        """Frames, shape (scans, slots), for the codes on the converter in every clock of scans.
+        """Frames, shape (scans, slots), from the converter's codes in every clock of the scans.
 
         Parameters
         ----------

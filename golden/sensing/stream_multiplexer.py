@@ -1,4 +1,4 @@
-"""Stream multiplexer: a network's result in its place among the samples."""
+"""Stream multiplexer: puts a network's result into its slot among the samples."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from golden.port import CLOCKED, Port, given, taken
 
 @dataclass(frozen=True)
 class StreamMultiplexer(Block):
-    """Element ``slot`` of every frame is replaced by the result held (thesis section 5.5).
+    """Replaces element ``slot`` of every frame by the result it holds (thesis section 5.5).
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ class StreamMultiplexer(Block):
 
     @property
     def count_width(self) -> int:
-        """Bits of the position; it stops one past the slot."""
+        """Bits of the counter of elements, which stops one after the slot."""
         return (self.slot + 1).bit_length()
 
     @property
@@ -81,7 +81,7 @@ class StreamMultiplexer(Block):
         results: ArrayLike,
         result_clock: ArrayLike,
     ) -> Codes:
-        """The elements that leave, for elements that arrive after a reset.
+        """The elements that leave, for the elements that arrive after a reset.
 
         Parameters
         ----------
@@ -90,14 +90,15 @@ class StreamMultiplexer(Block):
         last : array_like of bool
             The ``last`` flag of each element.
         clock, result_clock : array_like of int
-            When each element and each result arrived; a result is held from the next clock on.
+            The clocks in which each element and each result arrive. A result is held from the next
+            clock on.
         results : array_like of int
             Codes of ``fmt``.
 
         Raises
         ------
         InputError
-            For codes outside ``fmt``, or a slot that comes before any result.
+            For codes outside ``fmt``, or a slot that comes before the first result.
         """
         elements = self.fmt.check(data, f"{self.entity} data")
         words = self.fmt.check(results, f"{self.entity} results")

@@ -1,1 +1,1 @@
-"""Training of the networks that scenes name."""
+"""Trains the networks that scenes name."""

@@ -1,4 +1,4 @@
-"""A search on a Dask cluster: is there a scheduler at an address, and then its workers."""
+"""A search on a Dask cluster: first finds the scheduler at an address, then uses its workers."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from joblib import parallel_config
 
 from golden.input_error import InputError
 
-# Seconds in which a scheduler has to answer.
+# Seconds within which a scheduler has to answer.
 LIMIT = 5.0
 EXTRA = "cluster"
-# What the reader of Dask's messages stops with, who takes any bytes for lengths.
+# The errors with which Dask's reader of messages stops, since it takes any bytes for lengths.
 NO_MESSAGE = (MemoryError, struct.error, OverflowError, EOFError, UnicodeDecodeError)
 
 
 @contextmanager
 def computed_on(cluster: str | None, limit: float = LIMIT) -> Iterator[None]:
-    """Candidates are computed on the Dask scheduler at this address; None: on this machine.
+    """Compute candidates on the Dask scheduler at this address, or on this machine if it is None.
 
     Raises
     ------
@@ -34,7 +34,7 @@ def computed_on(cluster: str | None, limit: float = LIMIT) -> Iterator[None]:
     if cluster is None:
         yield
         return
-    # Imported only where it is asked for: it takes a second, and not everybody has it.
+    # Dask is imported only when it is needed, because that takes a second and not everybody has it.
     try:
         from distributed import Client
     except ImportError:
@@ -62,11 +62,12 @@ def computed_on(cluster: str | None, limit: float = LIMIT) -> Iterator[None]:
 def why_no_scheduler(address: str, limit: float) -> str:
     """Why the address is not that of a scheduler; empty where one answers in time.
 
-    A client of Dask asks again and again what does not answer, and waits for minutes. So it is
-    asked once before, beside this thread: a name that is looked up cannot be interrupted.
+    A client of Dask asks an address that does not answer again and again, and waits for minutes. So
+    the address is asked once before, in a thread of its own, because looking up a name cannot be
+    interrupted.
     """
     told: queue.Queue[str] = queue.Queue()
-    # Dask writes of every connection that fails.
+    # Otherwise Dask logs every connection that fails.
     quiet = logging.getLogger("distributed")
     level = quiet.level
     quiet.setLevel(logging.CRITICAL + 1)
@@ -97,11 +98,11 @@ def _reason(address: str, limit: float) -> str:
 
 
 async def _identity(address: str, limit: float) -> Any:
-    """What a server of Dask says of itself."""
+    """The description that a server of Dask gives of itself."""
     from distributed.comm import connect
     from distributed.security import Security
 
-    # For tls:// what Dask's own configuration says, as its client takes it.
+    # For tls:// the settings come from Dask's own configuration, as for its client.
     settings = Security().get_connection_args("client")
     comm = await connect(address, timeout=limit, **settings)
     try:

@@ -1,21 +1,23 @@
-"""Weights of few signed digits: ``training.digits`` of a scene.
+"""Weights with few signed digits: ``training.digits`` of a scene.
 
 A product with a constant is a sum of as many shifted numbers as the constant has signed digits. So
-what hardware without multipliers takes hangs on the digits of all weights together, and those of a
-weight as it was trained are more than its error asks for.
+the size of hardware without multipliers depends on the digits of all weights together. The trained
+weights have more digits than their error requires.
 
-Weights are put on few digits one after another, first those that it costs least, and after each all
-that are still free make up for it, as the optimal brain surgeon has it (B. Hassibi and D. G. Stork,
-1993): with the Hessian H of the error, to move weight i by d and the free ones along costs
-``d**2 / inverse(H)[i, i]``, and moves them by ``d * inverse(H)[:, i] / inverse(H)[i, i]``. A weight
-takes the number for which that and a price for each digit come to least; the price decides how many
-digits all weights have in the end. Every few weights the free ones are refitted by
-Levenberg-Marquardt, and H is that of the new place. Biases have digits for nothing: to add a
-constant takes one adder whatever it is.
+The weights are rounded to few digits one after another, beginning with those where that costs
+least. After each one, all weights that are still free compensate for it, as in the optimal brain
+surgeon (B. Hassibi and D. G. Stork, 1993). With the Hessian H of the error, moving weight i by d,
+while the free ones compensate, costs ``d**2 / inverse(H)[i, i]``, and moves the free ones by ``d *
+inverse(H)[:, i] / inverse(H)[i, i]``. A weight gets the number for which the sum of this cost and
+of a price for each digit is least. The price determines how many digits all weights have in the
+end. After every few weights the free ones are refitted by Levenberg-Marquardt, and H is computed
+anew. The digits of biases cost nothing, because adding a constant takes one adder, whatever the
+constant is.
 
-What the error is of: the rows that train, and frames between and just beyond them, for which the
-network as it was trained is the teacher. Without these the refit leaves the network where no row
-lies. An output counts in inverse proportion to what the trained network misses on validation rows.
+The error is that of the rows that train and of further frames between and just beyond these rows,
+for which the trained network is the teacher. Without these frames the refit would leave the network
+undetermined where there is no row. Each output is weighted by the inverse of the trained network's
+error on validation rows.
 """
 
 from __future__ import annotations
@@ -41,12 +43,14 @@ from golden.training.objective import Objective, Rows, pack, unpack
 from golden.training.search import shift_biases, signed_errors
 from golden.training.task import Frames, Task
 
-# Orders in which the weights are tried; a random factor on what each costs makes them differ.
+# Number of different orders in which the weights are rounded; random factors on their costs make
+# the orders differ.
 STARTS = 6
 SHUFFLE = 0.2
 
-# Frames of the teacher: how many, next to how many rows, how far on the way to one of these and
-# beyond, how much to the side as a part of a sensor's spread, and what all weigh beside the rows.
+# The teacher's frames: their number; among how many neighbours of a row one is chosen; how far each
+# frame is on the way to it, or beyond; how far it is off the way, as a part of a sensor's standard
+# deviation; and the weight of all frames against the rows.
 TEACHER_FRAMES = 600
 NEIGHBOURS = 4
 WAY = (-0.25, 0.75)
@@ -57,7 +61,7 @@ REFITS = 9  # between the first weight and the last
 STEPS = 2  # of each
 DAMPING = np.geomspace(1e-9, 1e3, 9)
 
-# Prices of a digit, as parts of the error of the network as it was trained.
+# The range of the price of a digit, as parts of the error of the trained network.
 PRICES = (1e-3, 1e8)
 PRICE_STEP = 0.02  # between the last two prices that are tried, as a part
 NEAR = 1.5  # of the price of the first start those of the others are searched as near
@@ -67,16 +71,16 @@ SLACK = 0.02  # so much fewer digits than asked for will do
 
 @dataclass(frozen=True)
 class Grid:
-    """Where the weights and biases of a network may stand, in the order of ``pack``.
+    """The numbers that the weights and biases of a network can have, in the order of ``pack``.
 
     Attributes
     ----------
     shape : tuple of int
     lsb : float array
     low, high : int
-        The ends of both formats.
+        The least and the largest code, which both formats share.
     weights : bool array
-        Which are weights; the others are biases.
+        Which of them are weights; the others are biases.
     """
 
     shape: tuple[int, int, int]
@@ -86,16 +90,16 @@ class Grid:
     weights: NDArray[np.bool_]
 
     def rounded(self, vector: Real) -> Real:
-        """The nearest codes' values, within the format."""
+        """The values of the nearest codes within the format."""
         return np.asarray(self._codes(vector) * self.lsb)
 
     def digits(self, vector: Real) -> int:
-        """Signed digits of all weights together."""
+        """The number of signed digits of all weights together."""
         codes = self._codes(vector)[self.weights].astype(np.int64)
         return int(digit_counts(codes).sum())
 
     def within(self, vector: Real) -> Real:
-        """The vector, cut off at the ends of the formats."""
+        """The vector, limited to the range of the formats."""
         return np.asarray(np.clip(vector, self.low * self.lsb, self.high * self.lsb))
 
     def _codes(self, vector: Real) -> Real:
@@ -103,7 +107,7 @@ class Grid:
 
 
 def grid_of(mlp: Mlp, width: int) -> Grid:
-    """The grid of a network whose layers have weights of ``width`` bits."""
+    """The grid of a network whose weights have ``width`` bits."""
     hidden, outputs = len(mlp.b1), len(mlp.b2)
     layers = ((mlp.w1, mlp.b1, "layer 1 weights"), (mlp.w2, mlp.b2, "layer 2 weights"))
     formats = [
@@ -118,7 +122,7 @@ def grid_of(mlp: Mlp, width: int) -> Grid:
 
 @dataclass(frozen=True)
 class Aim:
-    """What weights of few digits are fitted to: the objective's training rows, on a grid."""
+    """The error that is minimised on a grid: that of the objective's training rows."""
 
     objective: Objective
     grid: Grid
@@ -129,7 +133,7 @@ class Aim:
         return float(residuals @ residuals)
 
     def around(self, vector: Real) -> tuple[float, Real, Real]:
-        """The error at a point, half its gradient, and half its Hessian after Gauss and Newton."""
+        """The error at a point, half its gradient, and half its Hessian by Gauss and Newton."""
         residuals = self._residuals(vector)
         jacobian = self.objective.jacobian(vector)[: len(residuals)]
         return float(residuals @ residuals), jacobian.T @ residuals, jacobian.T @ jacobian
@@ -140,18 +144,18 @@ class Aim:
 
 
 def aim_of(task: Task, mlp: Mlp, frames: Frames, recorded: Frames, misses: Real) -> Aim:
-    """What ``mlp`` with fewer digits is fitted to.
+    """The aim for giving ``mlp`` fewer digits.
 
     Parameters
     ----------
     task : Task
     mlp : Mlp
     frames : Frames
-        The rows that train, as they are disturbed.
+        The rows that train, with disturbance.
     recorded : Frames
-        The same rows, once each, as recorded.
+        The same rows as recorded, each of them once.
     misses : float array, shape (outputs,)
-        What each output may miss, in any unit.
+        The error of each output against which its deviation is weighted, in any unit.
     """
     activation = task.scene.scheme.real
     taught = teacher_frames(recorded, task)
@@ -166,9 +170,9 @@ def aim_of(task: Task, mlp: Mlp, frames: Frames, recorded: Frames, misses: Real)
 
 
 def teacher_frames(recorded: Frames, task: Task) -> Rows:
-    """Frames near recorded ones: on the way from a row to one of its neighbours, a little aside.
+    """Frames near recorded ones, close to the way from a row to one of its neighbours.
 
-    Targets are those of the row that each is near; its error counts as that of the row.
+    The targets and scales are those of the row from which a frame starts.
     """
     rng = np.random.default_rng([task.scene.training.seed, task.number, TEACHER_FRAMES])
     spread = recorded.inputs.std(axis=0)
@@ -186,8 +190,11 @@ def teacher_frames(recorded: Frames, task: Task) -> Rows:
 
 
 def refitted(aim: Aim, vector: Real, free: NDArray[np.bool_]) -> tuple[Real, Real]:
-    """The point after some steps of Levenberg and Marquardt over what is free, and the Hessian of
-    these there, damped so that it can be inverted."""
+    """Refit the free weights by some steps of Levenberg and Marquardt.
+
+    Returns the new point, and the Hessian of the free weights there, damped so that it can be
+    inverted.
+    """
     at = np.flatnonzero(free)
     value, gradient, whole = aim.around(vector)
     for _ in range(STEPS):
@@ -205,7 +212,7 @@ def refitted(aim: Aim, vector: Real, free: NDArray[np.bool_]) -> tuple[Real, Rea
 
 
 def _damped(whole: Real, at: NDArray[np.int64], damping: float) -> Real:
-    """Part of a Hessian; one that is all zero still has an inverse."""
+    """Part of a Hessian, damped so that it has an inverse even if it is zero."""
     diagonal = whole.diagonal()
     least = 1e-12 * diagonal.max() + sys.float_info.min
     part: Real = whole[np.ix_(at, at)] + np.diag(damping * diagonal[at] + least)
@@ -213,16 +220,16 @@ def _damped(whole: Real, at: NDArray[np.int64], damping: float) -> Real:
 
 
 def priced(aim: Aim, start: Real, price: float, rng: np.random.Generator) -> Real:
-    """The point with every weight on as many digits as pay, from a network as it was trained.
+    """Round a trained network, giving each weight as many digits as are worth their price.
 
     Parameters
     ----------
     aim : Aim
     start : float array
     price : float
-        Of a digit, in the unit of the error.
+        Price of a digit, in the unit of the error.
     rng : Generator
-        Shuffles the order a little.
+        Source of the random factors that change the order.
     """
     grid, vector = aim.grid, start.copy()
     free = np.ones(len(start), dtype=bool)
@@ -234,7 +241,7 @@ def priced(aim: Aim, start: Real, price: float, rng: np.random.Generator) -> Rea
         lsb, values, left = grid.lsb[at], vector[at], grid.weights[at].copy()
         for _ in range(min(each, int(left.sum()))):
             found = np.flatnonzero(left)
-            # A lone rounding error may leave no more than nothing.
+            # A rounding error may leave a diagonal element that is 0 or negative.
             stiff = np.maximum(inverse.diagonal()[found], sys.float_info.min)
             targets = values[found]
             numbers = _cheapest(targets / lsb[found], lsb[found] ** 2 / stiff, price, grid)
@@ -255,10 +262,12 @@ def priced(aim: Aim, start: Real, price: float, rng: np.random.Generator) -> Rea
 
 
 def _cheapest(values: Real, stiffness: Real, price: float, grid: Grid) -> Real:
-    """For each value the whole number that costs least: its distance squared times stiffness, and
-    a price for each digit."""
+    """For each value the whole number with the least cost.
+
+    The cost is the squared distance times the stiffness, plus the price of each digit.
+    """
     values = np.clip(values, grid.low, grid.high)
-    # A number of n bits has no more than n / 2 + 1 signed digits.
+    # A number of n bits has at most n / 2 + 1 signed digits.
     numbers = nearest_with(values, grid.high.bit_length() // 2 + 1)
     costs = (numbers - values) ** 2 * stiffness + price * np.arange(len(numbers))[:, np.newaxis]
     costs[(numbers < grid.low) | (numbers > grid.high)] = np.inf
@@ -273,8 +282,9 @@ def at_most(
     rng: np.random.Generator,
     prices: tuple[float, float] | None = None,
 ) -> tuple[Real, float]:
-    """The point with ``count`` digits or few less, from a network as it was trained, and the price
-    that led to it, as a part of ``_unit``.
+    """Round a trained network to ``count`` digits, or slightly fewer.
+
+    Returns the point, and the price that led to it, as a part of ``_unit``.
 
     Parameters
     ----------
@@ -283,12 +293,12 @@ def at_most(
     count : int
     rng : Generator
     prices : tuple of float, optional
-        Between which the price is searched; ``PRICES`` where none are given.
+        The range in which the price is searched; ``PRICES`` by default.
 
     Raises
     ------
     InputError
-        When no price leads to so few.
+        When no price leads to so few digits.
     """
     low, high = np.log(prices or PRICES)
     best: tuple[Real, float] | None = None
@@ -311,20 +321,20 @@ def at_most(
 
 
 def _unit(aim: Aim, start: Real) -> float:
-    """What prices are parts of: the error as it was trained, at least that of an LSB."""
+    """The unit of prices: the error of the trained network, but at least that of an LSB."""
     return max(aim.value(start), float(SIGNAL.to_real(1)) ** 2)
 
 
 @dataclass(frozen=True)
 class FewDigits:
-    """How the digits of one network of a scene are taken away.
+    """Reduces the digits of one network of a scene.
 
     Attributes
     ----------
     task : Task
-        Of the network as it was chosen: its validation rows decide.
+        Task of the chosen network, whose validation rows decide.
     chosen : Mlp
-        As it was trained.
+        The network as it was trained.
     """
 
     task: Task
@@ -332,7 +342,7 @@ class FewDigits:
 
     @property
     def asked(self) -> int | str:
-        """``training.digits``."""
+        """The value of ``training.digits``."""
         return self.task.scene.training.digits
 
     def errors(self, mlp: Mlp) -> Real:
@@ -341,17 +351,17 @@ class FewDigits:
         return misses
 
     def misses(self) -> Real:
-        """What each output may miss; an output without error counts as one with little."""
+        """The relative error of each output, where no error counts as a small one."""
         found = self.errors(self.chosen)
         found = np.maximum(found, 1e-3 * found.max())
         return found / found.mean() if found.max() else np.ones(len(found))
 
     def worst(self, mlp: Mlp) -> float:
-        """The largest error of an output on the validation rows, as a part of what it was."""
+        """The largest growth of an output's error on the validation rows, as a ratio."""
         return float((self.errors(mlp) / np.maximum(self.errors(self.chosen), 1e-12)).max())
 
     def on_training_rows(self) -> Mlp:
-        """The chosen network with the digits that were asked for, ranked by the validation rows."""
+        """The chosen network with the requested digits, selected by the validation rows."""
         task = self.task
         aim = self._aim(task, self.chosen, task.training, task.split.training)
         if self.asked != FEWEST:
@@ -370,8 +380,10 @@ class FewDigits:
     def on_more_rows(
         self, task: Task, mlp: Mlp, frames: Frames, rows: NDArray[np.int64], count: int
     ) -> list[Mlp]:
-        """Networks that were trained on with more rows, with ``count`` digits, from each start; no
-        rows are left to rank them by, so the one that fits these best stands first."""
+        """Networks trained further on more rows, rounded to ``count`` digits from each start.
+
+        No rows are left to rank them by, so they are sorted by how well they fit these rows.
+        """
         aim = self._aim(task, mlp, frames, rows)
         found = self._starts(aim, mlp, task, frames, count)
         return sorted(found, key=lambda one: aim.value(pack(one)))
@@ -382,7 +394,7 @@ class FewDigits:
     def _starts(
         self, aim: Aim, mlp: Mlp, task: Task, frames: Frames, count: int | None = None
     ) -> Iterator[Mlp]:
-        """A network from each start; the rounded one where that has no more digits."""
+        """A network from each start, or only the rounded one where it has few enough digits."""
         wanted = self.asked if count is None else count
         assert isinstance(wanted, int)
         start = pack(mlp)
@@ -404,7 +416,7 @@ class FewDigits:
         rng: np.random.Generator,
         prices: tuple[float, float] | None,
     ) -> tuple[Real, float]:
-        """See ``at_most``; where no price of these leads to so few, one of all may."""
+        """See ``at_most``. If no price in the given range gives so few digits, try them all."""
         if prices:
             with suppress(InputError):
                 return at_most(aim, start, count, rng, prices)
@@ -415,12 +427,12 @@ class FewDigits:
         return (np.random.default_rng([seed, self.task.number, n]) for n in range(STARTS))
 
     def _whole(self, aim: Aim, point: Real, task: Task, frames: Frames) -> Mlp:
-        """The network of a point, its output biases moved by the mean bit-true error."""
+        """The network of a point, with output biases shifted by the mean bit-true error."""
         mlp = shift_biases(task, unpack(point, aim.grid.shape), frames)
         return unpack(aim.grid.rounded(pack(mlp)), mlp.shape)
 
 
 def count_digits(mlp: Mlp, width: int) -> int:
-    """Signed digits of all weights of a network together, as ``width`` bits hold them."""
+    """The number of signed digits of all weights of a network in ``width`` bits."""
     grid = grid_of(mlp, width)
     return grid.digits(pack(mlp))

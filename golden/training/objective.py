@@ -1,4 +1,4 @@
-"""What training minimises, for either optimiser, and early stopping."""
+"""The function that training minimises, with either optimiser, and early stopping."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Rows:
     ----------
     inputs : float array, shape (rows, inputs)
     targets, scale : float arrays, shape (rows, outputs)
-        ``scale`` is what an error counts against: the target or a full scale.
+        ``scale`` is the divisor of an error: the target or a full scale.
     """
 
     inputs: Real
@@ -28,7 +28,7 @@ class Rows:
     scale: Real
 
     def residuals(self, mlp: Mlp, activation: Activation) -> Real:
-        """The scaled errors of ``mlp``, flat."""
+        """The scaled errors of ``mlp`` as a vector."""
         return ((mlp.process(self.inputs, activation) - self.targets) / self.scale).ravel()
 
 
@@ -46,7 +46,7 @@ def unpack(vector: Real, shape: tuple[int, int, int]) -> Mlp:
 
 
 class EarlyStop(Exception):  # noqa: N818, a signal, not an error
-    """Ends a descent: its last points no longer lower the validation error."""
+    """Ends a descent whose last points have not lowered the validation error."""
 
 
 Descend = Callable[["Objective", Real, int], Real]
@@ -56,9 +56,9 @@ Descend = Callable[["Objective", Real, int], Real]
 class Objective:
     """sum((y - t) / scale)**2 + weight_decay * sum(w**2) over the training rows.
 
-    Each point with less of it than any before is also measured on the validation rows; ``best``
-    is the one with the least error there. After ``patience`` such points without a better one the
-    descent is ended by ``EarlyStop``.
+    Each point with a lower value than all before is also measured on the validation rows; ``best``
+    is the point with the least error there. After ``patience`` such points without a new best one,
+    ``EarlyStop`` ends the descent.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ class Objective:
         Value and slope of the hidden layer.
     training, validation : Rows
     weight_decay : float
-        Keeps weights, and with them Q_j and Y_i, small.
+        Factor that keeps weights small, and with them Q_j and Y_i.
     patience : int
     """
 
@@ -95,7 +95,7 @@ class Objective:
         Raises
         ------
         EarlyStop
-            See above.
+            See the class.
         """
         mlp = unpack(vector, self.shape)
         errors = self.training.residuals(mlp, self.activation)
@@ -137,7 +137,7 @@ class Objective:
         return np.concatenate([result.reshape(-1, len(vector)), decay])
 
     def evaluate(self, vector: Real) -> tuple[float, Real]:
-        """Value and gradient; the gradient by propagating the errors back."""
+        """Value and gradient; the gradient comes from propagating the errors back."""
         residuals = self.residuals(vector)
         mlp = unpack(vector, self.shape)
         x, scale = self.training.inputs, self.training.scale

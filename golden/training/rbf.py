@@ -1,8 +1,9 @@
-"""Training of a radial basis function network in two stages, as Netlab's rbftrain does it.
+"""Trains a radial basis function network in two stages, as Netlab's rbftrain does.
 
-The thesis names that routine (section 3.11.2). First the centres: a mixture of round Gaussians is
-fitted to the inputs by expectation maximisation, from a few steps of k-means. Then the outputs:
-linear least squares. I. T. Nabney, "NETLAB: Algorithms for Pattern Recognition", Springer, 2002.
+The thesis names that routine (section 3.11.2). The first stage finds the centres: expectation
+maximisation fits a mixture of round Gaussians to the inputs, starting from a few steps of k-means.
+The second finds the outputs by linear least squares. I. T. Nabney, "NETLAB: Algorithms for Pattern
+Recognition", Springer, 2002.
 """
 
 from __future__ import annotations
@@ -18,12 +19,12 @@ from golden.real import Real
 KMEANS_STEPS = 5
 EM_STEPS = 100
 
-# A Gaussian that has shrunk to one sample keeps this variance instead of none.
+# A Gaussian that has shrunk to one sample keeps this variance, so that it is not 0.
 LEAST_VARIANCE = 1e-6
 
 
 def squared_distances(points: Real, centres: Real) -> Real:
-    """Shape (points, centres)."""
+    """The squared distances between points and centres, shape (points, centres)."""
     result: Real = ((points[:, np.newaxis] - centres) ** 2).sum(axis=-1)
     return result
 
@@ -36,7 +37,7 @@ def mixture_centres(inputs: Real, count: int, rng: np.random.Generator) -> Real:
     inputs : float array, shape (rows, inputs)
     count : int
     rng : Generator
-        Decides where k-means begins.
+        Determines where k-means begins.
 
     Raises
     ------
@@ -56,7 +57,7 @@ def mixture_centres(inputs: Real, count: int, rng: np.random.Generator) -> Real:
         squares = squared_distances(inputs, centres) / variances
         logarithms = np.log(shares) - (squares + inputs.shape[1] * np.log(variances)) / 2
         belongs = softmax(logarithms, axis=1)
-        # A Gaussian that no row belongs to any more keeps its place.
+        # A Gaussian that has lost all its rows stays where it is.
         weights = belongs.sum(axis=0) + np.finfo(np.float64).tiny
         shares = weights / weights.sum()
         alive = weights > LEAST_VARIANCE
@@ -68,11 +69,11 @@ def mixture_centres(inputs: Real, count: int, rng: np.random.Generator) -> Real:
 
 
 def train_rbf(inputs: Real, targets: Real, hidden: int, rng: np.random.Generator) -> Rbf:
-    """The network of one start.
+    """Train the network from one start.
 
-    All widths are the largest distance between two centres, Netlab's default: wide functions that
-    overlap. (The mixture's own widths are what the inputs need, not the targets: on the recorded
-    vectors they give ten times the error.)
+    All widths are the largest distance between two centres, which is Netlab's default and gives
+    wide functions that overlap. (The mixture's own widths suit the inputs and not the targets: on
+    the recorded vectors they give ten times the error.)
 
     Parameters
     ----------
@@ -85,7 +86,8 @@ def train_rbf(inputs: Real, targets: Real, hidden: int, rng: np.random.Generator
     Raises
     ------
     InputError
-        For fewer than two nodes, whose distance gives the width, or fewer distinct rows than nodes.
+        For fewer than two nodes, since their distance gives the width, or for fewer distinct rows
+        than nodes.
     """
     if hidden < 2:
         raise InputError(f"hidden: got {hidden}, expected 2 or more")

@@ -1,4 +1,4 @@
-"""``data.scale = "auto"``: worked out from the recordings, before training."""
+"""Determines the scales for ``data.scale = "auto"`` from the recordings, before training."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from golden.training.split import split_of
 
 
 def scaled(scene: Scene) -> Scene:
-    """The scene with a scale in place of every "auto".
+    """The scene with a scale in the place of every "auto".
 
-    A sensor's is that of the rows that train: of the others nothing is known beforehand. An
-    output's is that of all rows, because its range is what is asked for and is not learnt. Sensors
-    that a converter reads have the scale of its data sheet.
+    The scale of a sensor comes from the rows that train, because nothing about the other rows is
+    known beforehand. The scale of an output comes from all rows, because its range is required and
+    not learnt. Sensors that a converter reads have the scale of its data sheet.
 
     Raises
     ------

@@ -59,7 +59,7 @@ def minimise(evaluate: Evaluate, start: Real, steps: int, tolerance: float = 1e-
         step = -slope / scaled
         candidate = point + step * direction
         new_value, new_gradient = evaluate(candidate)
-        # How much of the decrease that the quadratic model promises did come about.
+        # The part of the decrease predicted by the quadratic model that was really reached.
         quality = 2 * (new_value - value) / (step * slope)
         fresh = quality >= 0
         if fresh:
@@ -74,7 +74,7 @@ def minimise(evaluate: Evaluate, start: Real, steps: int, tolerance: float = 1e-
             else:
                 share = float((old_gradient - gradient) @ gradient) / slope
                 direction = share * direction - gradient
-        # A step to infinity or NaN has no quality; it is refused and the scale grows.
+        # A step to infinity or NaN gives no quality. It is refused, and the scale grows.
         if not quality >= 0.25:
             scale = min(4 * scale, SCALE_RANGE[1])
         elif quality > 0.75:

@@ -1,19 +1,19 @@
 """The search over hidden nodes and restarts, and the choice of the network.
 
-Each candidate runs three steps: the optimiser on tanh; the same on the activation that the hardware
-has, where that is not tanh, so that the weights make up for its error; and a shift of the output
-biases by the mean bit-true error, which takes out what truncation adds. The candidate with the
-least bit-true error on the validation rows is kept. Where the scene names noise or drift of its
-sensors, all of this is done on disturbed rows, the same ones for every candidate.
+Each candidate goes through three steps: the optimiser on tanh; the optimiser on the hardware's
+activation, where that is not tanh, so that the weights compensate for its error; and a shift of the
+output biases by the mean bit-true error, which removes what truncation adds. The candidate with the
+least bit-true error on the validation rows is kept. Where the scene declares noise or drift of its
+sensors, all of this is done on disturbed rows, which are the same for every candidate.
 
-What was chosen may be trained on, from where it stands, on more rows: ``training.refit``. On the
-training and validation rows alone it is what the test rows tell the error of; on all rows it is the
-network that is written.
+The chosen network may be trained further, from its present weights, on more rows:
+``training.refit``. With training and validation rows alone, the test rows tell its error. With all
+rows, it is the network that is written.
 
-On one machine a candidate depends on the task, its hidden nodes and its number alone, so neither
-the number of workers nor an interruption changes the outcome. Elsewhere it comes out otherwise:
-where BLAS or tanh round the last bit in another way, which another processor does, and for SCG on
-some ten thousand rows another number of threads too.
+On one machine a candidate depends only on the task, its hidden nodes and its number, so neither the
+number of workers nor an interruption changes the result. Elsewhere the result may differ: on
+another processor, BLAS or tanh may round the last bit in another way, and for SCG on some ten
+thousand rows another number of threads has the same effect.
 """
 
 from __future__ import annotations
@@ -40,17 +40,17 @@ OPTIMISERS = {"levenberg-marquardt": levenberg_marquardt.descend, "scg": scg.des
 
 @dataclass(frozen=True)
 class Result:
-    """What became of one candidate.
+    """The result of one candidate.
 
     Attributes
     ----------
     hidden, restart : int
-        Which candidate.
+        The hidden nodes and the number of the start, which identify the candidate.
     validation, test : float
-        Root mean square of the bit-true percent errors under the scene's disturbance; infinite
-        where it was refused.
+        Root mean square of the bit-true errors in percent, under the scene's disturbance; infinite
+        for a refused candidate.
     refused : str
-        Why the hardware's formats cannot hold it, or nothing.
+        Why the candidate does not fit in the hardware's formats; empty if it does.
     """
 
     hidden: int
@@ -61,12 +61,12 @@ class Result:
 
     @property
     def rank(self) -> tuple[float, int, int]:
-        """Less is better; equal errors go to the smaller network, then the earlier restart."""
+        """The least is best; equal errors go to the smaller network, then the earlier start."""
         return self.validation, self.hidden, self.restart
 
 
 def starting_weights(shape: tuple[int, int, int], rng: np.random.Generator) -> Mlp:
-    """Random weights that leave every hidden node in its bend."""
+    """Random weights with which every hidden node works in the curved part of tanh."""
     inputs, hidden, outputs = shape
     return Mlp(
         rng.normal(0, 0.7, (hidden, inputs)),
@@ -77,7 +77,7 @@ def starting_weights(shape: tuple[int, int, int], rng: np.random.Generator) -> M
 
 
 def shift_biases(task: Task, mlp: Mlp, frames: Frames) -> Mlp:
-    """Output biases moved by the weighted mean bit-true error on ``frames``, twice."""
+    """Shift the output biases by the weighted mean bit-true error on ``frames``, twice."""
     weight = 1 / frames.scale**2
     for _ in range(2):
         results = task.bit_true(mlp, frames)
@@ -89,19 +89,19 @@ def shift_biases(task: Task, mlp: Mlp, frames: Frames) -> Mlp:
 def train(
     task: Task, hidden: int, restart: int, objective: Callable[..., Objective] = Objective
 ) -> Mlp:
-    """The network of one candidate.
+    """Train the network of one candidate.
 
     Parameters
     ----------
     task : Task
     hidden, restart : int
     objective : callable
-        What makes the objective of each descent: another one can watch its progress.
+        Makes the objective of each descent; another one than the default can watch the progress.
 
     Raises
     ------
     InputError
-        When the hardware's formats cannot hold its weights.
+        When its weights do not fit in the hardware's formats.
     """
     shape = (task.training.inputs.shape[1], hidden, task.training.targets.shape[1])
     rng = np.random.default_rng([task.scene.training.seed, task.number, hidden, restart])
@@ -110,12 +110,12 @@ def train(
 
 
 def refitted(task: Task, mlp: Mlp, frames: Frames) -> Mlp:
-    """A network that is trained on, from where it stands, on more rows; nothing ends it early.
+    """Train a network further, from its present weights, on more rows; nothing ends it early.
 
     Raises
     ------
     InputError
-        When the hardware's formats cannot hold its weights.
+        When its weights do not fit in the hardware's formats.
     """
     return descended(task, mlp, frames, frames)
 
@@ -127,12 +127,12 @@ def descended(
     validation: Frames,
     objective: Callable[..., Objective] = Objective,
 ) -> Mlp:
-    """The network that the descents lead to from ``start``, on tanh and the scene's activation.
+    """The network that the descents reach from ``start``, on tanh and the scene's activation.
 
     Raises
     ------
     InputError
-        When the hardware's formats cannot hold its weights.
+        When its weights do not fit in the hardware's formats.
     """
     settings = task.scene.training
     normal, plain = task.normal, [Scale()] * len(start.b2)
@@ -156,12 +156,12 @@ def measure(task: Task, hidden: int, restart: int) -> Result:
 
 
 def bit_true_errors(task: Task, mlp: Mlp) -> tuple[float, float]:
-    """Those of the validation and of the test rows, under the scene's disturbance.
+    """The bit-true errors of the validation and of the test rows, under the scene's disturbance.
 
     Raises
     ------
     InputError
-        When the hardware's formats cannot hold the weights.
+        When the weights do not fit in the hardware's formats.
     """
     return bit_true_error(task, mlp, task.validation), bit_true_error(task, mlp, task.test)
 
@@ -177,7 +177,7 @@ def signed_errors(task: Task, mlp: Mlp, frames: Frames) -> Real:
 
 
 def candidates(task: Task) -> list[tuple[int, int]]:
-    """Hidden nodes and restart of every candidate, the smallest networks first."""
+    """Hidden nodes and start number of every candidate, the smallest networks first."""
     settings = task.scene.training
     hidden = task.scene.members[task.number].hidden
     low, high = (hidden, hidden) if hidden else settings.hidden
@@ -185,20 +185,20 @@ def candidates(task: Task) -> list[tuple[int, int]]:
 
 
 def search(task: Task, record: Path, workers: int = -1) -> Iterator[Result]:
-    """Every candidate's result, in order, as it becomes known.
+    """The result of every candidate, in order, as soon as it is known.
 
     Parameters
     ----------
     task : Task
     record : Path
-        Results are appended to this file; those it already holds are not computed again.
+        Results are appended to this file; those that it already holds are not computed again.
     workers : int
-        Processes; -1 for one a core. On one machine the outcome does not depend on it. joblib runs
-        them, so a cluster can be named with ``joblib.parallel_config``.
+        Number of processes; -1 for one per core. On one machine the result does not depend on it.
+        joblib runs them, so ``joblib.parallel_config`` can name a cluster.
     """
     known = {(r.hidden, r.restart): r for r in _read(record)}
     missing = [c for c in candidates(task) if c not in known]
-    # The recorded ones stand first in the order, except after a crash between two lines.
+    # The recorded candidates come first in the order, except after a crash between two lines.
     yield from (known[c] for c in candidates(task) if c in known)
     jobs = (delayed(measure)(task, hidden, restart) for hidden, restart in missing)
     with writing(record):
@@ -211,7 +211,7 @@ def search(task: Task, record: Path, workers: int = -1) -> Iterator[Result]:
 
 
 def _read(record: Path) -> Iterator[Result]:
-    """Results of an earlier, interrupted search; a last line cut off by it is dropped."""
+    """Results of an earlier search that was interrupted; an incomplete last line is dropped."""
     if not record.is_file():
         return
     with reading(record, "text"):

@@ -1,4 +1,4 @@
-"""Which rows train a network, which choose it, and which are kept out of both."""
+"""The rows that train a network, those that choose it, and those that are kept out of both."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 Numbers = NDArray[np.int64]
 
-# Half of the blocks train, a quarter chooses, a quarter tests; of any two in a row one trains.
+# Half of the blocks train, a quarter chooses and a quarter tests. Of any two neighbours one trains.
 PARTS = ("training", "validation", "training", "test")
 
 
@@ -32,17 +32,17 @@ class Split:
 
     @property
     def count(self) -> int:
-        """Rows in any part."""
+        """The number of rows in all parts."""
         return sum(map(len, (self.training, self.validation, self.test)))
 
 
 def split_of(scene: Scene) -> Split:
-    """The split that ``training.split`` of a scene names.
+    """The split that ``training.split`` of a scene requests.
 
     Raises
     ------
     InputError
-        For too few rows, blocks or groups, or a column of ``training.split_by`` that is not there.
+        For too few rows, blocks or groups, or for a missing column of ``training.split_by``.
     """
     settings = scene.training
     runs, values = _columns(scene)
@@ -60,23 +60,23 @@ def split_of(scene: Scene) -> Split:
 def apart(split: Split, runs: Numbers, past: int, place: str = "rows") -> Split:
     """A split without the rows that share a sample with a row of another part.
 
-    Of every stretch of one part those are its first rows, as many as the past is long, unless a
+    In every stretch of one part these are the first rows, as many as the past is long, unless a
     recording begins there.
 
     Parameters
     ----------
     split : Split
     runs : int array, shape (rows,)
-        Which recording each row is of.
+        The recording of each row, as a number.
     past : int
-        Rows that a row reaches back.
+        How many rows a row reaches back.
     place : str
-        What a message names.
+        The beginning of a message.
 
     Raises
     ------
     InputError
-        When nothing is left of a part.
+        When no row is left of a part.
     """
     parts = {name: getattr(split, name) for name in ("training", "validation", "test")}
     part = np.zeros(len(runs), dtype=np.int64)
@@ -99,7 +99,7 @@ def apart(split: Split, runs: Numbers, past: int, place: str = "rows") -> Split:
 
 
 def split_story(scene: Scene) -> dict[str, str | int]:
-    """What the provenance of a network says of the rows: whoever reads the same has this split."""
+    """The part of a network's provenance that determines its split: data, rows and settings."""
     settings = scene.training
     return {
         "data": ", ".join(path.name for path in scene.data_paths),
@@ -113,7 +113,7 @@ def split_story(scene: Scene) -> dict[str, str | int]:
 
 
 def unused_text(scene: Scene) -> str:
-    """Which recorded rows are not used, where networks see past samples; nothing elsewhere."""
+    """A text about recorded rows that are not used because of past samples; else empty."""
     if scene.window.plain:
         return ""
     without = read_recorded(scene).without_past
@@ -125,7 +125,7 @@ def unused_text(scene: Scene) -> str:
 
 
 def _columns(scene: Scene) -> tuple[Numbers, Real]:
-    """Of the rows that the scene uses: the recording, and the columns of ``training.split_by``."""
+    """The recording of each row that the scene uses, and the columns of ``training.split_by``."""
     found = []
     for path in scene.data_paths:
         kept = rows_where(path, scene.where)[scene.window.past :]
@@ -134,12 +134,12 @@ def _columns(scene: Scene) -> tuple[Numbers, Real]:
 
 
 def split_rows(rows: int, seed: int, place: str = "rows") -> Split:
-    """A random split of ``rows`` rows.
+    """Split rows at random.
 
     Raises
     ------
     InputError
-        For fewer than 8 rows: a part would hold a single row or none.
+        For fewer than 8 rows, since a part would then hold a single row or none.
     """
     if rows < 8:
         raise InputError(f"{place}: got {rows} rows, expected at least 8 to split in 50, 25, 25 %")
@@ -147,19 +147,19 @@ def split_rows(rows: int, seed: int, place: str = "rows") -> Split:
 
 
 def split_groups(values: Real, seed: int, place: str = "groups") -> Split:
-    """Rows with the same ``values`` stay together; the groups are split at random.
+    """Split groups of rows at random; rows with the same ``values`` stay together.
 
     Parameters
     ----------
     values : float array, shape (rows, columns)
     seed : int
     place : str
-        What a message names.
+        The beginning of a message.
 
     Raises
     ------
     InputError
-        For fewer than 4 groups: a part would have none.
+        For fewer than 4 groups, since a part would then have none.
     """
     groups, member = np.unique(values, axis=0, return_inverse=True)
     if len(groups) < 4:
@@ -177,12 +177,12 @@ def split_groups(values: Real, seed: int, place: str = "groups") -> Split:
 
 
 def split_blocks(values: Real, block_rows: int, seed: int, place: str = "blocks") -> Split:
-    """Stretches of rows that follow each other in the file stay together.
+    """Split stretches of rows; rows that follow each other in the file stay together.
 
-    A run is a stretch in which ``values`` do not change, the whole file where there are none. It
-    is cut into blocks of ``block_rows`` rows, as near as equal ones come. The blocks of a run, in
-    random order, and after it those of the next, are dealt out to ``PARTS`` in turn, so that every
-    run of two blocks or more has one that trains.
+    A run is a stretch in which ``values`` do not change; without ``values`` it is the whole file.
+    It is cut into equal blocks of about ``block_rows`` rows. The blocks of a run, in random order,
+    and then those of the next run, are dealt out to ``PARTS`` in turn. So every run of two or more
+    blocks has one that trains.
 
     Parameters
     ----------
@@ -190,12 +190,12 @@ def split_blocks(values: Real, block_rows: int, seed: int, place: str = "blocks"
     block_rows : int
     seed : int
     place : str
-        What a message names.
+        The beginning of a message.
 
     Raises
     ------
     InputError
-        For fewer than 4 blocks: a part would have none.
+        For fewer than 4 blocks, since a part would then have none.
     """
     borders = np.flatnonzero((values[1:] != values[:-1]).any(axis=1)) + 1
     rng = np.random.default_rng(seed)

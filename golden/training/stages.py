@@ -1,4 +1,4 @@
-"""The networks of a scene as training makes them: chosen, tested, written."""
+"""The networks of a scene at the stages of training: chosen, tested and written."""
 
 from __future__ import annotations
 
@@ -16,22 +16,23 @@ from golden.training.task import Task, task_for
 
 @dataclass
 class Stages:
-    """The networks so far, each of which sees the earlier ones of its own stage.
+    """The networks so far. Each of them sees the earlier ones of its own stage.
 
     Attributes
     ----------
     scene : Scene
     chosen : list of Mlp
-        Trained on the training rows, chosen by the validation rows.
+        Networks trained on the training rows, and chosen by the validation rows.
     tested : list of Mlp
-        The same, with ``training.refit`` trained on, on training and validation rows: nothing of
-        the test rows is in them.
+        The same networks; with ``training.refit`` they are trained further on training and
+        validation rows, so that they contain nothing of the test rows.
     written : list of Mlp
-        The same, with ``training.refit`` trained on, on all rows, as their files will be read.
+        The same networks; with ``training.refit`` they are trained further on all rows. They are as
+        they will be read from their files.
     files : list of Mlp
-        What the files of the written ones hold.
+        The written networks as their files hold them.
     full : list of dict
-        With ``training.digits``: the three of each network as they were with all their digits.
+        With ``training.digits``: for each network its three stages before digits were removed.
     """
 
     scene: Scene
@@ -42,16 +43,17 @@ class Stages:
     full: list[dict[str, Mlp]] = field(default_factory=list)
 
     def task(self, earlier: list[Mlp], number: int) -> Task:
-        """The task of one network behind the earlier ones of a stage."""
+        """The task of a network that follows the earlier ones of a stage."""
         return task_for(self.scene, self.scene.vectors(), earlier[:number])
 
     def add(self, hidden: int, restart: int) -> None:
-        """The next network, from the candidate that was chosen.
+        """Add the next network, from the candidate that was chosen.
 
         Raises
         ------
         InputError
-            When the hardware's formats cannot hold its weights, or few digits its function.
+            When its weights do not fit in the hardware's formats, or when it cannot have so few
+            digits.
         """
         number = len(self.chosen)
         chosen = self._as_read(train(self.task(self.chosen, number), hidden, restart), number)
@@ -72,7 +74,7 @@ class Stages:
     def _few_digits(
         self, number: int, chosen: Mlp, tested: Mlp, written: Mlp
     ) -> list[tuple[Mlp, Mlp]]:
-        """The three networks with their digits taken away, each on the rows that it has seen."""
+        """The three networks with fewer digits, each fitted on the rows that it has seen."""
         task = self.task(self.chosen, number)
         few = FewDigits(task, chosen)
         found = [few.on_training_rows()]
@@ -90,7 +92,7 @@ class Stages:
         return read if len(read) > 1 else read * 3
 
     def _as_read(self, mlp: Mlp, number: int) -> tuple[Mlp, Mlp]:
-        """What a file holds of a network, and what is read from it."""
+        """The network as a file holds it, and as it is read from the file."""
         scales = self.scene.scales_of(number)
         file = on_readings(mlp, *scales)
         return file, on_signals(file, *scales)

@@ -1,4 +1,4 @@
-"""What one network of a scene learns from."""
+"""The data from which one network of a scene learns."""
 
 from __future__ import annotations
 
@@ -20,14 +20,16 @@ from golden.scene.scale import Scale, range_scale, readings
 from golden.training.objective import Rows
 from golden.training.split import Split, split_of
 
-# What is disturbed with draws of its own; the first three are the split.
+# The parts of the rows, each of which is disturbed with its own random numbers. The first three are
+# the split.
 PARTS = ("training", "validation", "test", "known", "every")
 
-# A disturbed part of the rows is so many recordings of it that it has at least so many rows: fewer
-# leave it to chance which network looks best, more make training slow.
+# A disturbed part of the rows is repeated until it has at least so many rows. With fewer, chance
+# decides which network looks best; more would make training slow.
 TRAINED_ROWS = 300
 MEASURED_ROWS = 600
-# One descent, which nothing ends early: what it must not learn is told by draws alone.
+# This is for a single descent that nothing ends early: only the random draws prevent it from
+# learning the disturbance.
 REFITTED_ROWS = 600
 LEAST_ROWS = {"training": TRAINED_ROWS, "validation": MEASURED_ROWS, "test": MEASURED_ROWS}
 
@@ -39,36 +41,36 @@ class Frames(Rows):
     Attributes
     ----------
     inputs : float array, shape (rows, inputs)
-        What training sees: the samples as quantised and, in a cascade, the outputs of the networks
-        before, bit-true or in floating point as ``training.earlier_outputs`` says.
+        The inputs in training: the quantised samples and, in a cascade, the outputs of earlier
+        networks, bit-true or in floating point according to ``training.earlier_outputs``.
     codes : int64 array, shape (rows, inputs)
-        What the hardware sees.
+        The inputs of the hardware.
     """
 
     codes: Codes
 
     def take(self, rows: NDArray[np.int64]) -> Frames:
-        """Some of the rows."""
+        """Select some of the rows."""
         return Frames(self.inputs[rows], self.targets[rows], self.scale[rows], self.codes[rows])
 
 
 @dataclass(frozen=True)
 class Task:
-    """One network to train, with what it sees and what it shall give.
+    """The training of one network, with its inputs and targets.
 
     Attributes
     ----------
     scene : Scene
     number : int
-        Which network of the scene.
+        Index of the network in the scene.
     split : Split
     recorded : Frames
-        All rows, as recorded.
+        All rows as they were recorded.
     training, validation, test : Frames
-        The parts of the split under ``training.noise`` and ``training.drift``; without any, as
-        recorded. Every candidate has the same.
+        The parts of the split under ``training.noise`` and ``training.drift``; without these, as
+        recorded. They are the same for every candidate.
     known, every : Frames
-        Likewise the training and validation rows together, and all rows.
+        Training and validation rows together, and all rows, under the same disturbance.
     """
 
     scene: Scene
@@ -83,11 +85,11 @@ class Task:
 
     @property
     def normal(self) -> list[Scale]:
-        """The scale of each input that training works with.
+        """The scale of each input during training.
 
-        Where ``data.scale`` names the column that is what the training rows cover, whatever the
-        converter's range is: weights start, and are kept small, in proportion to it. It is folded
-        into the weights. Other columns are taken as they are.
+        If ``data.scale`` names the column, it is the range of the training rows, whatever the range
+        of the converter is. Weights start in proportion to it and are kept small in proportion to
+        it. The scale is folded into the weights. Other columns are used without a scale.
         """
         columns = self.scene.columns_of(self.number)
         return [
@@ -103,18 +105,18 @@ class Task:
         Raises
         ------
         InputError
-            When the hardware's formats cannot hold its weights.
+            When its weights do not fit in the hardware's formats.
         """
         return SIGNAL.to_real(self.scene.build(mlp).process(frames.codes))
 
 
 def task_for(scene: Scene, vectors: Vectors, earlier: Sequence[Mlp]) -> Task:
-    """The task of the network that follows ``earlier``, the trained networks before it.
+    """The task of the network that follows ``earlier``, the networks trained before it.
 
     Raises
     ------
     InputError
-        For too few rows to split, or a column without which the network would learn the same.
+        For too few rows to split, or for a column that is constant and so teaches nothing.
     """
     _refuse_constant(scene, vectors)
     split = split_of(scene)
@@ -144,7 +146,8 @@ def task_for(scene: Scene, vectors: Vectors, earlier: Sequence[Mlp]) -> Task:
             return recorded.take(rows)
         rows = np.tile(rows, -(-LEAST_ROWS.get(part, REFITTED_ROWS) // len(rows)))
         rng = np.random.default_rng([scene.training.seed, PARTS.index(part)])
-        # Each row has a drift of its own: few drifts, each of many rows, would be a chance sample.
+        # Each row has its own drift, because a few drifts with many rows each would be a chance
+        # sample.
         disturbed = [disturbance.of(recorded_readings[[row]], rng, sensors) for row in rows]
         return frames(scene.codes_of(np.concatenate(disturbed)), rows)
 
@@ -153,7 +156,7 @@ def task_for(scene: Scene, vectors: Vectors, earlier: Sequence[Mlp]) -> Task:
 
 
 def _seen(scene: Scene, codes: Codes, earlier: Sequence[Mlp]) -> dict[str, Any]:
-    """What the network after ``earlier`` sees of the sensors' codes, as numbers and as codes."""
+    """The inputs of the network after ``earlier``, as numbers and as codes."""
     samples = SIGNAL.to_real(codes)
     bit_true: list[Codes] = []
     given: list[Real] = []

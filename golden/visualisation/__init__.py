@@ -1,1 +1,1 @@
-"""The load that the networks found, drawn along the beam (thesis sections 3.13 and 5.8)."""
+"""Draws the load that the networks found along the beam (thesis sections 3.13 and 5.8)."""

@@ -1,4 +1,4 @@
-"""Divider: the distance from the load in units of its half width."""
+"""Divider: computes the distance from the load in units of its half width."""
 
 from __future__ import annotations
 
@@ -16,12 +16,13 @@ from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 @dataclass(frozen=True)
 class Divider(Block):
-    """t = distance * gain / width, one quotient bit a clock: the C (i_p - i_m) of equation 3.18.
+    """t = distance * gain / width, one bit per clock: the C (i_p - i_m) of equation 3.18.
 
     With C = gain / width, the product C (i_p - i_m) is a quotient. Shifting and subtracting gives
-    it exactly, floor aside, for a narrow load as for a wide one; a table of reciprocals needs a
-    shifter in front for narrow loads, a multiplier behind, and is exact to its last address only.
-    There is time: a scan has 4096 clocks, and a quotient of 17 bits takes 18.
+    this quotient exactly, apart from rounding down, for narrow and wide loads alike. A table of
+    reciprocals would need a shifter for narrow loads and a multiplier, and would only be exact up
+    to its last address. There is enough time: a scan has 4096 clocks, and a quotient of 17 bits
+    takes 18.
 
     Parameters
     ----------
@@ -30,25 +31,26 @@ class Divider(Block):
     width_width : int
         Bits of the unsigned width.
     gain : int
-        Constant, unsigned, with ``gain_frac`` fraction bits.
+        The constant, unsigned, with ``gain_frac`` fraction bits.
     gain_frac : int
     out_width, out_frac : int
-        Unsigned quotient t.
+        Format of the unsigned quotient t.
 
     Notes
     -----
-    Distance and width share one binary point. A width of 0 counts as 1 LSB, the narrowest load
-    there is. Truncated; saturates to 2**out_width - 1. Error: -1 to 0 LSB where it does not
-    saturate.
+    Distance and width share one binary point. A width of 0 counts as 1 LSB, which is the narrowest
+    load. The quotient is truncated and saturates to 2**out_width - 1. Its error is -1 to 0 LSB
+    where it does not saturate.
 
-    Hardware: the quotient saturates just where numerator >= width << integer bits; otherwise
-    ``out_width`` steps of a remainder as wide as the width give it, most significant bit first.
+    Hardware: the quotient saturates just where numerator >= width << integer bits. Otherwise
+    ``out_width`` steps with a remainder as wide as the width give its bits, the most significant
+    first.
 
     Raises
     ------
     InputError
-        When the gain is not above 0, or has more fraction bits than the quotient, or the quotient
-        has no bit before its point.
+        When the gain is not above 0 or has more fraction bits than the quotient, or when the
+        quotient has no bit before its point.
     """
 
     block = "divider"
@@ -100,7 +102,7 @@ class Divider(Block):
 
     @property
     def latency(self) -> int:
-        # Product with the gain, start of the remainder, a clock for each bit.
+        # One clock for the product with the gain, one to start the remainder, and one for each bit.
         return 2 + self.out_width
 
     @property
@@ -114,7 +116,7 @@ class Divider(Block):
 
     @property
     def about_border(self) -> tuple[Codes, Codes, Codes]:
-        """For every width the two distances between which the quotient saturates, and quotients."""
+        """For every width the two distances around which the quotient saturates, with quotients."""
         widths = np.arange(1, 1 << self.width_width, dtype=np.int64)
         step = self.gain << (self.out_frac - self.gain_frac)
         first = -(-(widths << self.out_width) // step)
@@ -132,7 +134,7 @@ class Divider(Block):
         return np.asarray(numerator // np.maximum(width, 1), dtype=np.int64)
 
     def process(self, distance: ArrayLike, width: ArrayLike) -> Codes:
-        """Quotients; the arguments broadcast.
+        """The quotients; the arguments are broadcast.
 
         Raises
         ------

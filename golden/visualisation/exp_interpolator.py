@@ -1,4 +1,4 @@
-"""exp_interpolator: exp(-x) between two words of the memory."""
+"""exp_interpolator: computes exp(-x) from one word of the memory and the rest of x."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 @dataclass(frozen=True)
 class ExpInterpolator(Block):
-    """exp(-x) = word (1 - delta): the memory's word carries its own slope.
+    """exp(-x) = word (1 - delta), in which the word of the memory is also the slope.
 
     The word is exp(-x0) in the middle x0 of an interval, and delta = x - x0. The derivative of
     exp(-x) at x0 is -exp(-x0), the negative of the word, so no second table is needed.
@@ -29,9 +29,9 @@ class ExpInterpolator(Block):
 
     Notes
     -----
-    The factor 1 - delta is unsigned, ``factor_width`` bits, exact. The product is truncated to the
-    word's format. Error of the straight line: 0 to delta**2 / 2 below exp(-x), at most 2**-15 for
-    an interval of 2**-6; of the truncation, 1 LSB of the word. The result is below 1.
+    The factor 1 - delta is exact and unsigned, with ``factor_width`` bits. The product is truncated
+    to the word's format. The straight line lies 0 to delta**2 / 2 below exp(-x), at most 2**-15 for
+    an interval of 2**-6; truncation adds an error of 1 LSB of the word. The result is below 1.
     """
 
     block = "exp_interpolator"
@@ -42,7 +42,7 @@ class ExpInterpolator(Block):
 
     @property
     def factor_width(self) -> int:
-        """Bits of the unsigned 1 - delta, which lies just above 1 at the most."""
+        """Bits of the unsigned 1 - delta, which is at most slightly more than 1."""
         return self.frac + 1
 
     @property
@@ -67,7 +67,7 @@ class ExpInterpolator(Block):
         return 2
 
     def process(self, word: ArrayLike, offset: ArrayLike) -> Codes:
-        """exp(-x) in the word's format; the arguments broadcast.
+        """exp(-x) in the word's format; the arguments are broadcast.
 
         Raises
         ------
@@ -76,6 +76,6 @@ class ExpInterpolator(Block):
         """
         w = check_unsigned(word, self.word_width, "exp_interpolator word")
         low = check_unsigned(offset, self.offset_width, "exp_interpolator offset")
-        # 1 - delta, with delta = offset - half an interval.
+        # The factor is 1 - delta, with delta = offset - half an interval.
         factor = (1 << self.frac) + (1 << (self.offset_width - 1)) - low
         return (w * factor) >> self.frac

@@ -1,4 +1,4 @@
-"""exp_memory: exp(-x) in the middle of every interval of x."""
+"""exp_memory: holds exp(-x) for the middle of every interval of x."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from golden.transcendental import exp_floors
 class ExpMemory(Rom):
     """ROM of exp(-x), addressed by the upper bits of x (thesis section 5.8, Figure 5.25).
 
-    The hardware reads it with a clock: a block RAM.
+    Unlike other ROMs it is read with a clock, because it is a block RAM.
     """
 
     block = "exp_memory"
@@ -34,7 +34,7 @@ def exp_memory(addr_width: int, interval_frac: int, width: int) -> ExpMemory:
     """The memory of 2**addr_width words, each for an interval of 2**-interval_frac.
 
     Word n is exp(-(n + 1/2) / 2**interval_frac), unsigned with ``width`` fraction bits, rounded to
-    nearest; it is below 1, so ``width`` bits hold it. 1024 words of 17 bits are one block RAM.
+    nearest. It is below 1, so ``width`` bits hold it. 1024 words of 17 bits are one block RAM.
     """
     interval = Fraction(1, 1 << interval_frac)
     floors = exp_floors(interval / 2, interval, 1 << addr_width, width + 1)

@@ -11,7 +11,8 @@ from golden.domain import checked
 from golden.input_error import InputError
 from golden.real import Real
 
-# Values of one chunk of the series: small enough for a cache, large enough for numpy.
+# Number of values in one chunk of the series, which is small enough for a cache and large enough
+# for numpy.
 CHUNK = 1 << 16
 
 # The integral of sin(x) / x from 0 to pi.
@@ -40,32 +41,35 @@ def harmonic_load(
 ) -> Real:
     """Equation 3.17: 4 d sum over m of sin(m w pi) cos(m i_m pi) cos(m i_p pi) / (m pi).
 
-    The thesis prints 1 / (n pi); n is not defined, and only m gives its Figure 3.27.
+    The thesis prints 1 / (n pi). There n is not defined, and only m gives its Figure 3.27.
 
     Parameters
     ----------
     position : array_like of float
-        i_p, 0 to 1 along the operating length; the arguments broadcast.
+        i_p, from 0 to 1 along the operating length. The arguments are broadcast.
     load, centre, half_width : array_like of float
-        d, -1 to 1; i_m, 0 to 1; w, 0 to 1. The pulse reaches from i_m - w to i_m + w.
+        d from -1 to 1, i_m from 0 to 1, and w from 0 to 1. The pulse reaches from i_m - w to i_m +
+        w.
     terms : int
         P, 1 or more.
 
     Notes
     -----
-    A sum without a constant term has the mean 0 over 0 to 1, so it is the pulse of height d less
-    its own mean 2 d w: with the pulse inside 0 to 1, d (1 - 2 w) on it and -2 d w beside it.
+    The sum has no constant term, so its mean over 0 to 1 is 0. It is therefore the pulse of height
+    d minus the pulse's mean 2 d w: with the pulse inside 0 to 1, it is d (1 - 2 w) on the pulse and
+    -2 d w beside it.
 
-    Near a jump the sum overshoots by 0.0895 d however many terms it has (Gibbs): the largest value
-    stands 1 / (P + 1) from the jump. At the jump itself it is the middle of the two sides.
+    Near a jump the sum overshoots by 0.0895 d, however many terms it has (Gibbs). The largest value
+    is 1 / (P + 1) away from the jump. At the jump itself the sum is the mean of both sides.
 
-    Time grows with terms times values, memory does not grow with terms. Phases are reduced to one
-    turn before the sine is taken; the rounding error stays below 1e-12 d for a million terms.
+    The time grows with the number of terms times the number of values; the memory does not grow
+    with the number of terms. Phases are reduced to one turn before the sine is computed, so the
+    rounding error stays below 1e-12 d for a million terms.
 
     Raises
     ------
     InputError
-        For an argument outside its range, NaN included, or no terms.
+        For an argument outside its range, which includes NaN, or for no terms.
     """
     if terms < 1:
         raise InputError(f"terms: got {terms}, expected 1 or more")
@@ -83,14 +87,14 @@ def harmonic_load(
 
 
 def _phases(p: Real, c: Real, w: Real) -> Real:
-    """The four sawtooth arguments of equation 3.17, in units of pi, on a new first axis."""
+    """The four sawtooth arguments of equation 3.17, in units of pi, along a new first axis."""
     return np.stack([w + (p - c), w - (p - c), w + (p + c), w - (p + c)])
 
 
 def harmonic_limit(
     position: ArrayLike, load: ArrayLike, centre: ArrayLike, half_width: ArrayLike
 ) -> Real:
-    """What equation 3.17 tends to for ever more terms, in closed form.
+    """The limit of equation 3.17 for an infinite number of terms, in closed form.
 
     A product of one sine and two cosines is a sum of four sines, and the sum over m of
     sin(m pi x) / (m pi) is the sawtooth (1 - x) / 2 for 0 < x < 2, 0 at x = 0, of period 2. So the
@@ -100,7 +104,7 @@ def harmonic_limit(
     Parameters
     ----------
     position, load, centre, half_width
-        See ``harmonic_load``; the errors raised are its own.
+        See ``harmonic_load``, which also raises the same errors.
     """
     p, d, c, w = _sum_domain(position, load, centre, half_width)
     x = np.remainder(_phases(p, c, w), 2)
@@ -115,17 +119,17 @@ def harmonic_tail(
     half_width: ArrayLike,
     terms: int,
 ) -> Real:
-    """A bound of ``|harmonic_load - harmonic_limit|``: what the terms left out can amount to.
+    """A bound of ``|harmonic_load - harmonic_limit|``, that is of the terms that are left out.
 
     By Abel's summation the terms beyond P of sum sin(m theta) / m stay below
     ``1 / ((P + 1) |sin(theta / 2)|)``, and partial sums and limit lie between 0 and the
-    Wilbraham-Gibbs constant 1.852 on either side of 0, so the tail never exceeds that. At a jump
-    (theta = 0) every term is 0, and so is the bound.
+    the Wilbraham-Gibbs constant 1.852 on either side of 0, so the tail never exceeds that. At a
+    jump (theta = 0) every term is 0, and so is the bound.
 
     Parameters
     ----------
     position, load, centre, half_width, terms
-        See ``harmonic_load``; the errors raised are its own.
+        See ``harmonic_load``, which also raises the same errors.
     """
     if terms < 1:
         raise InputError(f"terms: got {terms}, expected 1 or more")
@@ -147,24 +151,24 @@ def power_load(
 ) -> Real:
     """Equation 3.18: d exp(-(C (i_p - i_m))**P).
 
-    The power is taken of the product, not of C and of the distance apart as thesis section 5.8
-    computes it: C**P alone overflows for narrow loads. A power beyond the largest float is
-    infinity, whose exponential is 0, the right value; nothing overflows for any C and P.
+    The power is taken of the product, and not of C and of the distance separately as thesis section
+    5.8 computes it, because C**P alone overflows for narrow loads. A power beyond the largest float
+    becomes infinity, whose exponential is 0, which is right. So nothing overflows for any C and P.
 
     Parameters
     ----------
     position, load, centre : array_like of float
-        i_p, d and i_m, finite; the arguments broadcast.
+        i_p, d and i_m, all finite. The arguments are broadcast.
     steepness : array_like of float
         C, above 0: f falls to d / e at the distance 1 / C from the centre.
     power : int
-        P, even: 2 for the pointed profile that stands for a triangle, 6 for the flat one that
-        stands for a rectangle. An odd power would grow without bound on one side.
+        P, an even number: 2 for the pointed profile that stands for a triangle, 6 for the flat one
+        that stands for a rectangle. With an odd power f would grow without bound on one side.
 
     Raises
     ------
     InputError
-        For an argument outside its range, NaN and infinity included.
+        For an argument outside its range, which includes NaN and infinity.
     """
     if power < 2 or power % 2:
         raise InputError(f"power: got {power}, expected an even whole number, 2 or more")

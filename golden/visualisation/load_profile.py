@@ -1,4 +1,4 @@
-"""load_profile: equation 3.18 for one frame of network outputs, position by position."""
+"""load_profile: computes equation 3.18 for one frame of network outputs, point by point."""
 
 from __future__ import annotations
 
@@ -26,20 +26,20 @@ from golden.visualisation.ramp import Ramp, ramp
 
 RECTANGLE, TRIANGLE = 6, 2  # P of either shape, section 5.8
 
-# Rectangular loads are coded 0.45, triangular ones 0.9 (Table 3.1): halfway between.
+# Rectangular loads are coded 0.45 and triangular ones 0.9 (Table 3.1). The threshold is halfway.
 SHAPE_THRESHOLD = 0.675
 
-# 17 bits unsigned fill one signed input of a MULT18X18.
+# An unsigned number of 17 bits fits one signed input of a MULT18X18.
 WORD = 17
-# t below 4 and t**P below 16: exp(-16) is a thousandth of an LSB of Fix(14,13).
+# t is below 4 and t**P below 16, since exp(-16) is a thousandth of an LSB of Fix(14,13).
 T_FRAC, POWER_FRAC = 15, 13
 ADDR_WIDTH = 10
 
 ENDS = (("begins", "lowest"), ("ends", "highest"))
 
-# Difference and magnitude.
+# One clock for the difference, and one for the magnitude.
 DISTANCE_CLOCKS = 2
-# Product with the load, and the register of the point.
+# One clock for the product with the load, and one for the register of the point.
 END_CLOCKS = 2
 
 
@@ -57,7 +57,7 @@ class LoadProfile(Block):
         Format of the four inputs, of i_p and of f.
     ramp : Ramp
     divider : Divider
-        Gain: see ``width_gain``.
+        For its gain see ``width_gain``.
     power_fold : PowerFold
     exp_memory : ExpMemory
     exp_interpolator : ExpInterpolator
@@ -66,16 +66,17 @@ class LoadProfile(Block):
 
     Notes
     -----
-    A width of 0 or less, which a network can give for a load it hardly sees, counts as the
-    narrowest there is, 1 LSB: f is d at i_p = i_m and 0 elsewhere. A load below 0 gives a profile
-    below 0. The product with d is exact and rounded half up; ``|f| <= |d|``, so it cannot leave
-    ``fmt``.
+    A width of 0 or less, which a network can give for a load that it hardly sees, counts as the
+    narrowest width, 1 LSB: f is then d at i_p = i_m and 0 elsewhere. A load below 0 gives a profile
+    below 0. The product with d is exact and rounded half up. It always fits in ``fmt``, because
+    ``|f| <= |d|``.
 
-    Error against equation 3.18 in real arithmetic, at the codes of i_p, i_m, w and d, with
-    C = gain / w exact: at most 1.81 units of 2**-13 for d = 1, over every t that the divider can
-    give and every fraction that it cuts off (tests/test_visualisation.py, exhaustive).
+    The error against equation 3.18 in real arithmetic, at the codes of i_p, i_m, w and d and with C
+    = gain / w exact, is at most 1.81 units of 2**-13 for d = 1. This holds for every t that the
+    divider can give and every fraction that it drops (tests/test_visualisation.py, exhaustive).
 
-    Multipliers: one in power_fold, used P - 1 times, one in exp_interpolator, one for d.
+    There are three multipliers: one in power_fold, used P - 1 times, one in exp_interpolator, and
+    one for d.
     """
 
     block = "load_profile"
@@ -111,7 +112,7 @@ class LoadProfile(Block):
         return (
             Border("triangle", "shape", self.shape_threshold + 1),
             Border("width not below 0", "width", 0),
-            # 0 counts as 1.
+            # A width of 0 counts as 1.
             Border("wider than the narrowest", "width", 2),
             Border("load not below 0", "load", 0),
             Border("on the ramp", "position", first, 1, lowest if first == self.fmt.low else ""),
@@ -126,8 +127,8 @@ class LoadProfile(Block):
 
     @property
     def latency(self) -> int:
-        """From the results to the first point, and from one point to the next."""
-        # One clock from a result, or from the point before, to the ramp.
+        """Clocks from the results to the first point, and from one point to the next."""
+        # The 1 is the clock to the ramp, from a result or from the point before.
         return (
             1
             + self.ramp.latency
@@ -141,7 +142,7 @@ class LoadProfile(Block):
 
     @property
     def interval(self) -> int:
-        """Least clocks from one frame's results to the next for both to be drawn."""
+        """Least clocks between the results of two frames if both are to be drawn."""
         return self.ramp.points * self.latency
 
     def parts(self) -> tuple[Block, ...]:
@@ -171,7 +172,7 @@ class LoadProfile(Block):
         )
 
     def process(self, frames: ArrayLike) -> tuple[Codes, Codes]:
-        """Positions, shape (points,), and profiles, shape (..., points), of frames.
+        """Positions, shape (points,), and profiles, shape (..., points), for frames.
 
         Parameters
         ----------
@@ -188,7 +189,7 @@ class LoadProfile(Block):
         return self.ramp.process(), self.height(load, *self.fall(codes))
 
     def fall(self, frames: Codes) -> tuple[Codes, Codes]:
-        """t of every point of frames, shape (..., points), and P, shape (..., 1)."""
+        """t for every point of the frames, shape (..., points), and P, shape (..., 1)."""
         centre, width, shape = (frames[..., n, np.newaxis] for n in (1, 2, 3))
         distance = np.abs(self.ramp.process() - centre)
         t = self.divider.process(distance, np.maximum(width, 0))
@@ -212,12 +213,12 @@ class LoadProfile(Block):
         return np.where(codes[..., 3, :] > self.shape_threshold, triangle, rectangle)
 
     def height(self, load: Codes, t: Codes, power: Codes) -> Codes:
-        """d exp(-t**P) in ``fmt``; the arguments broadcast.
+        """d exp(-t**P) in ``fmt``; the arguments are broadcast.
 
         Parameters
         ----------
         load, t, power : int64 arrays
-            Codes of ``fmt``, codes that the divider gives, and P.
+            Codes of ``fmt`` for the load, quotients of the divider for t, and P.
         """
         x = self.power_fold.process(t, power)
         split = self.exp_interpolator.offset_width
@@ -230,13 +231,14 @@ class LoadProfile(Block):
 
 
 def width_gain(position_unit: float | Fraction, width_unit: float | Fraction) -> Fraction:
-    """What C times the coded width is: 2 over the width in the unit of the coded position.
+    """C times the coded width, which is 2 divided by the width in units of the coded position.
 
     Parameters
     ----------
     position_unit, width_unit : float or Fraction
-        What one coded full scale of either is in millimetres, or in any one unit. For the flexible
-        digit 127 and 50.8: a width code is worth 0.4 of a position code, and C = 5 / w.
+        What the coded full scale of each is in millimetres, or both in any other unit. For the
+        flexible digit they are 127 and 50.8. There a width code is worth 0.4 of a position code,
+        and C = 5 / w.
     """
     return 2 * Fraction(str(position_unit)) / Fraction(str(width_unit))
 
@@ -254,7 +256,7 @@ def load_profile(
     Parameters
     ----------
     step, stop, start : float
-        Of the ramp.
+        Steps and ends of the ramp.
     gain : Fraction, optional
         See ``width_gain``; by default that of the flexible digit.
     shape_threshold : float
@@ -263,12 +265,13 @@ def load_profile(
     Raises
     ------
     InputError
-        See ``ramp`` and ``Divider``; also for a gain that 17 bits cannot hold.
+        See ``ramp`` and ``Divider``. Also for a gain that does not fit in 17 bits.
     """
     gain = width_gain(POSITION_MM, WIDTH_MM) if gain is None else gain
     if not 0 < gain < 1 << WORD:
         raise InputError(f"load_profile: gain={float(gain):g}, expected above 0, below {1 << WORD}")
-    # The fewest fraction bits that hold the gain exactly, or as many as 17 bits leave.
+    # The fewest fraction bits that hold the gain exactly; if there are none, as many as fit in 17
+    # bits.
     gain_frac = next(
         (f for f in range(T_FRAC + 1) if (gain * 2**f).denominator == 1),
         max(0, min(T_FRAC, WORD - int(gain).bit_length())),
@@ -277,7 +280,7 @@ def load_profile(
     return LoadProfile(
         SIGNAL,
         ramp(SIGNAL, step, stop, start),
-        # |i_p - i_m| reaches 2**14 - 1: from the most negative code to the largest.
+        # |i_p - i_m| can be 2**14 - 1, which is from the most negative code to the largest.
         Divider(
             SIGNAL.width, SIGNAL.width - 1, round(gain * 2**gain_frac), gain_frac, WORD, T_FRAC
         ),

@@ -1,4 +1,4 @@
-"""Power folding: a number to the power P on one multiplier."""
+"""Power folding: raises a number to the power P on one multiplier."""
 
 from __future__ import annotations
 
@@ -17,33 +17,34 @@ from golden.port import CLOCKED, Port, Unsigned, given, taken
 
 @dataclass(frozen=True)
 class PowerFold(Block):
-    """x = t**P by P - 1 uses of one multiplier (thesis section 5.8, Figure 5.25).
+    """x = t**P, by using one multiplier P - 1 times (thesis section 5.8, Figure 5.25).
 
-    The thesis folds C**P and (i_p - i_m)**P apart and multiplies them; C**P overflows for narrow
-    loads. Here t is their product already, and what is folded saturates.
+    The thesis folds C**P and (i_p - i_m)**P separately and multiplies them, but C**P overflows for
+    narrow loads. Here t already is the product of both, and the folded power saturates.
 
     Parameters
     ----------
     in_width, in_frac : int
-        Unsigned t.
+        Format of the unsigned t.
     out_width, out_frac : int
-        Unsigned power, which is also the accumulator; ``out_frac`` is at most ``in_frac``.
+        Format of the unsigned power and of the accumulator; ``out_frac`` is at most ``in_frac``.
     max_power : int
         Largest P, 2 or more. Every power takes as many clocks as this one.
 
     Notes
     -----
-    The accumulator starts from t at the power's binary point and is multiplied by t, P - 1 times.
-    Each time it is rounded to nearest, halves up, and saturated to 2**out_width - 1. A saturated
-    accumulator stays saturated: it is larger than 1, so t is, and the product is larger still.
+    The accumulator starts from t, at the power's binary point, and is multiplied by t P - 1 times.
+    Each product is rounded half up and saturated to 2**out_width - 1. A saturated accumulator stays
+    saturated: it is larger than 1, so t is too, and the product is larger still.
 
     With the 17 bits of ``load_profile`` (2 before the point in t, 4 in the power) the multiplier is
-    17 x 17 unsigned, one MULT18X18.
+    17 x 17 bits, unsigned, which is one MULT18X18.
 
     Raises
     ------
     InputError
-        When the power has more fraction bits than t, or cannot hold 1, or ``max_power`` is below 2.
+        When the power has more fraction bits than t or cannot hold 1, or when ``max_power`` is
+        below 2.
     """
 
     block = "power_fold"
@@ -66,7 +67,7 @@ class PowerFold(Block):
 
     @property
     def interval(self) -> int:
-        """Least clocks from one power to the next: two for each use of the multiplier."""
+        """Least clocks from one power to the next; each use of the multiplier takes two."""
         return 2 * (self.max_power - 1) + 1
 
     @property
@@ -109,7 +110,7 @@ class PowerFold(Block):
         return _borders(self)
 
     def powers(self, data: Codes) -> list[Codes]:
-        """t, t^2, ... up to the largest power, each before it saturates."""
+        """t, t^2 and so on up to the largest power, each before it saturates."""
         found = [self._rounded(data, self.in_frac - self.out_frac)]
         for _ in range(1, self.max_power):
             acc = np.minimum(found[-1], (1 << self.out_width) - 1)
@@ -121,14 +122,14 @@ class PowerFold(Block):
         return {f"power {n}": kept[power >= n] for n, kept in enumerate(self.powers(data), start=1)}
 
     def process(self, data: ArrayLike, power: ArrayLike) -> Codes:
-        """Powers; the arguments broadcast.
+        """The powers; the arguments are broadcast.
 
         Parameters
         ----------
         data : array_like of int
-            t.
+            The number t.
         power : array_like of int
-            P, 1 to ``max_power``.
+            The exponent P, 1 to ``max_power``.
 
         Raises
         ------
@@ -145,7 +146,7 @@ class PowerFold(Block):
         return np.asarray(np.minimum(acc, (1 << self.out_width) - 1), dtype=np.int64)
 
     def _rounded(self, exact: Codes, shift: int) -> Codes:
-        """``exact`` without its last ``shift`` bits, halves up."""
+        """``exact`` without its last ``shift`` bits, rounded half up."""
         return np.asarray((exact + ((1 << shift) >> 1)) >> shift, dtype=np.int64)
 
 
@@ -156,7 +157,7 @@ def _every(fold: PowerFold) -> list[Codes]:
 
 @lru_cache
 def _borders(fold: PowerFold) -> tuple[Border, ...]:
-    """Where each power saturates, over every t."""
+    """The borders at which each power saturates, over every t."""
     return tuple(
         border_among(f"power {n} saturates", f"power {n}", 1 << fold.out_width, kept)
         for n, kept in enumerate(_every(fold), start=1)
@@ -164,7 +165,7 @@ def _borders(fold: PowerFold) -> tuple[Border, ...]:
 
 
 def border_data(fold: PowerFold) -> Codes:
-    """Some t on either side of each border."""
+    """Some values of t on both sides of each border."""
     found = []
     for border, kept in zip(fold.borders, _every(fold), strict=True):
         offset = kept - border.at

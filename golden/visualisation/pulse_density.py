@@ -1,4 +1,4 @@
-"""pulse_density: codes become a bit whose density is the code."""
+"""pulse_density: turns codes into a bit; the density of its ones is the code."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from golden.port import CLOCKED, Port, given, taken
 
 @dataclass(frozen=True)
 class PulseDensity(Block):
-    """A digital-to-analogue converter of one bit and the first order (ours).
+    """A digital-to-analogue converter of one bit and of the first order (ours).
 
-    Behind a low pass of the board, a resistor and a capacitor, code c is the voltage
-    (c - low) / 2**width of the bit's. The sum of what was asked for, without the ones that were
-    given, stays below 2**width: so in any 2**width clocks of one code there are as many ones as it
-    asks for, and in any other stretch one more or fewer at most.
+    Behind a low pass on the board, made of a resistor and a capacitor, code c becomes (c - low) /
+    2**width of the voltage of the bit. The sum of all requested values minus the ones that were
+    given stays below 2**width. So in any 2**width clocks with the same code there are exactly as
+    many ones as the code requests, and in any other interval at most one more or one fewer.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class PulseDensity(Block):
         return 1
 
     def process(self, in_data: ArrayLike, reset: ArrayLike) -> Codes:
-        """``out_bit`` in each clock; all arrays have one element a clock.
+        """``out_bit`` in each clock; all arrays have one element for each clock.
 
         Raises
         ------

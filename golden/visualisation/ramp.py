@@ -1,4 +1,4 @@
-"""Ramp: the positions at which the profile is drawn."""
+"""Ramp: produces the positions at which the profile is drawn."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from golden.fixed import Codes, Fix
 from golden.input_error import InputError
 from golden.port import CLOCKED, Port, given, taken
 
-# Its constants stay below 2**30, which is where MyHDL's conversion goes wrong.
+# The ramp's constants stay below 2**30, from where on MyHDL converts them wrongly.
 ACC_LIMIT = 30
 
 
@@ -22,7 +22,7 @@ ACC_LIMIT = 30
 class Ramp(Block):
     """A counter times a constant (section 5.8, Figure 5.25): i_p = start + n step, n = 0, 1, ...
 
-    The hardware needs no multiplier: an accumulator adds ``step`` once a position.
+    The hardware needs no multiplier, because an accumulator adds ``step`` for each position.
 
     Parameters
     ----------
@@ -32,19 +32,20 @@ class Ramp(Block):
         First position and increment, with ``guard`` fraction bits more than ``fmt``.
     guard : int
     points : int
-        Positions in all, the first included.
+        Number of positions, including the first.
 
     Notes
     -----
-    The accumulator is exact and has ``acc_width`` bits; each position is rounded to nearest, halves
-    up. A step that no code holds, as 0.05, is off by half of the guard's last place, times the
-    points; ``ramp`` gives the guard enough places that a position is never more than 0.51 LSB off.
+    The accumulator is exact and has ``acc_width`` bits. Each position is rounded to nearest, halves
+    up. A step that no code holds exactly, such as 0.05, causes an error of half of the guard's last
+    place times the number of points. ``ramp`` chooses a guard so large that no position is more
+    than 0.51 LSB off.
 
     Raises
     ------
     InputError
-        When there is no position, the step is not above 0, a position leaves ``fmt``, or the
-        accumulator has more than ``ACC_LIMIT`` bits.
+        When there is no position, when the step is not above 0, when a position does not fit in
+        ``fmt``, or when the accumulator has more than ``ACC_LIMIT`` bits.
     """
 
     block = "ramp"
@@ -77,17 +78,17 @@ class Ramp(Block):
 
     @property
     def acc_low(self) -> int:
-        """The accumulator at the first position, with the half that rounds."""
+        """The accumulator at the first position, including the half unit for rounding."""
         return self.start + (1 << (self.guard - 1))
 
     @property
     def acc_high(self) -> int:
-        """The accumulator at the last position, with the half that rounds."""
+        """The accumulator at the last position, including the half unit for rounding."""
         return self.acc_low + (self.points - 1) * self.step
 
     @property
     def acc_width(self) -> int:
-        """Bits of the signed accumulator: a position of ``fmt`` and the guard."""
+        """Bits of the signed accumulator: those of a position in ``fmt``, and the guard."""
         return self.fmt.width + self.guard
 
     @property
@@ -113,7 +114,7 @@ class Ramp(Block):
         return 1
 
     def process(self) -> Codes:
-        """Codes of all positions, shape (points,), rising."""
+        """Codes of all positions in rising order, shape (points,)."""
         acc = self.acc_low + np.arange(self.points, dtype=np.int64) * self.step
         return acc >> self.guard
 
@@ -124,8 +125,8 @@ def ramp(fmt: Fix, step: float, stop: float, start: float = 0.0) -> Ramp:
     Raises
     ------
     InputError
-        When the step is not above 0, is no more than half a code, or ``stop`` is not above
-        ``start`` by a whole number of steps, both inside ``fmt``.
+        When the step is not above 0 or is half a code or less, or when ``stop`` is not above
+        ``start`` by a whole number of steps, both within ``fmt``.
     """
     for name, value, least in (
         ("start", start, -math.inf),
@@ -135,7 +136,7 @@ def ramp(fmt: Fix, step: float, stop: float, start: float = 0.0) -> Ramp:
         if not least < value < math.inf:
             expected = f"a number above {least:g}" if least > -math.inf else "a finite number"
             raise InputError(f"ramp: {name}={value}, expected {expected}")
-    # Decimal fractions as written: 0.8 is sixteen times 0.05, which floats are not.
+    # Decimal fractions are taken as written, because 0.8 is sixteen times 0.05 only in decimal.
     first, increment = Fraction(str(start)), Fraction(str(step))
     count = (Fraction(str(stop)) - first) / increment
     if count.denominator != 1 or step * 2**fmt.frac <= 0.5:
