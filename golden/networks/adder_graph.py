@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
@@ -23,6 +23,7 @@ from golden.mlp import Mlp
 from golden.networks.bounds import activation_error
 from golden.networks.constants import Constants, Layer, constants_of, quantised
 from golden.networks.design import Design
+from golden.networks.settings import Settings
 from golden.precision import EXACT, SIGNAL, Precision
 from golden.real import Real
 
@@ -52,7 +53,7 @@ class AdderGraph(Design):
     """
 
     block = "adder_graph"
-    arrangements = ("single", "multiple")
+    arrangements = together = ("single", "multiple")
     precisions = (EXACT.name,)
     known_activations = ("bipartite",)
     half_codes = True
@@ -71,37 +72,10 @@ class AdderGraph(Design):
             )
 
     @classmethod
-    def of(
-        cls,
-        mlp: Mlp,
-        precision: Precision,
-        activation: str,
-        options: Mapping[str, object] | None = None,
-        variant: str = "",
-        lean: bool = True,
-        hardware: Mapping[str, object] | None = None,
-    ) -> Self:
-        constants = constants_of(mlp, precision, activation, options, lean)
-        return cls.from_constants(constants, variant, **_chosen(hardware))
-
-    @classmethod
-    def of_several(
-        cls,
-        arrangement: str,
-        mlps: Sequence[Mlp],
-        lean: bool = True,
-        hardware: Mapping[str, object] | None = None,
-        activation_options: Mapping[str, object] | None = None,
-    ) -> Self | None:
-        if arrangement == "single":
-            return None
-        found = [constants_of(m, EXACT, "bipartite", activation_options, lean) for m in mlps]
-        return cls.from_constants(beside(found), **_chosen(hardware))
-
-    @classmethod
-    def from_constants(
-        cls, constants: Constants, variant: str = "", adders_per_clock: int = ADDERS_PER_CLOCK
-    ) -> Self:
+    def build(cls, mlps: Sequence[Mlp], settings: Settings, arrangement: str, variant: str) -> Self:
+        chosen: dict[str, Any] = {"adders_per_clock": ADDERS_PER_CLOCK, **settings.options}
+        adders_per_clock = chosen["adders_per_clock"]
+        constants = beside([constants_of(mlp, settings) for mlp in mlps])
         prefix = f"{variant}_" if variant else ""
         first, second = constants.first, constants.second
         frac = EXACT.hidden_fmt.frac
@@ -231,11 +205,6 @@ class AdderGraph(Design):
         y_off = _off(mlp.w2, mlp.b2, second, self.second)
         result: Real = y_off + np.abs(mlp.w2) @ r_off
         return result
-
-
-def _chosen(hardware: Mapping[str, object] | None) -> dict[str, Any]:
-    """What a scene chooses of the options."""
-    return dict(hardware or {})
 
 
 def beside(networks: Sequence[Constants]) -> Constants:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Self
@@ -34,6 +34,7 @@ from golden.flow import Carried, Flow
 from golden.input_error import InputError
 from golden.mlp import Mlp
 from golden.networks.design import Design
+from golden.networks.settings import Settings
 from golden.port import Port, Unsigned, given, taken
 from golden.precision import EXACT, SIGNAL, Precision
 from golden.real import Real
@@ -77,9 +78,10 @@ class Engine(Design):
     """
 
     block = "engine"
-    arrangements = ("single", "multiple", "cascade")
+    arrangements = together = ("single", "multiple", "cascade")
     precisions = (EXACT.name,)
     known_activations = ("precise",)
+    activation_choices = False
     options = (
         "segment_width",
         "pipeline",
@@ -96,34 +98,12 @@ class Engine(Design):
     budget: int = 0
 
     @classmethod
-    def of_several(
-        cls,
-        arrangement: str,
-        mlps: Sequence[Mlp],
-        lean: bool = True,
-        hardware: Mapping[str, object] | None = None,
-        activation_options: Mapping[str, object] | None = None,
-        variant: str = "",
-    ) -> Self:
-        """The engine of all networks of a scene.
-
-        Parameters
-        ----------
-        arrangement : str
-        mlps : sequence of Mlp
-        lean : bool
-            Leave out terms of zero weight, hidden nodes that no output uses, and segments of the
-            table that no hidden sum reaches. Results are the same either way.
-        hardware : mapping, optional
-            What the scene chooses of ``options``.
-        activation_options : mapping, optional
-            None: its activation has no other form.
-        variant : str
-        """
-        chosen: dict[str, Any] = {"segment_width": 9, "pipeline": "short"} | dict(hardware or {})
-        budget = chosen.pop("clocks", 0)
+    def build(cls, mlps: Sequence[Mlp], settings: Settings, arrangement: str, variant: str) -> Self:
+        chosen: dict[str, Any] = {"segment_width": 9, "pipeline": "short", **settings.options}
+        lean, budget = settings.lean, chosen.pop("clocks", 0)
         if budget:
-            return cls._within(budget, arrangement, mlps, lean, chosen, variant)
+            left = replace(settings, options=chosen)
+            return cls._within(budget, mlps, left, arrangement, variant)
         serial = chosen.pop("multiplier", "dsp") == "serial"
         depth, reload = chosen.pop("pipeline"), chosen.pop("reload", False)
         if serial and depth != "short":
@@ -164,10 +144,9 @@ class Engine(Design):
     def _within(
         cls,
         clocks: int,
-        arrangement: str,
         mlps: Sequence[Mlp],
-        lean: bool,
-        chosen: dict[str, Any],
+        settings: Settings,
+        arrangement: str,
         variant: str,
     ) -> Self:
         """The smallest engine whose last output leaves ``clocks`` after the last sample.
@@ -177,32 +156,19 @@ class Engine(Design):
         InputError
             When none does; the message says what the fastest takes.
         """
+        chosen = settings.options
         # Without a multiplier there is one pipeline, and no image.
         kinds = ["dsp"] if chosen["pipeline"] != "short" or chosen.get("reload") else list(KINDS)
-        kinds = [chosen["multiplier"]] if "multiplier" in chosen else kinds
+        kinds = [str(chosen["multiplier"])] if "multiplier" in chosen else kinds
         for kind in kinds:
-            engine = cls.of_several(
-                arrangement, mlps, lean, chosen | {"multiplier": kind}, variant=variant
-            )
+            tried = replace(settings, options={**chosen, "multiplier": kind})
+            engine = cls.build(mlps, tried, arrangement, variant)
             if engine.output_clocks[-1] <= clocks:
                 return replace(engine, budget=clocks)
         raise InputError(
             f"hardware.clocks: got {clocks}, expected {engine.output_clocks[-1]} or more, which "
             f"multiplier {kind!r} takes"
         )
-
-    @classmethod
-    def of(
-        cls,
-        mlp: Mlp,
-        precision: Precision,
-        activation: str,
-        options: Mapping[str, object] | None = None,
-        variant: str = "",
-        lean: bool = True,
-        hardware: Mapping[str, object] | None = None,
-    ) -> Self:
-        return cls.of_several("single", [mlp], lean, hardware, variant=variant)
 
     @property
     def inputs(self) -> int:

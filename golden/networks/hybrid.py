@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -17,9 +18,11 @@ from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
 from golden.layers.output_controller import OutputController
 from golden.layers.output_integral import OutputIntegral
-from golden.networks.constants import Constants
+from golden.mlp import Mlp
+from golden.networks.constants import constants_of
 from golden.networks.design import Design
 from golden.networks.exact import ExactLayers, ExactSum
+from golden.networks.settings import Settings
 from golden.precision import SIGNAL
 
 
@@ -60,7 +63,9 @@ class Hybrid(Design):
             )
 
     @classmethod
-    def from_constants(cls, constants: Constants, variant: str = "") -> Self:
+    def build(cls, mlps: Sequence[Mlp], settings: Settings, arrangement: str, variant: str) -> Self:
+        (mlp,) = mlps
+        constants = constants_of(mlp, settings)
         precision, first, second = constants.precision, constants.first, constants.second
         hidden = InputIntegral(
             SIGNAL,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -15,9 +16,11 @@ from golden.flow import Alike, Carried, Flow
 from golden.input_error import InputError
 from golden.layers.input_controller import InputController
 from golden.layers.neuron import Neuron
-from golden.networks.constants import Constants, Layer
+from golden.mlp import Mlp
+from golden.networks.constants import Layer, constants_of
 from golden.networks.design import Design
 from golden.networks.exact import ExactLayers, ExactSum
+from golden.networks.settings import Settings
 from golden.precision import SIGNAL
 
 
@@ -65,7 +68,9 @@ class Parallel(Design):
             raise InputError(f"{self.entity}: got factors of some outputs, expected all or none")
 
     @classmethod
-    def from_constants(cls, constants: Constants, variant: str = "") -> Self:
+    def build(cls, mlps: Sequence[Mlp], settings: Settings, arrangement: str, variant: str) -> Self:
+        (mlp,) = mlps
+        constants = constants_of(mlp, settings)
         precision = constants.precision
         prefix = f"{variant}_" if variant else ""
 

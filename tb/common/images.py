@@ -2,6 +2,7 @@
 
 from golden.engine.image import Image
 from golden.networks.engine import Engine
+from golden.networks.settings import Settings
 from tb.common.cases import random_mlp
 
 
@@ -16,6 +17,6 @@ def image_for(hardware: Engine, shape: tuple[int, int, int], seed: int) -> Image
         "program_words": sizes.program_words,
         "operand_words": sizes.operand_words,
     }
-    image = Engine.of_several("single", [random_mlp(shape, 1.0, seed)], hardware=options).loaded
+    image = Engine.of([random_mlp(shape, 1.0, seed)], Settings(options=options)).loaded
     assert image
     return image
