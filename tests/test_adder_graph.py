@@ -7,6 +7,8 @@ import pytest
 
 from golden.mlp import Mlp, tanh
 from golden.networks.adder_graph import AdderGraph
+from golden.networks.left_out import left_out
+from golden.networks.oracle import error_bounds, exact
 from golden.networks.settings import Settings
 from golden.precision import EXACT, SIGNAL
 from golden.scene import load_scene
@@ -39,10 +41,10 @@ def test_outputs_are_within_their_bounds(
 ) -> None:
     mlp = random_mlp(shape, spread, 4)
     design = AdderGraph.of([mlp], Settings(EXACT, "bipartite", {"memory": memory}))
-    bounds = design.error_bounds(mlp, EXACT, shape[0])
+    bounds = error_bounds(design, mlp, EXACT, shape[0])
     assert (off(design, mlp, slice(None)) <= bounds).all()
     frames = frames_of(design.inputs)
-    assert (design.exact(frames) == design.process(frames)).all()
+    assert (exact(design, frames) == design.process(frames)).all()
 
 
 def test_networks_side_by_side() -> None:
@@ -50,7 +52,8 @@ def test_networks_side_by_side() -> None:
     design = AdderGraph.of(mlps, Settings(EXACT, "bipartite"), "multiple")
     assert (design.inputs, design.outputs) == (3, 2)
     for i, mlp in enumerate(mlps):
-        bounds = AdderGraph.of([mlp], Settings(EXACT, "bipartite")).error_bounds(mlp, EXACT, 3)
+        alone = AdderGraph.of([mlp], Settings(EXACT, "bipartite"))
+        bounds = error_bounds(alone, mlp, EXACT, 3)
         # Cut elsewhere than alone, by a unit or two.
         assert (off(design, mlp, slice(i, i + 1)) <= bounds + 2.0**-12).all()
 
@@ -67,7 +70,7 @@ def test_nodes_of_about_the_same_reach_share_their_tables() -> None:
 def test_no_multiplier_and_a_frame_a_clock() -> None:
     design = load_scene("digit-fast").twin()
     assert design.interval == 1
-    assert any("every multiplier" in text for text in design.left_out())
+    assert any("every multiplier" in text for text in left_out(design))
 
 
 def test_each_cause_of_error_moves_an_output_by_what_it_can() -> None:

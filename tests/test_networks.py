@@ -19,6 +19,7 @@ from golden.metrics import percent_errors, summarise
 from golden.mlp import Mlp
 from golden.networks.arrangement import arrange, beside
 from golden.networks.hybrid import Hybrid
+from golden.networks.left_out import left_out
 from golden.networks.parallel import Parallel
 from golden.networks.settings import Settings
 from golden.precision import EXACT, PRECISIONS, SIGNAL, THESIS, normalisation
@@ -164,7 +165,7 @@ def test_a_cascade_is_as_slow_as_its_slowest_network(iterations, stored, spacing
     assert design.input_controller.spacing == spacing
     assert bool(design.frame_store) == stored
     assert (design.frame_store in design.parts()) == stored
-    assert any("until it is judged" in text for text in design.left_out()) != stored
+    assert any("until it is judged" in text for text in left_out(design)) != stored
 
 
 @pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")

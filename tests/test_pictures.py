@@ -14,6 +14,7 @@ import pytest
 from golden.block import Block, walk
 from golden.flow import Carried
 from golden.input_error import InputError
+from golden.instruments.pictures import flow_of
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_names
 from golden.scene.scale import Scale
@@ -179,7 +180,7 @@ def test_the_datapath_draws_the_flow_of_each_block(tmp_path: Path) -> None:
         scene = CASES[name].scene(tmp_path, name) if name in CASES else load_scene(name)
         shown = words(parse(datapath(scene)))
         for block in walk(scene.twin()):
-            flow = block.flow()
+            flow = flow_of(block)
             if flow:
                 drawn.add(block.block)
                 carried = [step.what for step in flow.steps if isinstance(step, Carried)]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import ClassVar
@@ -110,10 +109,6 @@ class ActivationBlock(Block):
     def border_codes(self) -> Codes:
         """Codes of the input on either side of every border."""
         return _border_codes(self)
-
-    def left_out(self) -> Counter[str]:
-        """How many of what the neuron cannot need and the block therefore lacks."""
-        return Counter()
 
 
 def _codes(fmt: Fix) -> Codes:

@@ -79,6 +79,3 @@ class Scanned(Network):
     @property
     def core(self) -> Network:
         return self.readout.core
-
-    def left_out(self) -> list[str]:
-        return self.readout.left_out()

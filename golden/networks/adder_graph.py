@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
@@ -15,17 +14,14 @@ from golden.activation.bipartite_pair import NODES, BipartitePair, pair_for
 from golden.activation.bipartite_table import RESULT
 from golden.block import Block
 from golden.fixed import Codes, Fix, signed_width
-from golden.flow import Alike, Carried, Flow
 from golden.input_error import InputError
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.input_controller import InputController
 from golden.mlp import Mlp
-from golden.networks.bounds import activation_error
-from golden.networks.constants import Constants, Layer, constants_of, quantised
+from golden.networks.constants import Constants, Layer, constants_of
 from golden.networks.design import Design
 from golden.networks.settings import Settings
-from golden.precision import EXACT, SIGNAL, Precision
-from golden.real import Real
+from golden.precision import EXACT, SIGNAL
 
 # Adders between two registers, where a scene says nothing.
 ADDERS_PER_CLOCK = 5
@@ -141,10 +137,6 @@ class AdderGraph(Design):
         return len(self.second.weights)
 
     @property
-    def hidden_weights(self) -> list[Sequence[int]]:
-        return list(self.first.weights)
-
-    @property
     def unreachable(self) -> dict[str, str]:
         return {"frame_error=1": "a frame a clock is never too close"}
 
@@ -164,47 +156,10 @@ class AdderGraph(Design):
     def parts(self) -> tuple[Block, ...]:
         return (self.first, *(self.shared(nodes) for nodes in self.groups), self.second)
 
-    def flow(self) -> Flow:
-        hidden = len(self.activations)
-        return Flow(
-            (
-                Carried(f"{self.inputs} x", self.first.in_fmt),
-                self.first,
-                Carried(f"{hidden} q", self.first.out_fmt),
-                Alike(tuple(self.shared(nodes) for nodes in self.groups)),
-                Carried(f"{hidden} r", self.second.in_fmt),
-                self.second,
-                Carried(f"{self.outputs} y", self.second.out_fmt),
-            ),
-            across=True,
-        )
-
-    def left_out(self) -> list[str]:
-        counts: Counter[str] = sum((a.left_out() for a in self.activations), Counter())
-        texts = [f"{count} {what}" for what, count in sorted(counts.items())]
-        if self.useless_nodes:
-            texts.append(f"{self.useless_nodes} hidden nodes whose weights to the outputs are 0")
-        return [*texts, "every multiplier: a weight is a few shifted adds, shared with others"]
-
     def compute(self, frames: Codes) -> Codes:
         q = self.first.process(frames)
         columns = [a.process(q[:, j]) for j, a in enumerate(self.activations)]
         return self.second.process(np.stack(columns, axis=-1))
-
-    def exact(self, frames: Codes) -> Codes:
-        q = self.first.exact(frames)
-        columns = [a.compute(q[:, j]) for j, a in enumerate(self.activations)]
-        return self.second.exact(np.stack(columns, axis=-1))
-
-    def error_bounds(self, mlp: Mlp, precision: Precision, sensors: int) -> Real:
-        """See ``Design``; what cutting adds is ``ConstantMatrix.errors``."""
-        first = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights")
-        second = quantised(mlp.w2, mlp.b2, precision, "layer 2 weights")
-        q_off = _off(mlp.w1, mlp.b1, first, self.first)
-        r_off = q_off + [activation_error(a, 1) for a in self.activations]
-        y_off = _off(mlp.w2, mlp.b2, second, self.second)
-        result: Real = y_off + np.abs(mlp.w2) @ r_off
-        return result
 
 
 def beside(networks: Sequence[Constants]) -> Constants:
@@ -260,17 +215,3 @@ def _groups(activations: Sequence[Bipartite], widths: Sequence[int]) -> tuple[tu
     count = NODES if activations[0].memory == "block_ram" else 1
     order = sorted(range(len(widths)), key=lambda j: (widths[j], j))
     return tuple(tuple(order[n : n + count]) for n in range(0, len(order), count))
-
-
-def _off(weights: Real, biases: Real, layer: Layer, matrix: ConstantMatrix) -> Real:
-    """How far each result can be from the real sum of samples of magnitude 1 at most.
-
-    What rounding took from weights and bias, what cutting moves, and half a step of the result,
-    with one unit of the sum for the halves that its constant loses.
-    """
-    taken = np.abs(weights - layer.fmt.to_real(layer.weights)).sum(axis=1)
-    taken += np.abs(biases - layer.fmt.to_real(layer.biases))
-    units = np.array([max(map(abs, ends)) + 1 for ends in matrix.errors], dtype=np.float64)
-    step = 2.0**-matrix.out_fmt.frac
-    result: Real = taken + (units / 2.0**matrix.out_shift + 0.5) * step
-    return result

@@ -6,15 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar, Self
 
-from golden.fixed import Codes
 from golden.input_error import InputError
 from golden.mlp import Mlp
-from golden.networks.bounds import two_layer_bounds
-from golden.networks.exact import ExactLayers
 from golden.networks.network import Network
 from golden.networks.settings import DEFAULTS, Settings
-from golden.precision import PRECISIONS, Precision
-from golden.real import Real
+from golden.precision import PRECISIONS
 
 
 @dataclass(frozen=True)
@@ -108,30 +104,3 @@ class Design(Network):
             For weights that the design's formats cannot hold.
         """
         raise NotImplementedError
-
-    @property
-    def hidden_weights(self) -> list[Sequence[int]]:
-        """A code for each input of each hidden sum; their signs tell what drives it to an end."""
-        return [node.weights for node in self.exact_layers.hidden]
-
-    @property
-    def exact_layers(self) -> ExactLayers:
-        """What it computes, without anything that is shared, folded or cut."""
-        raise NotImplementedError
-
-    def exact(self, frames: Codes) -> Codes:
-        """Output codes as integers of any width compute them, layer by layer."""
-        return self.exact_layers.process(frames)
-
-    def error_bounds(self, mlp: Mlp, precision: Precision, sensors: int) -> Real:
-        """How far each output can be from real arithmetic that saturates, in real units.
-
-        Parameters
-        ----------
-        mlp : Mlp
-            The network that this is the design of, all of its hidden nodes built.
-        precision : Precision
-        sensors : int
-            Inputs that are samples; those behind them are outputs of earlier networks.
-        """
-        return two_layer_bounds(mlp, precision, self.exact_layers.activations)

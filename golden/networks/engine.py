@@ -8,15 +8,13 @@ from functools import cached_property
 from typing import Any, Self
 
 from golden.block import Block
-from golden.engine.exact import error_bounds, exact
-from golden.engine.formats import HIDDEN
 from golden.engine.frame_check import FrameCheck
 from golden.engine.frame_guard import FrameGuard
 from golden.engine.graph import Graph, graph_of
 from golden.engine.image import ACC_WIDTH, Image, Sizes, image_of
 from golden.engine.image_loader import ImageLoader
 from golden.engine.multiply_accumulate import MultiplyAccumulate
-from golden.engine.operand_memory import WORD, OperandMemory
+from golden.engine.operand_memory import OperandMemory
 from golden.engine.operand_select import OperandSelect
 from golden.engine.pipeline import Pipeline, SerialPipeline
 from golden.engine.plane_select import PlaneSelect
@@ -30,14 +28,12 @@ from golden.engine.serial_program import SerialProgram, assemble_serial
 from golden.engine.table_address import TableAddress
 from golden.engine.tanh_table import tanh_table
 from golden.fixed import Codes
-from golden.flow import Carried, Flow
 from golden.input_error import InputError
 from golden.mlp import Mlp
 from golden.networks.design import Design
 from golden.networks.settings import Settings
 from golden.port import Port, Unsigned, given, taken
-from golden.precision import EXACT, SIGNAL, Precision
-from golden.real import Real
+from golden.precision import EXACT
 
 # What multiplies, the smallest first.
 KINDS = ("serial", "dsp")
@@ -173,14 +169,6 @@ class Engine(Design):
     @property
     def inputs(self) -> int:
         return self.program.inputs
-
-    @property
-    def hidden_weights(self) -> list[Sequence[int]]:
-        sums = [neuron for neuron in self.graph.neurons if neuron.result == HIDDEN]
-        return [
-            [sum(t.weight for t in neuron.terms if t.source == k) for k in range(self.inputs)]
-            for neuron in sums
-        ]
 
     @cached_property
     def outputs(self) -> int:
@@ -346,56 +334,11 @@ class Engine(Design):
             self.round_saturate,
         )
 
-    def flow(self) -> Flow:
-        _, select, accumulate = self.steps
-        return Flow(
-            (
-                Carried(f"{self.inputs} x", SIGNAL),
-                self.round_saturate,
-                Carried("samples, results", WORD),
-                self.operand_memory,
-                Carried("a word", WORD),
-                select,
-                Carried("an operand", WORD),
-                accumulate,
-                Carried(f"{self.outputs} y", SIGNAL),
-            ),
-            watcher=self.frame_guard if self.loaded else self.frame_check,
-        )
-
     def facts(self) -> tuple[str, ...]:
         multiplier = "no multiplier" if self.serial else "one multiplier"
         budget = f" of {self.budget}" if self.budget else ""
         spent = f"{self.output_clocks[-1]}{budget} clocks from the last sample to the last output"
         return multiplier, spent
-
-    def left_out(self) -> list[str]:
-        """What is counted as words costs memory and, one each, a clock of every frame."""
-        graph, program = self.graph, self.program
-        texts = []
-        if self.serial:
-            spent = f"{self.output_clocks[-1]} clocks"
-            budget = f" of {self.budget}" if self.budget else ""
-            texts.append(f"the multiplier: {spent}{budget} are enough for bit after bit")
-        if graph.useless_nodes:
-            texts.append(f"{graph.useless_nodes} hidden nodes whose weights to the outputs are 0")
-        if graph.useless_terms:
-            texts.append(f"{graph.useless_terms} steps of weight 0")
-        words = len(tanh_table(program.segment_width).slopes) - program.segments
-        if words:
-            texts.append(f"{words} words of tanh that no hidden sum reaches, and their comparison")
-        bits = WHOLE_ACC_WIDTH - self.acc_width
-        if bits:
-            texts.append(
-                f"{bits} bits of the sum, which {WHOLE_ACC_WIDTH} would hold for any scene"
-            )
-        return texts
-
-    def exact(self, frames: Codes) -> Codes:
-        return exact(self.graph, self.program.segment_width, frames)
-
-    def error_bounds(self, mlp: Mlp, precision: Precision, sensors: int) -> Real:
-        return error_bounds(mlp, self.program.segment_width, sensors)
 
     def compute(self, frames: Codes) -> Codes:
         return self.program.execute(frames)

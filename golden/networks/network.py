@@ -119,10 +119,6 @@ class Network(Block):
         """Output codes, shape (frames - past, outputs), of a few frames, shape (frames, inputs)."""
         raise NotImplementedError
 
-    def left_out(self) -> list[str]:
-        """What this network does not need and therefore does not build."""
-        raise NotImplementedError
-
     def process(self, frames: ArrayLike) -> Codes:
         """Output codes of frames of sample codes.
 

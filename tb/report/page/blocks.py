@@ -66,7 +66,10 @@ def shipped() -> Iterator[tuple[str, Network]]:
         top = scene.twin()
         yield scene.precision.name, top
         if DESIGNS[scene.design] is Engine:
-            yield scene.precision.name, replace(scene, design=Hybrid.block).twin()
+            yield (
+                scene.precision.name,
+                replace(scene, design=Hybrid.block, design_options={}).twin(),
+            )
         if scene.front_end and isinstance(top, Instrument):
             for part in CONVERTERS:
                 front = replace(scene.front_end, converter=part, counter_width=WIDE)
