@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from golden.block import Block
 from golden.fixed import Codes
 from golden.input_error import InputError
-from golden.layers.input_controller import FrameJudge
+from golden.layers.frame_judge import FrameJudge
 from golden.networks.network import Network, serial_ports
 from golden.port import Port, given, group
 from golden.precision import SIGNAL

@@ -9,7 +9,7 @@ import numpy as np
 from golden.block import Block
 from golden.fixed import Codes
 from golden.input_error import InputError
-from golden.layers.input_controller import FrameJudge
+from golden.layers.frame_judge import FrameJudge
 from golden.networks.several import Several
 
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from golden.block import Block
 from golden.fixed import Codes
 from golden.input_error import InputError
-from golden.layers.input_controller import FrameJudge
+from golden.layers.frame_judge import FrameJudge
 from golden.port import CLOCKED, Port, given, group, taken
 from golden.precision import SIGNAL
 from golden.sensing.scan_sequencer import ScanSequencer
