@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 from golden.input_error import InputError
 
 if TYPE_CHECKING:
-    from golden.flow import Flow
+    pass
 
 from golden.border import Border, State
 from golden.fixed import Codes
@@ -83,10 +83,6 @@ class Block:
     def parts(self) -> tuple[Block, ...]:
         """The blocks this one is assembled from."""
         return ()
-
-    def flow(self) -> Flow | None:
-        """How data goes through the parts, where there is more to tell than their list."""
-        return None
 
     def facts(self) -> tuple[str, ...]:
         """What a picture tells of the block beside its formats."""

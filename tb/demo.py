@@ -23,6 +23,7 @@ from golden.disturbance import Disturbance
 from golden.folders import BUILD
 from golden.machine import closing
 from golden.metrics import millimetres
+from golden.networks.left_out import left_out
 from golden.progress import stage
 from golden.scene import DEFAULT_SCENES, Scene, thesis_figures
 from golden.scene.ranges import ranges
@@ -136,7 +137,7 @@ def report(scene: Scene, results: dict[str, Any]) -> str:
         *(f"{design.entity:25} {fact}" for fact in design.facts()),
         f"samples saturated         {vectors.saturated} of {vectors.samples}",
         *ranges(scene),
-        *(f"left out                  {text}" for text in scene.twin().left_out()),
+        *(f"left out                  {text}" for text in left_out(scene.twin())),
         "",
         "frames a second, simulated: "
         + ", ".join(f"{s} {f['frames'] / f['seconds']:,.3g}" for s, f in facts.items())

@@ -7,6 +7,9 @@ import pytest
 
 from golden.mlp import Mlp, tanh
 from golden.networks.adder_graph import AdderGraph
+from golden.networks.left_out import left_out
+from golden.networks.oracle import error_bounds, exact
+from golden.networks.settings import Settings
 from golden.precision import EXACT, SIGNAL
 from golden.scene import load_scene
 from tb.common.cases import random_mlp
@@ -37,26 +40,26 @@ def test_outputs_are_within_their_bounds(
     shape: tuple[int, int, int], spread: float, memory: str
 ) -> None:
     mlp = random_mlp(shape, spread, 4)
-    design = AdderGraph.of(mlp, EXACT, "bipartite", {"memory": memory})
-    bounds = design.error_bounds(mlp, EXACT, shape[0])
+    design = AdderGraph.of([mlp], Settings(EXACT, "bipartite", {"memory": memory}))
+    bounds = error_bounds(design, mlp, EXACT, shape[0])
     assert (off(design, mlp, slice(None)) <= bounds).all()
     frames = frames_of(design.inputs)
-    assert (design.exact(frames) == design.process(frames)).all()
+    assert (exact(design, frames) == design.process(frames)).all()
 
 
 def test_networks_side_by_side() -> None:
     mlps = [random_mlp((3, hidden, 1), spread, hidden) for hidden, spread in ((2, 1.0), (4, 9.0))]
-    design = AdderGraph.of_several("multiple", mlps)
-    assert design is not None
+    design = AdderGraph.of(mlps, Settings(EXACT, "bipartite"), "multiple")
     assert (design.inputs, design.outputs) == (3, 2)
     for i, mlp in enumerate(mlps):
-        bounds = AdderGraph.of(mlp, EXACT, "bipartite").error_bounds(mlp, EXACT, 3)
+        alone = AdderGraph.of([mlp], Settings(EXACT, "bipartite"))
+        bounds = error_bounds(alone, mlp, EXACT, 3)
         # Cut elsewhere than alone, by a unit or two.
         assert (off(design, mlp, slice(i, i + 1)) <= bounds + 2.0**-12).all()
 
 
 def test_nodes_of_about_the_same_reach_share_their_tables() -> None:
-    design = AdderGraph.of(random_mlp((2, 5, 1), 5.0, 1), EXACT, "bipartite")
+    design = AdderGraph.of([random_mlp((2, 5, 1), 5.0, 1)], Settings(EXACT, "bipartite"))
     assert sorted(j for nodes in design.groups for j in nodes) == list(range(5))
     widths = [design.first.result_widths[j] for nodes in design.groups for j in nodes]
     assert widths == sorted(widths)
@@ -67,12 +70,12 @@ def test_nodes_of_about_the_same_reach_share_their_tables() -> None:
 def test_no_multiplier_and_a_frame_a_clock() -> None:
     design = load_scene("digit-fast").twin()
     assert design.interval == 1
-    assert any("every multiplier" in text for text in design.left_out())
+    assert any("every multiplier" in text for text in left_out(design))
 
 
 def test_each_cause_of_error_moves_an_output_by_what_it_can() -> None:
     mlp = random_mlp((3, 4, 2), 1.0, 4)
-    design = AdderGraph.of(mlp, EXACT, "bipartite")
+    design = AdderGraph.of([mlp], Settings(EXACT, "bipartite"))
     *others, (_, tabled), (_, cut_once), (_, cut) = stages(design, frames_of(3))
     ideal = np.clip(8192 * mlp.process(SIGNAL.to_real(frames_of(3)), tanh), *ENDS)
     # Weights of 18 bits, and half a unit.

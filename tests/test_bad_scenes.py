@@ -138,6 +138,11 @@ TABLE: dict[str, dict[str, str]] = {
         'activation = "bipartite"\nactivation_options = { memory = "x" }': "memory: got 'x'",
         'activation = "gradient"\nactivation_options = 4': "got 4, expected a table",
     },
+    f'design = "hybrid"\nactivation = "gradient"\n{OPTIONS}': {
+        f'design = "engine"\nactivation = "precise"\n{OPTIONS[:-2]}{{ coefficients = "logic" }}': (
+            "hardware.activation_options: got coefficients with design 'engine', expected none"
+        ),
+    },
     'precision = "exact"': {
         'precision = "exatc"': "hardware.precision: got 'exatc', .* did you mean 'exact'?",
         "precision = 5": f"hardware.precision: got 5, {TEXT}",

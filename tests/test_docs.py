@@ -16,6 +16,7 @@ from shared import Shared
 from golden.block import Block, walk
 from golden.disturbance import Disturbance
 from golden.networks.designs import DESIGNS
+from golden.networks.left_out import left_out
 from golden.scene import load_scene, thesis_figures
 from golden.scene_errors import disturbed_errors, held_out_means, noises_of, scene_errors
 from hdl.synth.budget import budget_path, read_budget
@@ -198,7 +199,7 @@ def test_the_scenes_page_shows_what_a_scene_leaves_out() -> None:
     first, *others = re.search(r"make lean SCENE=(\S+) BESIDE=(\S+)`", page).groups()
     shown = page.partition(f"\nscene {first} leaves out:\n")[2].partition("\n```")[0]
     texts, _, table = shown.partition("\n\n")
-    assert [line.strip() for line in texts.splitlines()] == load_scene(first).twin().left_out()
+    assert [line.strip() for line in texts.splitlines()] == left_out(load_scene(first).twin())
     for name in (first, *others):
         scene = load_scene(name)
         recorded = read_budget(budget_path(scene.path))["xc2v"][scene.twin().entity]

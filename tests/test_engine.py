@@ -38,7 +38,8 @@ from golden.fixed import Codes, Fix
 from golden.input_error import InputError
 from golden.mlp import Mlp
 from golden.networks.engine import Engine
-from golden.precision import SIGNAL
+from golden.networks.settings import Settings
+from golden.precision import SIGNAL, THESIS
 from golden.scene import load_scene
 from tb.common.myhdl_simulation import simulate
 
@@ -113,7 +114,7 @@ def random_codes(inputs: int, count: int, seed: int = 1) -> Codes:
 def test_executing_the_program_is_computing_layer_by_layer(name: str) -> None:
     scene = load_scene(name)
     mlps = scene.mlps()
-    engine = Engine.of_several(scene.arrangement, mlps)
+    engine = Engine.of(mlps, arrangement=scene.arrangement)
     codes = np.concatenate([scene.vectors().codes, random_codes(engine.inputs, 500)])
     assert np.array_equal(engine.process(codes), layer_by_layer(scene.arrangement, mlps, codes))
 
@@ -147,7 +148,8 @@ def test_networks_of_any_shape(several: tuple[str, list[Mlp]], width: int) -> No
     codes = random_codes(mlps[0].shape[0], 50)
     wanted = layer_by_layer(arrangement, mlps, codes, width)
     for lean in (True, False):
-        engine = Engine.of_several(arrangement, mlps, lean, {"segment_width": width})
+        settings = Settings(options={"segment_width": width}, lean=lean)
+        engine = Engine.of(mlps, settings, arrangement)
         assert np.array_equal(engine.process(codes), wanted)
 
 
@@ -277,7 +279,7 @@ def test_a_large_weight_is_several_terms_of_the_same_sum() -> None:
 
 def test_registers_behind_the_memories_change_no_result() -> None:
     mlps = [random_mlp((3 + n, 3, 1), 1.0, n) for n in range(3)]
-    plain = Engine.of_several("cascade", mlps)
+    plain = Engine.of(mlps, arrangement="cascade")
     table = tanh_table(9)
     program = assemble(plain.graph, table, len(plain.program.table), PIPELINES[1])
     registered = replace(plain, program=program)
@@ -321,7 +323,7 @@ def test_the_page_shows_lines_of_a_listing() -> None:
     shown = re.search(r"`make listing SCENE=digit`:\n\n```\n(.*?)```", PAGE.read_text(), re.S)
     assert shown
     scene = load_scene("digit")
-    engine = Engine.of_several(scene.arrangement, scene.mlps())
+    engine = Engine.of(scene.mlps(), arrangement=scene.arrangement)
     lines = listing(engine.graph, engine.program)
     found = [line for line in shown[1].splitlines() if line != "..."]
     assert len(found) > 5
@@ -338,9 +340,26 @@ def test_a_scene_without_a_program_has_no_listing(tmp_path, monkeypatch) -> None
 def test_what_does_not_fit_is_refused() -> None:
     mlp = random_mlp((2, 2, 1), 1.0, 1)
     with pytest.raises(InputError, match="segment_width: got 10, expected one of 7, 8, 9"):
-        Engine.of_several("single", [mlp], hardware={"segment_width": 10})
+        Engine.of([mlp], Settings(options={"segment_width": 10}))
     with pytest.raises(InputError, match=r"frame_check: got inputs=8, expected 1 to 7"):
         FrameCheck(8, 3, 20, Pipeline())
     wide = random_mlp((1000, 12, 1), 1.0, 1)
     with pytest.raises(InputError, match=re.escape("got 1025 words of the operand memory")):
-        Engine.of_several("single", [wide])
+        Engine.of([wide])
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        (Settings(THESIS), "precision: got 'thesis', expected exact"),
+        (Settings(activation="gradient"), "activation: got 'gradient', expected precise"),
+        (
+            Settings(activation_options={"coefficients": "block_ram"}),
+            "activation_options: got coefficients, expected none: its precise has one form",
+        ),
+        (Settings(options={"clock": 9}), "hardware: got 'clock', expected segment_width or"),
+    ],
+)
+def test_settings_that_an_engine_does_not_know_are_refused(settings, message: str) -> None:
+    with pytest.raises(InputError, match=re.escape(f"engine: {message}")):
+        Engine.of([random_mlp((2, 2, 1), 1.0, 1)], settings)

@@ -45,7 +45,7 @@ def few_of(scene: Scene, digits: int | str, **settings) -> FewDigits:
 
 def digits_in_hardware(scene: Scene, mlp: Mlp) -> int:
     """Counted one by one in the codes that the designs compute with, which must be the weights."""
-    found = constants_of(mlp, scene.precision, scene.activation, lean=False)
+    found = constants_of(mlp, scene.settings(lean=False))
     for layer, weights, biases in ((found.first, mlp.w1, mlp.b1), (found.second, mlp.w2, mlp.b2)):
         assert np.array_equal(layer.fmt.to_real(layer.weights), weights)
         assert np.array_equal(layer.fmt.to_real(layer.biases), biases)

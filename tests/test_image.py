@@ -42,7 +42,7 @@ def reloadable(name: str, folder: Path, keys: str = "") -> Scene:
 
 def fixed(scene: Scene) -> Engine:
     """The same networks, with the program in the hardware."""
-    engine = Engine.of_several(scene.arrangement, scene.mlps())
+    engine = Engine.of(scene.mlps(), arrangement=scene.arrangement)
     assert isinstance(engine, Engine)
     return engine
 

@@ -12,9 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from golden.activation.left_out import left_out as left_out_of
 from golden.files import write_json
 from golden.input_error import InputError
 from golden.mlp import Mlp
+from golden.networks.left_out import left_out
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_names
 from hdl.export.exporter import MANIFEST, export
@@ -22,7 +24,7 @@ from hdl.synth import lean
 from hdl.synth.budget import budget_path
 from hdl.synth.timing import read_timing, timing_path
 from tb.common.cases import FRONT_END, VISUALISATION, random_mlp, write_scene
-from tb.report.measure import left_out
+from tb.report.measure.left_out import words
 
 
 def exported(scene: Scene, folder: Path) -> tuple[set[str], str]:
@@ -59,7 +61,7 @@ def test_segments_that_no_neuron_reaches(tmp_path: Path) -> None:
     scene = load_scene(str(path))
     same_results(scene)
     whole, lean = scene.twin(lean=False).activations[0], scene.twin().activations[0]
-    saved = lean.left_out()["comparators of segments no neuron reaches"]
+    saved = left_out_of(lean)["comparators of segments no neuron reaches"]
     assert saved == len(whole.table.thresholds) - len(lean.table.thresholds) > 0
     _, text = exported(scene, tmp_path)
     assert len(re.findall(r"signed\(resize\(in_mag|in_mag > ", text)) < len(whole.table.thresholds)
@@ -71,7 +73,7 @@ def test_hidden_nodes_that_no_output_uses(tmp_path: Path, design: str) -> None:
     scene = load_scene(str(path))
     same_results(scene)
     assert len(scene.twin().activations) == 3
-    assert "1 hidden nodes whose weights to the outputs are 0" in scene.twin().left_out()
+    assert "1 hidden nodes whose weights to the outputs are 0" in left_out(scene.twin())
     _, text = exported(scene, tmp_path)
     node = r"u_input_node_\d+: entity" if design == "hybrid" else r"entity neuron_q\w+ is"
     assert len(re.findall(node, text)) == 3
@@ -93,7 +95,7 @@ def test_multipliers_of_weights_that_are_0(tmp_path: Path) -> None:
     weights = [w for n in (*design.hidden_neurons, *design.output_neurons) for w in n.weights]
     zeros = weights.count(0)
     assert zeros == 3
-    assert f"{zeros} multipliers of weights that are 0" in design.left_out()
+    assert f"{zeros} multipliers of weights that are 0" in left_out(design)
     _, text = exported(scene, tmp_path)
     assert len(re.findall(r"weigh\d+_product <= ", text)) == len(weights) - zeros
 
@@ -165,8 +167,8 @@ def test_a_scene_without_a_budget_is_not_recorded(tmp_path: Path) -> None:
 def test_words_are_counted_as_often_as_they_stand_there() -> None:
     """What hybrid says that it leaves out is what it has less than the whole."""
     scene = load_scene("digit-hybrid")
-    texts = re.findall(r"(\d+) ROM words of segments", " ".join(scene.twin().left_out()))
-    missing = left_out.words(scene.twin(lean=False)) - left_out.words(scene.twin())
+    texts = re.findall(r"(\d+) ROM words of segments", " ".join(left_out(scene.twin())))
+    missing = words(scene.twin(lean=False)) - words(scene.twin())
     assert missing == sum(map(int, texts)) > 0
 
 

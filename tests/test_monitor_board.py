@@ -57,7 +57,7 @@ def test_a_scene_that_is_loaded_runs(name: str, hardware: Scene, simulated: Twin
         frames = []
         while len(frames) < 50:
             frames += decoder.feed(line.read())
-    core = Engine.of_several(scene.arrangement, scene.mlps())
+    core = Engine.of(scene.mlps(), arrangement=scene.arrangement)
     for frame in frames:
         expected = core.process(np.array([frame.samples]))[0].tolist()
         assert list(frame.outputs[: len(expected)]) == expected
@@ -309,7 +309,7 @@ def test_the_simulated_hardware_sends_what_its_converter_reads(hardware: Scene) 
 
 def test_the_twins_behind_a_port_say_what_the_hardware_would(hardware: Scene) -> None:
     board = Board(hardware, hardware)
-    core = Engine.of_several(hardware.arrangement, hardware.mlps())
+    core = Engine.of(hardware.mlps(), arrangement=hardware.arrangement)
     with open_line("twin", None, board) as line:
         loading.load(line, board)
         decoder, frames = Decoder(board.layout), []

@@ -94,7 +94,7 @@ def test_from_placements_to_a_network_on_the_board(
         ends = iter([False] * 20 + [True])
         monitor.listen(line, lambda: next(ends))
         state = monitor.state()
-    engine = Engine.of_several(mine.scene.arrangement, mine.scene.mlps())
+    engine = Engine.of(mine.scene.mlps(), arrangement=mine.scene.arrangement)
     row = np.abs(hardware.vectors().targets[:, :2] - [0.9, 0.45]).sum(axis=1).argmin()
     expected = mine.scene.outputs_in_units(engine.process(hardware.vectors().codes[row : row + 1]))
     shown = [float(output["text"]) for output in state["outputs"]]
@@ -167,7 +167,7 @@ def test_the_page_as_it_stands_on_the_simulated_hardware(hardware: Scene, tmp_pa
     counted = re.search(r"(\d+) packets, 0 missed, 0 damaged\n", said)
     assert counted
     mine = load_scene(rig)
-    engine = Engine.of_several(mine.arrangement, mine.mlps())
+    engine = Engine.of(mine.mlps(), arrangement=mine.arrangement)
     header, *lines = (tmp_path / "seen.csv").read_text().splitlines()
     assert header == "seconds,packet,computed,flags,sensor1,sensor2,sensor3,sensor4,load,position"
     # How many there are hangs on the machine's speed.

@@ -17,9 +17,11 @@ from golden.block import walk
 from golden.input_error import InputError
 from golden.metrics import percent_errors, summarise
 from golden.mlp import Mlp
-from golden.networks.arrangement import arrange
+from golden.networks.arrangement import arrange, beside
 from golden.networks.hybrid import Hybrid
+from golden.networks.left_out import left_out
 from golden.networks.parallel import Parallel
+from golden.networks.settings import Settings
 from golden.precision import EXACT, PRECISIONS, SIGNAL, THESIS, normalisation
 from golden.scene import FOLDER, Scene, load_scene, scene_names, thesis_figures
 from golden.scene_errors import held_out_means
@@ -89,11 +91,13 @@ def test_a_normalisation_too_large_to_convert_is_refused(place: str, weight: flo
     if place == "layer 2":
         far = Mlp(small, none, np.full((1, 1), weight), none)
         largest = replace(far, w2=np.full((1, 1), 2.0**30 - 1), b1=np.full(1, 0.5))
-        assert Hybrid.of(largest, THESIS, "gradient").output_integral.factors == (2**30 - 1,)
+        assert Hybrid.of([largest], Settings(THESIS, "gradient")).output_integral.factors == (
+            2**30 - 1,
+        )
     with pytest.raises(
         InputError, match=rf"^{place} weights: got .* to .*, expected .* 1073741824"
     ):
-        Hybrid.of(far, THESIS, "gradient")
+        Hybrid.of([far], Settings(THESIS, "gradient"))
 
 
 @settings(max_examples=200)
@@ -102,7 +106,7 @@ def test_bit_true_follows_float(seed: int, name: str, spread: float) -> None:
     shape = (4, 6, 2)
     mlp = random_mlp(shape, spread, seed)
     frames = np.random.default_rng(seed).integers(SIGNAL.low, SIGNAL.high + 1, (200, 4))
-    design = Hybrid.of(mlp, PRECISIONS[name], "gradient")
+    design = Hybrid.of([mlp], Settings(PRECISIONS[name], "gradient"))
     results = SIGNAL.to_real(design.process(frames))
     exact = np.clip(mlp.process(SIGNAL.to_real(frames), gradient_real), -1, SIGNAL.high / 8192)
     # One LSB of a weight, a product or q in each term, carried to the output by its weights. A q
@@ -120,7 +124,7 @@ def test_bit_true_follows_float(seed: int, name: str, spread: float) -> None:
 @pytest.mark.parametrize("precision", PRECISIONS.values(), ids=lambda p: p.name)
 def test_rails_on_all_sensors(precision) -> None:
     mlp = random_mlp((4, 6, 2), 3.0, 3)
-    design = Hybrid.of(mlp, precision, "gradient")
+    design = Hybrid.of([mlp], Settings(precision, "gradient"))
     rails = np.array(np.meshgrid(*[[SIGNAL.low, 0, SIGNAL.high]] * 4)).reshape(4, -1).T
     results = design.process(rails)
     assert results.min() >= SIGNAL.low
@@ -131,22 +135,22 @@ def test_rails_on_all_sensors(precision) -> None:
 def test_networks_together_do_what_each_does_alone(arrangement: str) -> None:
     mlps = [random_mlp((3 + i * (arrangement == "cascade"), 4, 1), 1.0, i) for i in range(3)]
     frames = np.random.default_rng(1).integers(SIGNAL.low, SIGNAL.high + 1, (5000, 3))
-    design = arrange(arrangement, mlps, lambda m, v: Hybrid.of(m, EXACT, "gradient", variant=v))
+    design = arrange(arrangement, mlps, Hybrid, Settings(EXACT, "gradient"))
     seen, results = frames, []
     for mlp in mlps:
-        results.append(Hybrid.of(mlp, EXACT, "gradient").process(seen))
+        results.append(Hybrid.of([mlp], Settings(EXACT, "gradient")).process(seen))
         if arrangement == "cascade":
             seen = np.concatenate([seen, results[-1]], axis=1)
     assert np.array_equal(design.process(frames), np.concatenate(results, axis=1))
     for shape in ((5, 2, 1), (3, 2, 2), (4, 2, 2)):
-        odd = Hybrid.of(random_mlp(shape, 1.0, 1), EXACT, "gradient")
+        odd = Hybrid.of([random_mlp(shape, 1.0, 1)], Settings(EXACT, "gradient"))
         with pytest.raises(InputError, match="got networks of"):
             replace(design, networks=(design.networks[0], odd))
 
 
-def slow(iterations: int, mlp: Mlp, variant: str) -> Hybrid:
-    """A network that takes a frame every so many clocks."""
-    return Hybrid.of(mlp, EXACT, "pade", {"rho": 4.0, "iterations": iterations}, variant)
+def slow(iterations: int) -> Settings:
+    """Those of a network that takes a frame every so many clocks."""
+    return Settings(EXACT, "pade", {"rho": 4.0, "iterations": iterations})
 
 
 @pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
@@ -156,18 +160,18 @@ def slow(iterations: int, mlp: Mlp, variant: str) -> Hybrid:
 def test_a_cascade_is_as_slow_as_its_slowest_network(iterations, stored, spacing) -> None:
     """Frames of four elements, of which the networks see two, three and four."""
     mlps = [random_mlp((2 + i, 2, 1), 1.0, i) for i in range(3)]
-    design = arrange("cascade", mlps, lambda mlp, v: slow(iterations, mlp, v))
+    design = arrange("cascade", mlps, Hybrid, slow(iterations))
     assert design.interval == max(4, iterations)
     assert design.input_controller.spacing == spacing
     assert bool(design.frame_store) == stored
     assert (design.frame_store in design.parts()) == stored
-    assert any("until it is judged" in text for text in design.left_out()) != stored
+    assert any("until it is judged" in text for text in left_out(design)) != stored
 
 
 @pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 def test_independent_networks_wait_for_the_slowest() -> None:
     mlps = [random_mlp((2, 2, 1), 1.0, i) for i in range(3)]
-    design = arrange("multiple", mlps, lambda mlp, v: slow(3 + int(v), mlp, v))
+    design = beside([Hybrid.of([mlp], slow(3 + i)) for i, mlp in enumerate(mlps)])
     assert design.interval == 5
     assert {network.input_controller.spacing for network in design.networks} == {5}
     quick = replace(design.networks[0], min_interval=1)
@@ -180,7 +184,8 @@ def test_the_parallel_form_gives_the_same_results(precision) -> None:
     frames = np.random.default_rng(1).integers(SIGNAL.low, SIGNAL.high + 1, (5000, 3))
     for spread in (0.5, 3.0):
         mlp = random_mlp((3, 4, 2), spread, 1)
-        folded, parallel = (build(mlp, precision, "gradient") for build in (Hybrid.of, Parallel.of))
+        settings = Settings(precision, "gradient")
+        folded, parallel = (design.of([mlp], settings) for design in (Hybrid, Parallel))
         assert np.array_equal(parallel.process(frames), folded.process(frames))
         assert parallel.activations == folded.activations
 
@@ -203,7 +208,7 @@ def test_the_parallel_form_gives_the_same_results(precision) -> None:
     ],
 )
 def test_parallel_refuses_parts_that_do_not_fit(field: str, change, message: str) -> None:
-    design = Parallel.of(random_mlp((3, 4, 2), 1.0, 1), THESIS, "gradient")
+    design = Parallel.of([random_mlp((3, 4, 2), 1.0, 1)], Settings(THESIS, "gradient"))
     with pytest.raises(InputError, match=f"parallel: {message}"):
         replace(design, **{field: change(getattr(design, field))})
 
@@ -212,11 +217,11 @@ def test_parallel_refuses_parts_that_do_not_fit(field: str, change, message: str
 def test_networks_together_are_folded(arrangement: str) -> None:
     mlps = [random_mlp((3, 4, 1), 1.0, i) for i in range(2)]
     with pytest.raises(InputError, match=f"{arrangement}: got networks parallel, expected"):
-        arrange(arrangement, mlps, lambda m, v: Parallel.of(m, EXACT, "gradient", variant=v))
+        arrange(arrangement, mlps, Parallel, Settings(EXACT, "gradient"))
 
 
 def test_shapes_and_chunks_change_nothing() -> None:
-    design = Hybrid.of(random_mlp((3, 4, 2), 1.0, 1), EXACT, "gradient")
+    design = Hybrid.of([random_mlp((3, 4, 2), 1.0, 1)], Settings(EXACT, "gradient"))
     frames = np.random.default_rng(1).integers(SIGNAL.low, SIGNAL.high + 1, (3, 3001, 3))
     results = design.process(frames)
     assert results.shape == (3, 3001, 2)
@@ -233,7 +238,7 @@ def test_huge_weights_still_build() -> None:
     rng = np.random.default_rng(0)
     mlp = Mlp(rng.normal(0, 60, (3, 4)), rng.normal(0, 60, 3), np.ones((1, 3)) * 0.3, np.zeros(1))
     for precision in (THESIS, EXACT):
-        design = Hybrid.of(mlp, precision, "gradient")
+        design = Hybrid.of([mlp], Settings(precision, "gradient"))
         frames = rng.integers(SIGNAL.low, SIGNAL.high + 1, (500, 4))
         assert np.abs(design.process(frames)).max() <= -SIGNAL.low
 
@@ -241,19 +246,19 @@ def test_huge_weights_still_build() -> None:
 def test_weights_beyond_the_format_are_refused() -> None:
     mlp = Mlp(np.full((1, 1), 2e5), np.zeros(1), np.ones((1, 1)), np.zeros(1))
     with pytest.raises(InputError, match="layer 1 weights: largest magnitude 200000 does not fit"):
-        Hybrid.of(mlp, EXACT, "gradient")
+        Hybrid.of([mlp], Settings(EXACT, "gradient"))
 
 
 def test_a_thesis_sum_that_could_wrap_is_refused() -> None:
     mlp = Mlp(np.full((1, 2), -1.0), np.array([1.0]), np.full((1, 1), 0.3), np.zeros(1))
     with pytest.raises(InputError, match="hidden node 0: its normalised sum needs 15 bits"):
-        Hybrid.of(mlp, THESIS, "gradient")
+        Hybrid.of([mlp], Settings(THESIS, "gradient"))
 
 
 def test_an_input_that_no_weight_reads_changes_nothing() -> None:
     mlp = random_mlp((3, 4, 2), 1.0, 2)
     mlp.w1[:, 1] = 0
-    design = Hybrid.of(mlp, THESIS, "gradient")
+    design = Hybrid.of([mlp], Settings(THESIS, "gradient"))
     frames = np.zeros((2, 3), dtype=np.int64)
     frames[1, 1] = SIGNAL.low
     assert np.array_equal(*design.process(frames))
@@ -288,7 +293,7 @@ def test_a_layer_without_weights_still_builds() -> None:
     mlp = random_mlp((2, 3, 1), 0.3, 1)
     mlp.w1[:] = 0
     mlp.b1[:] = 0
-    design = Hybrid.of(mlp, EXACT, "gradient")
+    design = Hybrid.of([mlp], Settings(EXACT, "gradient"))
     node = design.input_integral.node
     assert node.acc_width < node.out_shift
     assert not design.input_integral.process([[SIGNAL.low, SIGNAL.high]]).any()

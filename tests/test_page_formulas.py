@@ -22,7 +22,6 @@ from golden.layers.shift_add import Sum
 from golden.networks.adder_graph import AdderGraph
 from golden.networks.constants import constants_of
 from golden.networks.engine import Engine
-from golden.precision import EXACT
 from golden.scene import load_scene, scene_names
 from golden.scene.write_image import hex_text
 from golden.sensing.scan import Scan
@@ -251,7 +250,7 @@ def test_the_sums_of_an_adder_graph() -> None:
     scene = load_scene("digit-fast")
     core = scene.twin().core
     (mlp,) = scene.mlps()
-    constants = constants_of(mlp, EXACT, "bipartite", scene.activation_options)
+    constants = constants_of(mlp, scene.settings())
     first, second = constants.first, constants.second
     assert core.first.weights == first.weights
     assert core.first.biases == tuple(bias * 2**13 for bias in first.biases)

@@ -14,6 +14,7 @@ import pytest
 from golden.block import Block, walk
 from golden.flow import Carried
 from golden.input_error import InputError
+from golden.instruments.pictures import flow_of
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_names
 from golden.scene.scale import Scale
@@ -30,7 +31,7 @@ from tb.report.draw.svg import own_ids
 from tb.report.draw.swing import RUN, follow, swing, without_past
 from tb.report.draw.swing_animation import swing_animation
 from tb.report.draw.tanh_words import tanh_words as draw_tanh_words
-from tb.report.draw.waveforms import Port, waveforms
+from tb.report.draw.waveforms import Row, waveforms
 from tb.report.measure.recording import record
 from tb.report.measure.table import Table
 from tb.report.measure.tanh_words import tanh_words
@@ -40,12 +41,12 @@ FRAME = 40
 SWINGS = ("swing-single", "swing-multiple", "swing-cascade", "swing-window-cascade")
 
 
-def flag(*values: int | None) -> Port:
-    return Port("top", "valid", values)
+def flag(*values: int | None) -> Row:
+    return Row("top", "valid", values)
 
 
-def data(*values: int | None) -> Port:
-    return Port("top", "data", values, SIGNAL, "valid")
+def data(*values: int | None) -> Row:
+    return Row("top", "data", values, SIGNAL, "valid")
 
 
 def drawn_waveforms(scene: Scene) -> str:
@@ -75,17 +76,17 @@ def build(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def recorded(build: Path) -> list[Port]:
+def recorded(build: Path) -> list[Row]:
     """One frame of scene digit through its exported Verilog."""
     return record(load_scene("digit-hybrid"), FRAME, build)
 
 
-def port(ports: list[Port], owner: str, name: str) -> Port:
+def port(ports: list[Row], owner: str, name: str) -> Row:
     (found,) = [p for p in ports if p.owner.startswith(owner) and p.name == name]
     return found
 
 
-def counting(ports: list[Port], owner: str, name: str) -> list[int | None]:
+def counting(ports: list[Row], owner: str, name: str) -> list[int | None]:
     """The values of a port in the clocks in which they count."""
     found = port(ports, owner, name)
     flags = port(ports, owner, found.valid).values
@@ -179,7 +180,7 @@ def test_the_datapath_draws_the_flow_of_each_block(tmp_path: Path) -> None:
         scene = CASES[name].scene(tmp_path, name) if name in CASES else load_scene(name)
         shown = words(parse(datapath(scene)))
         for block in walk(scene.twin()):
-            flow = block.flow()
+            flow = flow_of(block)
             if flow:
                 drawn.add(block.block)
                 carried = [step.what for step in flow.steps if isinstance(step, Carried)]
@@ -201,7 +202,7 @@ def test_a_part_that_no_flow_names_is_drawn_all_the_same(monkeypatch) -> None:
     assert "novelty" in words(parse(datapath(scene)))
 
 
-def test_the_recording_holds_what_the_twin_computes(recorded: list[Port]) -> None:
+def test_the_recording_holds_what_the_twin_computes(recorded: list[Row]) -> None:
     scene = load_scene("digit-hybrid")
     codes = scene.vectors().codes[FRAME]
     outputs = scene.twin().process(codes)
@@ -213,7 +214,7 @@ def test_the_recording_holds_what_the_twin_computes(recorded: list[Port]) -> Non
         assert counting(recorded, f"hybrid_{n}", "out_data") == [output]
 
 
-def test_the_recording_has_the_latency_that_the_twin_publishes(recorded: list[Port]) -> None:
+def test_the_recording_has_the_latency_that_the_twin_publishes(recorded: list[Row]) -> None:
     design = load_scene("digit-hybrid").twin()
     last = port(recorded, "cascade, frame in", "in_last").values.index(1)
     first = port(recorded, "cascade, frame out", "out_valid").values.index(1)
@@ -221,7 +222,7 @@ def test_the_recording_has_the_latency_that_the_twin_publishes(recorded: list[Po
     assert len(recorded[0].values) <= 90
 
 
-def test_the_waveforms_show_the_recorded_values(recorded: list[Port]) -> None:
+def test_the_waveforms_show_the_recorded_values(recorded: list[Row]) -> None:
     root = parse(waveforms(recorded, "One frame of scene digit-hybrid"))
     rows = {
         row.get("data-port"): words(row)
@@ -274,7 +275,7 @@ def test_waveforms_leave_out_what_does_not_count_and_say_what_is_undefined() -> 
     [
         ([], "got ports of \\[\\] clocks"),
         ([flag(0, 1), data(1)], "got ports of \\[1, 2\\] clocks"),
-        ([flag(0, 1), Port("other", "data", (1, 2), SIGNAL, "valid")], "got valid='valid'"),
+        ([flag(0, 1), Row("other", "data", (1, 2), SIGNAL, "valid")], "got valid='valid'"),
     ],
 )
 def test_waveforms_refuse_ports_that_do_not_belong_together(ports, message: str) -> None:

@@ -20,6 +20,7 @@ from golden.engine.replay import CLEAR, ONE_PLANE
 from golden.engine.serial_program import BEFORE, NOTHING
 from golden.input_error import InputError
 from golden.networks.engine import Engine
+from golden.networks.settings import Settings
 from golden.precision import SIGNAL
 from golden.scene import load_scene
 from tb.common.cases import random_mlp, write_scene
@@ -31,12 +32,12 @@ NAMES = (*ENGINES, *SCENES)
 
 @cache
 def engine(name: str, multiplier: str, lean: bool = True) -> Engine:
-    hardware = {"multiplier": multiplier}
+    settings = Settings(options={"multiplier": multiplier}, lean=lean)
     if name in ENGINES:
         case = ENGINES[name]
-        return Engine.of_several(case.arrangement, case.networks(), lean, hardware)
+        return Engine.of(case.networks(), settings, case.arrangement)
     scene = load_scene(name)
-    return Engine.of_several(scene.arrangement, scene.mlps(), lean, hardware)
+    return Engine.of(scene.mlps(), settings, scene.arrangement)
 
 
 @pytest.mark.parametrize("lean", [True, False])
@@ -131,7 +132,7 @@ def test_passes_leave_out_zeros_alone(name: str) -> None:
 def test_registers_behind_the_memories_go_with_a_multiplier_alone() -> None:
     hardware = {"multiplier": "serial", "pipeline": "deep"}
     with pytest.raises(InputError, match=r"hardware\.pipeline: got 'deep'.*expected 'short'"):
-        Engine.of_several("single", ENGINES["least-engine"].networks(), hardware=hardware)
+        Engine.of(ENGINES["least-engine"].networks(), Settings(options=hardware))
 
 
 def budgeted(tmp_path: Path, lines: str, sections: str = "") -> Engine:

@@ -18,7 +18,7 @@ from golden.input_error import InputError
 from golden.metrics import percent_errors
 from golden.mlp import tanh
 from golden.network_files.network_file import provenance_path, save_network, save_networks
-from golden.networks.arrangement import arrange
+from golden.networks.cascade import Cascade
 from golden.precision import SIGNAL
 from golden.scene import Scene, load_scene, scene_names
 from golden.scene.scale import Scale
@@ -278,7 +278,7 @@ def test_shipped_networks_have_the_errors_of_their_provenance(name: str) -> None
     scene = replace(scene, design=first["design"], design_options={})
     vectors = scene.vectors()
     cascade = scene.arrangement == "cascade"
-    network = arrange("cascade", scene.mlps(), scene.build) if cascade else scene.twin().core
+    network = Cascade(tuple(map(scene.build, scene.mlps()))) if cascade else scene.twin().core
     results = SIGNAL.to_real(network.process(vectors.codes))
     errors = percent_errors(results, vectors.targets, scene.outputs, scene.full_scale)
     split = split_of(scene)

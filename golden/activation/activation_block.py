@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import ClassVar
@@ -111,10 +110,6 @@ class ActivationBlock(Block):
     def border_codes(self) -> Codes:
         """Codes of the input on both sides of every border."""
         return _border_codes(self)
-
-    def left_out(self) -> Counter[str]:
-        """How many parts of each kind the block lacks because the neuron cannot need them."""
-        return Counter()
 
 
 def _codes(fmt: Fix) -> Codes:

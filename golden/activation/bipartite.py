@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass, replace
 from typing import Self
 
@@ -131,12 +130,8 @@ class Bipartite(ActivationBlock):
             variant=f"{self.memory}{width - 1}",
         )
 
-    def left_out(self) -> Counter[str]:
-        missing = self._words(MAGNITUDE_WIDTH) - self._words(min(self.reach_width, MAGNITUDE_WIDTH))
-        return Counter({"table words that no neuron reaches": missing} if missing else {})
-
-    def _words(self, reach_width: int) -> int:
-        """Number of words of both tables that serve magnitudes of ``reach_width`` bits."""
+    def words_within(self, reach_width: int) -> int:
+        """Words of both tables for magnitudes of so many bits."""
         mag = np.arange(1 << reach_width)
         base, slope = self.formats.addresses(mag, mag)
         return len(np.unique(base)) + len(np.unique(slope))

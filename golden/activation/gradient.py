@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass
 
 from golden.activation.abs_unit import AbsUnit
@@ -11,7 +10,7 @@ from golden.activation.comparator_bank import ComparatorBank
 from golden.activation.g_memory import GMemory
 from golden.activation.grad_eqn import GradEqn
 from golden.activation.i_memory import IMemory
-from golden.activation.segments import UPPER, SegmentTable
+from golden.activation.segments import SegmentTable
 from golden.activation.sign_retriever import SignRetriever
 from golden.block import Block
 from golden.fixed import Codes, Rounding
@@ -101,18 +100,6 @@ class Gradient(ActivationBlock):
             self.i_memory,
             self.grad_eqn,
             self.sign_retriever,
-        )
-
-    def left_out(self) -> Counter[str]:
-        missing = len(UPPER) - len(self.table.thresholds)
-        if not missing:
-            return Counter()
-        words = 2 * (len(UPPER) + 1 - len(self.table.coeffs))
-        return Counter(
-            {
-                "comparators of segments no neuron reaches": missing,
-                "ROM words of segments no neuron reaches": words,
-            }
         )
 
     @property

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,15 +36,6 @@ class GradientParallel(Gradient):
         """Gradient and intercept of each segment that has a sub-unit."""
         rows = zip(self.table.coeffs, self.table.intercepts, strict=True)
         return tuple(rows)[: -1 if self.saturates else None]
-
-    def left_out(self) -> Counter[str]:
-        return +Counter(
-            {
-                "comparators of segments no neuron reaches": len(UPPER)
-                - len(self.table.thresholds),
-                "multipliers of segments no neuron reaches": len(UPPER) - len(self.segments),
-            }
-        )
 
     @property
     def marks(self) -> tuple[int, ...]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -104,14 +103,6 @@ class Lut(ActivationBlock):
 
     def parts(self) -> tuple[Block, ...]:
         return self.abs_unit, self.comparator_bank, self.sign_retriever
-
-    def left_out(self) -> Counter[str]:
-        return +Counter(
-            {
-                "table words that no neuron reaches": DEPTH - len(self.words),
-                "comparators of segments no neuron reaches": 1 - len(self.thresholds),
-            }
-        )
 
     @property
     def marks(self) -> tuple[int, ...]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from collections import Counter
 from dataclasses import dataclass
 from math import floor
 
@@ -291,10 +290,6 @@ class Pade(ActivationBlock):
 
     def parts(self) -> tuple[Block, ...]:
         return self.abs_unit, self.comparator_bank, self.sign_retriever
-
-    def left_out(self) -> Counter[str]:
-        missing = 1 - len(self.thresholds)
-        return +Counter({"comparators of segments no neuron reaches": missing})
 
     @property
     def marks(self) -> tuple[int, ...]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass
 from math import ldexp
 
@@ -187,14 +186,6 @@ class Polynomial(ActivationBlock):
 
     def parts(self) -> tuple[Block, ...]:
         return self.abs_unit, self.comparator_bank, self.sign_retriever
-
-    def left_out(self) -> Counter[str]:
-        return +Counter(
-            {
-                "comparators of segments no neuron reaches": len(UPPER) - len(self.thresholds),
-                "ROM words of segments no neuron reaches": 3 * (len(UPPER) - len(self.coeffs)),
-            }
-        )
 
     @property
     def marks(self) -> tuple[int, ...]:

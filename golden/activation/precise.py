@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,7 +64,7 @@ class Precise(ActivationBlock):
                 f"{self.entity}: got coefficients={self.coefficients!r}, expected one of "
                 f"{', '.join(FORMATS)}"
             )
-        most = len(self._whole.intercepts)
+        most = len(self.whole.intercepts)
         if not 1 <= self.words <= most:
             raise InputError(f"{self.entity}: got words={self.words}, expected 1 to {most}")
 
@@ -75,13 +74,13 @@ class Precise(ActivationBlock):
         return FORMATS[self.coefficients]
 
     @property
-    def _whole(self) -> CurveTable:
+    def whole(self) -> CurveTable:
         return curve_table(self.formats)
 
     @property
     def table(self) -> CurveTable:
-        """The coefficients of the words that are kept."""
-        whole, kept = self._whole, slice(self.words)
+        """The coefficients of the words kept."""
+        whole, kept = self.whole, slice(self.words)
         return CurveTable(whole.intercepts[kept], whole.gradients[kept], whole.curves[kept])
 
     @property
@@ -103,10 +102,6 @@ class Precise(ActivationBlock):
 
     def parts(self) -> tuple[Block, ...]:
         return self.abs_unit, self.sign_retriever
-
-    def left_out(self) -> Counter[str]:
-        missing = len(self._whole.intercepts) - self.words
-        return Counter({"ROM words of segments no neuron reaches": missing} if missing else {})
 
     @property
     def marks(self) -> tuple[int, ...]:

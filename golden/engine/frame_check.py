@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,8 +11,8 @@ from golden.block import Block
 from golden.border import Border, State
 from golden.engine.pipeline import Pipeline
 from golden.input_error import InputError
-from golden.layers.input_controller import FrameScan
-from golden.port import CLOCKED, Port, Unsigned, given, taken
+from golden.layers.frame_judge import BROKEN, JUDGED, FrameScan, judge
+from golden.port import Port, Unsigned, given, taken
 
 
 @dataclass(frozen=True)
@@ -59,9 +59,7 @@ class FrameCheck(Block):
     @property
     def ports(self) -> tuple[Port, ...]:
         return (
-            *CLOCKED,
-            taken("in_valid", "the stream holds a sample"),
-            taken("in_last", "the sample is the last of its frame; ignored without `in_valid`"),
+            *JUDGED,
             taken("store", "a result is ready; only while `run` is high"),
             taken("finish", "the last output of the frame leaves"),
             given("start", "the program's first step is done in the next clock"),
@@ -73,9 +71,7 @@ class FrameCheck(Block):
                 Unsigned(self.addr_width),
                 "addr_width",
             ),
-            given(
-                "frame_error", "high for one clock, one clock after the sample that breaks a frame"
-            ),
+            BROKEN,
         )
 
     @property
@@ -95,28 +91,9 @@ class FrameCheck(Block):
         return (f"{self.inputs} sample{'s' if self.inputs > 1 else ''} a frame",)
 
     def process(self, last: ArrayLike, clock: ArrayLike) -> FrameScan:
-        """Decisions for samples that arrive after a reset; see ``InputController.process``."""
-        flags = np.asarray(last, dtype=bool)
-        times = np.asarray(clock, dtype=np.int64)
-        addr = np.zeros(len(flags), dtype=np.int64)
-        accept, done, error = (np.zeros(len(flags), dtype=bool) for _ in range(3))
-        count, dropping, free_at = 0, False, None
-        for k, (is_last, time) in enumerate(zip(flags, times, strict=True)):
-            if dropping:
-                dropping = not is_last
-                continue
-            if free_at is not None and time < free_at:
-                error[k] = True
-                dropping = not is_last
-                continue
-            accept[k], addr[k] = True, count
-            complete = count == self.inputs - 1
-            done[k] = complete and is_last
-            error[k] = complete != is_last
-            if error[k]:
-                addr[k] = (1 << self.addr_width) - 1
-            dropping = complete and not is_last
-            count = 0 if complete or is_last else count + 1
-            if done[k]:
-                free_at = time + self.busy + self.pipeline.free
-        return FrameScan(addr, accept, done, error)
+        """Decisions for samples that arrive after a reset; see ``judge``."""
+        apart = self.busy + self.pipeline.free
+        scan = judge(last, clock, self.inputs, apart, at_once=True)
+        # A sample that breaks a frame goes where nothing else is kept.
+        aside = (1 << self.addr_width) - 1
+        return replace(scan, addr=np.where(scan.accept & scan.error, aside, scan.addr))

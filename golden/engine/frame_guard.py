@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from golden.block import Block
 from golden.engine.pipeline import Pipeline
 from golden.fixed import Codes
-from golden.port import CLOCKED, Port, Unsigned, given, taken
+from golden.layers.frame_judge import JUDGED
+from golden.port import Port, Unsigned, given, taken
 
 
 @dataclass(frozen=True)
@@ -62,9 +63,7 @@ class FrameGuard(Block):
     def ports(self) -> tuple[Port, ...]:
         addr = Unsigned(self.addr_width)
         return (
-            *CLOCKED,
-            taken("in_valid", "the stream holds a sample"),
-            taken("in_last", "the sample is the last of its frame; ignored without `in_valid`"),
+            *JUDGED,
             taken("halt", "no frame is accepted; never high while `busy` is"),
             taken("before_last", "samples of a frame minus 2", addr, "addr_width"),
             taken("store", "a result is ready; only while `run` is high"),

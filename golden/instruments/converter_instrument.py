@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 from golden.block import Block
 from golden.fixed import Codes
-from golden.flow import Carried, Flow
 from golden.input_error import InputError
 from golden.instruments.scanned import Scanned
 from golden.port import CLOCKED, Port
@@ -81,10 +80,6 @@ class ConverterInstrument(Scanned):
 
     def parts(self) -> tuple[Block, ...]:
         return (self.converter_reader, self.readout)
-
-    def flow(self) -> Flow:
-        source = Carried("codes of the converter", self.converter_reader.part.bits)
-        return Flow((source, self.converter_reader, None, self.readout))
 
     def compute(self, frames: Codes) -> Codes:
         reader = self.converter_reader

@@ -6,11 +6,9 @@ from dataclasses import dataclass
 
 from golden.block import Block
 from golden.fixed import Codes
-from golden.flow import Carried, Flow
 from golden.input_error import InputError
 from golden.instruments.scanned import Scanned
 from golden.port import CLOCKED, Port
-from golden.precision import SIGNAL
 from golden.sensing.scan_sequencer import ScanSequencer
 
 
@@ -81,10 +79,6 @@ class Instrument(Scanned):
 
     def parts(self) -> tuple[Block, ...]:
         return (self.scan_sequencer, self.readout)
-
-    def flow(self) -> Flow:
-        source = Carried("codes of the converter", SIGNAL)
-        return Flow((source, self.scan_sequencer, None, self.readout))
 
     def compute(self, frames: Codes) -> Codes:
         return self.readout.compute(frames)

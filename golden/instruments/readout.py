@@ -8,9 +8,8 @@ from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.fixed import Codes
-from golden.flow import Carried, Flow, Step
 from golden.input_error import InputError
-from golden.layers.input_controller import FrameJudge
+from golden.layers.frame_judge import FrameJudge
 from golden.networks.network import Network, serial_ports
 from golden.port import Port, given, group
 from golden.precision import SIGNAL
@@ -123,15 +122,6 @@ class Readout(Network):
 
     def parts(self) -> tuple[Block, ...]:
         return (self.network, *([self.load_profile] if self.load_profile else []))
-
-    def flow(self) -> Flow:
-        steps: list[Step] = [Carried("samples", SIGNAL), self.network, Carried("outputs", SIGNAL)]
-        if self.load_profile:
-            steps += [self.load_profile, Carried("profile", SIGNAL)]
-        return Flow(tuple(steps))
-
-    def left_out(self) -> list[str]:
-        return self.network.left_out()
 
     def compute(self, frames: Codes) -> Codes:
         return self.network.compute(frames)

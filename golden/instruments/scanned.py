@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from golden.input_error import InputError
 from golden.instruments.readout import Readout
-from golden.layers.input_controller import FrameJudge
+from golden.layers.frame_judge import FrameJudge
 from golden.networks.network import Network
 from golden.port import Port
 
@@ -79,6 +79,3 @@ class Scanned(Network):
     @property
     def core(self) -> Network:
         return self.readout.core
-
-    def left_out(self) -> list[str]:
-        return self.readout.left_out()

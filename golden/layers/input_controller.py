@@ -3,49 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from golden.block import Block
 from golden.border import Border, State
-from golden.fixed import Codes
 from golden.input_error import InputError
-from golden.port import CLOCKED, Port, Unsigned, given, taken
-
-
-@dataclass(frozen=True)
-class FrameScan:
-    """The controller's decision about each sample, as arrays of equal length.
-
-    Attributes
-    ----------
-    addr : int64 array
-        Position of the sample in its frame, 0 where the sample is dropped.
-    accept : bool array
-        False for the samples of an overlong frame that are dropped.
-    done : bool array
-        The sample completes a frame that yields results.
-    error : bool array
-        The sample breaks the frame, so ``frame_error`` follows for one clock.
-    """
-
-    addr: Codes
-    accept: NDArray[np.bool_]
-    done: NDArray[np.bool_]
-    error: NDArray[np.bool_]
-
-
-class FrameJudge(Protocol):
-    """A block that decides which frames a network accepts."""
-
-    @property
-    def inputs(self) -> int:
-        """Number of elements of a good frame."""
-
-    def process(self, last: ArrayLike, clock: ArrayLike) -> FrameScan:
-        """Decisions for elements that arrive after a reset; see ``InputController.process``."""
+from golden.layers.frame_judge import BROKEN, JUDGED, FrameScan, judge
+from golden.port import Port, Unsigned, given
 
 
 @dataclass(frozen=True)
@@ -97,9 +62,7 @@ class InputController(Block):
     @property
     def ports(self) -> tuple[Port, ...]:
         return (
-            *CLOCKED,
-            taken("in_valid", "the stream holds a sample"),
-            taken("in_last", "the sample is the last of its frame; ignored without `in_valid`"),
+            *JUDGED,
             given(
                 "addr",
                 "position of the sample in its frame, in the same clock",
@@ -113,9 +76,7 @@ class InputController(Block):
                 "out_valid",
                 "four clocks after the last sample: the nodes hold the sums of the frame",
             ),
-            given(
-                "frame_error", "high for one clock, one clock after the sample that breaks a frame"
-            ),
+            BROKEN,
         )
 
     @property
@@ -141,34 +102,5 @@ class InputController(Block):
         return (f"{self.inputs} element{'s' if self.inputs > 1 else ''} a frame",)
 
     def process(self, last: ArrayLike, clock: ArrayLike) -> FrameScan:
-        """Decisions for samples that arrive after a reset.
-
-        Parameters
-        ----------
-        last : array_like of bool
-            The ``last`` flag of each valid sample.
-        clock : array_like of int
-            The clock in which each sample arrived; only differences matter.
-        """
-        flags = np.asarray(last, dtype=bool)
-        times = np.asarray(clock, dtype=np.int64)
-        addr = np.zeros(len(flags), dtype=np.int64)
-        accept = np.ones(len(flags), dtype=bool)
-        done = np.zeros(len(flags), dtype=bool)
-        error = np.zeros(len(flags), dtype=bool)
-        count, dropping, free_at = 0, False, None
-        for k, (is_last, time) in enumerate(zip(flags, times, strict=True)):
-            if dropping:
-                accept[k] = False
-                dropping = not is_last
-                continue
-            addr[k] = count
-            complete = count == self.inputs - 1
-            early = free_at is not None and time < free_at
-            done[k] = complete and is_last and not early
-            error[k] = (complete or is_last) and not done[k]
-            dropping = complete and not is_last
-            count = 0 if complete or is_last else count + 1
-            if done[k]:
-                free_at = time + self.spacing
-        return FrameScan(addr, accept, done, error)
+        """Decisions for samples that arrive after a reset; see ``judge``."""
+        return judge(last, clock, self.inputs, self.spacing)

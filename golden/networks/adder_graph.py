@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
@@ -15,16 +14,14 @@ from golden.activation.bipartite_pair import NODES, BipartitePair, pair_for
 from golden.activation.bipartite_table import RESULT
 from golden.block import Block
 from golden.fixed import Codes, Fix, signed_width
-from golden.flow import Alike, Carried, Flow
 from golden.input_error import InputError
 from golden.layers.constant_matrix import ConstantMatrix
 from golden.layers.input_controller import InputController
 from golden.mlp import Mlp
-from golden.networks.bounds import activation_error
-from golden.networks.constants import Constants, Layer, constants_of, quantised
+from golden.networks.constants import Constants, Layer, constants_of
 from golden.networks.design import Design
-from golden.precision import EXACT, SIGNAL, Precision
-from golden.real import Real
+from golden.networks.settings import Settings
+from golden.precision import EXACT, SIGNAL
 
 # The most adders between two registers, where a scene does not set it.
 ADDERS_PER_CLOCK = 5
@@ -52,7 +49,7 @@ class AdderGraph(Design):
     """
 
     block = "adder_graph"
-    arrangements = ("single", "multiple")
+    arrangements = together = ("single", "multiple")
     precisions = (EXACT.name,)
     known_activations = ("bipartite",)
     half_codes = True
@@ -71,37 +68,10 @@ class AdderGraph(Design):
             )
 
     @classmethod
-    def of(
-        cls,
-        mlp: Mlp,
-        precision: Precision,
-        activation: str,
-        options: Mapping[str, object] | None = None,
-        variant: str = "",
-        lean: bool = True,
-        hardware: Mapping[str, object] | None = None,
-    ) -> Self:
-        constants = constants_of(mlp, precision, activation, options, lean)
-        return cls.from_constants(constants, variant, **_chosen(hardware))
-
-    @classmethod
-    def of_several(
-        cls,
-        arrangement: str,
-        mlps: Sequence[Mlp],
-        lean: bool = True,
-        hardware: Mapping[str, object] | None = None,
-        activation_options: Mapping[str, object] | None = None,
-    ) -> Self | None:
-        if arrangement == "single":
-            return None
-        found = [constants_of(m, EXACT, "bipartite", activation_options, lean) for m in mlps]
-        return cls.from_constants(beside(found), **_chosen(hardware))
-
-    @classmethod
-    def from_constants(
-        cls, constants: Constants, variant: str = "", adders_per_clock: int = ADDERS_PER_CLOCK
-    ) -> Self:
+    def build(cls, mlps: Sequence[Mlp], settings: Settings, arrangement: str, variant: str) -> Self:
+        chosen: dict[str, Any] = {"adders_per_clock": ADDERS_PER_CLOCK, **settings.options}
+        adders_per_clock = chosen["adders_per_clock"]
+        constants = beside([constants_of(mlp, settings) for mlp in mlps])
         prefix = f"{variant}_" if variant else ""
         first, second = constants.first, constants.second
         frac = EXACT.hidden_fmt.frac
@@ -168,10 +138,6 @@ class AdderGraph(Design):
         return len(self.second.weights)
 
     @property
-    def hidden_weights(self) -> list[Sequence[int]]:
-        return list(self.first.weights)
-
-    @property
     def unreachable(self) -> dict[str, str]:
         return {"frame_error=1": "a frame a clock is never too close"}
 
@@ -191,52 +157,10 @@ class AdderGraph(Design):
     def parts(self) -> tuple[Block, ...]:
         return (self.first, *(self.shared(nodes) for nodes in self.groups), self.second)
 
-    def flow(self) -> Flow:
-        hidden = len(self.activations)
-        return Flow(
-            (
-                Carried(f"{self.inputs} x", self.first.in_fmt),
-                self.first,
-                Carried(f"{hidden} q", self.first.out_fmt),
-                Alike(tuple(self.shared(nodes) for nodes in self.groups)),
-                Carried(f"{hidden} r", self.second.in_fmt),
-                self.second,
-                Carried(f"{self.outputs} y", self.second.out_fmt),
-            ),
-            across=True,
-        )
-
-    def left_out(self) -> list[str]:
-        counts: Counter[str] = sum((a.left_out() for a in self.activations), Counter())
-        texts = [f"{count} {what}" for what, count in sorted(counts.items())]
-        if self.useless_nodes:
-            texts.append(f"{self.useless_nodes} hidden nodes whose weights to the outputs are 0")
-        return [*texts, "every multiplier: a weight is a few shifted adds, shared with others"]
-
     def compute(self, frames: Codes) -> Codes:
         q = self.first.process(frames)
         columns = [a.process(q[:, j]) for j, a in enumerate(self.activations)]
         return self.second.process(np.stack(columns, axis=-1))
-
-    def exact(self, frames: Codes) -> Codes:
-        q = self.first.exact(frames)
-        columns = [a.compute(q[:, j]) for j, a in enumerate(self.activations)]
-        return self.second.exact(np.stack(columns, axis=-1))
-
-    def error_bounds(self, mlp: Mlp, precision: Precision, sensors: int) -> Real:
-        """See ``Design``. ``ConstantMatrix.errors`` is the part that comes from dropped bits."""
-        first = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights")
-        second = quantised(mlp.w2, mlp.b2, precision, "layer 2 weights")
-        q_off = _off(mlp.w1, mlp.b1, first, self.first)
-        r_off = q_off + [activation_error(a, 1) for a in self.activations]
-        y_off = _off(mlp.w2, mlp.b2, second, self.second)
-        result: Real = y_off + np.abs(mlp.w2) @ r_off
-        return result
-
-
-def _chosen(hardware: Mapping[str, object] | None) -> dict[str, Any]:
-    """The options that a scene sets."""
-    return dict(hardware or {})
 
 
 def beside(networks: Sequence[Constants]) -> Constants:
@@ -292,17 +216,3 @@ def _groups(activations: Sequence[Bipartite], widths: Sequence[int]) -> tuple[tu
     count = NODES if activations[0].memory == "block_ram" else 1
     order = sorted(range(len(widths)), key=lambda j: (widths[j], j))
     return tuple(tuple(order[n : n + count]) for n in range(0, len(order), count))
-
-
-def _off(weights: Real, biases: Real, layer: Layer, matrix: ConstantMatrix) -> Real:
-    """How far each result can be from the real sum of samples of magnitude 1 at most.
-
-    The error has three parts: the rounding of weights and bias; the bits that are dropped in the
-    sum, with one unit more for the halves that its constant loses; and half a step of the result.
-    """
-    rounding = np.abs(weights - layer.fmt.to_real(layer.weights)).sum(axis=1)
-    rounding += np.abs(biases - layer.fmt.to_real(layer.biases))
-    units = np.array([max(map(abs, ends)) + 1 for ends in matrix.errors], dtype=np.float64)
-    step = 2.0**-matrix.out_fmt.frac
-    result: Real = rounding + (units / 2.0**matrix.out_shift + 0.5) * step
-    return result

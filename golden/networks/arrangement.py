@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TypeVar
 
@@ -15,6 +15,7 @@ from golden.networks.cascade import Cascade
 from golden.networks.design import Design
 from golden.networks.multiple import Multiple
 from golden.networks.network import Network
+from golden.networks.settings import DEFAULTS, Settings
 from golden.real import Real
 
 ARRANGEMENTS = ("single", "multiple", "cascade")
@@ -47,26 +48,29 @@ def process_real(
     return np.concatenate(results, axis=-1)
 
 
-def arrange(arrangement: str, mlps: Sequence[Mlp], build: Callable[[Mlp, str], Design]) -> Network:
-    """The bit-true twin of all networks together; a single network is its own twin.
+def arrange(
+    arrangement: str, mlps: Sequence[Mlp], design: type[Design], settings: Settings = DEFAULTS
+) -> Network:
+    """The bit-true twin of all networks together; of one alone, that network's.
 
     Parameters
     ----------
     arrangement : str
     mlps : sequence of Mlp
-    build : callable
-        Builds the bit-true network from an Mlp and from the variant that distinguishes it.
+    design : type
+        What each of them becomes, or all of them where the design takes them ``together``.
+    settings : Settings
     """
-    if len(mlps) == 1:
-        return build(mlps[0], "")
-    networks = tuple(build(mlp, str(i)) for i, mlp in enumerate(mlps))
-    if arrangement not in networks[0].arrangements:
-        raise InputError(
-            f"{arrangement}: got networks {networks[0].block}, expected a design for it"
-        )
-    if arrangement == "cascade":
-        return Cascade(networks)
-    # One result leaves per clock, and all networks must accept the same frames, so the interval is
-    # that of the slowest. The frames of a cascade are longer than its outputs in any case.
+    if len(mlps) == 1 or arrangement in design.together:
+        return design.of(mlps, settings, arrangement)
+    if arrangement not in design.arrangements:
+        raise InputError(f"{arrangement}: got networks {design.block}, expected a design for it")
+    networks = [design.of([mlp], settings, variant=str(i)) for i, mlp in enumerate(mlps)]
+    return Cascade(tuple(networks)) if arrangement == "cascade" else beside(networks)
+
+
+def beside(networks: Sequence[Design]) -> Multiple:
+    """Independent networks, each of which takes the frames that the slowest takes."""
+    # One result a clock leaves; a cascade's frames are longer than that in any case.
     slowest = max(len(networks), *(network.interval for network in networks))
     return Multiple(tuple(replace(n, min_interval=slowest) for n in networks))

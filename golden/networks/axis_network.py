@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from golden.block import Block
 from golden.fixed import Codes, Fix
-from golden.flow import Carried, Flow
 from golden.layers.input_controller import InputController
 from golden.networks.network import Network, frame_error
 from golden.port import CLOCK, RESET, Port, given, taken
@@ -123,15 +122,6 @@ class AxisNetwork(Network):
 
     def parts(self) -> tuple[Block, ...]:
         return (self.network,)
-
-    def flow(self) -> Flow:
-        return Flow((Carried("s_axis", TDATA), self.network, Carried("m_axis", TDATA)))
-
-    def left_out(self) -> list[str]:
-        texts = self.network.left_out()
-        if not self.spacing:
-            texts.append(f"{self.entity}: the counter that keeps frames apart")
-        return texts
 
     def compute(self, frames: Codes) -> Codes:
         return self.network.compute(frames)

@@ -8,7 +8,6 @@ import numpy as np
 
 from golden.block import Block
 from golden.fixed import Codes
-from golden.flow import Carried, Controlled, Flow, Step
 from golden.layers.input_controller import InputController
 from golden.layers.output_collector import OutputCollector
 from golden.networks.network import serial_ports
@@ -103,23 +102,6 @@ class Cascade(Several):
             *self.multiplexers,
             self.output_collector,
         )
-
-    def flow(self) -> Flow:
-        steps: list[Step] = [Carried(f"frames of {self.input_controller.inputs} elements", SIGNAL)]
-        if self.frame_store:
-            steps += [Controlled(self.input_controller, self.frame_store)]
-            steps += [Carried("good frames", SIGNAL)]
-        for network, multiplexer in zip(self.networks, self.multiplexers, strict=False):
-            steps += [network, None, multiplexer, Carried(f"y in slot {multiplexer.slot}", SIGNAL)]
-        steps += [self.networks[-1], Carried("every y", SIGNAL)]
-        steps += [self.output_collector, Carried("outputs", SIGNAL)]
-        return Flow(tuple(steps), watcher=None if self.frame_store else self.input_controller)
-
-    def left_out(self) -> list[str]:
-        texts = super().left_out()
-        if not self.frame_store:
-            texts.append(f"{self.entity}: the memory that holds a frame until it is judged")
-        return texts
 
     def compute(self, frames: Codes) -> Codes:
         seen = frames

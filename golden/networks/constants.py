@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,6 +13,7 @@ from golden.fixed import Codes, Fix
 from golden.input_error import InputError
 from golden.layers.node_sum import NodeSum
 from golden.mlp import Mlp
+from golden.networks.settings import Settings
 from golden.precision import SIGNAL, Precision, normalisation
 from golden.real import Real
 
@@ -92,26 +93,14 @@ class Constants:
     useless_nodes: int
 
 
-def constants_of(
-    mlp: Mlp,
-    precision: Precision,
-    activation: str,
-    options: Mapping[str, object] | None = None,
-    lean: bool = True,
-) -> Constants:
-    """Quantise a trained network and choose its activations, the same way for every design.
+def constants_of(mlp: Mlp, settings: Settings) -> Constants:
+    """Quantise a trained network and choose its activations; every design takes what comes out.
 
     Parameters
     ----------
     mlp : Mlp
-    precision : Precision
-    activation : str
-        A name of ``SCHEMES``.
-    options : mapping, optional
-        The options of the activation that a scene sets.
-    lean : bool
-        Whether to leave out what the weights make useless: segments of activations, and hidden
-        nodes. The results are the same either way.
+    settings : Settings
+        Those of the precision and the activation matter.
 
     Raises
     ------
@@ -124,6 +113,7 @@ def constants_of(
     A weight whose code is 0 adds nothing to a sum, so a node whose weights to the outputs are all 0
     changes no output. One node is always built, because a network has at least one.
     """
+    precision, lean = settings.precision, settings.lean
     first = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights")
     second = quantised(mlp.w2, mlp.b2, precision, "layer 2 weights")
     hidden = range(len(first.biases))
@@ -137,7 +127,7 @@ def constants_of(
         [(f"hidden node {j}", node.acc_width) for j, node in enumerate(nodes)]
         + [("output layer", node.acc_width) for node in outputs],
     )
-    scheme = SCHEMES[activation].configured(options or {})
+    scheme = SCHEMES[settings.activation].configured(settings.activation_options)
     activations = tuple(
         scheme.build(precision, q, node.reach if lean else node.out_fmt.high)
         for q, node in zip(first.factors, nodes, strict=True)

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar, Self
 
-from golden.fixed import Codes
+from golden.input_error import InputError
 from golden.mlp import Mlp
-from golden.networks.bounds import two_layer_bounds
-from golden.networks.constants import Constants, constants_of
-from golden.networks.exact import ExactLayers
 from golden.networks.network import Network
-from golden.precision import PRECISIONS, Precision
-from golden.real import Real
+from golden.networks.settings import DEFAULTS, Settings
+from golden.precision import PRECISIONS
 
 
 @dataclass(frozen=True)
@@ -26,11 +23,15 @@ class Design(Network):
     Attributes
     ----------
     arrangements : tuple of str
-        The arrangements in which a scene may use it.
+        Those in which a scene may use it.
+    together : tuple of str
+        Those of them whose networks it takes as one.
     precisions : tuple of str
         The precisions for which it is made.
     known_activations : tuple of str
-        The activations that it can compute; empty for all.
+        Those that it computes; empty for all.
+    activation_choices : bool
+        Whether it takes an activation's options.
     half_codes : bool
         Whether it accepts activations whose codes stand for the middle of their step.
     options : tuple of str
@@ -42,78 +43,65 @@ class Design(Network):
     """
 
     arrangements: ClassVar[tuple[str, ...]] = ()
+    together: ClassVar[tuple[str, ...]] = ()
     precisions: ClassVar[tuple[str, ...]] = tuple(PRECISIONS)
     known_activations: ClassVar[tuple[str, ...]] = ()
+    activation_choices: ClassVar[bool] = True
     half_codes: ClassVar[bool] = False
     options: ClassVar[tuple[str, ...]] = ()
     min_interval: int = field(default=1, kw_only=True)
     useless_nodes: int = field(default=0, kw_only=True)
 
     @classmethod
-    def from_constants(cls, constants: Constants, variant: str = "") -> Self:
-        """Build the design of a trained network.
-
-        Parameters
-        ----------
-        constants : Constants
-        variant : str
-            Distinguishes it from other networks of the same design.
-        """
-        raise NotImplementedError
-
-    @classmethod
     def of(
         cls,
-        mlp: Mlp,
-        precision: Precision,
-        activation: str,
-        options: Mapping[str, object] | None = None,
-        variant: str = "",
-        lean: bool = True,
-        hardware: Mapping[str, object] | None = None,
-    ) -> Self:
-        """Build the design of a network with real weights; see ``constants_of``.
-
-        ``hardware`` holds the design's own ``options`` that a scene sets.
-        """
-        return cls.from_constants(constants_of(mlp, precision, activation, options, lean), variant)
-
-    @classmethod
-    def of_several(
-        cls,
-        arrangement: str,
         mlps: Sequence[Mlp],
-        lean: bool = True,
-        hardware: Mapping[str, object] | None = None,
-        activation_options: Mapping[str, object] | None = None,
-    ) -> Network | None:
-        """All networks of a scene as one network, for a design that arranges them itself."""
-        return None
-
-    @property
-    def hidden_weights(self) -> list[Sequence[int]]:
-        """A code for each input of each hidden sum; the signs tell what drives it to its limits."""
-        return [node.weights for node in self.exact_layers.hidden]
-
-    @property
-    def exact_layers(self) -> ExactLayers:
-        """The computation of the design without any sharing, folding or dropped bits."""
-        raise NotImplementedError
-
-    def exact(self, frames: Codes) -> Codes:
-        """Output codes, computed layer by layer in integers of unlimited width."""
-        return self.exact_layers.process(frames)
-
-    def error_bounds(self, mlp: Mlp, precision: Precision, sensors: int) -> Real:
-        """How far each output can be from saturating real arithmetic, in real units.
+        settings: Settings = DEFAULTS,
+        arrangement: str = "single",
+        variant: str = "",
+    ) -> Self:
+        """The design of trained networks.
 
         Parameters
         ----------
-        mlp : Mlp
-            The network from which this design was made, with all of its hidden nodes built.
-        precision : Precision
-        sensors : int
-            Number of inputs that are samples; the inputs behind them are outputs of earlier
-            networks.
+        mlps : sequence of Mlp
+            One, or all networks of an arrangement that the design takes ``together``.
+        settings : Settings
+        arrangement : str
+            How the networks stand to each other.
+        variant : str
+            Tells it from other networks of the same design.
+
+        Raises
+        ------
+        InputError
+            For settings that the design does not know; see also ``build``.
         """
-        return two_layer_bounds(mlp, precision, self.exact_layers.activations)
+        asked = (
+            ("precision", [settings.precision.name], cls.precisions),
+            ("activation", [settings.activation], cls.known_activations),
+            ("hardware", settings.options, cls.options or ("none",)),
+        )
+        for key, got, known in asked:
+            for name in got:
+                if known and name not in known:
+                    raise InputError(
+                        f"{cls.block}: {key}: got {name!r}, expected {' or '.join(known)}"
+                    )
+        if settings.activation_options and not cls.activation_choices:
+            raise InputError(
+                f"{cls.block}: activation_options: got {', '.join(settings.activation_options)}, "
+                f"expected none: its {settings.activation} has one form"
+            )
+        return cls.build(mlps, settings, arrangement, variant)
+
+    @classmethod
+    def build(cls, mlps: Sequence[Mlp], settings: Settings, arrangement: str, variant: str) -> Self:
+        """What ``of`` gives, of settings that the design knows.
+
+        Raises
+        ------
+        InputError
+            For weights that the design's formats cannot hold.
+        """
+        raise NotImplementedError

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Self
 
 from golden.block import Block
-from golden.engine.exact import error_bounds, exact
-from golden.engine.formats import HIDDEN
 from golden.engine.frame_check import FrameCheck
 from golden.engine.frame_guard import FrameGuard
 from golden.engine.graph import Graph, graph_of
 from golden.engine.image import ACC_WIDTH, Image, Sizes, image_of
 from golden.engine.image_loader import ImageLoader
 from golden.engine.multiply_accumulate import MultiplyAccumulate
-from golden.engine.operand_memory import WORD, OperandMemory
+from golden.engine.operand_memory import OperandMemory
 from golden.engine.operand_select import OperandSelect
 from golden.engine.pipeline import Pipeline, SerialPipeline
 from golden.engine.plane_select import PlaneSelect
@@ -30,13 +28,12 @@ from golden.engine.serial_program import SerialProgram, assemble_serial
 from golden.engine.table_address import TableAddress
 from golden.engine.tanh_table import tanh_table
 from golden.fixed import Codes
-from golden.flow import Carried, Flow
 from golden.input_error import InputError
 from golden.mlp import Mlp
 from golden.networks.design import Design
+from golden.networks.settings import Settings
 from golden.port import Port, Unsigned, given, taken
-from golden.precision import EXACT, SIGNAL, Precision
-from golden.real import Real
+from golden.precision import EXACT
 
 # The kinds of multiplier, the smallest hardware first.
 KINDS = ("serial", "dsp")
@@ -78,9 +75,10 @@ class Engine(Design):
     """
 
     block = "engine"
-    arrangements = ("single", "multiple", "cascade")
+    arrangements = together = ("single", "multiple", "cascade")
     precisions = (EXACT.name,)
     known_activations = ("precise",)
+    activation_choices = False
     options = (
         "segment_width",
         "pipeline",
@@ -97,34 +95,12 @@ class Engine(Design):
     budget: int = 0
 
     @classmethod
-    def of_several(
-        cls,
-        arrangement: str,
-        mlps: Sequence[Mlp],
-        lean: bool = True,
-        hardware: Mapping[str, object] | None = None,
-        activation_options: Mapping[str, object] | None = None,
-        variant: str = "",
-    ) -> Self:
-        """The engine of all networks of a scene.
-
-        Parameters
-        ----------
-        arrangement : str
-        mlps : sequence of Mlp
-        lean : bool
-            Whether to leave out terms of zero weight, hidden nodes that no output uses, and
-            segments of the table that no hidden sum reaches. The results are the same either way.
-        hardware : mapping, optional
-            The ``options`` that the scene sets.
-        activation_options : mapping, optional
-            Must be None, because the activation has no options here.
-        variant : str
-        """
-        chosen: dict[str, Any] = {"segment_width": 9, "pipeline": "short"} | dict(hardware or {})
-        budget = chosen.pop("clocks", 0)
+    def build(cls, mlps: Sequence[Mlp], settings: Settings, arrangement: str, variant: str) -> Self:
+        chosen: dict[str, Any] = {"segment_width": 9, "pipeline": "short", **settings.options}
+        lean, budget = settings.lean, chosen.pop("clocks", 0)
         if budget:
-            return cls._within(budget, arrangement, mlps, lean, chosen, variant)
+            left = replace(settings, options=chosen)
+            return cls._within(budget, mlps, left, arrangement, variant)
         serial = chosen.pop("multiplier", "dsp") == "serial"
         depth, reload = chosen.pop("pipeline"), chosen.pop("reload", False)
         if serial and depth != "short":
@@ -165,10 +141,9 @@ class Engine(Design):
     def _within(
         cls,
         clocks: int,
-        arrangement: str,
         mlps: Sequence[Mlp],
-        lean: bool,
-        chosen: dict[str, Any],
+        settings: Settings,
+        arrangement: str,
         variant: str,
     ) -> Self:
         """The smallest engine whose last output leaves ``clocks`` or fewer after the last sample.
@@ -178,13 +153,13 @@ class Engine(Design):
         InputError
             When no engine is fast enough; the message says how many clocks the fastest takes.
         """
-        # An engine without a multiplier has only one pipeline and cannot load an image.
+        chosen = settings.options
+        # Without a multiplier there is one pipeline, and no image.
         kinds = ["dsp"] if chosen["pipeline"] != "short" or chosen.get("reload") else list(KINDS)
-        kinds = [chosen["multiplier"]] if "multiplier" in chosen else kinds
+        kinds = [str(chosen["multiplier"])] if "multiplier" in chosen else kinds
         for kind in kinds:
-            engine = cls.of_several(
-                arrangement, mlps, lean, chosen | {"multiplier": kind}, variant=variant
-            )
+            tried = replace(settings, options={**chosen, "multiplier": kind})
+            engine = cls.build(mlps, tried, arrangement, variant)
             if engine.output_clocks[-1] <= clocks:
                 return replace(engine, budget=clocks)
         raise InputError(
@@ -192,30 +167,9 @@ class Engine(Design):
             f"multiplier {kind!r} takes"
         )
 
-    @classmethod
-    def of(
-        cls,
-        mlp: Mlp,
-        precision: Precision,
-        activation: str,
-        options: Mapping[str, object] | None = None,
-        variant: str = "",
-        lean: bool = True,
-        hardware: Mapping[str, object] | None = None,
-    ) -> Self:
-        return cls.of_several("single", [mlp], lean, hardware, variant=variant)
-
     @property
     def inputs(self) -> int:
         return self.program.inputs
-
-    @property
-    def hidden_weights(self) -> list[Sequence[int]]:
-        sums = [neuron for neuron in self.graph.neurons if neuron.result == HIDDEN]
-        return [
-            [sum(t.weight for t in neuron.terms if t.source == k) for k in range(self.inputs)]
-            for neuron in sums
-        ]
 
     @cached_property
     def outputs(self) -> int:
@@ -381,56 +335,11 @@ class Engine(Design):
             self.round_saturate,
         )
 
-    def flow(self) -> Flow:
-        _, select, accumulate = self.steps
-        return Flow(
-            (
-                Carried(f"{self.inputs} x", SIGNAL),
-                self.round_saturate,
-                Carried("samples, results", WORD),
-                self.operand_memory,
-                Carried("a word", WORD),
-                select,
-                Carried("an operand", WORD),
-                accumulate,
-                Carried(f"{self.outputs} y", SIGNAL),
-            ),
-            watcher=self.frame_guard if self.loaded else self.frame_check,
-        )
-
     def facts(self) -> tuple[str, ...]:
         multiplier = "no multiplier" if self.serial else "one multiplier"
         budget = f" of {self.budget}" if self.budget else ""
         spent = f"{self.output_clocks[-1]}{budget} clocks from the last sample to the last output"
         return multiplier, spent
-
-    def left_out(self) -> list[str]:
-        """Each word that is left out saves memory, and each step saves a clock of every frame."""
-        graph, program = self.graph, self.program
-        texts = []
-        if self.serial:
-            spent = f"{self.output_clocks[-1]} clocks"
-            budget = f" of {self.budget}" if self.budget else ""
-            texts.append(f"the multiplier: {spent}{budget} are enough for bit after bit")
-        if graph.useless_nodes:
-            texts.append(f"{graph.useless_nodes} hidden nodes whose weights to the outputs are 0")
-        if graph.useless_terms:
-            texts.append(f"{graph.useless_terms} steps of weight 0")
-        words = len(tanh_table(program.segment_width).slopes) - program.segments
-        if words:
-            texts.append(f"{words} words of tanh that no hidden sum reaches, and their comparison")
-        bits = WHOLE_ACC_WIDTH - self.acc_width
-        if bits:
-            texts.append(
-                f"{bits} bits of the sum, which {WHOLE_ACC_WIDTH} would hold for any scene"
-            )
-        return texts
-
-    def exact(self, frames: Codes) -> Codes:
-        return exact(self.graph, self.program.segment_width, frames)
-
-    def error_bounds(self, mlp: Mlp, precision: Precision, sensors: int) -> Real:
-        return error_bounds(mlp, self.program.segment_width, sensors)
 
     def compute(self, frames: Codes) -> Codes:
         return self.program.execute(frames)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -11,15 +11,15 @@ import numpy as np
 from golden.activation.activation_block import ActivationBlock
 from golden.block import Block
 from golden.fixed import Codes
-from golden.flow import Alike, Carried, Controlled, Flow
 from golden.input_error import InputError
 from golden.layers.input_controller import InputController
 from golden.layers.input_integral import InputIntegral
 from golden.layers.output_controller import OutputController
 from golden.layers.output_integral import OutputIntegral
-from golden.networks.constants import Constants
+from golden.mlp import Mlp
+from golden.networks.constants import constants_of
 from golden.networks.design import Design
-from golden.networks.exact import ExactLayers, ExactSum
+from golden.networks.settings import Settings
 from golden.precision import SIGNAL
 
 
@@ -60,7 +60,9 @@ class Hybrid(Design):
             )
 
     @classmethod
-    def from_constants(cls, constants: Constants, variant: str = "") -> Self:
+    def build(cls, mlps: Sequence[Mlp], settings: Settings, arrangement: str, variant: str) -> Self:
+        (mlp,) = mlps
+        constants = constants_of(mlp, settings)
         precision, first, second = constants.precision, constants.first, constants.second
         hidden = InputIntegral(
             SIGNAL,
@@ -87,16 +89,6 @@ class Hybrid(Design):
             output,
             useless_nodes=constants.useless_nodes,
             variant=variant,
-        )
-
-    @property
-    def exact_layers(self) -> ExactLayers:
-        first, last = self.input_integral, self.output_integral
-        factors = last.factors or (1,) * last.outputs
-        return ExactLayers(
-            [ExactSum(first, *row) for row in zip(first.weights, first.biases, strict=True)],
-            self.activations,
-            [ExactSum(last, *row) for row in zip(last.weights, last.biases, factors, strict=True)],
         )
 
     @property
@@ -138,32 +130,6 @@ class Hybrid(Design):
             self.output_controller,
             self.output_integral,
         )
-
-    def flow(self) -> Flow:
-        hidden, first = len(self.activations), self.input_integral
-        return Flow(
-            (
-                Carried(f"{self.inputs} x", first.in_fmt),
-                Controlled(self.input_controller, first),
-                Carried(f"{hidden} q", first.out_fmt),
-                Alike(self.activations),
-                Carried(f"{hidden} r", self.activations[0].out_fmt),
-                Controlled(self.output_controller, self.output_integral),
-                Carried(f"{self.outputs} y", self.output_integral.out_fmt),
-            ),
-            across=True,
-        )
-
-    def left_out(self) -> list[str]:
-        counts: Counter[str] = sum((a.left_out() for a in self.activations), Counter())
-        texts = [f"{count} {what}" for what, count in sorted(counts.items())]
-        if self.useless_nodes:
-            texts.append(f"{self.useless_nodes} hidden nodes whose weights to the outputs are 0")
-        if self.output_integral.factors is None:
-            texts.append("the de-normalisation multiplier and its ROM")
-        if not self.input_controller.spacing:
-            texts.append("the counter that keeps frames apart: a frame has samples enough")
-        return texts
 
     def compute(self, frames: Codes) -> Codes:
         q = self.input_integral.process(frames)

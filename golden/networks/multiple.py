@@ -8,11 +8,9 @@ import numpy as np
 
 from golden.block import Block
 from golden.fixed import Codes
-from golden.flow import Beside, Carried, Flow
 from golden.input_error import InputError
-from golden.layers.input_controller import FrameJudge
+from golden.layers.frame_judge import FrameJudge
 from golden.networks.several import Several
-from golden.precision import SIGNAL
 
 
 @dataclass(frozen=True)
@@ -58,17 +56,6 @@ class Multiple(Several):
 
     def parts(self) -> tuple[Block, ...]:
         return (*self.networks, self.output_collector)
-
-    def flow(self) -> Flow:
-        return Flow(
-            (
-                Carried("samples", SIGNAL),
-                Beside(self.networks),
-                Carried("every y", SIGNAL),
-                self.output_collector,
-                Carried("outputs", SIGNAL),
-            )
-        )
 
     def compute(self, frames: Codes) -> Codes:
         return np.concatenate([network.compute(frames) for network in self.networks], axis=-1)

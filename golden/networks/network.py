@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from golden.block import Block
 from golden.fixed import Codes
 from golden.input_error import InputError
-from golden.layers.input_controller import FrameJudge
+from golden.layers.frame_judge import FrameJudge
 from golden.port import CLOCKED, Port, given, group, taken
 from golden.precision import SIGNAL
 from golden.sensing.scan_sequencer import ScanSequencer
@@ -118,10 +118,6 @@ class Network(Block):
 
     def compute(self, frames: Codes) -> Codes:
         """Output codes, shape (frames - past, outputs), of a few frames, shape (frames, inputs)."""
-        raise NotImplementedError
-
-    def left_out(self) -> list[str]:
-        """Texts about what this network does not need and therefore does not build."""
         raise NotImplementedError
 
     def process(self, frames: ArrayLike) -> Codes:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -11,13 +11,13 @@ import numpy as np
 from golden.activation.activation_block import ActivationBlock
 from golden.block import Block
 from golden.fixed import Codes, Fix
-from golden.flow import Alike, Carried, Flow
 from golden.input_error import InputError
 from golden.layers.input_controller import InputController
 from golden.layers.neuron import Neuron
-from golden.networks.constants import Constants, Layer
+from golden.mlp import Mlp
+from golden.networks.constants import Layer, constants_of
 from golden.networks.design import Design
-from golden.networks.exact import ExactLayers, ExactSum
+from golden.networks.settings import Settings
 from golden.precision import SIGNAL
 
 
@@ -66,7 +66,9 @@ class Parallel(Design):
             raise InputError(f"{self.entity}: got factors of some outputs, expected all or none")
 
     @classmethod
-    def from_constants(cls, constants: Constants, variant: str = "") -> Self:
+    def build(cls, mlps: Sequence[Mlp], settings: Settings, arrangement: str, variant: str) -> Self:
+        (mlp,) = mlps
+        constants = constants_of(mlp, settings)
         precision = constants.precision
         prefix = f"{variant}_" if variant else ""
 
@@ -92,14 +94,6 @@ class Parallel(Design):
             useless_nodes=constants.useless_nodes,
             variant=variant,
         )
-
-    @property
-    def exact_layers(self) -> ExactLayers:
-        hidden, outputs = (
-            [ExactSum(n, n.weights, n.bias, n.factor or 1) for n in neurons]
-            for neurons in (self.hidden_neurons, self.output_neurons)
-        )
-        return ExactLayers(hidden, self.activations, outputs)
 
     @property
     def inputs(self) -> int:
@@ -138,36 +132,6 @@ class Parallel(Design):
             *self.activations,
             *self.output_neurons,
         )
-
-    def flow(self) -> Flow:
-        first, last = self.hidden_neurons, self.output_neurons
-        return Flow(
-            (
-                Carried(f"{self.inputs} x", first[0].in_fmt),
-                Alike(first),
-                Carried(f"{len(first)} q", first[0].out_fmt),
-                Alike(self.activations),
-                Carried(f"{len(first)} r", self.activations[0].out_fmt),
-                Alike(last),
-                Carried(f"{self.outputs} y", last[0].out_fmt),
-            ),
-            across=True,
-            watcher=self.input_controller,
-        )
-
-    def left_out(self) -> list[str]:
-        counts: Counter[str] = sum((a.left_out() for a in self.activations), Counter())
-        texts = [f"{count} {what}" for what, count in sorted(counts.items())]
-        if self.useless_nodes:
-            texts.append(f"{self.useless_nodes} hidden nodes whose weights to the outputs are 0")
-        zeros = sum(n.weights.count(0) for n in (*self.hidden_neurons, *self.output_neurons))
-        if zeros:
-            texts.append(f"{zeros} multipliers of weights that are 0")
-        if self.output_neurons[0].factor is None:
-            texts.append("the multipliers of the de-normalisation")
-        if not self.input_controller.spacing:
-            texts.append("the counter that keeps frames apart: one may come in every clock")
-        return texts
 
     def compute(self, frames: Codes) -> Codes:
         columns = [

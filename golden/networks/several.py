@@ -57,10 +57,3 @@ class Several(Network):
     @property
     def output_collector(self) -> OutputCollector:
         return OutputCollector(SIGNAL, self.outputs)
-
-    def left_out(self) -> list[str]:
-        places: dict[str, list[str]] = {}
-        for part in self.networks:
-            for text in part.left_out():
-                places.setdefault(text, []).append(part.entity)
-        return [f"{', '.join(names)}: {text}" for text, names in places.items()]

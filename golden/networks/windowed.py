@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 from golden.block import Block
 from golden.fixed import Codes
-from golden.flow import Carried, Flow
 from golden.input_error import InputError
 from golden.layers.input_controller import InputController
 from golden.networks.network import Network
@@ -95,23 +94,6 @@ class Windowed(Network):
 
     def parts(self) -> tuple[Block, ...]:
         return (self.frame_window, self.network)
-
-    def flow(self) -> Flow:
-        return Flow(
-            (
-                Carried(f"{self.inputs} x", SIGNAL),
-                self.frame_window,
-                Carried(f"{self.network.inputs} x, past and present", SIGNAL),
-                self.network,
-                Carried(f"{self.outputs} y", SIGNAL),
-            )
-        )
-
-    def left_out(self) -> list[str]:
-        texts = self.network.left_out()
-        if not self.frame_window.spacing:
-            texts.append(f"{self.frame_window.entity}: the counter that keeps frames apart")
-        return texts
 
     def compute(self, frames: Codes) -> Codes:
         return self.network.compute(self.frame_window.process(frames))

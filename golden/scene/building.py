@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from functools import partial
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from golden.cli import naming
@@ -18,6 +18,7 @@ from golden.networks.constants import constants_of
 from golden.networks.design import Design
 from golden.networks.designs import DESIGNS
 from golden.networks.network import Network
+from golden.networks.settings import Settings
 from golden.networks.windowed import Windowed
 
 if TYPE_CHECKING:
@@ -35,15 +36,16 @@ def build_twin(scene: Scene, lean: bool) -> Network:
         See ``load_network`` and ``constants_of``; also for a front end that cannot make the
         network's frames.
     """
-    design = DESIGNS[scene.design]
-    mlps, build = scene.mlps(), partial(scene.build, lean=lean)
+    design, mlps, settings = DESIGNS[scene.design], scene.mlps(), scene.settings(lean)
     try:
-        network = _of_several(scene, design, lean) or arrange(scene.arrangement, mlps, build)
+        network = _within_a_scan(scene, design, settings) or arrange(
+            scene.arrangement, mlps, design, settings
+        )
     except InputError:
         # If the fault is in one network alone, the message names that network's file.
         for member, mlp in zip(scene.members, mlps, strict=True):
             with naming(member.weights_path):
-                constants_of(mlp, scene.precision, scene.activation, scene.activation_options, lean)
+                constants_of(mlp, settings)
         with naming(scene.path):
             raise
     if not scene.window.plain:
@@ -70,22 +72,14 @@ def build_twin(scene: Scene, lean: bool) -> Network:
         return Instrument(scene.front_end.scan_sequencer(network), readout=readout)
 
 
-def _of_several(scene: Scene, design: type[Design], lean: bool) -> Network | None:
-    """The networks as one network, where the design arranges them itself; otherwise None.
+def _within_a_scan(scene: Scene, design: type[Design], settings: Settings) -> Network | None:
+    """The networks in the clocks that a scan leaves, for a design that can be given a number.
 
-    With a front end the network may take as many clocks as a scan leaves. If no network is fast
-    enough for that, the instrument reports it.
+    Where nothing takes so few, the instrument says so.
     """
-    options = scene.design_options
-    build = partial(
-        design.of_several,
-        scene.arrangement,
-        scene.mlps(),
-        lean,
-        activation_options=scene.activation_options,
-    )
-    if scene.front_end and "clocks" in design.options and "clocks" not in options:
+    if scene.front_end and "clocks" in design.options and "clocks" not in settings.options:
         with suppress(InputError):
-            within = options | {"clocks": scene.front_end.clocks_left(scene.window)}
-            return build(hardware=within)
-    return build(hardware=options)
+            clocks = {"clocks": scene.front_end.clocks_left(scene.window)}
+            within = replace(settings, options={**settings.options, **clocks})
+            return arrange(scene.arrangement, scene.mlps(), design, within)
+    return None

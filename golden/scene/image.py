@@ -5,6 +5,7 @@ from __future__ import annotations
 from golden.engine.image import Image
 from golden.input_error import InputError
 from golden.networks.engine import Engine
+from golden.networks.settings import Settings
 from golden.scene.scene import Scene
 
 
@@ -49,7 +50,7 @@ def scene_image(scene: Scene, hardware: Engine) -> Image:
         "operand_words": sizes.operand_words,
     }
     try:
-        made = Engine.of_several(scene.arrangement, scene.mlps(), hardware=options)
+        made = Engine.of(scene.mlps(), Settings(options=options), scene.arrangement)
     except InputError as error:
         raise InputError(f"{scene.path}: {error}") from None
     assert made.loaded is not None, "an engine with reload holds an image"

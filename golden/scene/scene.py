@@ -17,6 +17,7 @@ from golden.networks.arrangement import process_real
 from golden.networks.design import Design
 from golden.networks.designs import DESIGNS
 from golden.networks.network import Network
+from golden.networks.settings import Settings
 from golden.precision import SIGNAL, Precision
 from golden.real import Real
 from golden.scene.building import build_twin
@@ -240,17 +241,15 @@ class Scene:
         """
         return process_real(self.arrangement, self.mlps(), samples, self.scheme.real)
 
-    def build(self, mlp: Mlp, variant: str = "", lean: bool = True) -> Design:
-        """The bit-true network of ``mlp`` in this scene's hardware; see ``constants_of``."""
-        return DESIGNS[self.design].of(
-            mlp,
-            self.precision,
-            self.activation,
-            self.activation_options,
-            variant,
-            lean,
-            self.design_options,
+    def settings(self, lean: bool = True) -> Settings:
+        """What this scene chooses of the hardware of its networks."""
+        return Settings(
+            self.precision, self.activation, self.activation_options, self.design_options, lean
         )
+
+    def build(self, mlp: Mlp, lean: bool = True) -> Design:
+        """The bit-true network of ``mlp`` in this scene's hardware; see ``Design.of``."""
+        return DESIGNS[self.design].of([mlp], self.settings(lean))
 
     def twin(self, lean: bool = True) -> Network:
         """The bit-true twin of this scene's hardware, built once; see ``build_twin``."""

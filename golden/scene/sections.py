@@ -316,6 +316,12 @@ def check_activation(hardware: dict[str, Any], path: Path) -> str:
             f"{path}: hardware.activation: got {activation!r} with design {design.block!r}, "
             f"expected {' or '.join(design.known_activations)}"
         )
+    options = hardware["activation_options"]
+    if options and not design.activation_choices:
+        raise InputError(
+            f"{place}: got {', '.join(options)} with design {design.block!r}, expected none: its "
+            f"{activation} has one form"
+        )
     if scheme.half_codes and not design.half_codes:
         fitting = ", ".join(
             name

@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 from golden.block import Block
 from golden.border import Border, State
 from golden.fixed import Codes, Fix, Overflow, Rounding, requantise
-from golden.flow import Carried, Flow
 from golden.input_error import InputError
 from golden.port import CLOCKED, Port, given, taken
 from golden.precision import SIGNAL
@@ -152,23 +151,6 @@ class LoadProfile(Block):
             self.power_fold,
             self.exp_memory,
             self.exp_interpolator,
-        )
-
-    def flow(self) -> Flow:
-        return Flow(
-            (
-                self.ramp,
-                Carried("distance", self.divider.distance_width),
-                self.divider,
-                Carried("t", self.divider.out_width),
-                self.power_fold,
-                Carried("x", self.power_fold.out_width),
-                self.exp_memory,
-                Carried("word", self.exp_memory.width),
-                self.exp_interpolator,
-                Carried("exp(-x)", self.exp_interpolator.word_width),
-            ),
-            across=True,
         )
 
     def process(self, frames: ArrayLike) -> tuple[Codes, Codes]:

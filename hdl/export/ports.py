@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 
 from golden.block import Block
+from golden.port import Port
 
 _VHDL = re.compile(
     r"^\s+(?P<name>\w+): (?P<direction>in|out) "
@@ -18,33 +18,13 @@ _VERILOG = re.compile(
 PATTERN = {"vhdl": _VHDL, "verilog": _VERILOG}
 
 
-@dataclass(frozen=True)
-class Port:
-    """One port; a ``width`` of 0 means a single bit, which is no vector."""
+def header(text: str, language: str) -> list[tuple[str, str, int, bool]]:
+    """Name, direction, width and whether it is signed of each port, in the order of the header.
 
-    name: str
-    direction: str
-    width: int
-    signed: bool
-
-    @property
-    def vhdl(self) -> str:
-        """The port's type in VHDL."""
-        if not self.width:
-            return "std_logic"
-        return f"{'signed' if self.signed else 'unsigned'}({self.width - 1} downto 0)"
-
-    @property
-    def verilog(self) -> str:
-        """The signedness and range in Verilog, followed by a blank; empty for a single bit."""
-        span = f"[{self.width - 1}:0] " if self.width else ""
-        return f"signed {span}" if self.signed else span
-
-
-def read_ports(text: str, language: str) -> list[Port]:
-    """The ports of an entity or module that MyHDL wrote, in the order of its header."""
+    ``text`` is an entity or a module that MyHDL wrote.
+    """
     return [
-        Port(
+        (
             found["name"],
             found["direction"],
             int(found["top"]) + 1 if found["top"] else 0,
@@ -52,6 +32,25 @@ def read_ports(text: str, language: str) -> list[Port]:
         )
         for found in PATTERN[language].finditer(text)
     ]
+
+
+def read_ports(spec: Block, text: str, language: str) -> list[Port]:
+    """The ports that the twin publishes, in the order in which MyHDL wrote them."""
+    published = {port.name: port for port in spec.ports}
+    return [published[name] for name, *_ in header(text, language)]
+
+
+def vhdl_type(port: Port) -> str:
+    """The port's type in VHDL."""
+    if not port.width:
+        return "std_logic"
+    return f"{'signed' if port.signed else 'unsigned'}({port.width - 1} downto 0)"
+
+
+def verilog_type(port: Port) -> str:
+    """Signedness and range in Verilog, with a blank behind, or nothing."""
+    span = f"[{port.width - 1}:0] " if port.width else ""
+    return f"signed {span}" if port.signed else span
 
 
 def check_ports(spec: Block, text: str, language: str) -> None:
@@ -63,7 +62,7 @@ def check_ports(spec: Block, text: str, language: str) -> None:
         When it does not; the message names the ports that differ. The order does not matter,
         because MyHDL puts groups of ports behind the others.
     """
-    found = {(p.name, p.direction, p.width, p.signed) for p in read_ports(text, language)}
+    found = set(header(text, language))
     published = {(p.name, p.direction, p.width, p.signed) for p in spec.ports}
     if found != published:
         raise ValueError(

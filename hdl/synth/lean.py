@@ -14,6 +14,7 @@ from pathlib import Path
 from golden.cli import words, would
 from golden.files import read_json, write_json
 from golden.input_error import InputError
+from golden.networks.left_out import left_out
 from golden.progress import Progress
 from golden.scene import Scene, load_scene
 from hdl.export.repeatable import run_repeatable
@@ -103,7 +104,7 @@ def main() -> None:
     first = scenes[0]
     would(f"synthesise {', '.join(scene.name for scene in scenes)} and print what is saved")
     print(f"scene {first.name} leaves out:")
-    for text in first.twin().left_out():
+    for text in left_out(first.twin()):
         print(f"  {text}")
     if arguments.record:
         print(f"wrote {record(first)}")

@@ -6,7 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from golden.layers.input_controller import FrameScan, InputController
+from golden.layers.frame_judge import FrameScan
+from golden.layers.input_controller import InputController
 from tb.common.bench import Recording
 
 LEAST_FRAMES = 30

@@ -4,6 +4,7 @@ from binascii import crc_hqx
 
 from golden.engine.image import CHECK_BYTES, LAST_ADDR, WORD_BYTES, Image, Sizes
 from golden.networks.engine import Engine
+from golden.networks.settings import Settings
 from tb.common.cases import random_mlp
 
 
@@ -18,7 +19,7 @@ def image_for(hardware: Engine, shape: tuple[int, int, int], seed: int) -> Image
         "program_words": sizes.program_words,
         "operand_words": sizes.operand_words,
     }
-    image = Engine.of_several("single", [random_mlp(shape, 1.0, seed)], hardware=options).loaded
+    image = Engine.of([random_mlp(shape, 1.0, seed)], Settings(options=options)).loaded
     assert image
     return image
 

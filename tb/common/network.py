@@ -9,6 +9,7 @@ import numpy as np
 
 from golden.block import walk
 from golden.networks.design import Design
+from golden.networks.oracle import hidden_weights
 from golden.networks.windowed import Windowed
 from golden.precision import SIGNAL
 from tb.common.bench import Bench
@@ -132,7 +133,7 @@ def driven_to_ends(bench):
     """Frames that drive every hidden sum to its ends."""
     inputs = bench.twin.core.inputs
     designs = [part for part in walk(bench.twin) if isinstance(part, Design)]
-    rows = [row[:inputs] for design in designs for row in design.hidden_weights]
+    rows = [row[:inputs] for design in designs for row in hidden_weights(design)]
     ends = extreme_frames(SIGNAL, rows)
     for part in walk(bench.twin):
         if isinstance(part, Windowed):

@@ -12,6 +12,7 @@ Does not prove: anything about the accuracy of the network (the report of `make 
 import cocotb
 import numpy as np
 
+from golden.networks.oracle import hidden_weights
 from golden.precision import SIGNAL
 from tb.common.bench import Bench
 from tb.common.small import ADDER_GRAPHS
@@ -78,7 +79,7 @@ async def recorded(dut):
 async def corners_and_random(dut):
     """Corner frames, frames that drive hidden sums to their ends, and random ones."""
     bench = Bench(dut)
-    ends = extreme_frames(SIGNAL, bench.twin.hidden_weights)
+    ends = extreme_frames(SIGNAL, hidden_weights(bench.twin))
     corners = corner_frames(SIGNAL, bench.twin.inputs)
     frames = np.concatenate([corners, ends, random_frames(bench, 400)])
     for gap in (0.0, 0.4):

@@ -75,7 +75,7 @@ def task_of(scene: Scene, seed: int) -> Task:
     """The one network of a scene, its recorded frames, and uniformly random frames."""
     (mlp,) = scene.mlps()
     random = random_frames(seed, mlp.shape[0])
-    constants = constants_of(mlp, scene.precision, scene.activation, scene.activation_options)
+    constants = constants_of(mlp, scene.settings())
     return Task(mlp, constants, scene.vectors().codes, random)
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from golden.networks.design import Design
 from golden.networks.designs import DESIGNS
+from golden.networks.settings import Settings
 from golden.scene import Scene
 from hdl.export.elaborate import elaborate
 from hdl.export.hierarchy import convert_hierarchy
@@ -30,7 +31,7 @@ def designs(scene: Scene, task: Task) -> Iterator[tuple[str, Design]]:
         fits = "single" in design.arrangements
         if fits and scene.precision.name in design.precisions:
             for activation in design.known_activations or (scene.activation,):
-                made = design.of(task.mlp, scene.precision, activation)
+                made = design.of([task.mlp], Settings(scene.precision, activation))
                 yield f"{name}, {activation}", made
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from string import Template
 
-from hdl.export.ports import Port
+from golden.port import Port
+from hdl.export.ports import verilog_type, vhdl_type
 
 _VHDL = Template("""\
 -- $top of scene $scene in a design of your own: copy component, signals and instance.
@@ -61,7 +62,7 @@ def example(scene: str, top: str, ports: list[Port], language: str) -> str:
         return _VHDL.substitute(
             scene=scene,
             top=top,
-            ports=";\n".join(f"            {p.name}: {p.direction} {p.vhdl}" for p in ports),
+            ports=";\n".join(f"            {p.name}: {p.direction} {vhdl_type(p)}" for p in ports),
             signals=vhdl_signals(ports),
             map=vhdl_map(ports),
         )
@@ -69,7 +70,7 @@ def example(scene: str, top: str, ports: list[Port], language: str) -> str:
     return _VERILOG.substitute(
         scene=scene,
         top=top,
-        signals="\n".join(f"    {kind[p.direction]} {p.verilog}{p.name};" for p in ports),
+        signals="\n".join(f"    {kind[p.direction]} {verilog_type(p)}{p.name};" for p in ports),
         map=",\n".join(f"        .{p.name}({p.name})" for p in ports),
     )
 
@@ -80,7 +81,7 @@ def vhdl_signals(ports: list[Port]) -> str:
     for port in ports:
         zero = "(others => '0')" if port.width else "'0'"
         start = f" := {zero}" if port.direction == "in" else ""
-        lines.append(f"    signal {port.name}: {port.vhdl}{start};")
+        lines.append(f"    signal {port.name}: {vhdl_type(port)}{start};")
     return "\n".join(lines)
 
 

@@ -7,9 +7,9 @@ from string import Template
 from golden.instruments.uart_instrument import UartInstrument
 from golden.link.uart_transmitter import BYTE_BITS
 from golden.networks.network import Network
+from golden.port import Port
 from hdl.export.handover.example import vhdl_map, vhdl_signals
 from hdl.export.handover.styles import STYLES, due
-from hdl.export.ports import Port
 
 _TEXT = Template("""\
 -- Plays the recorded frames of scene $scene into $top, $first and again

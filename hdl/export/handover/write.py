@@ -38,7 +38,7 @@ def write_handover(
         For a fault of the recorded vectors, see ``Scene.vectors``.
     """
     name, top, suffix = plain_name(scene.name), design.entity, SUFFIX[language]
-    ports = read_ports((folder / files[-1]).read_text(encoding="utf-8"), language)
+    ports = read_ports(design, (folder / files[-1]).read_text(encoding="utf-8"), language)
     texts = constraints(name, top, scene.clock_mhz)
     texts[f"{top}_example{suffix}"] = example(name, top, ports, language)
     benches = []

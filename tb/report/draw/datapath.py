@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from golden.block import Block
 from golden.flow import Alike, Beside, Carried, Controlled, Flow, Step
+from golden.instruments.pictures import flow_of
 from golden.scene import Scene
 from tb.report.draw.drawing import picture
 from tb.report.draw.layout import Part, arrow, column, labelled, row, side_by_side
@@ -71,7 +72,7 @@ class _Diagram:
         if not parts:
             return None
         start = len(self.placed)
-        flow = same[0].flow() if len(same) == 1 else None
+        flow = flow_of(same[0]) if len(same) == 1 else None
         planned = self._flow(flow) if flow else None
         known = set(self.placed[start:])
         rest: dict[str, list[Block]] = {}

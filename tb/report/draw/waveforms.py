@@ -30,8 +30,8 @@ _EDGE: dict[str, str | float] = {"stroke": "#fff", "stroke_width": 4.0, "paint_o
 
 
 @dataclass(frozen=True)
-class Port:
-    """One port of a design during a recording.
+class Row:
+    """What stood on one port of a design during a recording.
 
     Attributes
     ----------
@@ -53,14 +53,14 @@ class Port:
     valid: str = ""
 
 
-def waveforms(ports: Sequence[Port], title: str) -> str:
+def waveforms(ports: Sequence[Row], title: str) -> str:
     """One row a port, one column a clock, counted from the first element of the frame.
 
     Flags are lines; codes are written as real values, where they count.
 
     Parameters
     ----------
-    ports : sequence of Port
+    ports : sequence of Row
         Of equally many clocks; clock 0 is the first in which a flag is high.
     title : str
 
@@ -141,7 +141,7 @@ def _flag(values: Sequence[int | None], at: Point, pitch: float) -> str:
 
 
 def _codes(
-    port: Port, counts: Sequence[int | None], at: Point, pitch: float, height: float
+    port: Row, counts: Sequence[int | None], at: Point, pitch: float, height: float
 ) -> list[str]:
     """A hexagon with its value in each clock that counts; a line in the others."""
     x, y = at
@@ -169,7 +169,7 @@ def _codes(
     return body
 
 
-def _value(port: Port, code: int | None, at: Point, pitch: float) -> str:
+def _value(port: Row, code: int | None, at: Point, pitch: float) -> str:
     words = "undefined" if code is None or port.fmt is None else f"{port.fmt.to_real(code):.4f}"
     x, y = at
     if pitch == WIDE:

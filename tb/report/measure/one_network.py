@@ -32,7 +32,7 @@ def one_network(seed: int) -> Table:
         if scene.weights_paths == source.weights_paths
         or (scene.training.digits and scene.outputs == source.outputs)
     ]
-    parallel = Parallel.of(source.mlps()[0], source.precision, source.activation)
+    parallel = Parallel.of(source.mlps(), source.settings())
     designs: list[tuple[str, Scene, Network]] = [(s.name, s, s.twin()) for s in alike]
     designs.append(("", source, parallel))
     recorded = source.vectors().codes

@@ -19,10 +19,10 @@ from golden.networks.network import Network
 from golden.precision import SIGNAL
 from golden.scene import Scene
 from hdl.export.exporter import ORDER
-from hdl.export.ports import read_ports
+from hdl.export.ports import read_ports, verilog_type
 from tb.common.runner import export
 from tb.common.tools import check_simulator
-from tb.report.draw.waveforms import Port
+from tb.report.draw.waveforms import Row
 
 # Clocks before the first element and behind the last output.
 BEFORE, BEHIND = 1, 2
@@ -40,7 +40,7 @@ class Watched:
     name: str
 
 
-def record(scene: Scene, frame: int = 0, build: Path = BUILD) -> list[Port]:
+def record(scene: Scene, frame: int = 0, build: Path = BUILD) -> list[Row]:
     """The streams of the scene's top, and of the networks of a cascade, during one frame.
 
     Parameters
@@ -77,7 +77,7 @@ def record(scene: Scene, frame: int = 0, build: Path = BUILD) -> list[Port]:
     # Neither the image nor the frames of the past are shown.
     hidden = [*_loading(design.image), *(step for each in before for step in _passed(design, each))]
     paths = [port.path for port in watched]
-    rows = _simulate(folder, design.entity, hidden, drive, paths)
+    rows = _simulate(folder, design, hidden, drive, paths)
     columns = list(zip(*rows, strict=True))
     return [_port(port, bits) for port, bits in zip(watched, columns, strict=True)]
 
@@ -116,7 +116,7 @@ def _passed(design: Network, samples: list[int]) -> list[Held]:
 
 def _watched(scene: Scene, design: Network, folder: Path) -> Iterator[Watched]:
     """The ports of the top's input, those of the networks in it, and those of its output."""
-    names = [port.name for port in read_ports(_text(folder, design.entity), "verilog")]
+    names = [port.name for port in read_ports(design, _text(folder, design.entity), "verilog")]
     entering = f"{design.entity}, frame in: {', '.join(scene.sensors)}"
     leaving = f"{design.entity}, frame out: {', '.join(scene.outputs)}"
     for name in names:
@@ -148,16 +148,17 @@ def _instance(folder: Path, parent: str, entity: str) -> str:
 
 def _simulate(
     folder: Path,
-    top: str,
+    design: Network,
     hidden: list[Held],
     drive: list[dict[str, int]],
     watched: list[str],
 ) -> list[list[str]]:
     """One row a clock of ``drive``: the watched signals as bits, just before its rising edge."""
-    ports = {port.name: port for port in read_ports(_text(folder, top), "verilog")}
+    top = design.entity
+    ports = {port.name: port for port in design.ports}
     given = [*(values for values, _ in hidden), drive[0]]
     inputs = dict.fromkeys(["clk", "rst", *(name for values in given for name in values)])
-    regs = [f"    reg {ports[name].verilog}{name} = 0;" for name in inputs]
+    regs = [f"    reg {verilog_type(ports[name])}{name} = 0;" for name in inputs]
     wires = ", ".join(f".{name}({name})" for name in inputs)
     show = f'$display("{" ".join(["row", *["%b"] * len(watched)])}", {", ".join(watched)});'
     tick = ["#5;", "clk = 1;", "#5;", "clk = 0;"]
@@ -189,12 +190,12 @@ def _run(command: list[str]) -> str:
     return result.stdout
 
 
-def _port(watched: Watched, bits: tuple[str, ...]) -> Port:
+def _port(watched: Watched, bits: tuple[str, ...]) -> Row:
     """A flag where the name says no data; of data the code."""
     known = [int(word, 2) if set(word) <= {"0", "1"} else None for word in bits]
     if "_data" not in watched.name:
-        return Port(watched.owner, watched.name, tuple(known))
+        return Row(watched.owner, watched.name, tuple(known))
     sign = 1 << (SIGNAL.width - 1)
     codes = tuple(None if code is None else (code ^ sign) - sign for code in known)
     direction = watched.name.split("_", 1)[0]
-    return Port(watched.owner, watched.name, codes, SIGNAL, f"{direction}_valid")
+    return Row(watched.owner, watched.name, codes, SIGNAL, f"{direction}_valid")

@@ -28,6 +28,7 @@ from golden.networks.designs import DESIGNS
 from golden.networks.engine import Engine
 from golden.networks.hybrid import Hybrid
 from golden.networks.network import Network
+from golden.networks.settings import Settings
 from golden.port import Port, Unsigned
 from golden.precision import PRECISIONS
 from golden.scene import load_scene
@@ -65,7 +66,10 @@ def shipped() -> Iterator[tuple[str, Network]]:
         top = scene.twin()
         yield scene.precision.name, top
         if DESIGNS[scene.design] is Engine:
-            yield scene.precision.name, replace(scene, design=Hybrid.block).twin()
+            yield (
+                scene.precision.name,
+                replace(scene, design=Hybrid.block, design_options={}).twin(),
+            )
         if scene.front_end and isinstance(top, Instrument):
             for part in CONVERTERS:
                 front = replace(scene.front_end, converter=part, counter_width=WIDE)
@@ -82,15 +86,17 @@ def shipped() -> Iterator[tuple[str, Network]]:
             for precision in scheme.precisions:
                 if precision.name not in design.precisions:
                     continue
-                for options in choices or [{}]:
-                    yield precision.name, design.of(mlp, precision, name, options)
+                for options in (design.activation_choices and choices) or [{}]:
+                    yield precision.name, design.of([mlp], Settings(precision, name, options))
         for key in design.options:
             for choice in HARDWARE.keys[key].kind.choices:
                 precision, name = PRECISIONS[design.precisions[0]], design.known_activations[0]
-                yield precision.name, design.of(mlp, precision, name, hardware={key: choice})
+                settings = Settings(precision, name, options={key: choice})
+                yield precision.name, design.of([mlp], settings)
         if "reload" in design.options:
             precision, name = PRECISIONS[design.precisions[0]], design.known_activations[0]
-            yield precision.name, design.of(mlp, precision, name, hardware={"reload": True})
+            settings = Settings(precision, name, options={"reload": True})
+            yield precision.name, design.of([mlp], settings)
 
 
 def blocks_of(designs: Iterable[tuple[str, Network]]) -> dict[str, Twins]:

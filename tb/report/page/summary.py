@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from golden.block import walk
+from golden.networks.left_out import left_out as of_network
 from golden.networks.network import Network
 from golden.scene import Scene, thesis_figures
 from golden.scene_errors import UNKNOWN, held_out_means, held_out_text, scene_errors
@@ -128,7 +129,7 @@ def _share(found: Costs, what: str, key: str) -> list[list[Cell]]:
 
 def left_out(scene: Scene, design: Network) -> list[str]:
     """What the project has and this scene does not build."""
-    lines = list(design.left_out())
+    lines = of_network(design)
     if scene.front_end is None:
         lines.append("the scan sequencer: the scene has no front_end")
     if scene.visualisation is None:

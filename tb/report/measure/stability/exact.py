@@ -9,6 +9,7 @@ from golden.fixed import Codes
 from golden.networks.arrangement import seen
 from golden.networks.design import Design
 from golden.networks.network import Network
+from golden.networks.oracle import exact
 
 
 def exact_network(design: Network, arrangement: str, frames: Codes) -> Codes:
@@ -24,5 +25,5 @@ def exact_network(design: Network, arrangement: str, frames: Codes) -> Codes:
     parts = [block for block in walk(design) if isinstance(block, Design)]
     found: list[Codes] = []
     for part in parts:
-        found.append(part.exact(seen(arrangement, frames, found)))
+        found.append(exact(part, seen(arrangement, frames, found)))
     return np.concatenate(found, axis=1)

@@ -20,6 +20,7 @@ from golden.networks.arrangement import seen
 from golden.networks.constants import constants_of
 from golden.networks.designs import DESIGNS
 from golden.networks.exact import exact_sum
+from golden.networks.settings import Settings
 from golden.precision import EXACT, SIGNAL, THESIS, normalisation
 from golden.scene import Scene, load_scene, scene_names
 from tb.report.measure.stability.case import Row, accepted, largest
@@ -137,7 +138,7 @@ def huge_weights() -> Iterator[Row]:
             continue
         known = design.known_activations or (precision.activation,)
         activation = precision.activation if precision.activation in known else known[0]
-        network = design.of(mlp, precision, activation)
+        network = design.of([mlp], Settings(precision, activation))
         found = network.process(frames)
         case = f"weights of 60, Q_j to {most}, {precision.name}"
         off = largest(found - exact_network(network, "single", frames))
@@ -147,13 +148,13 @@ def huge_weights() -> Iterator[Row]:
     one, none = np.ones((1, 1)), np.zeros(1)
     beyond = Mlp(2e5 * one, none, one, none)
     kinds = [name for name, scheme in SCHEMES.items() if THESIS in scheme.precisions]
-    count = accepted([partial(constants_of, beyond, THESIS, name) for name in kinds])
+    count = accepted([partial(constants_of, beyond, Settings(THESIS, name)) for name in kinds])
     must, figure = "refuse them", f"accepted of {len(kinds)}"
     yield Row("constants", "Q_j of 200000, thesis, every activation", must, figure, count, 0)
-    count = accepted([partial(constants_of, beyond, EXACT, "precise")])
+    count = accepted([partial(constants_of, beyond, Settings(EXACT, "precise"))])
     yield Row("constants", "weights of 200000, exact", must, "accepted of 1", count, 0)
     whole = Mlp(np.full((1, 2), -1.0), np.ones(1), 0.3 * one, none)
-    count = accepted([partial(constants_of, whole, THESIS, "gradient")])
+    count = accepted([partial(constants_of, whole, Settings(THESIS, "gradient"))])
     must = "refuse them: the sum would wrap"
     yield Row("constants", "weights of whole numbers, thesis", must, "accepted of 1", count, 0)
 

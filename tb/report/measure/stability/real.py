@@ -8,6 +8,7 @@ from golden.fixed import Codes
 from golden.mlp import Mlp
 from golden.networks.constants import quantised
 from golden.networks.design import Design
+from golden.networks.oracle import error_bounds
 from golden.precision import SIGNAL, Precision
 
 
@@ -32,7 +33,7 @@ def real_error(
     """
     factors = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights").factors
     hidden = precision.hidden_fmt
-    bounds = network.error_bounds(mlp, precision, sensors)
+    bounds = error_bounds(network, mlp, precision, sensors)
     ends = np.multiply.outer(hidden.to_real([hidden.low, hidden.high]), factors)
     q = np.clip(SIGNAL.to_real(frames) @ mlp.w1.T + mlp.b1, *ends)
     y = np.clip(np.tanh(q) @ mlp.w2.T + mlp.b2, *SIGNAL.to_real([SIGNAL.low, SIGNAL.high]))

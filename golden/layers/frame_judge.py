@@ -1,0 +1,98 @@
+"""Which frames are taken: what every block that judges frames has in common."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from golden.fixed import Codes
+from golden.port import CLOCKED, given, taken
+
+# What is judged, and what is said of a frame that is wrong.
+JUDGED = (
+    *CLOCKED,
+    taken("in_valid", "the stream holds a sample"),
+    taken("in_last", "the sample is the last of its frame; ignored without `in_valid`"),
+)
+BROKEN = given("frame_error", "high for one clock, one clock after the sample that breaks a frame")
+
+
+@dataclass(frozen=True)
+class FrameScan:
+    """What was decided for each sample, as arrays of one length.
+
+    Attributes
+    ----------
+    addr : int64 array
+        Position of the sample in its frame, 0 where the sample is dropped.
+    accept : bool array
+        False where the sample is dropped.
+    done : bool array
+        The sample completes a frame that yields a result.
+    error : bool array
+        The sample breaks the frame: ``frame_error`` follows for one clock.
+    """
+
+    addr: Codes
+    accept: NDArray[np.bool_]
+    done: NDArray[np.bool_]
+    error: NDArray[np.bool_]
+
+
+class FrameJudge(Protocol):
+    """What decides which frames a network takes."""
+
+    @property
+    def inputs(self) -> int:
+        """Elements of a good frame."""
+
+    def process(self, last: ArrayLike, clock: ArrayLike) -> FrameScan:
+        """Decisions for elements that arrive after a reset; see ``judge``."""
+
+
+def judge(
+    last: ArrayLike, clock: ArrayLike, inputs: int, apart: int, *, at_once: bool = False
+) -> FrameScan:
+    """Decisions for samples that arrive after a reset.
+
+    A frame is wrong when ``last`` comes too early or does not come with the last sample, or when it
+    comes too soon after a good one. A wrong frame raises one error; of an overlong frame everything
+    up to and including its ``last`` is dropped.
+
+    Parameters
+    ----------
+    last : array_like of bool
+        The ``last`` flag of each valid sample.
+    clock : array_like of int
+        The clock in which each sample arrived; only differences matter.
+    inputs : int
+        Samples of a good frame.
+    apart : int
+        Least clocks from the last sample of a good frame to the last sample of the next.
+    at_once : bool
+        They are counted to the first sample of the next frame, and one that comes before is dropped
+        with all of its frame.
+    """
+    flags = np.asarray(last, dtype=bool)
+    times = np.asarray(clock, dtype=np.int64)
+    addr = np.zeros(len(flags), dtype=np.int64)
+    accept, done, error = (np.zeros(len(flags), dtype=bool) for _ in range(3))
+    count, dropping, free_at = 0, False, None
+    for k, (is_last, time) in enumerate(zip(flags, times, strict=True)):
+        early = free_at is not None and time < free_at
+        if dropping or (early and at_once):
+            error[k] = not dropping
+            dropping = not is_last
+            continue
+        accept[k], addr[k] = True, count
+        complete = count == inputs - 1
+        done[k] = complete and is_last and not early
+        error[k] = (complete or is_last) and not done[k]
+        dropping = complete and not is_last
+        count = 0 if complete or is_last else count + 1
+        if done[k]:
+            free_at = time + apart
+    return FrameScan(addr, accept, done, error)

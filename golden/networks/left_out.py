@@ -1,0 +1,124 @@
+"""What the hardware of a network does not need and therefore lacks, in words."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from functools import singledispatch
+
+from golden.activation.activation_block import ActivationBlock
+from golden.activation.left_out import left_out as left_out_of
+from golden.block import Block
+from golden.engine.tanh_table import tanh_table
+from golden.networks.adder_graph import AdderGraph
+from golden.networks.axis_network import AxisNetwork
+from golden.networks.cascade import Cascade
+from golden.networks.design import Design
+from golden.networks.engine import WHOLE_ACC_WIDTH, Engine
+from golden.networks.hybrid import Hybrid
+from golden.networks.network import Network
+from golden.networks.parallel import Parallel
+from golden.networks.several import Several
+from golden.networks.windowed import Windowed
+
+
+@singledispatch
+def left_out(block: Block) -> list[str]:
+    """What a network lacks; of one that stands around others, what these lack."""
+    inside = (part for part in block.parts() if isinstance(part, Network))
+    return [text for part in inside for text in left_out(part)]
+
+
+@left_out.register
+def _(network: Several) -> list[str]:
+    places: dict[str, list[str]] = {}
+    for part in network.networks:
+        for text in left_out(part):
+            places.setdefault(text, []).append(part.entity)
+    return [f"{', '.join(names)}: {text}" for text, names in places.items()]
+
+
+@left_out.register
+def _(network: Cascade) -> list[str]:
+    texts = left_out.dispatch(Several)(network)
+    if not network.frame_store:
+        texts.append(f"{network.entity}: the memory that holds a frame until it is judged")
+    return texts
+
+
+@left_out.register
+def _(network: Windowed) -> list[str]:
+    texts = left_out(network.network)
+    if not network.frame_window.spacing:
+        texts.append(f"{network.frame_window.entity}: the counter that keeps frames apart")
+    return texts
+
+
+@left_out.register
+def _(network: AxisNetwork) -> list[str]:
+    texts = left_out(network.network)
+    if not network.spacing:
+        texts.append(f"{network.entity}: the counter that keeps frames apart")
+    return texts
+
+
+@left_out.register
+def _(network: Hybrid) -> list[str]:
+    texts = of_hidden_nodes(network, network.activations)
+    if network.output_integral.factors is None:
+        texts.append("the de-normalisation multiplier and its ROM")
+    if not network.input_controller.spacing:
+        texts.append("the counter that keeps frames apart: a frame has samples enough")
+    return texts
+
+
+@left_out.register
+def _(network: Parallel) -> list[str]:
+    texts = of_hidden_nodes(network, network.activations)
+    zeros = sum(n.weights.count(0) for n in (*network.hidden_neurons, *network.output_neurons))
+    if zeros:
+        texts.append(f"{zeros} multipliers of weights that are 0")
+    if network.output_neurons[0].factor is None:
+        texts.append("the multipliers of the de-normalisation")
+    if not network.input_controller.spacing:
+        texts.append("the counter that keeps frames apart: one may come in every clock")
+    return texts
+
+
+@left_out.register
+def _(network: AdderGraph) -> list[str]:
+    texts = of_hidden_nodes(network, network.activations)
+    return [*texts, "every multiplier: a weight is a few shifted adds, shared with others"]
+
+
+@left_out.register
+def _(network: Engine) -> list[str]:
+    # What is counted as words costs memory and, one each, a clock of every frame.
+    graph, program = network.graph, network.program
+    texts = []
+    if network.serial:
+        spent = f"{network.output_clocks[-1]} clocks"
+        budget = f" of {network.budget}" if network.budget else ""
+        texts.append(f"the multiplier: {spent}{budget} are enough for bit after bit")
+    texts += of_useless_nodes(network)
+    if graph.useless_terms:
+        texts.append(f"{graph.useless_terms} steps of weight 0")
+    words = len(tanh_table(program.segment_width).slopes) - program.segments
+    if words:
+        texts.append(f"{words} words of tanh that no hidden sum reaches, and their comparison")
+    bits = WHOLE_ACC_WIDTH - network.acc_width
+    if bits:
+        texts.append(f"{bits} bits of the sum, which {WHOLE_ACC_WIDTH} would hold for any scene")
+    return texts
+
+
+def of_hidden_nodes(network: Design, activations: Sequence[ActivationBlock]) -> list[str]:
+    """What the activations of all hidden nodes lack together, and nodes that are not built."""
+    counts: Counter[str] = sum(map(left_out_of, activations), Counter())
+    return [f"{n} {what}" for what, n in sorted(counts.items())] + of_useless_nodes(network)
+
+
+def of_useless_nodes(network: Design) -> list[str]:
+    """Hidden nodes that are not built, where there are any."""
+    count = network.useless_nodes
+    return [f"{count} hidden nodes whose weights to the outputs are 0"] if count else []

@@ -1,0 +1,138 @@
+"""What a design must compute, in integers of any width, and how far that may be from real numbers.
+
+Nothing here is shared, folded or cut as hardware is, so that both can be compared.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import singledispatch
+
+import numpy as np
+
+from golden.engine import exact as of_graph
+from golden.engine.formats import HIDDEN
+from golden.fixed import Codes
+from golden.layers.constant_matrix import ConstantMatrix
+from golden.mlp import Mlp
+from golden.networks.adder_graph import AdderGraph
+from golden.networks.bounds import activation_error, two_layer_bounds
+from golden.networks.constants import Layer, quantised
+from golden.networks.design import Design
+from golden.networks.engine import Engine
+from golden.networks.exact import ExactLayers, ExactSum
+from golden.networks.hybrid import Hybrid
+from golden.networks.parallel import Parallel
+from golden.precision import Precision
+from golden.real import Real
+
+
+@singledispatch
+def exact_layers(design: Design) -> ExactLayers:
+    """The sums and activations of a design of two layers."""
+    raise NotImplementedError(f"{design.block}: its exact layers are not known")
+
+
+@exact_layers.register
+def _(design: Hybrid) -> ExactLayers:
+    first, last = design.input_integral, design.output_integral
+    factors = last.factors or (1,) * last.outputs
+    return ExactLayers(
+        [ExactSum(first, *row) for row in zip(first.weights, first.biases, strict=True)],
+        design.activations,
+        [ExactSum(last, *row) for row in zip(last.weights, last.biases, factors, strict=True)],
+    )
+
+
+@exact_layers.register
+def _(design: Parallel) -> ExactLayers:
+    hidden, outputs = (
+        [ExactSum(n, n.weights, n.bias, n.factor or 1) for n in neurons]
+        for neurons in (design.hidden_neurons, design.output_neurons)
+    )
+    return ExactLayers(hidden, design.activations, outputs)
+
+
+@singledispatch
+def exact(design: Design, frames: Codes) -> Codes:
+    """Output codes as integers of any width compute them, layer by layer."""
+    return exact_layers(design).process(frames)
+
+
+@exact.register
+def _(design: Engine, frames: Codes) -> Codes:
+    return of_graph.exact(design.graph, design.program.segment_width, frames)
+
+
+@exact.register
+def _(design: AdderGraph, frames: Codes) -> Codes:
+    q = design.first.exact(frames)
+    columns = [a.compute(q[:, j]) for j, a in enumerate(design.activations)]
+    return design.second.exact(np.stack(columns, axis=-1))
+
+
+@singledispatch
+def hidden_weights(design: Design) -> list[Sequence[int]]:
+    """A code for each input of each hidden sum; their signs tell what drives it to an end."""
+    return [node.weights for node in exact_layers(design).hidden]
+
+
+@hidden_weights.register
+def _(design: Engine) -> list[Sequence[int]]:
+    sums = [neuron for neuron in design.graph.neurons if neuron.result == HIDDEN]
+    return [
+        [sum(t.weight for t in neuron.terms if t.source == k) for k in range(design.inputs)]
+        for neuron in sums
+    ]
+
+
+@hidden_weights.register
+def _(design: AdderGraph) -> list[Sequence[int]]:
+    return list(design.first.weights)
+
+
+@singledispatch
+def error_bounds(design: Design, mlp: Mlp, precision: Precision, sensors: int) -> Real:
+    """How far each output can be from real arithmetic that saturates, in real units.
+
+    Parameters
+    ----------
+    design : Design
+    mlp : Mlp
+        The network that it is the design of, all of its hidden nodes built.
+    precision : Precision
+    sensors : int
+        Inputs that are samples; those behind them are outputs of earlier networks.
+    """
+    return two_layer_bounds(mlp, precision, exact_layers(design).activations)
+
+
+@error_bounds.register
+def _(design: Engine, mlp: Mlp, _precision: Precision, sensors: int) -> Real:
+    return of_graph.error_bounds(mlp, design.program.segment_width, sensors)
+
+
+@error_bounds.register
+def _(design: AdderGraph, mlp: Mlp, precision: Precision, _sensors: int) -> Real:
+    # What cutting adds is ConstantMatrix.errors.
+    first = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights")
+    second = quantised(mlp.w2, mlp.b2, precision, "layer 2 weights")
+    q_off = _off(mlp.w1, mlp.b1, first, design.first)
+    r_off = q_off + [activation_error(a, 1) for a in design.activations]
+    y_off = _off(mlp.w2, mlp.b2, second, design.second)
+    result: Real = y_off + np.abs(mlp.w2) @ r_off
+    return result
+
+
+def _off(weights: Real, biases: Real, layer: Layer, matrix: ConstantMatrix) -> Real:
+    """How far each result can be from the real sum of samples of magnitude 1 at most.
+
+    What rounding took from weights and bias, what cutting moves, and half a step of the result,
+    with one unit of the sum for the halves that its constant loses.
+    """
+    taken = np.abs(weights - layer.fmt.to_real(layer.weights)).sum(axis=1)
+    taken += np.abs(biases - layer.fmt.to_real(layer.biases))
+    units = np.array([max(map(abs, ends)) + 1 for ends in matrix.errors], dtype=np.float64)
+    step = 2.0**-matrix.out_fmt.frac
+    result: Real = taken + (units / 2.0**matrix.out_shift + 0.5) * step
+    return result
