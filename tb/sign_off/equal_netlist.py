@@ -127,7 +127,7 @@ class _Writer:
             ports = ", ".join(f".{port}({wire})" for port, wire in (inputs | outputs).items())
             return [f"{gate.kind} {gate.name} ({ports});"]
         if gate.kind == "$posedge":
-            return []  # Stands in the registers.
+            return []  # The registers state their clock edge themselves.
         if gate.kind == "$dff":
             return self.register(gate)
         out = gate.outputs["o"]
