@@ -52,7 +52,10 @@ class _Writer:
         self.names = {net: port for port, net in own.outputs.items()}
         for gate in self.gates:
             if gate.name.startswith(UNNAMED):
-                raise ValueError(f"{module.name}: {gate.name}: {UNNAMED} begins unnamed wires")
+                raise ValueError(
+                    f"{module.name}: {gate.name}: got a name that begins with {UNNAMED}, expected "
+                    "another one: only unnamed wires begin so"
+                )
             if gate.kind == "$signal":
                 self.names[gate.outputs["o"]] = gate.name
         self.memories, self.gates = split_memories(self.gates, lists)
