@@ -245,7 +245,7 @@ def test_typed_placements() -> None:
             ["sim", "a.csv", "--labels=name.csv"],
             "name.csv: column 'lode': got no output of .*",
         ),
-        (["twin", "a.csv", "--labels=name.csv"], ", since a .*; did you mean 'load'?"),
+        (["twin", "a.csv", "--labels=name.csv"], ": a simulated .*; did you mean 'load'?"),
         (["sim", "a.csv", "--labels=twice.csv"], "twice.csv: column 'sensor1': got a sensor of "),
         (["x", "a.csv", "--labels=twice.csv"], "twice.csv: column 'sensor1': got a sensor of "),
         (["x", "a.csv", "--labels=none.csv"], "none.csv: column 2 has no name, expected that of"),

@@ -227,7 +227,7 @@ def test_a_latch_is_an_error(tmp_path: Path) -> None:
     (tmp_path / "keeps.v").write_text(
         "module keeps(input e, input d, output reg q); always @* if (e) q = d; endmodule\n"
     )
-    with pytest.raises(InputError, match="keeps, xc2v: a latch"):
+    with pytest.raises(InputError, match="keeps, xc2v: got a latch"):
         synthesise(tmp_path, "keeps", "xc2v")
 
 

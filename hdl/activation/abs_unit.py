@@ -1,4 +1,4 @@
-"""ABS: sign and magnitude of a signed code."""
+"""ABS: splits a signed code into sign and magnitude."""
 
 from myhdl import always, always_comb, always_seq, block
 

@@ -1,4 +1,4 @@
-"""bipartite: tanh from two tables, without a multiplier."""
+"""bipartite: computes tanh from two tables, without a multiplier."""
 
 from myhdl import always, always_comb, block, concat
 

@@ -1,4 +1,4 @@
-"""bipartite_pair: tanh of two nodes from one pair of tables."""
+"""bipartite_pair: computes tanh of two nodes from one pair of tables."""
 
 from myhdl import block
 

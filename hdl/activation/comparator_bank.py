@@ -1,4 +1,4 @@
-"""Comparator bank: which segment of the activation a magnitude lies in."""
+"""Comparator bank: finds the segment of the activation in which a magnitude lies."""
 
 from myhdl import always, always_comb, always_seq, block, intbv
 

@@ -1,4 +1,4 @@
-"""g_memory: the gradient G_n of every segment."""
+"""g_memory: holds the gradient G_n of every segment."""
 
 from myhdl import block
 

@@ -1,4 +1,4 @@
-"""GRAD_EQN: gradient times magnitude plus intercept."""
+"""GRAD_EQN: computes gradient times magnitude plus intercept."""
 
 from myhdl import always, always_comb, block
 

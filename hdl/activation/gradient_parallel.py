@@ -30,7 +30,7 @@ def enable(addr, coeff, intercept, *, segment: int, words):
 
 @block
 def threshold_unit(addr, data, *, segment: int, high: int):
-    """The largest result where ``addr`` is beyond the last segment, otherwise 0."""
+    """``data`` is the largest result where ``addr`` is beyond the last segment, otherwise 0."""
 
     @always_comb
     def choose():

@@ -1,4 +1,4 @@
-"""i_memory: the intercept i_n of every segment."""
+"""i_memory: holds the intercept i_n of every segment."""
 
 from myhdl import block
 

@@ -52,7 +52,7 @@ def offset(data, total, *, constant: int):
 
 @block
 def horner(clk, square, total, *, constants: Horner, bracket_width, square_frac, rounding):
-    """k0 + s (k1 + s k2), two clocks after ``square``."""
+    """``total`` is k0 + s (k1 + s k2), two clocks after ``square``, which is s."""
     first, second = constants.shifts(square_frac)
     product = signed(len(square) + constants.k2.bit_length())
     exact = signed(len(product))

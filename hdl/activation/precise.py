@@ -1,4 +1,4 @@
-"""precise: tanh within one unit of the last place."""
+"""precise: computes tanh within one unit of the last place."""
 
 from myhdl import always, always_comb, block, concat
 

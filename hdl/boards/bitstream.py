@@ -128,7 +128,7 @@ def build(
     if report.clock_mhz < report.needed_mhz:
         raise InputError(
             f"{board.title}, {board.device}: {report.clock_mhz:g} MHz reached, "
-            f"{report.needed_mhz:g} MHz needed; a scene with a slower hardware.clock_mhz may do"
+            f"{report.needed_mhz:g} MHz needed; a slower hardware.clock_mhz in the scene may help"
         )
     return base64.b64decode(found["bitstream"]), report
 

@@ -1,4 +1,4 @@
-"""Streams of frames: later, and by position."""
+"""Parts that delay a stream of frames, or find its elements by their position."""
 
 from myhdl import always, always_comb, always_seq, block
 

@@ -1,4 +1,4 @@
-"""multiply_accumulate: one product a clock, added up."""
+"""multiply_accumulate: adds up products, one per clock."""
 
 from myhdl import Signal, always, always_comb, block, modbv
 

@@ -1,4 +1,4 @@
-"""operand_memory: samples, hidden sums, tanh and outputs of one frame."""
+"""operand_memory: holds the samples, hidden sums, tanh and outputs of one frame."""
 
 from myhdl import Signal, always, block, intbv
 

@@ -1,4 +1,4 @@
-"""operand_select: the multiplier's operand, made of the word that was read."""
+"""operand_select: makes the multiplier's operand from the word that was read."""
 
 from myhdl import always, always_comb, block, concat
 

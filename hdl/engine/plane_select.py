@@ -1,4 +1,4 @@
-"""plane_select: the bit of an operand that a pass is about, and what it does to the sum."""
+"""plane_select: finds the bit of an operand for a pass, and what it does to the sum."""
 
 from myhdl import always, always_comb, block
 

@@ -1,4 +1,4 @@
-"""program_memory: the words of program and table, and the counter that steps through them."""
+"""program_memory: holds the words of program and table, and steps through the program."""
 
 from myhdl import Signal, always, always_comb, always_seq, block, modbv
 

@@ -1,4 +1,4 @@
-"""program_ram: the words of program and table, which can be written, and the program's counter."""
+"""program_ram: as program_memory, but the words of program and table can be written."""
 
 from myhdl import Signal, always, always_comb, always_seq, block, modbv
 

@@ -1,4 +1,4 @@
-"""replay_memory: the words of table and program, read again for every bit plane of the operands."""
+"""replay_memory: reads the words of table and program again for every bit plane of the operands."""
 
 from myhdl import Signal, always, always_comb, always_seq, block, concat, intbv, modbv
 

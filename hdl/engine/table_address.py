@@ -1,4 +1,4 @@
-"""table_address: which segment of tanh's table a hidden sum lies in."""
+"""table_address: finds the segment of tanh's table in which a hidden sum lies."""
 
 from myhdl import always, always_comb, block
 

@@ -1,1 +1,1 @@
-"""From a scene's twin to files of VHDL or Verilog."""
+"""Exports the twin of a scene as files of VHDL or Verilog."""

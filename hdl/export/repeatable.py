@@ -1,4 +1,4 @@
-"""Commands whose output is the same bytes on every run."""
+"""Runs commands so that their output is the same bytes every time."""
 
 from __future__ import annotations
 

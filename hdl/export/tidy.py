@@ -211,7 +211,7 @@ def _annotate_memory(memory: str, language: str, words: Sequence[str]) -> str:
 
 
 def _alike(values: Sequence[str]) -> int:
-    """The place of the first of the last values that are all equal."""
+    """The place at which the equal values at the end begin."""
     place = len(values) - 1
     while place and values[place - 1] == values[-1]:
         place -= 1

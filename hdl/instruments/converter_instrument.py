@@ -1,4 +1,4 @@
-"""Converter instrument: from a converter on an SPI to results."""
+"""Converter instrument: turns the bits of a converter on an SPI into results."""
 
 from myhdl import block
 

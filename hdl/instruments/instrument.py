@@ -1,4 +1,4 @@
-"""Instrument: from a converter and an analogue multiplexer to results."""
+"""Instrument: turns the codes of a converter behind an analogue multiplexer into results."""
 
 from myhdl import block
 

@@ -1,1 +1,1 @@
-"""What a scene costs and how fast it is: Yosys and nextpnr on the exported Verilog."""
+"""Finds what a scene costs and how fast it is, with Yosys and nextpnr on the exported Verilog."""

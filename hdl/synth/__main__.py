@@ -126,7 +126,8 @@ def main() -> None:
     _compare(scene, cells)
     if timing.clock_mhz < scene.clock_mhz:
         raise InputError(
-            f"{scene.path}: hardware.clock_mhz: got {scene.clock_mhz:g}, reached {timing.clock_mhz}"
+            f"{scene.path}: hardware.clock_mhz: got {scene.clock_mhz:g}, expected at most "
+            f"{timing.clock_mhz}, the clock that was reached"
         )
 
 

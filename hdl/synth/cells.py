@@ -126,7 +126,7 @@ def _synthesise(folder: Path, top: str, family: str) -> dict[str, dict[str, int]
     for name, cells in modules.items():
         latches = [cell for cell in cells if cell.startswith(LATCHES)]
         if latches:
-            raise InputError(f"{name}, {family}: a latch ({latches[0]}), expected none")
+            raise InputError(f"{name}, {family}: got a latch ({latches[0]}), expected none")
     script = "; ".join(
         f"design -load mapped; hierarchy -top {name}; flatten; write_json {name}.json"
         for name in modules

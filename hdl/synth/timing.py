@@ -188,7 +188,7 @@ def _placed(folder: Path, top: str, aim: int, placer: str) -> Timing:
     """The timing that one placer reaches."""
     report = place(folder, aim, placer)
     if len(report["fmax"]) != 1:
-        raise InputError(f"{top}: {len(report['fmax'])} clocks, expected one")
+        raise InputError(f"{top}: got {len(report['fmax'])} clocks, expected one")
     (clock,) = report["fmax"].values()
     (path, *_) = (p for p in report["critical_paths"] if p["from"] == p["to"])
     ends = path["path"][0]["from"]["cell"], path["path"][-1]["to"]["cell"]

@@ -1,4 +1,4 @@
-"""exp_memory: exp(-x) in the middle of every interval of x."""
+"""exp_memory: holds exp(-x) for the middle of every interval of x."""
 
 from myhdl import block
 

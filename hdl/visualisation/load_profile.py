@@ -34,7 +34,7 @@ def results(clk, enable, in_words, out_words):
 
 @block
 def distance_from(clk, x, centre, distance):
-    """``distance`` is the magnitude of ``x`` less ``centre``, two clocks later."""
+    """``distance`` is the magnitude of ``x - centre``, two clocks later."""
     sign = len(x)
     difference = signed(len(x) + 1)
     wide, opposite = signed(len(x) + 2), signed(len(x) + 2)

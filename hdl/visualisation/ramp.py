@@ -1,4 +1,4 @@
-"""Ramp: the positions at which the profile is drawn."""
+"""Ramp: gives the positions at which the profile is drawn."""
 
 from myhdl import Signal, always, always_comb, always_seq, block, intbv
 

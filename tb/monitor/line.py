@@ -134,7 +134,8 @@ class Line:
     def _close(self) -> None:
         port, self._port = self._port, None
         if port is not None:
-            with suppress(*FAULTS):  # of a device that is gone
+            # The device may be gone.
+            with suppress(*FAULTS):
                 port.close()
 
 

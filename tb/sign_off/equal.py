@@ -76,9 +76,9 @@ class Result:
             if answer["result"] != EQUAL
         ]
         if not self.faults:
-            found.append("no fault is named, by which the proof could fail")
+            found.append("the bench names no fault with which the proof could fail")
         found += [
-            f"{pattern} as {text} does not differ"
+            f"{pattern} replaced by {text} does not differ"
             for (pattern, text), answer in self.faults.items()
             if answer["result"] == EQUAL
         ]
@@ -90,8 +90,8 @@ class Result:
             return f"VHDL and Verilog: {'; '.join(self.complaints)}"
         bits = sum(answer["registers"] for answer in self.answers.values())
         return (
-            f"VHDL equals Verilog, {len(self.answers) - 1} parts too, {bits} bits of registers; "
-            f"{len(self.faults)} faults differ"
+            f"VHDL equals Verilog, with {len(self.answers) - 1} parts and {bits} register bits; "
+            f"{len(self.faults)} faults are found to differ"
         )
 
     def facts(self) -> dict[str, Any]:

@@ -133,9 +133,12 @@ class Side:
         clocks = [self.ports["clk"]["bits"][0]] * writes
         edges = int(facts["WR_CLK_ENABLE"], 2) & int(facts["WR_CLK_POLARITY"], 2)
         if int(facts["RD_CLK_ENABLE"], 2) or wires["WR_CLK"] != clocks or edges + 1 != 1 << writes:
-            raise UncutError(f"{name}: a memory, expected writes at the rising edge of clk alone")
+            raise UncutError(
+                f"{name}: got a memory with a clocked read or another write clock, expected reads "
+                "without a clock and writes at the rising edge of clk"
+            )
         if set(facts["INIT"]) != {"x"}:
-            raise UncutError(f"{name}: a memory, got a content, expected none")
+            raise UncutError(f"{name}: got a memory with initial contents, expected none")
         ports: dict[str, list[Bit]] = {}
         gates: dict[str, Any] = {}
 
@@ -235,7 +238,10 @@ def cut_alike(gold: Netlist, gate: Netlist, signals: bool = True) -> tuple[Netli
         alone = side.next.keys() - cut
         if alone:
             names = sorted({name for (name, _), bit in side.names.items() if bit in alone})
-            raise UncutError(f"{len(alone)} register bits of the {whose} alone: {', '.join(names)}")
+            raise UncutError(
+                f"got {len(alone)} register bits in the {whose} alone, expected them in both: "
+                f"{', '.join(names)}"
+            )
     left = [side.cut(cut) for side, cut in zip(sides, places, strict=True)]
     # Both must be the same whatever the undefined bits are, so these become inputs of both.
     extra = [len(unknown) for _, unknown in left]
@@ -250,5 +256,5 @@ def cut_alike(gold: Netlist, gate: Netlist, signals: bool = True) -> tuple[Netli
     ]
     if ports[0] != ports[1]:
         odd = sorted({name for name, _ in ports[0].items() ^ ports[1].items()})
-        raise UncutError(f"ports of one alone: {', '.join(odd)}")
+        raise UncutError(f"got ports that differ, expected the same in both: {', '.join(odd)}")
     return left[0][0], left[1][0], len(sides[0].next)

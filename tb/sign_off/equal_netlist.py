@@ -52,7 +52,10 @@ class _Writer:
         self.names = {net: port for port, net in own.outputs.items()}
         for gate in self.gates:
             if gate.name.startswith(UNNAMED):
-                raise ValueError(f"{module.name}: {gate.name}: {UNNAMED} begins unnamed wires")
+                raise ValueError(
+                    f"{module.name}: {gate.name}: got a name that begins with {UNNAMED}, expected "
+                    "another one: only unnamed wires begin so"
+                )
             if gate.kind == "$signal":
                 self.names[gate.outputs["o"]] = gate.name
         self.memories, self.gates = split_memories(self.gates, lists)
@@ -127,7 +130,7 @@ class _Writer:
             ports = ", ".join(f".{port}({wire})" for port, wire in (inputs | outputs).items())
             return [f"{gate.kind} {gate.name} ({ports});"]
         if gate.kind == "$posedge":
-            return []  # Stands in the registers.
+            return []  # The registers state their clock edge themselves.
         if gate.kind == "$dff":
             return self.register(gate)
         out = gate.outputs["o"]

@@ -158,7 +158,10 @@ def record(given: str, block: str | None, tell: Tell) -> list[Outcome]:
     blocks = chosen_blocks(block)
     every = chosen(given) == list(FAMILIES)
     if not every and given != UNKNOWN:
-        raise InputError(f"NETLIST={given}: RECORD=1 records every family: NETLIST={ALL}")
+        raise InputError(
+            f"NETLIST={given}: got RECORD=1 too, which records every family, expected "
+            f"NETLIST={ALL} or NETLIST={UNKNOWN}"
+        )
     would(f"run the benches of {len(blocks)} blocks with NETLIST={given} and record them")
     if every:
         return record_netlists(blocks, tell)

@@ -95,5 +95,5 @@ def _module(flat: str, top: str) -> str:
     """The text of one module."""
     found = re.search(rf"^module {re.escape(top)}\b.*?^endmodule", flat, re.M | re.S)
     if not found:
-        raise ValueError(f"no module {top} in the flattened Verilog")
+        raise ValueError(f"got no module {top} in the flattened Verilog, expected one")
     return found.group()

