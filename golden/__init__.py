@@ -1,1 +1,1 @@
-"""The specification that runs: formats, bit-true twins, float references, scenes, data."""
+"""The specification that runs: formats, bit-true twins, float references, scenes and data."""

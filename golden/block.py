@@ -1,4 +1,4 @@
-"""What every block's twin has in common: a name, its parts and its elaboration constants."""
+"""What the twins of all blocks have in common: a name, parts and elaboration constants."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ from golden.port import Port
 class Block:
     """Elaboration constants of one block together with its bit-true function.
 
-    A subclass sets ``block``, the name that is the block's address in every room, holds its
-    constants as fields, computes values (never cycles) in ``process``, and publishes ports and
-    clocks of its hardware, which a bench holds it to.
+    A subclass sets ``block``, the name that is the block's address in every room, and holds its
+    constants as fields. Its ``process`` computes values, never cycles. It also publishes the ports
+    and the clocks of its hardware, and a bench checks that the hardware has them.
 
     Parameters
     ----------
     variant : str
-        Tells instances with different constants apart; part of the entity's name.
+        Distinguishes instances with different constants; it is part of the entity's name.
     """
 
     block: ClassVar[str] = ""
     area: ClassVar[str] = ""
-    # Where the thesis describes it; empty for what is ours.
+    # The section of the thesis that describes it; empty for blocks that are ours.
     section: ClassVar[str] = ""
     variant: str = field(default="", kw_only=True)
 
@@ -43,7 +43,7 @@ class Block:
 
     @property
     def ports(self) -> tuple[Port, ...]:
-        """The ports of its entity, in their order."""
+        """The ports of the entity, in their order."""
         raise NotImplementedError(f"{self.entity}: its twin publishes no ports")
 
     @property
@@ -53,26 +53,26 @@ class Block:
 
     @property
     def borders(self) -> tuple[Border, ...]:
-        """Where it begins to do something else; a bench drives both sides of each."""
+        """The values at which its behaviour changes; a bench drives both sides of each."""
         return ()
 
     def quantities(self, *inputs: Codes) -> dict[str, Codes]:
-        """What its borders are of, for the inputs of ``process``."""
+        """The quantities that have borders, for the inputs of ``process``."""
         return {}
 
     @property
     def states(self) -> tuple[State, ...]:
-        """Numbers it holds; a bench reaches each of their values."""
+        """The numbers that it holds; a bench reaches each of their values."""
         return ()
 
     @property
     def unreachable(self) -> dict[str, str]:
-        """Values of small ports that never stand there, as ``port=value``, and why."""
+        """Values of small ports that never occur, as ``port=value``, each with the reason."""
         return {}
 
     @property
     def data_flags(self) -> frozenset[str]:
-        """Flags that stay with their data, and so have no reset."""
+        """Flags that travel with their data, and so need no reset."""
         return frozenset()
 
     @property
@@ -81,21 +81,21 @@ class Block:
         return 1
 
     def parts(self) -> tuple[Block, ...]:
-        """The blocks this one is assembled from."""
+        """The blocks of which this one is assembled."""
         return ()
 
     def facts(self) -> tuple[str, ...]:
-        """What a picture tells of the block beside its formats."""
+        """Facts that a picture shows about the block, besides its formats."""
         return ()
 
 
 def walk(top: Block) -> Iterator[Block]:
-    """Every distinct block under ``top``, leaves first, ``top`` last.
+    """Every distinct block under ``top``, the leaves first and ``top`` last.
 
     Raises
     ------
     InputError
-        When two blocks share an entity name but not their constants: one would overwrite the
+        When two blocks share an entity name but not their constants, since one would overwrite the
         other on export.
     """
     seen: dict[str, Block] = {}

@@ -1,4 +1,4 @@
-"""Where a block begins to do something else: a value of an exact number inside it."""
+"""The values of numbers inside a block at which the block's behaviour changes."""
 
 from __future__ import annotations
 
@@ -9,22 +9,23 @@ from golden.fixed import Codes
 
 @dataclass(frozen=True)
 class Border:
-    """A number from which on a block does something else than below.
+    """A value of a number at which a block's behaviour changes.
 
     A bench has to drive both sides of it.
 
     Parameters
     ----------
     name : str
-        What begins or ends there.
+        The behaviour that begins or ends there.
     quantity : str
-        The number that reaches it, such as the exact sum before it is rounded.
+        The number that is compared, such as the exact sum before it is rounded.
     at : int
         The least value on the upper side.
     within : int
-        How far from it a value counts as beside it: 1 is ``at`` and ``at - 1`` themselves.
+        The largest distance at which a value counts as next to the border. With 1 only ``at`` and
+        ``at - 1`` do.
     unreachable : str
-        Why no input brings the quantity to both sides; empty where one does.
+        Why no input brings the quantity to both sides; empty if some input does.
     """
 
     name: str
@@ -49,9 +50,9 @@ class State:
 
 
 def border_among(name: str, quantity: str, at: int, values: Codes) -> Border:
-    """The border for a quantity that takes no other values than these, over all inputs.
+    """The border of a quantity for which these are all possible values.
 
-    A value counts as beside it when none is closer.
+    The values closest to the border count as next to it.
     """
     below, above = values[values < at], values[values >= at]
     if not len(below) or not len(above):

@@ -1,4 +1,4 @@
-"""How every command ends: bad input prints one line and exits 2, never a traceback."""
+"""How every command ends: bad input prints one line and exits with 2, never with a traceback."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from contextlib import contextmanager, suppress
 
 from golden.input_error import InputError
 
-# What a full or broken disk says, of a write to a file that the error may not name.
+# Errors of a full or broken disk, in writing a file that the error may not name.
 DISK = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS}
-# Of random numbers, for every generator there is.
+# The largest seed of random numbers that every generator accepts.
 MOST_SEED = (1 << 32) - 1
-# Between the complaints of one exception: each is printed as an error of its own.
+# Separates the complaints in one exception, so that each is printed as an error of its own.
 BETWEEN = "\nerror: "
 REPORT = (
     "This is a fault in tactus and not in what it was given. Please report the lines above, with "
@@ -26,12 +26,12 @@ REPORT = (
 
 
 def whole(name: str, least: int, most: int) -> Callable[[str], int]:
-    """What makes a whole number of a command's variable, for argparse.
+    """A function for argparse that reads a whole number from a command's variable.
 
     Raises
     ------
     InputError
-        From what it returns, for another text or a number outside ``least`` to ``most``.
+        The function raises it for another text, or for a number outside ``least`` to ``most``.
     """
 
     def number(text: str) -> int:
@@ -44,12 +44,12 @@ def whole(name: str, least: int, most: int) -> Callable[[str], int]:
 
 
 def words(name: str, text: str) -> list[str]:
-    """The words of a command's variable that may hold several; quotes hold blanks together.
+    """The words in a command's variable that may hold several; quotes keep blanks together.
 
     Raises
     ------
     InputError
-        For a quote without its other.
+        For a quote that is not closed.
     """
     try:
         return shlex.split(text)
@@ -58,19 +58,19 @@ def words(name: str, text: str) -> list[str]:
 
 
 def dry() -> bool:
-    """Whether a command should do nothing but check what it was given: ``DRY=1``."""
+    """Whether a command should only check what it was given, and do nothing: ``DRY=1``."""
     return os.environ.get("DRY", "") not in ("", "0")
 
 
 def would(work: str) -> None:
-    """End a command here where ``DRY=1`` is given, and print the work that is left.
+    """End a command here if ``DRY=1`` is set, and print the work that is left.
 
-    A command calls it as soon as it has checked all that it was given.
+    A command calls this as soon as it has checked everything that it was given.
 
     Parameters
     ----------
     work : str
-        What the command would do now, such as "simulate 12 benches".
+        The work that the command would do now, such as "simulate 12 benches".
     """
     if dry():
         print(f"DRY=1: nothing done; would {work}")
@@ -78,9 +78,9 @@ def would(work: str) -> None:
 
 
 def run(main: Callable[[], int | None]) -> int:
-    """The exit code of ``main``; its complaints about input go to stderr as one message.
+    """Run ``main`` and return its exit code; complaints about input go to stderr as one message.
 
-    Warnings go there too, each as a line of its own. A fault of this project keeps its traceback.
+    Warnings go there too, one line for each. A fault of this project keeps its traceback.
     """
     warnings.formatwarning = lambda message, *_, **__: f"warning: {message}\n"
     try:
@@ -88,7 +88,7 @@ def run(main: Callable[[], int | None]) -> int:
         sys.stdout.flush()
         return code
     except BrokenPipeError:
-        # Who read the output has read enough, such as head.
+        # The reader of the output, such as head, has read enough.
         _print_no_more()
         return 141
     except KeyboardInterrupt:
@@ -109,13 +109,13 @@ def run(main: Callable[[], int | None]) -> int:
 
 
 def _print_no_more() -> None:
-    """Not even at the interpreter's end, which would complain once more."""
+    """Discard all further output, so that the interpreter does not complain at its end."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 @contextmanager
 def naming(place: object) -> Iterator[None]:
-    """Complaints from the block get in front what they are about: a file, a key."""
+    """Put the place of a fault, such as a file or a key, before complaints from the block."""
     try:
         yield
     except InputError as error:

@@ -1,4 +1,4 @@
-"""What sensors do to the readings that a network was trained on: noise and drift."""
+"""The disturbance of readings by the sensors: noise and drift."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ MOST = 100.0  # more than any range: the bound only keeps sums finite
 
 @dataclass(frozen=True)
 class Disturbance:
-    """Noise on every reading, and drift that a sensor keeps for as long as a recording lasts.
+    """Noise on every reading, and a drift that each sensor keeps for a whole recording.
 
-    Equation: ``reading * (1 + g) + o + e``, with g and o drawn once for each sensor and e for each
-    reading, all three from normal distributions without a mean.
+    Equation: ``reading * (1 + g) + o + e``, where g and o are drawn once for each sensor and e for
+    each reading, all three from normal distributions with mean 0.
 
     Parameters
     ----------
     noise : float
         Standard deviation of e, in the unit of the readings, 0 to 100.
     gain : float
-        Standard deviation of g, a part of the reading: 0.01 is one per cent; 0 to 100.
+        Standard deviation of g, as a part of the reading: 0.01 is one per cent; 0 to 100.
     offset : float
         Standard deviation of o, in the unit of the readings, 0 to 100.
 
@@ -46,22 +46,22 @@ class Disturbance:
 
     @property
     def none(self) -> bool:
-        """Whether readings stay what they are."""
+        """Whether readings stay unchanged."""
         return not (self.noise or self.gain or self.offset)
 
     def of(
         self, readings: Real, rng: np.random.Generator, sensors: ArrayLike | None = None
     ) -> Real:
-        """One recording as the sensors might give it.
+        """A recording as disturbed sensors might give it.
 
         Parameters
         ----------
         readings : float array, shape (rows, columns)
         rng : numpy Generator
-            The draws do not depend on the three sizes, so that what is compared for several of
-            them differs in size alone.
+            The random numbers do not depend on the three standard deviations, so results for
+            different ones are comparable.
         sensors : array_like of int, optional
-            The sensor that gave each column, from 0; by default each column is one of its own.
+            The sensor of each column, from 0; by default each column has its own sensor.
         """
         rows, columns = readings.shape
         which = np.arange(columns) if sensors is None else np.asarray(sensors)

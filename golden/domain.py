@@ -1,4 +1,4 @@
-"""Arguments of the float models: inside their domain, or an InputError that says what it is."""
+"""Checks that arguments of the float models are in their domain; else an InputError says why."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from golden.real import Real
 
 
 def checked(**arguments: tuple[ArrayLike, float, float]) -> list[Real]:
-    """Each argument as a float array, inside its least and largest value.
+    """Each argument as a float array, after a check against its least and largest value.
 
     Raises
     ------
     InputError
-        For a value outside, NaN included; the message names argument, value and range.
+        For a value outside, which includes NaN; the message names argument, value and range.
     """
     arrays = []
     for name, (value, low, high) in arguments.items():

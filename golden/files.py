@@ -1,6 +1,6 @@
-"""Files: read so that a fault names them, written so that a failure leaves nothing half-written.
+"""Reads files so that a fault names them, and writes them completely or not at all.
 
-Files and folders get the permissions that the umask leaves, as if written in place.
+Files and folders get the permissions that the umask leaves, as if they were written in place.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ Made = TypeVar("Made")
 
 
 def check_file(path: Path, missing: str = "no such file") -> None:
-    """Refuse what is no file: nothing, a folder, a device, a name that no file can have.
+    """Refuse a path that is no file: nothing, a folder, a device, or an impossible name.
 
     Raises
     ------
     MissingFileError
-        Where nothing is; the message says ``missing``.
+        If nothing is there; the message says ``missing``.
     InputError
-        For anything else.
+        For anything else that is no file.
     """
     try:
         mode = path.stat().st_mode
@@ -45,10 +45,10 @@ def check_file(path: Path, missing: str = "no such file") -> None:
 
 
 def same_file(one: Path, other: Path) -> bool:
-    """Whether two paths name one file, now or once both are written.
+    """Whether two paths name one file, now or once both have been written.
 
-    By links, by ``..`` on the way, or by capitals where the file system folds them: that it does is
-    seen in a folder on the way that is found by another case of its name, too.
+    Two paths may do so by links, by ``..`` in them, or by capitals if the file system ignores case.
+    It does if a folder of the path is also found by a name in another case.
     """
     try:
         one, other = (Path(os.path.realpath(path)) for path in (one, other))
@@ -70,21 +70,20 @@ def same_file(one: Path, other: Path) -> bool:
 
 @contextmanager
 def reading(path: Path, form: str) -> Iterator[None]:
-    """Around one call that reads the file at ``path``: what stops it becomes a message.
+    """Surround one call that reads the file at ``path``; an error of it becomes a message.
 
-    Nothing else may stand in the block: what is raised there is taken to be about the file.
+    The block must contain nothing else, because every error in it is taken as a fault of the file.
 
     Parameters
     ----------
     path : Path
     form : str
-        What the file should hold, such as "TOML".
+        The expected contents of the file, such as "TOML".
 
     Raises
     ------
     InputError
-        When the file cannot be read.
-        When it holds something else.
+        When the file cannot be read, or when it holds something else.
     """
     try:
         yield
@@ -105,22 +104,22 @@ def read_json(
     missing: str = "no such file",
     make: Callable[[Any], Made] = lambda found: found,
 ) -> Made:
-    """What a recorded file holds.
+    """Read the contents of a recorded file.
 
     Parameters
     ----------
     path : Path
     form : str
-        What it should hold, such as "a recorded clock".
+        The expected contents, such as "a recorded clock".
     missing : str
-        What the message says where nothing stands there.
+        Text of the message if there is no such file.
     make : callable, optional
-        Makes of what JSON holds what is asked for.
+        Turns the JSON value into the result.
 
     Raises
     ------
     InputError
-        When nothing was recorded, or something else stands there.
+        When nothing was recorded, or when the file holds something else.
     """
     check_file(path, missing)
     with reading(path, form):
@@ -128,20 +127,20 @@ def read_json(
 
 
 def write_json(path: Path, facts: Any, *, sort_keys: bool = False) -> None:
-    """Record ``facts``, a line each so that a change of one is seen."""
+    """Record ``facts`` with one value per line, so that a difference shows what has changed."""
     text = json.dumps(facts, indent=1, sort_keys=sort_keys, ensure_ascii=False, allow_nan=False)
     with replace_file(path) as temporary:
         temporary.write_text(text + "\n", encoding="utf-8")
 
 
 def write_kept(path: Path, answer: Any) -> None:
-    """Write what ``read_kept`` reads."""
+    """Write a file for ``read_kept``."""
     with replace_file(path) as temporary:
         temporary.write_text(json.dumps(answer, allow_nan=False), encoding="utf-8")
 
 
 def read_kept(path: Path) -> Any:
-    """What a file of an earlier command holds as JSON; None where it is missing or damaged."""
+    """The JSON value in a file of an earlier command; None if it is missing or damaged."""
     try:
         return json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
@@ -150,14 +149,14 @@ def read_kept(path: Path) -> Any:
 
 @contextmanager
 def writing(path: Path, through: Path | None = None) -> Iterator[None]:
-    """Around what writes ``path``: a fault of the machine becomes a message that names it.
+    """Surround code that writes ``path``; an error of the machine becomes a message.
 
     Parameters
     ----------
     path : Path
     through : Path, optional
-        What is written in its place. Then only faults of that and of the disk are meant, since
-        other work may stand in the block.
+        The temporary file that is written instead. In this case only errors of this file and of the
+        disk become messages, because the block may contain other work.
 
     Raises
     ------
@@ -177,7 +176,7 @@ def writing(path: Path, through: Path | None = None) -> Iterator[None]:
 
 
 def _reason(error: Exception) -> str:
-    """The first line of what an error says, in words where it says nothing."""
+    """The first line of an error's text, or a text of our own if it has none."""
     if isinstance(error, RecursionError):
         return "nested too deep"
     if isinstance(error, MemoryError):
@@ -188,21 +187,21 @@ def _reason(error: Exception) -> str:
 
 
 def _where(error: OSError, path: Path) -> str:
-    """What a system error says, with the file it is about where that is no stand-in of ``path``."""
+    """An error's text, with the name of its file if that is not a temporary file of ``path``."""
     named = Path(str(error.filename)) if error.filename else path
     own = named == path or named.name.startswith(f".{path.name}.")
     return f"{'' if own else f' {named}:'} {_reason(error)}"
 
 
 def _beside(path: Path) -> Path:
-    """A name in the same folder that nothing has."""
+    """An unused name in the same folder."""
     refuse_installed(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     return path.with_name(f".{path.name}.{secrets.token_hex(8)}{path.suffix}")
 
 
 def check_writable(paths: Sequence[Path]) -> None:
-    """Refuse a path where no file can be written, before the work whose result goes there.
+    """Refuse paths where no file can be written, before the work whose result goes there.
 
     Raises
     ------
@@ -223,7 +222,7 @@ def check_writable(paths: Sequence[Path]) -> None:
 
 
 def _exists(path: Path) -> bool:
-    """Also what cannot be asked: a name too long is found out by who writes."""
+    """Whether a path exists; also True for a name that cannot exist, which writing will report."""
     try:
         return path.exists()
     except (OSError, ValueError):
@@ -231,7 +230,7 @@ def _exists(path: Path) -> bool:
 
 
 def _refuse_other(path: Path) -> None:
-    """Only a file may be replaced: to root, a rename would replace a device, too."""
+    """Refuse to replace anything but a file; for root, a rename would even replace a device."""
     with writing(path), suppress(FileNotFoundError, NotADirectoryError):
         mode = path.stat().st_mode
         if stat.S_ISDIR(mode):
@@ -242,19 +241,19 @@ def _refuse_other(path: Path) -> None:
 
 @contextmanager
 def replace_file(path: Path) -> Iterator[Path]:
-    """Yield a temporary path beside ``path``; rename it to ``path`` when the block succeeds."""
+    """Yield a temporary path beside ``path``, and rename it to ``path`` if the block succeeds."""
     with replace_files([path]) as (temporary,):
         yield temporary
 
 
 @contextmanager
 def replace_files(paths: Sequence[Path]) -> Iterator[list[Path]]:
-    """Yield a temporary path beside each; rename all when the block succeeds, or none.
+    """Yield a temporary path beside each path, and rename all or none when the block ends.
 
     Raises
     ------
     InputError
-        When one of them cannot be written; then all are what they were.
+        When one of the files cannot be written; then all files are as they were before.
     """
     temporaries: list[Path] = []
     try:
@@ -274,7 +273,7 @@ def replace_files(paths: Sequence[Path]) -> Iterator[list[Path]]:
 
 
 def _rename_all(temporaries: Sequence[Path], paths: Sequence[Path]) -> None:
-    """What is replaced is kept by a second name until nothing can fail any more."""
+    """Rename all files; a replaced file keeps a second name until nothing can fail any more."""
     with ExitStack() as tidy, ExitStack() as undo:
         for temporary, path in zip(temporaries, paths, strict=True):
             with writing(path):
@@ -292,7 +291,7 @@ def _rename_all(temporaries: Sequence[Path], paths: Sequence[Path]) -> None:
 
 
 def _second_name(path: Path, name: Path) -> None:
-    """A link, or a copy where the file system has none."""
+    """Give a file a second name by a link, or by a copy if the file system has no links."""
     try:
         name.hardlink_to(path)
     except OSError:
@@ -301,12 +300,12 @@ def _second_name(path: Path, name: Path) -> None:
 
 @contextmanager
 def replace_folder(path: Path) -> Iterator[Path]:
-    """Yield a temporary folder beside ``path``; put it in place when the block succeeds.
+    """Yield a temporary folder beside ``path``, and put it in place if the block succeeds.
 
     Raises
     ------
     InputError
-        When it cannot be written.
+        When the folder cannot be written.
     """
     with writing(path):
         if path.exists() and not path.is_dir():

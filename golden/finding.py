@@ -1,4 +1,4 @@
-"""What a check saw: a line each, and whether anything can be done in spite of it."""
+"""The findings of a check, one line each, and whether work can go on in spite of them."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ OK, NOTE, WARNING, FAULT = "ok", "note", "warning", "fault"
 
 @dataclass(frozen=True)
 class Finding:
-    """One finding.
+    """One finding of a check.
 
     Parameters
     ----------
     verdict : str
-        ``ok``; ``note``, which is worth knowing; ``warning``, which makes the result worse than it
-        seems; ``fault``, with which nothing can be done.
+        ``ok``; ``note``, which is worth knowing; ``warning``, with which the result is worse than
+        it seems; ``fault``, with which nothing can be done.
     subject : str
-        What was looked at: a file, a column.
+        The subject of the check, such as a file or a column.
     text : str
     """
 
@@ -35,14 +35,14 @@ class Finding:
 
 
 def fault(message: object, verdict: str = FAULT) -> Finding:
-    """The finding that an error's message tells, which begins with its subject."""
+    """The finding for an error's message, which begins with its subject."""
     subject, _, text = str(message).partition(": ")
     return Finding(verdict, subject, text)
 
 
 @contextmanager
-def told(findings: list[Finding]) -> Iterator[None]:
-    """A complaint from the block becomes one of the findings; one of several faults that many."""
+def collect_faults(findings: list[Finding]) -> Iterator[None]:
+    """Add a complaint from the block to the findings, or several if it lists several faults."""
     try:
         yield
     except InputError as error:
@@ -50,12 +50,12 @@ def told(findings: list[Finding]) -> Iterator[None]:
 
 
 def faults(findings: Iterable[Finding]) -> list[str]:
-    """The faults among them, as messages."""
+    """The faults among the findings, as messages."""
     return [f"{f.subject}: {f.text}" for f in findings if f.verdict == FAULT]
 
 
 def refuse(findings: Sequence[Finding]) -> None:
-    """Stop at faults, all of them in one message.
+    """Stop if there are faults, with all of them in one message.
 
     Raises
     ------
@@ -67,6 +67,6 @@ def refuse(findings: Sequence[Finding]) -> None:
 
 
 def several(names: Sequence[str], most: int = 5) -> str:
-    """Names in a row, the last ones left out where there are many."""
+    """A list of names for a message; if there are many, only the first ones are shown."""
     shown = ", ".join(map(repr, names[:most]))
     return f"{shown} and {len(names) - most} more" if len(names) > most else shown

@@ -1,4 +1,4 @@
-"""Content digests, so that a job whose inputs have not changed need not run again."""
+"""Digests of contents, so that a job whose inputs have not changed need not run again."""
 
 from __future__ import annotations
 
@@ -26,5 +26,5 @@ def fingerprint(paths: Iterable[Path], *facts: str) -> str:
 
 
 def sources(*rooms: str) -> list[Path]:
-    """The Python files of some rooms of this project."""
+    """All Python files in some rooms of this project."""
     return sorted(file for room in rooms for file in (ROOT / room).rglob("*.py"))

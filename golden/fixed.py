@@ -1,8 +1,8 @@
-"""Fixed-point formats, rounding and overflow: the one place where bits are defined.
+"""Fixed-point formats, rounding and overflow: the only place where bits are defined.
 
-A signal of format ``Fix(width, frac)`` is a signed two's complement integer, its *code*; the value
-it stands for is ``code / 2**frac``. ``Fix(14, 13)`` is Q1.13: one sign bit, thirteen fraction bits.
-Twins pass codes as ``int64`` arrays and never use floating point inside.
+A signal in the format ``Fix(width, frac)`` is a signed integer in two's complement, its *code*. The
+code stands for the value ``code / 2**frac``. ``Fix(14, 13)`` is Q1.13: one sign bit and thirteen
+fraction bits. Twins pass codes as ``int64`` arrays and never use floating point inside.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ Codes = NDArray[np.int64]
 
 
 class Rounding(Enum):
-    """What happens to the bits below the last one kept."""
+    """What happens to the bits below the last one that is kept."""
 
     TRUNCATE = "truncate"  # floor, towards minus infinity
     ROUND = "round"  # to nearest, halves up
@@ -41,9 +41,9 @@ class Fix:
     Parameters
     ----------
     width : int
-        Bits in all, sign included; 2 to 62, so that codes and their sums stay inside int64.
+        Number of bits including the sign, 2 to 62, so that codes and their sums fit in int64.
     frac : int
-        Fraction bits; 0 or more, and it may exceed ``width``.
+        Number of fraction bits, 0 or more; it may exceed ``width``.
 
     Raises
     ------
@@ -81,7 +81,7 @@ class Fix:
         codes : array_like of int
             Codes of this format.
         name : str
-            How the error message calls them.
+            Name of the codes in an error message.
         columns : int, optional
             Required length of the last axis.
 
@@ -107,13 +107,13 @@ class Fix:
         return array.astype(np.int64, copy=False)
 
     def quantise(self, values: ArrayLike, name: str = "values") -> tuple[Codes, int]:
-        """Codes nearest to real ``values`` (halves up), saturated to the format.
+        """The codes nearest to real ``values`` (halves up), saturated to the format.
 
         Returns
         -------
         codes : int64 array, the shape of ``values``
         saturated : int
-            How many values lay outside the format and were replaced by its end.
+            How many values were outside the format and were replaced by its nearest end.
 
         Raises
         ------
@@ -126,17 +126,17 @@ class Fix:
             at = np.unravel_index(int(np.argmax(bad)), real.shape)
             where = f" at index {tuple(int(i) for i in at)}" if real.ndim else ""
             raise InputError(f"{name}: got {real[at]}{where}, expected finite numbers")
-        # A power of two, one addition and a floor: IEEE 754 leaves no bit of them open.
+        # It is a power of two, one addition and a floor, which IEEE 754 defines to the last bit.
         scaled = np.floor(np.ldexp(real, self.frac) + 0.5)
         saturated = int(((scaled < self.low) | (scaled > self.high)).sum())
         return np.clip(scaled, self.low, self.high).astype(np.int64), saturated
 
     def to_real(self, codes: ArrayLike) -> NDArray[np.float64]:
-        """The real values that ``codes`` stand for."""
+        """The real values for which ``codes`` stand."""
         return np.ldexp(np.asarray(codes, dtype=np.float64), -self.frac)
 
     def texts(self, codes: Iterable[int]) -> list[str]:
-        """The number that each code stands for, in six digits."""
+        """The number for which each code stands, as text with six digits."""
         return real_texts(codes, self.frac)
 
     @classmethod
@@ -160,7 +160,7 @@ class Fix:
 
 
 def real_texts(codes: Iterable[int], frac: int) -> list[str]:
-    """The number that each code of ``frac`` fraction bits stands for, in six digits."""
+    """The number for which each code with ``frac`` fraction bits stands, with six digits."""
     return [f"{int(code) / 2**frac:.6g}" for code in codes]
 
 
@@ -182,7 +182,7 @@ def check_unsigned(codes: ArrayLike, width: int, name: str) -> Codes:
 
 
 def cut(codes: ArrayLike, shift: int, rounding: Rounding) -> Codes:
-    """Drop ``shift`` fraction bits of exact codes; the result has any width it needs.
+    """Drop ``shift`` fraction bits of exact codes; the result may have any width.
 
     Raises
     ------
@@ -202,7 +202,7 @@ def cut(codes: ArrayLike, shift: int, rounding: Rounding) -> Codes:
 def requantise(
     codes: ArrayLike, shift: int, target: Fix, rounding: Rounding, overflow: Overflow
 ) -> Codes:
-    """Drop ``shift`` fraction bits and bring the result into ``target``.
+    """Drop ``shift`` fraction bits and fit the result into ``target``.
 
     Parameters
     ----------
@@ -213,7 +213,7 @@ def requantise(
     target : Fix
         Format of the result.
     rounding, overflow : Rounding, Overflow
-        The two policies, always explicit.
+        Both policies must always be stated.
     """
     kept = cut(codes, shift, rounding)
     if overflow is Overflow.SATURATE:
@@ -223,5 +223,5 @@ def requantise(
 
 
 def signed_width(bounds: Iterable[int]) -> int:
-    """Bits of the smallest signed number that holds every one of ``bounds``."""
+    """Number of bits of the smallest signed number that holds all of ``bounds``."""
     return max(2, *((b.bit_length() if b >= 0 else (-b - 1).bit_length()) + 1 for b in bounds))

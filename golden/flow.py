@@ -1,4 +1,4 @@
-"""How the parts of a block stand to each other, for the picture of the datapath."""
+"""The relations between the parts of a block, for the picture of its datapath."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from golden.fixed import Fix
 
 @dataclass(frozen=True)
 class Carried:
-    """What goes from one step to the next, and its format or how many bits it has."""
+    """The data that goes from one step to the next, with its format or its number of bits."""
 
     what: str
     form: Fix | int
@@ -18,41 +18,41 @@ class Carried:
 
 @dataclass(frozen=True)
 class Alike:
-    """Blocks of one kind that do their work side by side: one box."""
+    """Blocks of one kind that work side by side and are drawn as one box."""
 
     blocks: tuple[Block, ...]
 
 
 @dataclass(frozen=True)
 class Beside:
-    """Blocks that do their work side by side, each in a box of its own."""
+    """Blocks that work side by side and are drawn as separate boxes."""
 
     blocks: tuple[Block, ...]
 
 
 @dataclass(frozen=True)
 class Controlled:
-    """A block through which data flows, and the one that controls it."""
+    """A block through which data flows, and the block that controls it."""
 
     controller: Block
     block: Block
 
 
-# ``None`` is an arrow that needs no words.
+# ``None`` is an arrow without a text.
 Step = Carried | Block | Alike | Beside | Controlled | None
 
 
 @dataclass(frozen=True)
 class Flow:
-    """The steps of data through a block; parts that it leaves out are drawn below it.
+    """The steps of data through a block; parts that are no step are drawn below them.
 
     Attributes
     ----------
     steps : tuple of Step
     across : bool
-        From left to right, otherwise downwards.
+        Whether it is drawn from left to right; otherwise from top to bottom.
     watcher : Block or None
-        A part that looks at the frames and takes no part in the flow.
+        A part that observes the frames and is no part of the flow.
     """
 
     steps: tuple[Step, ...]

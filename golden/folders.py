@@ -1,9 +1,9 @@
-"""Where results go, and what of tactus may be written.
+"""Where results are written, and which files of tactus may be written.
 
-A command writes below ``build`` of the folder in which the user stands. In a checkout it may also
-write beside what it was given, such as the networks of a shipped scene or what is recorded of a
-block. What pip has installed is not written: an update would lose it, and several users may share
-it.
+A command writes below ``build`` in the user's current folder. In a checkout it may also write
+beside the files that it was given, such as the networks of a shipped scene or the records of a
+block. Files that pip has installed are not written, because an update would delete the results, and
+several users may share these files.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ ROOMS = ("golden", "hdl", "tb")
 
 
 def is_checkout() -> bool:
-    """Whether tactus stands in a checkout of its source; otherwise pip has installed it."""
+    """Whether tactus runs from a checkout of its source; otherwise pip has installed it."""
     return (ROOT / "pyproject.toml").is_file()
 
 
 def is_installed(path: Path) -> bool:
-    """Whether a path leads into tactus as pip has installed it."""
+    """Whether a path is inside tactus as pip has installed it."""
     if is_checkout():
         return False
     place, root = (Path(os.path.realpath(p)) for p in (path, ROOT))
@@ -32,7 +32,7 @@ def is_installed(path: Path) -> bool:
 
 
 def refuse_installed(path: Path) -> None:
-    """Refuse to write what pip has installed.
+    """Refuse to write a file that pip has installed.
 
     Raises
     ------

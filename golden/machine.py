@@ -1,7 +1,7 @@
-"""On what a figure was measured: processor, instruction set, versions.
+"""The machine on which a figure was measured: processor, instruction set and versions.
 
-The last bit of a floating-point result follows from the instructions that numpy and OpenBLAS choose
-when they are loaded, so a result from elsewhere can be placed only with them.
+The last bit of a floating-point result depends on the instructions that numpy and OpenBLAS choose
+when they are loaded, so a result from elsewhere can be understood only with these facts.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ import threadpoolctl
 
 CPUINFO = Path("/proc/cpuinfo")
 
-# Variables that make an x86-64 processor compute as another does; on others they change nothing.
+# Variables with which an x86-64 processor computes like another one. On other processors they
+# change nothing.
 SETTINGS: dict[str, dict[str, str]] = {
     "numpy-avx2": {"NPY_DISABLE_CPU_FEATURES": "X86_V4"},
     "numpy-sse": {"NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4"},
@@ -28,13 +29,13 @@ SETTINGS: dict[str, dict[str, str]] = {
     "one-thread": {"OPENBLAS_NUM_THREADS": "1"},
     "two-threads": {"OPENBLAS_NUM_THREADS": "2"},
 }
-# What a processor must have for a setting: a core that it has not would end in an illegal
-# instruction.
+# The flag that a processor must have for a setting, since a setting for another core would end in
+# an illegal instruction.
 FLAGS = {"openblas-prescott": "sse2", "openblas-haswell": "avx2", "openblas-skylakex": "avx512f"}
 
 
 def possible_settings() -> dict[str, dict[str, str]]:
-    """The settings that this processor has the instructions for."""
+    """The settings whose instructions this processor has."""
     flags = CPUINFO.read_text(encoding="utf-8").split() if CPUINFO.is_file() else []
     return {
         name: setting
@@ -44,7 +45,7 @@ def possible_settings() -> dict[str, dict[str, str]]:
 
 
 def processor() -> str:
-    """Name where the system tells it, architecture, cores."""
+    """Name of the processor if the system states it, architecture, and number of cores."""
     text = CPUINFO.read_text(encoding="utf-8", errors="replace") if CPUINFO.is_file() else ""
     fields = dict(line.split(":", 1) for line in text.splitlines() if ":" in line)
     found = {key.strip(): value.strip() for key, value in fields.items()}
@@ -55,14 +56,14 @@ def processor() -> str:
 
 
 def numpy_targets() -> list[str]:
-    """The instruction sets that numpy runs its loops over float64 with."""
+    """The instruction sets with which numpy runs its loops over float64."""
     loops = np.lib.introspect.opt_func_info(signature="float64").values()
     current = {kind["current"] for function in loops for kind in function.values()}
     return sorted(name.removeprefix("baseline(").rstrip(")") for name in current)
 
 
 def blas_cores() -> list[str]:
-    """Core and threads of each linear algebra library that is loaded."""
+    """Core and number of threads of each linear algebra library that is loaded."""
     found = {
         f"{library['internal_api']} {library.get('architecture', 'of unknown core')}, threads: "
         f"{library['num_threads']}"
@@ -73,14 +74,14 @@ def blas_cores() -> list[str]:
 
 
 def versions(*packages: str) -> dict[str, str]:
-    """Versions by name; ``python`` is the interpreter's."""
+    """Versions of packages by name; ``python`` is the interpreter."""
     return {
         name: platform.python_version() if name == "python" else version(name) for name in packages
     }
 
 
 def facts(**programs: str) -> dict[str, str]:
-    """Everything by name; ``programs`` are versions of what is no Python package."""
+    """All facts by name; ``programs`` are versions of programs that are no Python packages."""
     named = versions("python", "numpy", "scipy", "myhdl", "cocotb") | programs
     return {
         "processor": processor(),
@@ -91,6 +92,6 @@ def facts(**programs: str) -> dict[str, str]:
 
 
 def closing(seconds: float, **programs: str) -> list[str]:
-    """The last lines of a command: ``facts``, and the time that it took."""
+    """The last lines of a command: ``facts``, and the time that the command took."""
     found = facts(**programs) | {"took": f"{seconds:.0f} s"}
     return [f"{name:13} {text}" for name, text in found.items()]

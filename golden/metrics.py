@@ -1,4 +1,4 @@
-"""Errors as the thesis reports them: in percent, in millimetres, of motions, of activations."""
+"""Errors as the thesis reports them: in percent, in millimetres, of motions and activations."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ class OutputError:
     Attributes
     ----------
     mean : float
-        Over all frames.
+        Mean error over all frames.
     largest_mean : float
-        The largest, over the positions, of the mean error at that position (equation 3.15): the
-        thesis' "better than" figure.
+        Largest of the mean errors at each position (equation 3.15), which is the thesis' "better
+        than" figure.
     worst : float
-        Of any single frame.
+        Largest error of a single frame.
     """
 
     mean: float
@@ -35,7 +35,7 @@ class OutputError:
 def error_scale(
     targets: ArrayLike, outputs: Sequence[str], full_scale: dict[str, float]
 ) -> NDArray[np.float64]:
-    """What each error counts against: the full scale of its output, or the target's magnitude.
+    """The divisor of each error: the full scale of its output, or the target's magnitude.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def error_scale(
     outputs : sequence of str
         Names of the columns.
     full_scale : dict
-        Scales of the outputs with a local error (position and width: 0.9).
+        Scales of the outputs whose error is divided by a constant (position and width: 0.9).
     """
     scale = np.abs(np.asarray(targets, dtype=np.float64))
     for c, name in enumerate(outputs):
@@ -58,7 +58,7 @@ def percent_errors(
     outputs: Sequence[str],
     full_scale: dict[str, float],
 ) -> NDArray[np.float64]:
-    """Equation 3.16: ``|t - y|`` in percent of the target, or of a full scale where one is given.
+    """Equation 3.16: ``|t - y|`` in percent of the target, or of a full scale if there is one.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def percent_errors(
 
 
 def summarise(errors: NDArray[np.float64], groups: ArrayLike) -> list[OutputError]:
-    """One summary per column of ``errors``, with means over each value of ``groups``."""
+    """A summary for each column of ``errors``, with means over each value of ``groups``."""
     places = np.asarray(groups)
     means = np.array([errors[places == place].mean(axis=0) for place in np.unique(places)])
     return [
@@ -82,7 +82,7 @@ def summarise(errors: NDArray[np.float64], groups: ArrayLike) -> list[OutputErro
 
 @dataclass(frozen=True)
 class LengthError:
-    """Error of one output over a set of frames, in millimetres; the fields are OutputError's."""
+    """Error of one output over some frames in millimetres; the fields are those of OutputError."""
 
     mean: float
     largest_mean: float
@@ -90,18 +90,18 @@ class LengthError:
 
 
 def millimetres(error: OutputError, length: float) -> LengthError:
-    """An error in percent of a full scale as a length.
+    """Turn an error in percent of a full scale into a length.
 
-    Equation: local error / full scale * length (thesis section 3.12.1: position and width count
-    against a constant). ``golden/data/appendix2.toml`` holds the lengths of the flexible digit and
-    how they were checked.
+    Equation: local error / full scale * length (thesis section 3.12.1: the errors of position and
+    width are divided by a constant). ``golden/data/appendix2.toml`` holds the lengths of the
+    flexible digit and describes how they were checked.
 
     Parameters
     ----------
     error : OutputError
-        Of an output whose error counts against a full scale, not against the target.
+        Error of an output that is divided by a full scale, not by the target.
     length : float
-        What that full scale is in millimetres: 127 for position, 50.8 for width.
+        The full scale in millimetres: 127 for position, 50.8 for width.
 
     Raises
     ------
@@ -123,9 +123,9 @@ class DisplacementError:
     mean : float
         Mean of the magnitude of the error, in the unit of the coordinate.
     displacement : float
-        Mean way from end to end of the actual motion, in the same unit.
+        Mean distance from end to end of the actual motion, in the same unit.
     percent : float
-        The first in percent of the second.
+        The mean error in percent of this distance.
     """
 
     mean: float
@@ -134,22 +134,23 @@ class DisplacementError:
 
 
 def displacement_errors(results: ArrayLike, actual: ArrayLike) -> list[DisplacementError]:
-    """Equation 6.6: mean error in percent of the mean total displacement, per coordinate.
+    """Equation 6.6: mean error in percent of the mean total displacement, for each coordinate.
 
-    The thesis names the divisor "actual total displacement" without an equation. It is read as the
-    way from end to end of a swing, the mean of the motion's peaks less that of its troughs: its
-    Table 6.2 has 330 mm for an arm of 480 mm, which no mean distance from rest can be.
+    The thesis calls the divisor "actual total displacement", without an equation. Here it is the
+    distance from end to end of a swing, which is the mean of the motion's peaks minus that of its
+    troughs. Table 6.2 of the thesis has 330 mm for an arm of 480 mm, which cannot be a mean
+    distance from rest.
 
     Parameters
     ----------
     results, actual : float arrays, shape (samples, coordinates)
-        In one unit.
+        Both in the same unit.
 
     Raises
     ------
     InputError
-        When the shapes differ, or a coordinate has no peak or no trough: its percentage is not
-        defined.
+        When the shapes differ, or when a coordinate has no peak or no trough, because its
+        percentage is then not defined.
     """
     found, moved = np.asarray(results, dtype=np.float64), np.asarray(actual, dtype=np.float64)
     if found.shape != moved.shape or found.ndim != 2 or not found.size:
@@ -166,8 +167,9 @@ def displacement_errors(results: ArrayLike, actual: ArrayLike) -> list[Displacem
 
 
 def _way(motion: NDArray[np.float64], number: int) -> float:
-    """Mean of the peaks less mean of the troughs."""
-    # Imported where it is used: it takes half a second, and whoever reads a scene needs errors.
+    """Mean of the peaks minus mean of the troughs."""
+    # It is imported only here, because that takes half a second and every reader of a scene imports
+    # this module.
     from scipy.signal import find_peaks
 
     peaks, troughs = (find_peaks(sign * motion)[0] for sign in (1, -1))
@@ -188,9 +190,9 @@ class ActivationError:
     mean_percent : float
         Equation 4.32 as printed: 100 / 6 times the integral of the error's magnitude.
     mean_percent_thesis : float
-        Twice that, (100 / 3) times the integral. The factor is a fit, not a derivation: with it the
-        schemes come near the figures that the thesis prints (Gradient 0.41, printed 0.40), as
-        printed they come to half of them.
+        Twice that, (100 / 3) times the integral. The factor is a fit and not a derivation: with it
+        the schemes come close to the figures that the thesis prints (Gradient 0.41, printed 0.40);
+        with equation 4.32 as printed they come to half of these figures.
     largest : float
         Largest magnitude of the error, in units of 2**-13.
     """
@@ -209,16 +211,16 @@ def activation_error(errors: ArrayLike, q: ArrayLike) -> ActivationError:
     Parameters
     ----------
     errors : float array, shape (points,)
-        Approximation less exact value, at each ``q``.
+        Approximation minus exact value, at each ``q``.
     q : float array, shape (points,)
-        Rising; what lies outside [-3, 3] is left out. A grid of codes may end one step short of
-        3, so the integral is divided by the length that the grid covers, not by 6.
+        Rising; values outside [-3, 3] are ignored. A grid of codes may end one step short of 3, so
+        the integral is divided by the length of the grid and not by 6.
 
     Raises
     ------
     InputError
-        When the shapes differ, a number is not finite, ``q`` does not rise, or the grid leaves
-        more than one of its steps of [-3, 3] uncovered at either end.
+        When the shapes differ, a number is not finite, ``q`` does not rise, or more than one step
+        of [-3, 3] is not covered at either end.
     """
     miss, at = np.asarray(errors, dtype=np.float64), np.asarray(q, dtype=np.float64)
     if miss.shape != at.shape or miss.ndim != 1:
@@ -230,7 +232,8 @@ def activation_error(errors: ArrayLike, q: ArrayLike) -> ActivationError:
     steps = np.diff(at)
     if not steps.size or steps.min() <= 0:
         raise InputError("q: expected at least two rising values inside [-3, 3]")
-    # One part in 10**9 of grace: a grid of decimal steps misses its end by rounding.
+    # The tolerance is one part in 10**9, because a grid of decimal steps misses its end by
+    # rounding.
     uncovered = max(at[0] + ACTIVATION_RANGE, ACTIVATION_RANGE - at[-1])
     if uncovered > steps.max() * (1 + 1e-9):
         raise InputError(

@@ -1,4 +1,4 @@
-"""The network in floating point: the reference that every bit-true network is compared with."""
+"""The network in floating point, with which every bit-true network is compared."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from golden.input_error import InputError
 from golden.real import Real
 
-# An activation gives its value and its slope; training needs both.
+# An activation returns its value and its slope, because training needs both.
 Activation = Callable[[Real], tuple[Real, Real]]
 
 
@@ -23,15 +23,16 @@ def tanh(q: Real) -> tuple[Real, Real]:
 
 
 def shifted(biases: Real, weights: Real, shift: Real) -> Real:
-    """``biases + weights @ shift``, each sum rounded once: in what order it is added decides no
-    bit of what becomes hardware.
+    """Compute ``biases + weights @ shift``, where each sum is rounded only once.
+
+    So the order of addition cannot change any bit of the hardware.
 
     Parameters
     ----------
     biases : float array, shape (neurons,)
     weights : float array, shape (neurons, inputs)
     shift : float array, shape (inputs,)
-        What is added to each input.
+        Number that is added to each input.
     """
     terms = np.concatenate([biases[:, np.newaxis], weights * shift], axis=1)
     sums: Real = terms.sum(axis=1)
@@ -54,7 +55,7 @@ class Mlp:
     Raises
     ------
     InputError
-        When the shapes do not fit each other or a value is not finite.
+        When the shapes do not fit each other, or when a value is not finite.
     """
 
     w1: Real
@@ -78,11 +79,11 @@ class Mlp:
 
     @property
     def shape(self) -> tuple[int, int, int]:
-        """Inputs, hidden nodes and outputs."""
+        """The numbers of inputs, hidden nodes and outputs."""
         return self.w1.shape[1], self.w1.shape[0], self.w2.shape[0]
 
     def process(self, frames: ArrayLike, activation: Activation = tanh) -> Real:
-        """Outputs, shape (..., outputs), of frames, shape (..., inputs)."""
+        """Outputs, shape (..., outputs), for frames, shape (..., inputs)."""
         hidden, _ = activation(np.asarray(frames, dtype=np.float64) @ self.w1.T + self.b1)
         result: Real = hidden @ self.w2.T + self.b2
         return result

@@ -14,11 +14,11 @@ class Unsigned:
     Parameters
     ----------
     width : int
-        Bits in all.
+        Number of bits.
     frac : int, optional
-        Fraction bits; None for a count or an address, and where the block does not know.
+        Fraction bits; None for a count or an address, and if the block does not know them.
     last : int
-        The largest code that comes; by default the largest there is.
+        The largest code that occurs; by default the largest of the format.
     """
 
     width: int
@@ -41,17 +41,17 @@ class Port:
     Parameters
     ----------
     name : str
-        As in the exported files.
+        Name in the exported files.
     direction : str
         "in" or "out".
     meaning : str
-        One line. In that of a group, ``*`` stands for the number of the port.
+        Description in one line. For a group, ``*`` stands for the number of the port.
     kind : Fix, Unsigned or None
         Format of the codes; None is a single bit.
     constant : str
-        Which constant of the twin gives the format; empty where it is always the same.
+        The constant of the twin that gives the format; empty if the format is always the same.
     number : int, optional
-        Which port of a group it is.
+        The port's number in its group.
     """
 
     name: str
@@ -63,17 +63,17 @@ class Port:
 
     @property
     def width(self) -> int:
-        """Bits; 0 for a single bit, which is no vector."""
+        """Number of bits; 0 for a single bit, which is no vector."""
         return 0 if self.kind is None else self.kind.width
 
     @property
     def signed(self) -> bool:
-        """Whether its codes are signed."""
+        """Whether the codes are signed."""
         return isinstance(self.kind, Fix)
 
     @property
     def row(self) -> str:
-        """Its name, and ``name_*`` for every port of a group."""
+        """The port's name, or ``name_*`` for every port of a group."""
         return self.name if self.number is None else f"{self.name.removesuffix(str(self.number))}*"
 
     @property
@@ -87,12 +87,12 @@ class Port:
 
 
 def taken(name: str, meaning: str, kind: Fix | Unsigned | None = None, constant: str = "") -> Port:
-    """An input."""
+    """An input port."""
     return Port(name, "in", meaning, kind, constant)
 
 
 def given(name: str, meaning: str, kind: Fix | Unsigned | None = None, constant: str = "") -> Port:
-    """An output."""
+    """An output port."""
     return Port(name, "out", meaning, kind, constant)
 
 

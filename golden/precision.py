@@ -1,8 +1,8 @@
-"""The two precisions: how real weights become a bit-true network.
+"""The two precisions, which define how real weights become a bit-true network.
 
-``thesis`` normalises every neuron by Q_j and every output by Y_i (equations 4.16 and 4.17) and
-keeps 14 bits throughout. ``exact`` keeps the weights as they are in 18 bits, computes exactly
-and rounds once a layer.
+``thesis`` normalises every neuron by Q_j and every output by Y_i (equations 4.16 and 4.17), and
+uses 14 bits everywhere. ``exact`` keeps the weights unchanged in 18 bits, computes exactly, and
+rounds once per layer.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from golden.real import Real
 
 SIGNAL = Fix(14, 13)  # what ADC and DAC carry
 
-# MyHDL's conversion goes wrong from here on.
+# MyHDL's conversion is wrong for numbers from here on.
 FACTOR_LIMIT = 1 << 30
 
 
@@ -29,21 +29,21 @@ class Precision:
     ----------
     name : str
     normalise : bool
-        Divide weights by Q_j and Y_i, and multiply the outputs by Y_i again.
+        Whether to divide weights by Q_j and Y_i, and to multiply the outputs by Y_i again.
     coeff_width : int
-        Signed bits of a weight, a bias or a gradient.
+        Number of signed bits of a weight, a bias or a gradient.
     coeff_frac : int, or None
-        Fraction bits of weights and biases; None takes the largest that fits the layer.
+        Fraction bits of weights and biases; with None, the most with which the layer fits.
     product_shift : int
-        Fraction bits cut from each product before it is added.
+        Number of fraction bits that are dropped from each product before it is added.
     hidden_fmt : Fix
-        Format of q, the activation's input.
+        Format of q, the input of the activation.
     gradient_frac_limit, intercept_frac : int
         Formats of the Gradient scheme's constants.
     rounding : Rounding
-        How the gradient activation ends.
+        How the gradient activation drops its last bits.
     activation : str
-        What a scene gets that names no activation.
+        The activation of a scene that names none.
     """
 
     name: str
@@ -60,8 +60,8 @@ class Precision:
     def coefficients(self, weights: Real, biases: Real, layer: str) -> tuple[Codes, Codes, Fix]:
         """Codes of a layer's weights and biases and the format they share.
 
-        A weight that normalises to exactly 1, which Fix(14,13) cannot hold, saturates: an error of
-        one LSB, no more than the rounding of two other weights.
+        A weight that normalises to exactly 1, which does not fit in Fix(14,13), saturates. This is
+        an error of one LSB, no more than the rounding of two other weights.
         """
         if self.coeff_frac is None:
             both = np.concatenate([weights.ravel(), biases.ravel()])
@@ -81,14 +81,14 @@ def normalisation(weights: Real, biases: Real, layer: str = "weights") -> Codes:
     weights : float array, shape (neurons, inputs)
     biases : float array, shape (neurons,)
     layer : str
-        How the error message calls them.
+        Name of the weights in an error message.
 
     Raises
     ------
     InputError
         When a sum is ``FACTOR_LIMIT`` or more.
     """
-    # Whole numbers, so below 2**53 the sum is exact in any order.
+    # All summands are whole numbers, so below 2**53 the sum is exact in any order.
     with np.errstate(over="ignore"):
         total = np.ceil(np.abs(weights)).sum(axis=1) + np.ceil(np.abs(biases))
     if total.max() >= FACTOR_LIMIT:

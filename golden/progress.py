@@ -1,4 +1,4 @@
-"""What a long step says while it runs: what, how many of how many, and about how long still."""
+"""Shows what a long step does, how many parts are done, and about how long the rest takes."""
 
 from __future__ import annotations
 
@@ -10,26 +10,27 @@ from contextlib import contextmanager
 from types import TracebackType
 from typing import TextIO
 
-# Least seconds between two lines where the output is no terminal; nobody waits longer for one.
+# The least number of seconds between two lines if the output is no terminal, and about the longest
+# wait for a line.
 PAUSE = 4.0
 TERMINAL_PAUSE = 0.1
-# How often it is looked whether a line is due.
+# How often to check whether a line is due.
 BEAT = 0.5
-# No estimate before this part is done: the first parts are seldom like the others.
+# There is no estimate before this part is done, because the first parts are seldom typical.
 ESTIMATED = 0.05
-# Names of what runs that one line shows.
+# How many of the running parts one line names.
 MOST_NAMES = 3
-# Back to the beginning of the line, and nothing on it.
+# Returns to the beginning of the line and clears it.
 CLEAR = "\r\x1b[K"
 
 
 def duration(seconds: float) -> str:
-    """Seconds as somebody who waits reads them."""
+    """A duration as text, in seconds or in minutes."""
     return f"{seconds:.0f} s" if seconds < 90 else f"{seconds / 60:.0f} min"
 
 
 class Heartbeat:
-    """Calls something again and again while a block runs, in a thread of its own.
+    """Calls a function again and again in a thread of its own, while a block runs.
 
     Parameters
     ----------
@@ -61,23 +62,23 @@ class Heartbeat:
 
 @contextmanager
 def stage(what: str, stream: TextIO | None = None) -> Iterator[None]:
-    """Say what the block does, and every few seconds that it still does.
+    """Print what the block does, and every few seconds that it is still running.
 
     Parameters
     ----------
     what : str
-        ``digit: exporting``.
+        Description of the work, such as ``digit: exporting``.
     stream : file, optional
         Standard output by default.
     """
     out = stream or sys.stdout
-    began = told = time.monotonic()
+    began = printed = time.monotonic()
 
     def beat() -> None:
-        nonlocal told
+        nonlocal printed
         now = time.monotonic()
-        if now - told >= PAUSE:
-            told = now
+        if now - printed >= PAUSE:
+            printed = now
             print(f"{what}, {duration(now - began)}", file=out, flush=True)
 
     print(what, file=out, flush=True)
@@ -86,25 +87,25 @@ def stage(what: str, stream: TextIO | None = None) -> Iterator[None]:
 
 
 class Progress:
-    """Counts parts as they end.
+    """Counts parts of a job as they end.
 
-    On a terminal one line is written over and over; elsewhere a line comes every few seconds, and
-    one at the end. Where no part ends for so long, the line says what runs.
+    On a terminal one line is written again and again. Elsewhere there is a line every few seconds,
+    and one at the end. If no part ends for this long, the line names the parts that are running.
 
     Parameters
     ----------
     what : str
-        What runs: ``digit: simulating``.
+        Description of the job, such as ``digit: simulating``.
     total : int
     parts : str
-        What is counted: ``benches``.
+        Name of the parts, such as ``benches``.
     stream : file, optional
         Standard output by default.
     clock : callable
-        Seconds from some beginning.
+        Returns seconds since some moment.
     alike : bool
-        Whether one part takes about as long as another, so that those that are done tell how long
-        the others take. Otherwise nothing is estimated, and each part is named when it begins.
+        Whether all parts take about the same time, so that the time for the remaining ones can be
+        estimated. Otherwise nothing is estimated, and each part is named when it begins.
     """
 
     def __init__(
@@ -122,7 +123,7 @@ class Progress:
         self.alike = alike
         self.terminal = self.stream.isatty()
         self.done = 0
-        self.began = self.told = clock()
+        self.began = self.printed = clock()
         self._note = ""
         self._running: list[str] = []
         self._lock = threading.RLock()
@@ -144,17 +145,17 @@ class Progress:
             print(file=self.stream)
 
     def step(self, note: str = "") -> None:
-        """One more part has ended; ``note`` is what is known by now."""
+        """Count one more part that has ended; ``note`` is what is known so far."""
         with self._lock:
             self.done += 1
             self._note = note
             pause = TERMINAL_PAUSE if self.terminal else PAUSE
-            if self.done == self.total or self.clock() - self.told >= pause:
+            if self.done == self.total or self.clock() - self.printed >= pause:
                 self._show()
 
     @contextmanager
     def running(self, name: str) -> Iterator[None]:
-        """Around one part, in whatever thread: it is named while nothing else ends."""
+        """Surround one part, in any thread; the part is named while no other part ends."""
         with self._lock:
             self._running.append(name)
             if not self.alike:
@@ -166,20 +167,20 @@ class Progress:
                 self._running.remove(name)
 
     def say(self, line: str) -> None:
-        """A line of its own that stays."""
+        """Print a line that stays."""
         with self._lock:
             text = f"{CLEAR if self.terminal else ''}{line}"
             print(text, file=self.stream, flush=True)
 
     def _beat(self) -> None:
         with self._lock:
-            if self.done < self.total and self.clock() - self.told >= PAUSE:
+            if self.done < self.total and self.clock() - self.printed >= PAUSE:
                 self._show()
 
     def _show(self) -> None:
-        self.told = self.clock()
+        self.printed = self.clock()
         line = f"{self.what}: {self.done} of {self.total} {self.parts}"
-        spent = self.told - self.began
+        spent = self.printed - self.began
         estimated = self.alike and self.done and self.done >= ESTIMATED * self.total
         if self.done == self.total:
             line += f" in {duration(spent)}"

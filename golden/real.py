@@ -1,4 +1,4 @@
-"""Real numbers as every floating-point model has them."""
+"""The type of real numbers in all floating-point models."""
 
 from __future__ import annotations
 

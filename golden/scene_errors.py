@@ -18,24 +18,24 @@ from golden.training.split import split_of, split_story
 
 HELD_OUT = "bit-true, held out"
 
-# What is said where nobody can tell which rows a network has not seen.
+# The text if nobody can know which rows a network has not seen.
 UNKNOWN = "unknown: not trained here"
 
-# What provenance says that tells nothing of the split: there was no other.
+# The split of a provenance that does not mention any, since there was no other kind at the time.
 UNTOLD = {"split": "random", "split_by": "", "block_rows": 0, "window": ""}
 
-# At 50,000 frames the mean error moves by one per cent from one seed to another.
+# With 50,000 frames the mean error differs by one per cent from one seed to another.
 FRAMES = 50_000
 SEED = 1
 
-# Errors are given with this noise too, as a part of what the last code stands for: 2 mV of a volt.
+# Errors are also stated with this noise, as a part of the full scale: 2 mV of a volt.
 NOISE = 0.002
 
 
 def told(scene: Scene) -> list[dict[str, Any]] | None:
     """The provenance of each network of the scene.
 
-    None where a network came from elsewhere, or was trained on other data or with another split.
+    None if a network came from elsewhere, or was trained on other data or with another split.
 
     Raises
     ------
@@ -60,7 +60,7 @@ def told(scene: Scene) -> list[dict[str, Any]] | None:
 def held_out_rows(scene: Scene) -> NDArray[np.int64] | None:
     """Rows that neither trained nor chose any network of the scene.
 
-    None where that is unknown, see ``told``, and where a network was trained on, on all rows.
+    None if that is unknown, see ``told``, or if a network was trained further on all rows.
     """
     stories = told(scene)
     if stories is None or any(story.get("refit") for story in stories):
@@ -71,8 +71,8 @@ def held_out_rows(scene: Scene) -> NDArray[np.int64] | None:
 def held_out_means(scene: Scene) -> list[float] | None:
     """Mean error of each output, in percent, on rows that the networks have not seen.
 
-    Of networks that were trained on, on all rows, it is what their provenance tells: the error of
-    what was trained on without these rows. None where it is unknown, see ``told``.
+    For networks that were trained further on all rows, it comes from their provenance, and is the
+    error of networks trained without these rows. None if it is unknown, see ``told``.
     """
     found = scene_errors(scene).get(HELD_OUT)
     if found is not None:
@@ -87,7 +87,7 @@ def held_out_means(scene: Scene) -> list[float] | None:
 
 
 def held_out_text(scene: Scene) -> str:
-    """Which rows are held out, in words."""
+    """A text that says which rows are held out."""
     means = held_out_means(scene)
     if means is None:
         return UNKNOWN
@@ -110,8 +110,11 @@ def held_out_text(scene: Scene) -> str:
 
 
 def scene_errors(scene: Scene) -> dict[str, list[OutputError]]:
-    """Errors on the recorded vectors: in real arithmetic, bit-true, and bit-true on rows that
-    neither trained nor chose the network, where these are known."""
+    """Errors on the recorded vectors, by the kind of arithmetic and of rows.
+
+    They are in real arithmetic, bit-true, and, if these rows are known, bit-true on rows that
+    neither trained nor chose the network.
+    """
     vectors = scene.vectors()
     real = scene.process_real(vectors.inputs)
     bit_true = SIGNAL.to_real(scene.twin().core.process(vectors.codes))
@@ -127,8 +130,10 @@ def scene_errors(scene: Scene) -> dict[str, list[OutputError]]:
 
 
 def unit_errors(scene: Scene) -> dict[str, OutputError]:
-    """Bit-true errors on the recorded vectors in the units of the outputs that have a scale or a
-    unit, by output."""
+    """Bit-true errors on the recorded vectors by output, in the output's unit.
+
+    Only outputs that have a scale or a unit are included.
+    """
     vectors = scene.vectors()
     results = scene.outputs_in_units(scene.twin().core.process(vectors.codes))
     found = summarise(np.abs(results - scene.in_units(vectors.targets)), vectors.groups)
@@ -137,14 +142,18 @@ def unit_errors(scene: Scene) -> dict[str, OutputError]:
 
 
 def full_scale_of(scene: Scene) -> float:
-    """What the last code adds to a reading, in its unit: of several sensors the median, in two
-    digits; 1 where they have no ``data.scale``."""
+    """The difference of readings for full scale, in two digits.
+
+    It is the median over the sensors, in the unit of the readings, and 1 if they have no scale.
+    """
     return float(f"{np.median([scale.factor for scale in scene.scales(scene.sensors)]):.1e}")
 
 
 def noises_of(scene: Scene) -> list[float]:
-    """The noises that a scene's errors are given with, in the unit of the readings: the one that
-    the scene states, if it does, and ``NOISE``."""
+    """The noises for which a scene's errors are stated, in the unit of the readings.
+
+    They are the noise that the scene declares, if it does, and ``NOISE``.
+    """
     usual = float(f"{NOISE * full_scale_of(scene):.6g}")
     return sorted({scene.training.disturbance.noise or usual, usual})
 
@@ -156,20 +165,20 @@ def disturbed_errors(scene: Scene, disturbance: Disturbance, seed: int = SEED) -
 
 
 def disturbed_rows(scene: Scene, disturbance: Disturbance, seed: int = SEED) -> Real:
-    """Bit-true errors in percent, shape (rows, outputs): of each row the mean of its draws.
+    """Bit-true errors in percent, shape (rows, outputs), each the mean over random draws.
 
-    All rows are disturbed so many times that they are ``FRAMES`` or more. Each row is a recording
-    of its own, with a drift of its own for each sensor: the mean is that of whole recordings, and
-    comes out stable with far fewer of them.
+    All rows are disturbed so many times that there are ``FRAMES`` or more. Each row counts as a
+    recording of its own, with its own drift for each sensor. The mean is that of whole recordings,
+    and becomes stable with far fewer of them.
     """
     vectors = scene.vectors()
     draws = 1 if disturbance.none else -(-FRAMES // len(vectors.inputs))
-    # Noise and drift are what happens to readings, in their unit, before they are codes.
+    # Noise and drift act on readings in their unit, before they become codes.
     many = np.tile(readings(vectors.inputs, scene.scales(scene.inputs)), (draws, 1))
     own = [tap.sensor for tap in scene.window.taps]
     sensors = np.add.outer(len(scene.sensors) * np.arange(len(many)), own).ravel()
-    given = disturbance.of(many.reshape(1, -1), np.random.default_rng(seed), sensors)
-    codes = scene.codes_of(given.reshape(many.shape))
+    disturbed = disturbance.of(many.reshape(1, -1), np.random.default_rng(seed), sensors)
+    codes = scene.codes_of(disturbed.reshape(many.shape))
     results = SIGNAL.to_real(scene.twin().core.process(codes)).reshape(
         draws, *vectors.targets.shape
     )

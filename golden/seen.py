@@ -1,4 +1,4 @@
-"""What a block inside a design sees while frames run through the design, from the twins alone."""
+"""Finds the inputs of a block inside a design while frames run through it, with twins only."""
 
 from __future__ import annotations
 
@@ -16,28 +16,28 @@ from golden.networks.network import Network
 
 
 def seen(design: Network, part: Block, frames: Codes) -> tuple[Codes, ...]:
-    """The inputs of a block's ``process``, in the order in which the twins compute them.
+    """The inputs of a block's ``process``, in the order in which the twins compute it.
 
     Parameters
     ----------
     design : Network
     part : Block
-        One that ``compute`` of the design, or of an activation in it, hands its inputs to.
+        A block to which ``compute`` of the design, or of an activation in it, passes its inputs.
     frames : Codes, shape (frames, inputs)
         Sample codes, as ``design.process`` takes them.
 
     Returns
     -------
     tuple of Codes
-        One for each input, all of one length. Where several networks or neurons have the same
-        block, what each of them sees follows on the one before.
+        One for each input, all of equal length. If several networks or neurons have the same block,
+        their inputs follow each other.
 
     Raises
     ------
     InputError
-        When the twins never compute the block on its own.
+        When the twins never compute the block by itself.
     """
-    # An activation answers from a table of all its results; only its parts see single codes.
+    # An activation looks its results up in a table, so only its parts get single codes.
     activations = [b for b in around(design, part) if isinstance(b, ActivationBlock)]
     calls: list[tuple[Codes, ...]] = []
     for activation in activations:
@@ -51,7 +51,7 @@ def seen(design: Network, part: Block, frames: Codes) -> tuple[Codes, ...]:
 
 
 def _calls(part: Block, compute: Callable[[], object]) -> list[tuple[Codes, ...]]:
-    """What ``process`` of a block is called with in the course of a computation."""
+    """The arguments with which ``process`` of a block is called during a computation."""
     found: list[tuple[Codes, ...]] = []
     kind: Any = type(part)
     process = kind.process

@@ -1,4 +1,4 @@
-"""Whole numbers as signed digits: what a product with a constant costs without a multiplier."""
+"""Whole numbers as signed digits, which are the cost of a product without a multiplier."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ Real = NDArray[np.float64]
 
 
 def signed_digits(number: int) -> tuple[tuple[int, int], ...]:
-    """The canonical signed digits of a number, from the least place up.
+    """The canonical signed digits of a number, from the lowest place upwards.
 
     Returns
     -------
     tuple of (place, sign)
-        ``number`` is the sum of ``sign << place``. No two digits stand side by side, and no other
-        form has fewer (Reitwiesner 1960); 0 has none.
+        ``number`` is the sum of ``sign << place``. No two digits are next to each other, and no
+        other form has fewer digits (Reitwiesner 1960). 0 has no digits.
     """
     found = []
     place, rest = 0, number
     while rest:
         if rest & 1:
-            # 1 or -1, whichever makes the next place 0.
+            # The digit is 1 or -1, whichever makes the next place 0.
             sign = 2 - (rest & 3)
             found.append((place, sign))
             rest -= sign
@@ -33,18 +33,18 @@ def signed_digits(number: int) -> tuple[tuple[int, int], ...]:
 
 
 def digit_counts(numbers: Codes) -> Codes:
-    """How many canonical signed digits each number of an array has; each below 2**60."""
-    # A bit in which a number and its triple differ is a place of a digit.
+    """The number of canonical signed digits of each number in an array; each is below 2**60."""
+    # Each bit in which a number and its triple differ stands for one digit.
     magnitudes = np.abs(numbers)
     counts: Codes = np.bitwise_count(magnitudes ^ 3 * magnitudes).astype(np.int64)
     return counts
 
 
 def nearest_with(values: Real, most: int) -> Codes:
-    """The whole numbers nearest to real values that have 0, 1 and so on signed digits at most.
+    """The whole numbers nearest to real values with at most 0, 1 and so on signed digits.
 
-    The power of two that is nearest, that nearest to the rest, and so on: no other number of so
-    many digits is nearer.
+    They are the sum of the nearest power of two, the power nearest to the rest, and so on. No other
+    number with so many digits is nearer.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def nearest_with(values: Real, most: int) -> Codes:
     for count in range(1, most + 1):
         rest = values - found[count - 1]
         fraction, exponent = np.frexp(np.abs(rest))
-        # A rest below one half is nearest to none.
+        # A rest below one half is nearest to 0.
         power = np.where(
             np.abs(rest) < 0.5, 0, np.ldexp(1.0, np.maximum(exponent - (fraction < 0.75), 0))
         )

@@ -1,4 +1,4 @@
-"""Recorded vectors: a CSV of numbers with a header, checked cell by cell."""
+"""Recorded vectors: a CSV file of numbers with a header, checked cell by cell."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from golden.input_error import InputError
 
 
 def read_table(path: Path, columns: Sequence[str]) -> NDArray[np.float64]:
-    """The named columns of a CSV file.
+    """Read some columns of a CSV file, by their names.
 
     Parameters
     ----------
     path : Path
-        UTF-8, comma separated, first line the column names.
+        A file in UTF-8, separated by commas, whose first line holds the names of the columns.
     columns : sequence of str
-        Names of the columns wanted, in the order wanted.
+        Names of the columns, in the order of the result.
 
     Returns
     -------
@@ -32,9 +32,9 @@ def read_table(path: Path, columns: Sequence[str]) -> NDArray[np.float64]:
     Raises
     ------
     InputError
-        When there is no such file, or it cannot be read.
-        For an empty file, a missing or repeated column, a row of another length than the header,
-        a cell that is no number, NaN or infinity; the message names file, line and column.
+        When there is no such file, or when it cannot be read. For an empty file, a missing or
+        repeated column, a row of another length than the header, or a cell that is no number, NaN
+        or infinity; the message names file, line and column.
     """
     check_file(path)
     with reading(path, "CSV"), path.open(newline="", encoding="utf-8-sig") as handle:
@@ -61,12 +61,12 @@ def read_table(path: Path, columns: Sequence[str]) -> NDArray[np.float64]:
 
 
 def rows_where(path: Path, where: Mapping[str, float]) -> NDArray[np.intp]:
-    """Numbers, from 0, of the rows of a CSV file whose columns have the values of ``where``.
+    """Numbers, from 0, of the rows of a CSV file whose columns have the values in ``where``.
 
     Raises
     ------
     InputError
-        See ``read_table``; also when there is no such row.
+        See ``read_table``. Also when there is no such row.
     """
     columns = list(where)
     kept = (read_table(path, columns) == list(where.values())).all(axis=1)
@@ -77,7 +77,7 @@ def rows_where(path: Path, where: Mapping[str, float]) -> NDArray[np.intp]:
 
 
 def write_table(path: Path, columns: Sequence[str], values: ArrayLike, decimals: int) -> None:
-    """Write a CSV that ``read_table`` reads, with a fixed number of decimals.
+    """Write a CSV file for ``read_table``, with a fixed number of decimals.
 
     Parameters
     ----------
@@ -85,7 +85,8 @@ def write_table(path: Path, columns: Sequence[str], values: ArrayLike, decimals:
     columns : sequence of str
     values : array_like of float, shape (rows, columns)
     decimals : int
-        Four hold a code of Fix(14,13): rounding moves a value by less than half an LSB.
+        Four are enough for a code of Fix(14,13), since rounding then moves a value by less than
+        half an LSB.
 
     Raises
     ------
@@ -105,7 +106,7 @@ def write_table(path: Path, columns: Sequence[str], values: ArrayLike, decimals:
 
 def _number(text: str, place: str) -> float:
     try:
-        # What Python takes besides, 1_0 or digits of other scripts, is rather a slip here.
+        # Python also accepts 1_0 and digits of other scripts, which are more likely mistakes here.
         value = float(text if text.isascii() and "_" not in text else "")
     except ValueError:
         raise InputError(f"{place}: got {text!r}, expected a number") from None
@@ -115,6 +116,6 @@ def _number(text: str, place: str) -> float:
 
 
 def suggest(name: str, known: Sequence[str]) -> str:
-    """A hint at the nearest known name, or nothing."""
+    """A hint that names the nearest known name; empty if none is near."""
     near = difflib.get_close_matches(name, known, n=1)
     return f"; did you mean {near[0]!r}?" if near else ""

@@ -1,16 +1,16 @@
-"""tanh and exp of evenly spaced arguments, rounded down, by integers alone.
+"""tanh and exp of evenly spaced arguments, rounded down, computed in integers only.
 
-A floating-point library may round the last bit of a transcendental function as it likes, and does
-so differently on different processors. What ends in hardware therefore comes from here.
+A floating-point library may round the last bit of a transcendental function in any way, and it does
+so differently on different processors. Therefore the numbers that become hardware come from here.
 
-The values exp(-x) on an even grid are powers of one ratio. With ``BITS`` fraction bits each is the
-one before it times the ratio, rounded down. That is a lower bound, and with k more an upper one,
-where k grows by two a step:
+The values exp(-x) on an even grid are powers of one ratio. With ``BITS`` fraction bits, each value
+is the one before it times the ratio, rounded down. That is a lower bound. Adding k gives an upper
+bound, where k grows by two with each step:
 
     w <= e < w + k, r <= ratio < r + 1, all at most 1, hence
     floor(w r) <= e ratio < floor(w r) + k + 2
 
-A result is given where both bounds agree on it.
+A result is returned only if both bounds agree on it.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ import numpy as np
 from golden.fixed import Codes
 from golden.input_error import InputError
 
-# After 2**17 steps the bounds are 2**-78 apart. That one of as many results with 29 fraction bits
-# lies between them has a chance of 2**-31.
+# After 2**17 steps the bounds are 2**-78 apart. The chance that they disagree on one of so many
+# results with 29 fraction bits is 2**-31.
 BITS = 96
 _ONE = 1 << BITS
 
@@ -34,13 +34,13 @@ _ONE = 1 << BITS
 def tanh_floors(step: Fraction, points: int, frac: int) -> Codes:
     """The floors of tanh(n step) 2**frac, for n from 0 to ``points`` - 1.
 
-    One fraction bit more than wanted is enough to round to nearest: tanh of a fraction other than
-    0 is irrational, so no half is met.
+    One fraction bit more than needed is enough for rounding to nearest: tanh of a fraction other
+    than 0 is irrational, so an exact half cannot occur.
 
     Parameters
     ----------
     step : Fraction
-        Above 0, at most 1/2.
+        Above 0 and at most 1/2.
     points : int
         2 or more.
     frac : int
@@ -51,9 +51,9 @@ def tanh_floors(step: Fraction, points: int, frac: int) -> Codes:
     InputError
         For an argument outside its range.
     ArithmeticError
-        When ``BITS`` fraction bits do not decide a result.
+        When ``BITS`` fraction bits are not enough to determine a result.
     """
-    # (1 - e) / (1 + e) with e = exp(-2 q) falls with e.
+    # The result is (1 - e) / (1 + e) with e = exp(-2 q), which decreases when e grows.
     values, apart = _decays(2 * step, 2 * step, points - 1)
     less, more = _ONE - apart, _ONE + apart
     lower = [((less - e) << frac) // (more + e) for e in values]
@@ -64,14 +64,14 @@ def tanh_floors(step: Fraction, points: int, frac: int) -> Codes:
 def exp_floors(start: Fraction, step: Fraction, points: int, frac: int) -> Codes:
     """The floors of exp(-(start + n step)) 2**frac, for n from 0 to ``points`` - 1.
 
-    As with ``tanh_floors``, one fraction bit more is enough to round to nearest.
+    As with ``tanh_floors``, one fraction bit more is enough for rounding to nearest.
 
     Parameters
     ----------
     start, step : Fraction
-        Above 0, at most 1.
+        Above 0 and at most 1.
     points, frac
-        See ``tanh_floors``, and there for the errors raised; one point is enough.
+        See ``tanh_floors``, also for the errors; one point is enough here.
     """
     values, apart = _decays(start, step, points)
     drop = BITS - frac
@@ -87,7 +87,7 @@ def _decided(lower: list[int], upper: list[int]) -> Codes:
 
 
 def _decays(start: Fraction, step: Fraction, points: int) -> tuple[Sequence[int], int]:
-    """Lower bounds of exp(-(start + n step)) 2**BITS, and what makes upper ones of them."""
+    """Lower bounds of exp(-(start + n step)) 2**BITS, and what to add for upper bounds."""
     if not (0 < start <= 1 and 0 < step <= 1 and points > 0):
         raise InputError(
             f"got {points} points from {start} in steps of {step}, expected one or more, above 0 "
@@ -102,10 +102,10 @@ def _decays(start: Fraction, step: Fraction, points: int) -> tuple[Sequence[int]
 
 
 def _decay(x: Fraction) -> int:
-    """The floor of exp(-x) 2**BITS, for x above 0, at most 1.
+    """The floor of exp(-x) 2**BITS, for x above 0 and at most 1.
 
-    The terms of the series alternate in sign and fall, so the exponential lies between two sums
-    that are one term apart.
+    The terms of the series alternate in sign and decrease, so the exponential lies between two
+    successive partial sums.
     """
     before, total, term = Fraction(0), Fraction(1), Fraction(1)
     for n in count(1):

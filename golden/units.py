@@ -1,4 +1,4 @@
-"""What the coded targets of the recorded vectors are in grams and millimetres."""
+"""The coded targets of the recorded vectors in grams and millimetres."""
 
 from __future__ import annotations
 

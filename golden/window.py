@@ -1,4 +1,4 @@
-"""Past frames as inputs: which sample of which sensor, and of how many frames before."""
+"""Past frames as inputs: the sensor of each sample, and how many frames back it is."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Number = TypeVar("Number", bound=np.generic)
 
 @dataclass(frozen=True)
 class Tap:
-    """A sample that a network takes: that of ``sensor``, ``delay`` frames before the newest."""
+    """A sample that a network reads: that of ``sensor``, ``delay`` frames before the newest."""
 
     sensor: int
     delay: int
@@ -22,49 +22,49 @@ class Tap:
 
 @dataclass(frozen=True)
 class Window:
-    """The samples that a network takes, of the newest frame and of past ones.
+    """The samples that a network reads, of the newest frame and of past frames.
 
     Parameters
     ----------
     delays : tuple of tuple of int
-        For each sensor the frames before the newest whose sample is taken, ascending, each once.
+        For each sensor, how many frames before the newest its samples are, ascending, each once.
 
     Notes
     -----
-    The network takes them by delay, the newest frame first, and within a frame by sensor: without a
-    past that is the frame itself.
+    The network reads the samples by delay, the newest frame first, and within a frame by sensor.
+    Without a past this is the frame itself.
     """
 
     delays: tuple[tuple[int, ...], ...]
 
     @cached_property
     def taps(self) -> tuple[Tap, ...]:
-        """The samples, in the order in which the network takes them."""
+        """The samples, in the order in which the network reads them."""
         taps = [Tap(k, delay) for k, delays in enumerate(self.delays) for delay in delays]
         return tuple(sorted(taps, key=lambda tap: (tap.delay, tap.sensor)))
 
     @property
     def past(self) -> int:
-        """Frames that must have come before the first that has a whole past."""
+        """The number of frames that must have come before the first complete past."""
         return max(tap.delay for tap in self.taps)
 
     @property
     def plain(self) -> bool:
-        """Whether the network takes each frame as it is."""
+        """Whether the network reads each frame unchanged."""
         return self.taps == tuple(Tap(k, 0) for k in range(len(self.delays)))
 
     def frames(self, samples: NDArray[Number]) -> NDArray[Number]:
-        """What the network takes of each frame that has a whole past.
+        """The inputs of the network for each frame that has a complete past.
 
         Parameters
         ----------
         samples : array, shape (frames, sensors)
-            Frames one after the other in time.
+            Frames in the order of time.
 
         Returns
         -------
         array, shape (frames - past, taps)
-            None where there are no more frames than ``past``.
+            Empty if there are not more frames than ``past``.
         """
         count = max(0, len(samples) - self.past)
         columns = [

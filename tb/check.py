@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from golden.cli import run
-from golden.finding import OK, WARNING, Finding, faults, told
+from golden.finding import OK, WARNING, Finding, collect_faults, faults
 from golden.folders import BUILD
 from golden.input_error import InputError
 from golden.machine import versions
@@ -34,7 +34,7 @@ def tools() -> list[Finding]:
 def check(name: str, build: Path) -> list[Finding]:
     """Everything about a scene and this machine."""
     findings: list[Finding] = []
-    with told(findings):
+    with collect_faults(findings):
         findings += everything(load_scene(name), build)
     return findings + tools()
 

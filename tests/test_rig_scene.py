@@ -203,9 +203,9 @@ def test_what_is_no_csv_is_refused(tmp_path: Path, change: Callable, message: st
 @pytest.mark.parametrize(("sign", "point"), [(";", "."), (";", ","), ("\t", "."), ("\t", ",")])
 def test_the_command_that_it_names_mends_the_file(tmp_path: Path, sign: str, point: str) -> None:
     (tmp_path / "my rig.csv").write_text(text_of(TABLE, sign, point))
-    with pytest.raises(InputError, match="makes it so") as refused:
+    with pytest.raises(InputError, match="converts it") as refused:
         read_csv_file(tmp_path / "my rig.csv")
-    command = str(refused.value).rpartition("; ")[2].removesuffix(" makes it so")
+    command = str(refused.value).rpartition("; ")[2].removesuffix(" converts it")
     subprocess.run(command, shell=True, cwd=tmp_path, check=True)
     assert (tmp_path / "comma.csv").read_text() == text_of(TABLE)
 

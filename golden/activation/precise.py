@@ -1,4 +1,4 @@
-"""precise: computes tanh with an error of less than one unit of the last place."""
+"""precise: computes tanh with an error of at most one unit of the last place."""
 
 from __future__ import annotations
 

@@ -182,7 +182,7 @@ def _board(values: dict[str, Any], path: Path, device: str) -> Board:
     for name in names:
         if name not in DEVICES[family]:
             raise InputError(
-                f"{path}: device.names: got {name!r}, expected of {', '.join(DEVICES[family])}"
+                f"{path}: device.names: got {name!r}, expected one of {', '.join(DEVICES[family])}"
                 f"{suggest(name, list(DEVICES[family]))}"
             )
     for name in names if "speed" in part else ():
@@ -206,7 +206,9 @@ def _board(values: dict[str, Any], path: Path, device: str) -> Board:
             )
     for name, pin in {**pins, **high}.items():
         if pin.inverted and name not in LAMPS:
-            raise InputError(f"{path}: pins.{name}.inverted: got true, expected it of a lamp alone")
+            raise InputError(
+                f"{path}: pins.{name}.inverted: got true, expected false except for a lamp"
+            )
     _refuse_twice({"clock": clock["pin"]} | {n: p.pin for n, p in {**pins, **high}.items()}, path)
     for key, text in {**part["configuration"], "package": part["package"]}.items():
         if not PLAIN.fullmatch(text) or not PLAIN.fullmatch(key):
@@ -238,7 +240,9 @@ def _refuse_twice(pins: dict[str, str], path: Path) -> None:
     seen: dict[str, str] = {}
     for name, pin in pins.items():
         if not PLAIN.fullmatch(pin):
-            raise InputError(f"{path}: {name}: got pin {pin!r}, expected such as 'B11' or '4'")
+            raise InputError(
+                f"{path}: {name}: got pin {pin!r}, expected a name such as 'B11' or '4'"
+            )
         if pin in seen:
-            raise InputError(f"{path}: {name}: got pin {pin}, which {seen[pin]} has")
+            raise InputError(f"{path}: {name}: got pin {pin}, which {seen[pin]} already has")
         seen[pin] = name

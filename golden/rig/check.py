@@ -16,7 +16,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from golden.files import check_writable
-from golden.finding import FAULT, NOTE, OK, WARNING, Finding, fault, faults, told
+from golden.finding import FAULT, NOTE, OK, WARNING, Finding, collect_faults, fault, faults
 from golden.folders import is_installed
 from golden.mlp import Mlp
 from golden.network_files.network_file import check_targets, write_network
@@ -75,7 +75,7 @@ def data(scene: Scene) -> list[Finding]:
     """Check the recordings: whether they can be read, and what they show."""
     path = scene.data_text
     findings: list[Finding] = []
-    with told(findings):
+    with collect_faults(findings):
         for file in scene.data_paths:
             read_csv_file(file)
         rows = read_recorded(scene)
@@ -147,7 +147,7 @@ def networks_writable(scene: Scene) -> list[Finding]:
     """Check the files that training writes: their endings, and whether they can be written."""
     findings: list[Finding] = []
     for path in scene.weights_paths:
-        with told(findings):
+        with collect_faults(findings):
             check_targets([path])
     if not findings:
         folders = ", ".join(sorted({str(path.parent) for path in scene.weights_paths}))
@@ -166,7 +166,7 @@ def networks_there(scene: Scene) -> list[Finding]:
     findings: list[Finding] = []
     for member in scene.members:
         path = member.weights_path
-        with told(findings):
+        with collect_faults(findings):
             try:
                 shape = member.load().shape
                 findings.append(Finding(OK, str(path), "a {}:{}:{} network".format(*shape)))
@@ -179,7 +179,7 @@ def build_writable(scene: Scene, build: Path) -> list[Finding]:
     """Check the folder into which exports, benches and searches write."""
     folder = build / scene.name
     findings: list[Finding] = []
-    with told(findings):
+    with collect_faults(findings):
         check_writable([folder / "training" / "search" / "0.jsonl"])
         findings.append(Finding(OK, str(folder), "can be written"))
     if scene.name in scene_names() and scene.path.parent.name != scene.name:
@@ -193,7 +193,7 @@ def design(scene: Scene, trained: bool) -> list[Finding]:
     if trained:
         return [*_built(scene, ""), *_saturating(scene)]
     unknown: list[Finding] = []
-    with told(unknown):
+    with collect_faults(unknown):
         scene = scaled(scene)
     if unknown:
         return []  # It is a fault of the data, and is reported with the data.
@@ -211,7 +211,7 @@ def design(scene: Scene, trained: bool) -> list[Finding]:
 def _built(scene: Scene, before: str) -> list[Finding]:
     findings: list[Finding] = []
     # Warnings about weights do not matter here, because training will find others and warn of them.
-    with told(findings), warnings.catch_warnings():
+    with collect_faults(findings), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         core = scene.twin().core
         facts = "; ".join(core.facts()) or f"clocks from frame to frame: {core.interval}"
@@ -224,7 +224,7 @@ def _built(scene: Scene, before: str) -> list[Finding]:
 def _saturating(scene: Scene) -> list[Finding]:
     """Find outputs that the networks drive beyond the codes."""
     findings: list[Finding] = []
-    with told(findings):
+    with collect_faults(findings):
         findings += [Finding(WARNING, str(scene.path), text) for text in saturating(scene)]
     return findings
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from golden.files import check_file
-from golden.finding import Finding, refuse, told
+from golden.finding import Finding, collect_faults, refuse
 from golden.input_error import MissingFileError
 from golden.precision import PRECISIONS
 from golden.scene.front_end import front_end
@@ -75,12 +75,12 @@ def load_scene(name: str) -> Scene:
     raw = read_toml(path)
     check_names(raw, SCENE, path)
     found: list[Finding] = []
-    with told(found):
+    with collect_faults(found):
         values = values_of(raw, SCENE, path)
     data = raw.get("data", {})
     # A key that holds no text has been reported above.
     if not (found and {"file", "recordings"} & set(data)):
-        with told(found):
+        with collect_faults(found):
             files = recordings(data, path)
     refuse(found)
     return _scene(values, files, path)
@@ -136,38 +136,38 @@ def _parts(values: dict[str, dict[str, Any]], path: Path) -> dict[str, Any]:
     wrong: set[str] = set()
     for section, key in SCENE.keys.items():
         before = len(found)
-        with told(found):
+        with collect_faults(found):
             refuse_outside(values.get(section, {}), key.kind, section, path)
         if len(found) > before:
             wrong.add(section)
     parts: dict[str, Any] = {"front_end": None, "visualisation": None, "uart": None}
     if not wrong & {"data", "network"}:
-        with told(found):
+        with collect_faults(found):
             window = parts["window"] = read_window(data, path)
             check_window(values, window, path)
             parts["members"] = members(data, values["network"], len(window.taps), path)
-    with told(found):
+    with collect_faults(found):
         check_hardware(values, path)
         parts["design_options"] = design_options(hardware, path)
     if "training" not in wrong:
-        with told(found):
+        with collect_faults(found):
             check_digits(values, path)
-    with told(found):
+    with collect_faults(found):
         parts["activation"] = check_activation(hardware, path)
     if "data" not in wrong:
-        with told(found):
+        with collect_faults(found):
             parts["scale"] = read_scale(data, path)
     if "training" not in wrong:
-        with told(found):
+        with collect_faults(found):
             parts["training"] = training(values["training"], path)
     if "front_end" in values and not wrong & {"front_end", "hardware"}:
-        with told(found):
+        with collect_faults(found):
             parts["front_end"] = front_end(values["front_end"], clock_mhz, path)
     if "visualisation" in values and not wrong & {"visualisation", "data"}:
-        with told(found):
+        with collect_faults(found):
             parts["visualisation"] = visualisation(values["visualisation"], data, path)
     if "uart" in values and "hardware" not in wrong:
-        with told(found):
+        with collect_faults(found):
             parts["uart"] = uart(values["uart"], clock_mhz, path)
     refuse(found)
     return parts

@@ -261,8 +261,8 @@ def check_reload(hardware: dict[str, Any], around: list[str], path: Path) -> Non
     """
     if hardware["reload"] and around:
         raise InputError(
-            f"{path}: hardware.reload: got true with {around[0]}, expected false: what stands "
-            "around an engine does not load it, but for a section [uart]"
+            f"{path}: hardware.reload: got true with {around[0]}, expected false: only a "
+            "section [uart] can load an engine that has something around it"
         )
     for key in ("program_words", "operand_words"):
         if hardware[key] and not hardware["reload"]:

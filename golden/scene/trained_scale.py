@@ -60,9 +60,9 @@ def trained_scales(scene: Scene) -> dict[str, Scale]:
                 reason = "another scale than the network before" if scale else "no scale for it"
                 raise InputError(
                     f"{scene.path}: data.scale.{name}: got {AUTO!r}, but {provenance_path(path)} "
-                    f"has {reason}: {path.name} was not trained here or not by this scene; make "
-                    "train works the scale out, for a network from elsewhere give { offset = , "
-                    "factor = }, the range of the codes"
+                    f"has {reason}: {path.name} was not trained here or not by this scene; run "
+                    "make train, which determines the scale, or give { offset = , factor = } for a "
+                    "network from elsewhere, which is the range of the codes"
                 )
             found[name] = scale
     return {name: found[name] for name in (scene.scale | found) if name in found}

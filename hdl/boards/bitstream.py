@@ -14,7 +14,7 @@ from typing import Any
 
 from golden.boards import Board, Pin
 from golden.cli import BETWEEN
-from golden.finding import Finding, faults, told
+from golden.finding import Finding, collect_faults, faults
 from golden.fingerprint import fingerprint
 from golden.input_error import InputError
 from golden.networks.network import Network
@@ -85,9 +85,9 @@ def sources(scene: Scene, design: Network, board: Board) -> Sources:
     """
     found: list[Finding] = []
     used = {OSCILLATOR: Pin(board.clock_pin, "oscillator")}
-    with told(found):
+    with collect_faults(found):
         used |= {name: board.pins[name] for name in outside(scene, design, board)}
-    with told(found):
+    with collect_faults(found):
         clock = clock_for(board, scene.clock_mhz)
     if found:
         raise InputError(BETWEEN.join(faults(found)))
