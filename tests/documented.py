@@ -82,7 +82,7 @@ class Documented:
         return re.findall(r"\[([A-Z]+)=", self.text)
 
     @property
-    def given(self) -> dict[str, str]:
+    def variables(self) -> dict[str, str]:
         """The variables that it is tried with.
 
         What the pages only show is a stand-in, and so is what the command needs and a sentence

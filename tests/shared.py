@@ -15,7 +15,7 @@ from golden.scene import Scene, load_scene
 from tb.common.collected import CASES, CASES_OF
 from tb.common.runner import Job, Outcome, compile_vhdl, export, jobs, run_jobs
 from tb.common.tools import language
-from tb.report.measure import recorded, store
+from tb.report.measure import store, table_records
 from tb.report.measure.registry import TABLES
 from tb.report.measure.steps import measured
 from tb.report.measure.table import Table
@@ -78,11 +78,11 @@ class Shared:
     def recorded(self, name: str, anew: bool) -> Table:
         """A table that reports take as recorded, or as it is measured now."""
         if not anew:
-            return recorded.read(name)
+            return table_records.read(name)
         path = self.folder / f"{name}.json"
         self.once(
             f"measured {name}",
-            lambda: write_kept(path, store.packed(TABLES[name](recorded.SEED))),
+            lambda: write_kept(path, store.packed(TABLES[name](table_records.SEED))),
         )
         return store.unpacked(read_kept(path))
 

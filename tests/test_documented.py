@@ -53,9 +53,9 @@ def words_of(item: Documented) -> tuple[str, list[str]]:
         assert option == "-m", item.text
         return module, words
     if item.command.module:
-        _, module, *words = item.command.words(item.given)
+        _, module, *words = item.command.words(item.variables)
         return module, words
-    given = item.given
+    given = item.variables
     words = [f"--tests={given.get('TESTS', '')}"]
     if item.command.name == "machines":
         return "machines", [f"--only={given.get('ONLY', '')}", *words]
@@ -89,7 +89,7 @@ def test_a_documented_command_works(
         assert {*item.shown, *item.optional} <= known, f"{where}: expected {', '.join(known)}"
         if item.command.name in OWN:
             return
-    given = item.given.get("TESTS", "").split() if item.command else []
+    given = item.variables.get("TESTS", "").split() if item.command else []
     for name in takewhile(lambda word: not word.startswith("-"), given):
         assert (ROOT / name).is_file(), f"{where}: no such test"
     monkeypatch.setenv("DRY", "1")
@@ -151,7 +151,7 @@ tactus vhdl my-rig.toml
 
 def test_what_tactus_is_given_is_what_make_is_given() -> None:
     typed = Documented("tactus mutate my-rig.toml --block=x --all", ROOT / "README.md")
-    assert typed.given == {"SCENE": "digit", "BLOCK": "x", "ALL": "1"}
+    assert typed.variables == {"SCENE": "digit", "BLOCK": "x", "ALL": "1"}
     assert typed.command is BY_NAME["mutate"]
 
 

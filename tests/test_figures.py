@@ -20,10 +20,10 @@ from golden.physics.swing import LIGHT, METHODS, STRONG, STRONG_DAMPING
 from golden.physics.swing_data import NOISE
 from tb.report.measure.motions import RUNS
 from tb.report.measure.rbf import classes, printed_figures
-from tb.report.measure.recorded import TIMED
-from tb.report.measure.recordings import FORMS, NOISES
 from tb.report.measure.registry import TABLES
+from tb.report.measure.swing_recordings import FORMS, NOISES
 from tb.report.measure.table import Table
+from tb.report.measure.table_records import TIMED
 
 ROOT = Path(__file__).parents[1]
 NETWORKS = ("MLP 2:6:2", "RBF 2:6:2", "RBF 2:7:2")

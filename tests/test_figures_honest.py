@@ -17,7 +17,7 @@ from golden.disturbance import Disturbance
 from golden.fingerprint import ROOT
 from golden.scene import load_scene
 from golden.training.stages import Stages
-from tb.report.measure import honest, recorded
+from tb.report.measure import honest, table_records
 from tb.report.measure.table import Table
 
 OUTPUTS = load_scene(honest.SCENE).outputs
@@ -30,9 +30,9 @@ def tables(request: pytest.FixtureRequest, shared: Shared) -> dict[str, Table]:
     return {name: shared.recorded(name, request.param == "measured") for name in HONEST}
 
 
-@pytest.mark.parametrize("name", recorded.RECORDED)
+@pytest.mark.parametrize("name", table_records.RECORDED)
 def test_the_record_is_of_todays_code(name: str) -> None:
-    assert not recorded.is_stale(name), f"run: make figures TABLE={name} RECORD=1"
+    assert not table_records.is_stale(name), f"run: make figures TABLE={name} RECORD=1"
 
 
 def test_what_is_not_recorded_is_refused(tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from golden.table import read_table
-from tb.report.measure import outside, recorded
+from tb.report.measure import outside, table_records
 
 RIGS = ("digit", "tutorial", "bar")
 COLUMNS = {f"{100 * part:g} %": part for part in outside.FALSE_ALARMS}
@@ -14,7 +14,7 @@ COLUMNS = {f"{100 * part:g} %": part for part in outside.FALSE_ALARMS}
 
 @pytest.fixture(scope="module")
 def rows() -> dict[tuple[str, str], dict[str, float]]:
-    table = recorded.read("outside")
+    table = table_records.read("outside")
     return {
         (str(row[0]), str(row[1])): dict(zip(table.columns[2:], row[2:], strict=True))
         for row in table.rows

@@ -19,7 +19,7 @@ from golden.scene import load_scene
 from golden.scene_errors import held_out_means, held_out_rows
 from golden.table import read_table
 from golden.training.split import split_of
-from tb.report.measure import recorded
+from tb.report.measure import table_records
 from tb.report.page import lists, sign_off
 from tb.report.page.markers import END, begin, put
 
@@ -82,7 +82,7 @@ def test_the_readme_says_what_held_out_does_not() -> None:
     """Beside the digit's errors; its figures are those of figures.md, limits.md and the scene."""
     scene = load_scene("digit")
     text = " ".join(lists.unseen().split())
-    rows = recorded.read("honest").rows
+    rows = table_records.read("honest").rows
     for output in ("width", "shape"):
         error = next(row[2] for row in rows if row[:2] == ["loads", output])
         found = re.search(rf"{output} (?:that errs )?by (\d+ to \d+) %", text)

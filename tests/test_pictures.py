@@ -31,7 +31,7 @@ from tb.report.draw.swing import RUN, follow, swing, without_past
 from tb.report.draw.swing_animation import swing_animation
 from tb.report.draw.tanh_words import tanh_words as draw_tanh_words
 from tb.report.draw.waveforms import Port, waveforms
-from tb.report.measure.recording import record
+from tb.report.measure.simulated_frame import simulate_frame
 from tb.report.measure.table import Table
 from tb.report.measure.tanh_words import tanh_words
 
@@ -77,7 +77,7 @@ def build(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def recorded(build: Path) -> list[Port]:
     """One frame of scene digit through its exported Verilog."""
-    return record(load_scene("digit-hybrid"), FRAME, build)
+    return simulate_frame(load_scene("digit-hybrid"), FRAME, build)
 
 
 def port(ports: list[Port], owner: str, name: str) -> Port:
@@ -240,7 +240,7 @@ def test_the_waveforms_show_the_recorded_values(recorded: list[Port]) -> None:
 @pytest.mark.parametrize("name", ["parallel", "least-multiple", "profile", "chain-engine"])
 def test_other_designs_are_recorded_too(tmp_path: Path, name: str) -> None:
     scene = CASES[name].scene(tmp_path, name)
-    ports = record(scene, 1, tmp_path)
+    ports = simulate_frame(scene, 1, tmp_path)
     outputs = scene.twin().process(scene.vectors().codes[1]).tolist()
     owner = f"{scene.twin().entity}, frame out"
     if name == "parallel":
@@ -253,11 +253,11 @@ def test_other_designs_are_recorded_too(tmp_path: Path, name: str) -> None:
 
 def test_a_design_without_a_stream_of_frames_is_not_recorded(build: Path) -> None:
     with pytest.raises(InputError, match=r"digit-instrument.toml: waveforms: got the design instr"):
-        record(load_scene("digit-instrument"), 0, build)
+        simulate_frame(load_scene("digit-instrument"), 0, build)
 
 
 def test_a_frame_that_was_not_recorded_is_refused(build: Path) -> None:
-    for draw in (lambda s, f: record(s, f, build), profile, animation):
+    for draw in (lambda s, f: simulate_frame(s, f, build), profile, animation):
         with pytest.raises(InputError, match=r"digit.toml: frame: got 143, expected 0 to 142"):
             draw(load_scene("digit"), 143)
 
@@ -388,14 +388,14 @@ def test_the_swing_is_refused_for_other_outputs() -> None:
 
 def test_an_engine_is_recorded_with_its_image_loaded(build: Path) -> None:
     scene = load_scene("digit-reload")
-    ports = record(scene, FRAME, build)
+    ports = simulate_frame(scene, FRAME, build)
     expected = scene.twin().process(scene.vectors().codes[FRAME])
     assert counting(ports, "engine, frame out", "out_data") == expected.tolist()
 
 
 def test_a_frame_is_recorded_behind_its_past(build: Path) -> None:
     scene = load_scene("swing-window")
-    found = counting(record(scene, 3, build), "windowed, frame out", "out_data")
+    found = counting(simulate_frame(scene, 3, build), "windowed, frame out", "out_data")
     assert found == scene.twin().core.process(scene.vectors().codes[3]).tolist()
 
 

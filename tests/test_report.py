@@ -24,10 +24,10 @@ from tb.report.draw import findings, looks
 from tb.report.draw.plots import Plot
 from tb.report.measure import store
 from tb.report.measure.clocks import clocks_per_frame
-from tb.report.measure.engines import engines
-from tb.report.measure.recorded import TIMED
 from tb.report.measure.registry import TABLES
+from tb.report.measure.simulators import compare_simulators
 from tb.report.measure.table import Cell, Table
+from tb.report.measure.table_records import TIMED
 from tb.report.page import build
 from tb.report.page.content import content
 from tb.report.page.page import Page, Picture, Section
@@ -167,7 +167,7 @@ def test_no_id_stands_twice_and_every_anchor_leads_somewhere(report: Path) -> No
 
 def test_every_table_and_picture_stands_beside_it(report: Path, data: dict) -> None:
     folder = report.with_suffix("")
-    assert set(data["tables"]) >= {*TABLES, "errors", "costs", "engines", "blocks"}
+    assert set(data["tables"]) >= {*TABLES, "errors", "costs", "simulators", "blocks"}
     for name, table in data["tables"].items():
         with (folder / f"{name}.csv").open(newline="") as handle:
             columns, *rows = csv.reader(handle)
@@ -190,8 +190,8 @@ def test_the_first_screen_is_the_scene(report: Path, data: dict) -> None:
     assert [row[0] for row in data["tables"]["errors"]["rows"]] == list(scene.outputs)
 
 
-def test_every_engine_ran_the_same_frames(data: dict) -> None:
-    table = data["tables"]["engines"]
+def test_every_simulator_ran_the_same_frames(data: dict) -> None:
+    table = data["tables"]["simulators"]
     names = [row[0] for row in table["rows"]]
     assert [name.split()[0] for name in names] == [
         "float,",
@@ -206,12 +206,12 @@ def test_every_engine_ran_the_same_frames(data: dict) -> None:
     assert all(row[-1] >= frames for row in table["rows"][3:])
 
 
-def test_an_engine_that_differs_fails_the_report(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_simulator_that_differs_fails_the_report(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
-        "tb.report.measure.engines.simulate", lambda _, codes: (codes[:, :1] + 1, 1.0)
+        "tb.report.measure.simulators.simulate", lambda _, codes: (codes[:, :1] + 1, 1.0)
     )
     with pytest.raises(RuntimeError, match="MyHDL and the twin differ"):
-        engines(load_scene(SCENE))
+        compare_simulators(load_scene(SCENE))
 
 
 def test_a_second_report_measures_nothing(report: Path, monkeypatch: pytest.MonkeyPatch) -> None:

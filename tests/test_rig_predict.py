@@ -104,7 +104,7 @@ def drawn(count: int, seed: int) -> np.ndarray:
     return np.random.default_rng(seed).uniform([1.0, -0.5], [2.0, 1.5], (count, 2))
 
 
-def told(readings: np.ndarray, seed: int = 3) -> np.ndarray:
+def estimates(readings: np.ndarray, seed: int = 3) -> np.ndarray:
     """What a network gives that errs little: the recorded state whose readings are nearest."""
     states = drawn(4000, seed)
     far = ((touch(states)[:, np.newaxis] - readings) ** 2).sum(axis=2)
@@ -114,7 +114,7 @@ def told(readings: np.ndarray, seed: int = 3) -> np.ndarray:
 @pytest.fixture(scope="module")
 def known() -> TrainedOn:
     states, held = drawn(120, 1), touch(drawn(120, 2), 2)
-    outputs = told(held)
+    outputs = estimates(held)
     return learnt(("force", "place"), touch(states, 1), states, held, outputs, np.full(4, 1e-4))
 
 
@@ -124,7 +124,7 @@ def reasons(known: TrainedOn, readings: np.ndarray, outputs: np.ndarray) -> list
 
 def test_what_is_like_the_rows_that_trained_is_inside(known: TrainedOn) -> None:
     fresh = touch(drawn(1000, 7), 7)
-    assert sum(map(bool, reasons(known, fresh, told(fresh)))) <= 30
+    assert sum(map(bool, reasons(known, fresh, estimates(fresh)))) <= 30
 
 
 def test_swapped_columns_are_outside(known: TrainedOn) -> None:
@@ -133,14 +133,14 @@ def test_swapped_columns_are_outside(known: TrainedOn) -> None:
         swapped = fresh[:, order]
         # Where both read alike nobody sees it.
         differ = np.abs(swapped - fresh).max(axis=1) > 0.1
-        said = reasons(known, swapped[differ], told(swapped[differ]))
+        said = reasons(known, swapped[differ], estimates(swapped[differ]))
         assert np.mean([UNLIKE in text for text in said]) > 0.95
 
 
 def test_readings_of_a_state_beyond_the_range_are_outside(known: TrainedOn) -> None:
     """Whatever the network makes of them: here it names a state that trained."""
     beyond = touch(drawn(300, 7) - np.array([0, 2.0]), 7)
-    outputs = told(beyond)
+    outputs = estimates(beyond)
     assert (outputs >= [1, -0.5]).all()
     assert np.mean([UNLIKE in text for text in reasons(known, beyond, outputs)]) > 0.99
 
@@ -169,29 +169,33 @@ def test_the_units_of_sensors_and_outputs_do_not_matter(known: TrainedOn) -> Non
         touch(states, 1) * counts + 7,
         states * force - 2,
         held * counts + 7,
-        told(held) * force - 2,
+        estimates(held) * force - 2,
         1e-4 * counts,
     )
-    plain = known.distances(new, told(new))
-    assert np.allclose(other.distances(new * counts + 7, told(new) * force - 2), plain, rtol=1e-3)
+    plain = known.distances(new, estimates(new))
+    assert np.allclose(
+        other.distances(new * counts + 7, estimates(new) * force - 2), plain, rtol=1e-3
+    )
 
 
 def test_the_limit_is_that_of_the_held_out_rows() -> None:
     """Of 250 of them one is farther away; of 20 none is."""
     states, held = drawn(120, 1), touch(drawn(250, 2), 2)
-    many = learnt(("force", "place"), touch(states, 1), states, held, told(held), np.full(4, 1e-4))
-    assert (many.distances(held, told(held)) > 1).sum() == 1
+    many = learnt(
+        ("force", "place"), touch(states, 1), states, held, estimates(held), np.full(4, 1e-4)
+    )
+    assert (many.distances(held, estimates(held)) > 1).sum() == 1
     assert many.one_in == 100
     few = learnt(
         ("force", "place"),
         touch(drawn(40, 1)),
         drawn(40, 1),
         held[:20],
-        told(held[:20]),
+        estimates(held[:20]),
         np.full(4, 1e-4),
         stretches=3,
     )
-    assert few.distances(held[:20], told(held[:20])).max() == pytest.approx(1)
+    assert few.distances(held[:20], estimates(held[:20])).max() == pytest.approx(1)
     assert few.one_in == 4
 
 

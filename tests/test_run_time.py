@@ -19,9 +19,9 @@ from golden.scene.schema import TRAINING
 from golden.scene_errors import scene_errors
 from tb.report.draw.findings import number, rows_of
 from tb.report.draw.run_time import SETTLING, network_rows, rounded
-from tb.report.measure import recorded
+from tb.report.measure import table_records
 from tb.report.measure.costs import with_activation_cells, with_network_cells
-from tb.report.measure.engines import SCENE
+from tb.report.measure.simulators import SCENE
 from tb.report.measure.table import Cell, Table
 from tb.report.page import run_time
 
@@ -35,7 +35,7 @@ FINE = 1e-9
 @pytest.fixture(scope="module")
 def tables() -> run_time.Tables:
     """What is recorded."""
-    return {name: recorded.read(name) for name in recorded.FOR_PAGES}
+    return {name: table_records.read(name) for name in table_records.FOR_PAGES}
 
 
 @pytest.fixture(scope="module")
@@ -97,18 +97,18 @@ def test_every_simulator_played_the_frames_of_the_default_scene(tables: run_time
     frames = len(scene.vectors().codes)
     worst = {k: max(e.mean for e in found) for k, found in scene_errors(scene).items()}
     for row in rows:
-        kind = "float" if str(row["engine"]).startswith("float") else "bit-true"
+        kind = "float" if str(row["simulator"]).startswith("float") else "bit-true"
         error = number(row, "mean error %, worst output")
         assert error == pytest.approx(worst[kind], rel=ROUNDING)
-        assert row["frames"] == frames or "repeated" in str(row["engine"])
+        assert row["frames"] == frames or "repeated" in str(row["simulator"])
     compared = [number(row, "values compared, all equal") for row in rows[3:]]
     assert min(compared) >= frames * len(scene.outputs)
     for start in run_time.SHOWS:
-        assert any(str(row["engine"]).startswith(start) for row in rows), start
+        assert any(str(row["simulator"]).startswith(start) for row in rows), start
 
 
 def test_every_time_is_of_one_machine() -> None:
-    assert recorded.machine() in run_time.PAGE.read_text(encoding="utf-8")
+    assert table_records.machine() in run_time.PAGE.read_text(encoding="utf-8")
 
 
 def test_the_page_shows_every_picture_and_nothing_else_lies_there() -> None:

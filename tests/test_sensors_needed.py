@@ -20,7 +20,7 @@ from golden.rig.sensors_needed import (
 )
 from golden.scene import load_scene
 from golden.training.split import Split, split_rows
-from tb.report.measure import recorded, sensors_dropped
+from tb.report.measure import sensors_dropped, table_records
 from tb.report.measure.table import Table
 from tb.report.page import left_out as page
 
@@ -125,7 +125,7 @@ def test_a_scene_gives_its_recording_and_its_splits() -> None:
 
 @pytest.fixture(scope="module")
 def dropped() -> Table:
-    return recorded.read("sensors_dropped")
+    return table_records.read("sensors_dropped")
 
 
 def test_the_table_has_every_sensor_left_out_and_every_number_of_sensors() -> None:

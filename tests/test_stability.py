@@ -22,7 +22,7 @@ from golden.physics.plate import Plate
 from golden.scene import scene_names
 from golden.visualisation.power_fold import PowerFold
 from tb.report.draw.margins import LEFT, RIGHT, margins
-from tb.report.measure import recorded
+from tb.report.measure import table_records
 from tb.report.measure.stability import activations, networks, physics, table, visualisation
 from tb.report.measure.stability.case import Row, accepted, largest
 from tb.report.measure.stability.margins import Case, closest
@@ -95,7 +95,7 @@ def test_no_figure_stands_twice(found: Table) -> None:
 
 def test_the_page_shows_what_is_measured(found: Table) -> None:
     """From the record: last bits, and with them the errors of integrators, differ elsewhere."""
-    shown = recorded.read("stability").rows
+    shown = table_records.read("stability").rows
     again = "make figures TABLE=stability RECORD=1, then make pages"
     assert [row[:4] for row in shown] == [row[:4] for row in found.rows], f"run: {again}"
     for before, now in zip(shown, found.rows, strict=True):

@@ -24,7 +24,7 @@ from golden.scene_errors import scene_errors
 from hdl.synth.budget import budget_path, read_budget
 from tb.report.draw import along, rigs
 from tb.report.draw.convergence import convergence_plot
-from tb.report.measure import printed, recorded
+from tb.report.measure import printed, table_records
 from tb.report.measure.camera import camera
 from tb.report.measure.low_pass import low_pass
 from tb.report.measure.table import Cell, Table
@@ -291,8 +291,8 @@ def test_every_activation_stands_beside_the_printed_gates() -> None:
 
 def test_a_record_does_not_hang_on_printed_figures(monkeypatch, tmp_path) -> None:
     """They train nothing; what is trained on does count."""
-    before = recorded.state("convergence")
+    before = table_records.state("convergence")
     other = tmp_path / "thesis_numbers.toml"
     other.write_text("")
-    monkeypatch.setattr(recorded, "NUMBERS", other)
-    assert recorded.state("convergence") != before
+    monkeypatch.setattr(table_records, "NUMBERS", other)
+    assert table_records.state("convergence") != before

@@ -11,7 +11,7 @@ Does not prove: how close the scheme is to tanh (tests/test_gradient.py measures
 import cocotb
 
 from tb.common.bench import Bench
-from tb.common.recorded import check_recorded
+from tb.common.recorded_frames import check_recorded
 from tb.common.small import FOLDED
 from tb.common.stimulus import all_codes
 from tb.common.stream import SIGNED, check_gaps_and_resets, check_stream

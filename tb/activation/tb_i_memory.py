@@ -11,7 +11,7 @@ import cocotb
 
 from tb.common.bench import Bench
 from tb.common.memory import check_memory
-from tb.common.recorded import recorded
+from tb.common.recorded_frames import recorded_inputs
 from tb.common.small import PARTS
 
 CASES = PARTS
@@ -23,4 +23,4 @@ FAULTS = [
 @cocotb.test()
 async def every_address(dut):
     bench = Bench(dut)
-    await check_memory(bench, *recorded(bench))
+    await check_memory(bench, *recorded_inputs(bench))

@@ -17,7 +17,7 @@ def properties(twin):
     if not twin.reload:
         return prove_converter_instrument.properties(twin)
     engine = f"u_readout_0.u_{twin.core.entity}_0"
-    return [no_half_image(engine), room(twin, engine), told(), rests(twin)]
+    return [no_half_image(engine), room(twin, engine), what_packets_tell(), rests(twin)]
 
 
 def no_half_image(engine):
@@ -95,7 +95,7 @@ def room(twin, engine):
     )
 
 
-def told():
+def what_packets_tell():
     streams = ("sample_valid valid", "sample_data data", "sample_last last")
     streams += ("result_valid out_valid", "result_data out_data", "result_last out_last")
     streams += ("frame_error broken", "image_error unsound", "line_error wrong")

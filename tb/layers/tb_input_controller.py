@@ -13,7 +13,7 @@ import numpy as np
 
 from tb.common.bench import Bench
 from tb.common.framing import random_lengths, scan
-from tb.common.recorded import recorded_frames
+from tb.common.recorded_frames import recorded_frames
 from tb.common.small import FOLDED, both_precisions
 from tb.common.stimulus import random_resets, spread
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from tb.common.bench import Bench
 from tb.common.frames import captured_rows, node_timeline
-from tb.common.recorded import recorded
+from tb.common.recorded_frames import recorded_inputs
 from tb.common.small import PARTS
 from tb.common.stimulus import border_frames, corner_frames, extreme_frames, rounding_frames
 
@@ -31,7 +31,7 @@ def stimuli(bench):
     borders, _ = border_frames(bench.rng, twin, twin.weights, twin.biases)
     rounding, _ = rounding_frames(bench.rng, twin, twin.weights, twin.biases)
     corners = corner_frames(fmt, twin.inputs)
-    return [(np.concatenate([corners, ends, borders, rounding, random, *recorded(bench)]),)]
+    return [(np.concatenate([corners, ends, borders, rounding, random, *recorded_inputs(bench)]),)]
 
 
 @cocotb.test()

@@ -19,7 +19,7 @@ import numpy as np
 from golden.layers.input_integral import InputIntegral
 from tb.common.bench import Bench
 from tb.common.frames import captured_rows, node_timeline
-from tb.common.recorded import recorded
+from tb.common.recorded_frames import recorded_inputs
 from tb.common.small import PARTS
 from tb.common.stimulus import border_frames, corner_frames, extreme_frames, rounding_frames
 
@@ -85,7 +85,7 @@ def of_layer(bench, layer):
         frames = np.concatenate([corner_frames(fmt, inputs), extreme_frames(fmt, [row])])
         count = len(frames)
         parts.append((frames, np.tile(row, (count, 1)), np.full(count, bias)))
-    (recordings,) = recorded(bench, layer, most=max(1, RECORDED // layer.hidden))
+    (recordings,) = recorded_inputs(bench, layer, most=max(1, RECORDED // layer.hidden))
     node = np.repeat(np.arange(layer.hidden), len(recordings))
     rows, biases = np.array(layer.weights)[node], np.array(layer.biases)[node]
     parts.append((np.tile(recordings, (layer.hidden, 1)), rows, biases))

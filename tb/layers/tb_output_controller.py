@@ -14,7 +14,7 @@ import numpy as np
 
 from golden.border import State
 from tb.common.bench import Bench
-from tb.common.recorded import recorded_frames
+from tb.common.recorded_frames import recorded_frames
 from tb.common.small import FOLDED
 from tb.common.stimulus import LONG_IDLE, random_resets
 

@@ -13,7 +13,7 @@ import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
-from tb.common.recorded import check_recorded, recorded
+from tb.common.recorded_frames import check_recorded, recorded_inputs
 from tb.common.small import FOLDED
 from tb.common.stimulus import border_frames, corner_frames, extreme_frames, rounding_frames
 from tb.common.stream import SIGNED, UNSIGNED, check_stream
@@ -81,7 +81,7 @@ async def back_to_back(dut):
 @cocotb.test()
 async def what_recorded_frames_bring(dut):
     bench = Bench(dut)
-    (frames,) = recorded(bench)
+    (frames,) = recorded_inputs(bench)
     operands = rows_of(bench.twin, frames)
     await check_recorded(bench, ports_in(bench.twin), OUTPUTS, expected(bench.twin), operands)
 

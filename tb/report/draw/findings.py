@@ -457,24 +457,28 @@ def series_plot(tables: Mapping[str, Table]) -> Plot:
     )
 
 
-def engines_plot(table: Table) -> Plot:
-    """Error against run time of every engine on the same frames."""
+def simulators_plot(table: Table) -> Plot:
+    """Error against run time of every simulator on the same frames."""
     rows = [{**row, "us": 1e6 / number(row, "frames a second")} for row in rows_of(table)]
     error = "mean error %, worst output"
-    points = groups(rows, lambda row: str(row["engine"]), "us", error)
-    bit_true = {number(row, error) for row in rows if not str(row["engine"]).startswith("float")}
+    points = groups(rows, lambda row: str(row["simulator"]), "us", error)
+    bit_true = {number(row, error) for row in rows if not str(row["simulator"]).startswith("float")}
     exact = len(bit_true) == 1
     slowest = max(rows, key=lambda row: number(row, "us"))
     quickest = min(rows, key=lambda row: number(row, "us"))
     ratio = number(slowest, "us") / number(quickest, "us")
     return Plot(
-        "engines",
-        "Engines: error against run time of a frame",
+        "simulators",
+        "Simulators: error against run time of a frame",
         "run time of a frame, microseconds",
         error,
         points,
-        ("All bit-true engines have the same error" if exact else "The bit-true engines differ")
-        + f"; {quickest['engine']} is {ratio:,.0f} times as fast as {slowest['engine']}.",
+        (
+            "All bit-true simulators have the same error"
+            if exact
+            else "The bit-true simulators differ"
+        )
+        + f"; {quickest['simulator']} is {ratio:,.0f} times as fast as {slowest['simulator']}.",
         [table.name],
         joined=False,
         linear="y",

@@ -81,7 +81,7 @@ def _noise_sentence(table: Table) -> str:
 def _rate_sentence(table: Table) -> str:
     same, frames = (rows_of(table, varied=f"rate, same {what}") for what in ("times", "frames"))
 
-    def told(rows: list[Row]) -> str:
+    def in_words(rows: list[Row]) -> str:
         return "; ".join(
             f"{a['output']} {number(a, NETWORK):.2g} and {number(b, NETWORK):.2g} %"
             for a, b in zip(rows[:3], rows[-3:], strict=True)
@@ -90,5 +90,5 @@ def _rate_sentence(table: Table) -> str:
     slow, fast = number(same[0], "rate Hz"), number(same[-1], "rate Hz")
     return (
         f"At {slow:g} and {fast:g} frames a second the network errs, with samples of the same "
-        f"times, {told(same)}; with the same numbers of frames, {told(frames)}."
+        f"times, {in_words(same)}; with the same numbers of frames, {in_words(frames)}."
     )

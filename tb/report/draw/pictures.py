@@ -17,7 +17,7 @@ from tb.report.draw.profile import profile
 from tb.report.draw.swing import COORDINATES, moves, swing
 from tb.report.draw.swing_animation import swing_animation
 from tb.report.draw.waveforms import waveforms
-from tb.report.measure.recording import record
+from tb.report.measure.simulated_frame import simulate_frame
 from tb.report.page.page import Picture
 
 
@@ -63,7 +63,7 @@ def pictures(scene: Scene) -> Iterator[Picture | Skipped]:
         yield Skipped(title, "its stream may pause at any clock")
     else:
         text = "The exported Verilog in Icarus; the first recorded frame, codes as real values."
-        drawn = waveforms(record(scene), f"{scene.name}: {title[0].lower()}{title[1:]}")
+        drawn = waveforms(simulate_frame(scene), f"{scene.name}: {title[0].lower()}{title[1:]}")
         yield Picture("waveforms", title, drawn, text, wide=True)
     if has_load(scene):
         yield Picture(

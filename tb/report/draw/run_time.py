@@ -206,7 +206,7 @@ def simulators(table: Table) -> str:
         width, height = PAGE_INCHES
         figure = Figure(figsize=(width, 0.75 * height), layout="constrained")
         axes = figure.add_subplot()
-        axes.barh([str(row["engine"]) for row in rows], rates, color="#0072b2", height=0.6)
+        axes.barh([str(row["simulator"]) for row in rows], rates, color="#0072b2", height=0.6)
         for place, rate in enumerate(rates):
             axes.annotate(
                 rounded(rate),

@@ -14,7 +14,6 @@ from tb.report.measure import (
     convergence,
     digits,
     disturbance,
-    engines,
     gauges,
     honest,
     left_out,
@@ -29,8 +28,9 @@ from tb.report.measure import (
     printed,
     rbf,
     recalibration,
-    recordings,
     sensors_dropped,
+    simulators,
+    swing_recordings,
     tanh_words,
     training,
     visualisation,
@@ -78,10 +78,10 @@ TABLES: dict[str, Callable[[int], Table]] = {
     "plate": physics.plate,
     "swing": physics.swing,
     "swing_damping": physics.swing_damping,
-    "recordings": recordings.recordings,
+    "recordings": swing_recordings.recordings,
     "past": past.past,
     "stability": stability,
 }
 
 # Measured when they are asked for by name: they start simulators.
-ASKED: dict[str, Callable[[int], Table]] = {"simulators": engines.simulators}
+ASKED: dict[str, Callable[[int], Table]] = {"simulators": simulators.simulators}

@@ -26,10 +26,10 @@ from tb.report.measure.outcome import (
     telling,
     worst_rows,
 )
-from tb.report.measure.recorded import SEED
 from tb.report.measure.steps import measured, measuring
 from tb.report.measure.store import Progress, once, packed, unpacked
 from tb.report.measure.table import Cell, Table
+from tb.report.measure.table_records import SEED
 from tb.report.page import project, summary
 from tb.report.page.page import Page, Picture, Section
 

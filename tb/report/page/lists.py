@@ -35,9 +35,9 @@ from tb.report.measure.clocks import clocks
 from tb.report.measure.costs import with_network_cells
 from tb.report.measure.digits import digits
 from tb.report.measure.left_out import left_out
-from tb.report.measure.recorded import SEED, read
 from tb.report.measure.sensors_dropped import EACH, IN_ORDER
 from tb.report.measure.table import Cell, Table
+from tb.report.measure.table_records import SEED, read
 from tb.report.measure.tanh_words import tanh_words
 from tb.report.page import left_out as leaving
 from tb.report.page import outside, run_time, stability

@@ -19,13 +19,13 @@ from golden.scene_errors import held_out_means
 from tb.report.draw import run_time as draw
 from tb.report.draw.findings import Row, number, rows_of
 from tb.report.draw.run_time import CASES, SCAN_CLOCKS, WORST, network_rows, rounded
-from tb.report.measure import recorded
+from tb.report.measure import table_records
 from tb.report.measure.activations import activations
 from tb.report.measure.costs import with_activation_cells, with_network_times
-from tb.report.measure.engines import SCENE
 from tb.report.measure.physics import DAMPING_TOLERANCE
-from tb.report.measure.recorded import SEED
+from tb.report.measure.simulators import SCENE
 from tb.report.measure.table import Table
+from tb.report.measure.table_records import SEED
 from tb.report.page.markers import put
 
 NAME = "error-against-run-time"
@@ -59,7 +59,7 @@ def pages(networks: Table, command: str) -> dict[Path, str]:
     command : str
         What writes them: it stands in the markers.
     """
-    tables = {name: recorded.read(name) for name in recorded.FOR_PAGES}
+    tables = {name: table_records.read(name) for name in table_records.FOR_PAGES}
     tables["clocks"] = with_network_times(networks)
     tables["activations"] = with_activation_cells(activations(SEED))
     text = PAGE.read_text(encoding="utf-8")
@@ -366,7 +366,7 @@ def simulators(tables: Tables) -> Iterator[str]:
     rows = sorted(rows_of(tables["simulators"]), key=lambda row: -number(row, RATE))
     errors = {rounded(number(row, "mean error %, worst output"), 3) for row in rows}
     twin = _rate(tables, "bit-true, numpy")
-    yield _picture("simulators", "Frames a second of the default network in every engine")
+    yield _picture("simulators", "Frames a second of the default network in every simulator")
     yield ""
     same = " and ".join(sorted(errors))
     yield (
@@ -378,14 +378,14 @@ def simulators(tables: Tables) -> Iterator[str]:
     yield "| what computes | frames per second | times as long as the twin | what it shows |"
     yield "|---|---|---|---|"
     for row in rows:
-        name, rate = str(row["engine"]), number(row, RATE)
+        name, rate = str(row["simulator"]), number(row, RATE)
         shows = next(text for start, text in SHOWS.items() if name.startswith(start))
         yield f"| {name} | {rounded(rate)} | {rounded(twin / rate)} | {shows} |"
 
 
 def machine(_: Tables) -> Iterator[str]:
     """Where the run times are from."""
-    yield f"Run times are those of one machine, {recorded.machine()}."
+    yield f"Run times are those of one machine, {table_records.machine()}."
 
 
 CLOCKS, RATE = "clocks a frame", "frames a second"
@@ -511,9 +511,9 @@ def plate_row(tables: Tables, terms: int) -> Row:
     return found
 
 
-def _rate(tables: Tables, engine: str) -> float:
-    found = [row for row in rows_of(tables["simulators"]) if str(row["engine"]).startswith(engine)]
-    return number(found[0], RATE)
+def _rate(tables: Tables, name: str) -> float:
+    rows = rows_of(tables["simulators"])
+    return number(next(row for row in rows if str(row["simulator"]).startswith(name)), RATE)
 
 
 def _small(value: float) -> str:

@@ -17,12 +17,12 @@ from golden.scene import load_scene, thesis_table
 from hdl.synth.budget import budget_path, read_budget
 from tb.report.draw import along, rigs
 from tb.report.draw.convergence import convergence_plot
-from tb.report.measure import recorded
+from tb.report.measure import table_records
 from tb.report.measure.camera import camera
 from tb.report.measure.low_pass import low_pass
 from tb.report.measure.printed import ALONG, PARALLEL, along_beam, printed, widths
-from tb.report.measure.recorded import SEED
 from tb.report.measure.table import Cell, Table
+from tb.report.measure.table_records import SEED
 from tb.report.page.markers import put, write
 
 COMMAND = "python -m tb.report.page.thesis"
@@ -187,7 +187,7 @@ def _shown(cell: Cell, digits: int) -> str:
 def drawn() -> dict[str, tuple[str, str]]:
     """By name each picture and the sentence under it."""
     beam, width = along_beam(SEED), along.widths_plot(widths(SEED))
-    training = convergence_plot(recorded.read("convergence"))
+    training = convergence_plot(table_records.read("convergence"))
     sagging, swinging = rigs.deflections(), rigs.forces()
     found = {
         along.name_of(kind): (along.along_beam(beam, kind), along.along_sentence(beam, kind))

@@ -25,7 +25,9 @@ def recorded_frames(bench: Bench, most: int = MOST_FRAMES) -> Codes:
     return frames[: past + most]
 
 
-def recorded(bench: Bench, part: Block | None = None, most: int = MOST_SEEN) -> tuple[Codes, ...]:
+def recorded_inputs(
+    bench: Bench, part: Block | None = None, most: int = MOST_SEEN
+) -> tuple[Codes, ...]:
     """The inputs of the block under test, or of another one, as its twin takes them."""
     found = seen(bench.design, part or bench.twin, recorded_frames(bench))
     count = len(found[0])
@@ -50,7 +52,7 @@ async def check_recorded(
         In the order of ``inputs``, what stands on the ports where that is not what ``process`` of
         the twin takes.
     """
-    operands = recorded(bench) if operands is None else operands
+    operands = recorded_inputs(bench) if operands is None else operands
     items = dict(zip(inputs, operands, strict=True))
     await check_stream(bench, items, inputs, outputs, twin)
     count = len(operands[0])
