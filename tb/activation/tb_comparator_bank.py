@@ -1,9 +1,9 @@
 """comparator_bank against its twin.
 
-Sweeps: every magnitude of 13 bits; of a wider one a random one of each of 16384 strata, and two
-codes on either side of every threshold.
-Drives: back to back, then in random order with gaps and resets; besides, back to back, what it sees
-while the recorded frames run through the design.
+Sweeps: every magnitude of 13 bits; of a wider input, a random one from each of 16384 equal parts of
+its range, and two codes on either side of every threshold.
+Drives: the inputs back to back, then in random order with gaps and resets; then, back to back, the
+inputs that the block gets while the recorded frames run through the design.
 Checks: address and forwarded magnitude bit for bit, and the clock of each result.
 Does not prove: that the thresholds are the right ones (tests/test_segments.py does).
 """

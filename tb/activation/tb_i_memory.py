@@ -1,8 +1,8 @@
 """i_memory against its twin.
 
 Sweeps: every address that the port can carry, also beyond the last word.
-Drives: each address once, then 200 in random order; then those that it sees while the recorded
-frames run through the design.
+Drives: each address once, then 200 addresses in random order, then those that the block gets while
+the recorded frames run through the design.
 Checks: the word bit for bit, in the same clock.
 Does not prove: that the contents are the right ones (tests/test_segments.py does).
 """

@@ -287,8 +287,8 @@ UART = replace(
 )
 PLAIN_UART = replace(CONVERTER, sections=f"{CONVERTER.sections}\n[uart]\nbaud = 571_000\n")
 UARTS = {"uart": UART, "plain-uart": PLAIN_UART}
-# For the whole top: the same cases, the first of which needs thousands of clocks for its image; and
-# one with room for other images.
+# For the whole top: the first case, whose image takes thousands of clocks; one without an image;
+# one with room for other images; and the second case.
 UART_INSTRUMENTS = {
     "reload-uart": UART,
     # With these weights the profiles are high and deep.

@@ -10,7 +10,7 @@ def properties(twin):
     half = 1 << (DROPPED - 1)
     half_output = half << OUTPUT_SHIFT
     least, largest = WORD.low * WORD.high, WORD.low * WORD.low
-    # As many products as surely fit, whatever they are.
+    # A sum of so many products always fits, whatever they are.
     low, high = -1 << (twin.acc_width - 1), (1 << (twin.acc_width - 1)) - 1
     most = min((high - half_output) // largest, -low // -least)
     in_range = f"($signed(product) >= 64'sd0 + {least} && $signed(product) <= 64'sd{largest})"

@@ -45,7 +45,7 @@ def properties(twin):
 
 
 def counted(twin, words):
-    """The counter of a memory through which a program steps."""
+    """The properties of the counter that steps through a program."""
     return Property(
         name="counter",
         sentence=f"The counter stands at {twin.begin}, the program's first word, after a reset, "

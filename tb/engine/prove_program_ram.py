@@ -1,6 +1,7 @@
 """What is proved of program_ram, whatever steers it.
 
-What its words hold is left to the bench: of so large a memory z3 has not answered in minutes.
+The contents of the words are left to the bench, because z3 gives no answer within minutes for so
+large a memory.
 """
 
 from tb.engine.prove_program_memory import counted

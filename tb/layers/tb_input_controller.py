@@ -1,11 +1,11 @@
 """input_controller against its twin.
 
 Sweeps: 4000 samples in frames of the right length, shorter and longer ones, mixed at random.
-Drives: back to back and with gaps; then the same with resets at random clocks; besides, the
+Drives: the samples back to back and with gaps; then the same with resets at random clocks; then the
 recorded frames as close as the design takes them.
-Checks: address, accumulate, preset, capture, valid and frame_error, each in its clock, and that
-none of them is high in any other clock.
-Does not prove: frames longer than three times the right length.
+Checks: that address, accumulate, preset, capture, valid and frame_error come in their clocks, and
+that none of the flags is high in any other clock.
+Does not prove: what frames longer than three times the right length do.
 """
 
 import cocotb

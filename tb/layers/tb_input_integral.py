@@ -1,11 +1,13 @@
 """input_integral against its twin.
 
-Sweeps: corner frames (rails, alternating rails, zeros, one sensor alone), the frames
-that drive each sum to its ends and to either side of where it saturates, 300 random frames, and
-the recorded ones, as they come to it.
-Drives: samples with address and controls as CONTROLLER 1 makes them, back to back and with gaps.
-Checks: the held sums of all nodes bit for bit, from the clock after ``capture`` to the next one.
-Does not prove: controls in an order that CONTROLLER 1 never makes.
+Sweeps: corner frames (rails, alternating rails, zeros, one sensor at a rail), the frames that drive
+each sum to both of its ends and to either side of the borders at which it saturates, 300 random
+frames, and the recorded frames as they reach the layer.
+Drives: samples with the address and the control signals of CONTROLLER 1, back to back and with
+gaps.
+Checks: the held sums of all nodes bit for bit, from the clock after ``capture`` to the next
+``capture``.
+Does not prove: what control signals do in an order that CONTROLLER 1 never makes.
 """
 
 import cocotb

@@ -1,16 +1,18 @@
 """input_node against its twin.
 
-Sweeps: with the weights of every node that the design has, corner frames (rails, alternating rails,
-zeros, one sensor alone), the frames that drive the sum to its ends, and frames on either side of
-where it saturates, and where it rounds to another result, and the recorded frames, as they come to
-the layer; 500 random frames, each with weights and
-a bias of its own; each end of a weight and of the bias alone. With weights whose sums are just all
-that the accumulator holds, as many samples as that takes, the same borders and both ends.
-Drives: samples and weights with the controls as CONTROLLER 1 makes them, back to back and with
-gaps; a bias only where ``preset`` asks for it, and something else in other clocks.
-Checks: the held sum of every frame bit for bit, from the clock after ``capture`` to the next one.
-Does not prove: controls in an order that CONTROLLER 1 never makes; weights with which samples could
-bring a sum out of the accumulator.
+Sweeps: with the weights of every node of the design: corner frames (rails, alternating rails,
+zeros, one sensor at a rail), the frames that drive the sum to both of its ends, frames on either
+side of the borders at which it saturates or rounds to another result, and the recorded frames as
+they reach the layer. Then 500 random frames, each with weights and a bias of its own; and each end
+of a single weight and of the bias alone. With weights whose sums just fill the accumulator there
+are as many samples as that takes, the same borders, and both ends.
+Drives: samples and weights with the control signals of CONTROLLER 1, back to back and with gaps.
+The bias is on its port only in clocks of ``preset``; in other clocks the port carries another
+value.
+Checks: the held sum of every frame bit for bit, from the clock after ``capture`` to the next
+``capture``.
+Does not prove: what control signals do in an order that CONTROLLER 1 never makes; what weights do
+with which a sum could overflow the accumulator.
 """
 
 import cocotb

@@ -1,9 +1,10 @@
 """neuron against its twin.
 
-Sweeps: corner frames (rails, alternating rails, zeros, one sample alone), the frames that drive
-the sum to its ends and to either side of where it saturates, and 1000 random frames.
+Sweeps: corner frames (rails, alternating rails, zeros, one sample at a rail), the frames that drive
+the sum to both of its ends and to either side of the borders at which it saturates, and 1000 random
+frames.
 Drives: a frame every clock.
-Checks: every result bit for bit, and its clock.
+Checks: every result bit for bit, and the clock in which it appears.
 Does not prove: anything about valid flags or reset; the block has neither.
 """
 

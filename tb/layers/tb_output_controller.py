@@ -1,12 +1,12 @@
 """output_controller against its twin.
 
 Sweeps: 500 frames.
-Drives: one ``in_valid`` per frame, as close as the outputs allow and with random distances; then
-with resets at random clocks, which end a frame; besides, as the recorded frames bring them, as
-close as the design takes those.
+Drives: one ``in_valid`` for each frame, as close as the outputs allow and at random distances; then
+with resets at random clocks, which end a frame; then as it comes when recorded frames are sent as
+close as the design takes them.
 Checks: address, valid and last in every clock.
-Does not prove: an ``in_valid`` while rows are still being stepped through, which CONTROLLER 1
-prevents.
+Does not prove: what an ``in_valid`` does while the block still steps through rows; CONTROLLER 1
+prevents it.
 """
 
 import cocotb

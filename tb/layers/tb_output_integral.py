@@ -1,12 +1,12 @@
 """output_integral against its twin.
 
-Sweeps: corner frames of activations (rails, alternating rails, zeros, one node alone), those
-that drive each sum to its ends and to either side of where it saturates, and 1000 random ones,
-each with every output row.
-Drives: rows as CONTROLLER 2 makes them, back to back, then with gaps and resets; besides, back
-to back, what it sees while the recorded frames run through the design.
-Checks: every output and its ``last`` bit for bit, and its clock.
-Does not prove: a row address beyond the last output.
+Sweeps: corner frames of activations (rails, alternating rails, zeros, one node at a rail), frames
+that drive each sum to both of its ends and to either side of the borders at which it saturates, and
+1000 random frames, each with every output row.
+Drives: rows as CONTROLLER 2 makes them, back to back, then with gaps and resets; then, back to
+back, the inputs that the block gets while the recorded frames run through the design.
+Checks: every output and its ``last`` bit for bit, and the clock in which they appear.
+Does not prove: what a row address beyond the last output does.
 """
 
 import cocotb

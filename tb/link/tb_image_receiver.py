@@ -1,13 +1,13 @@
 """image_receiver against its twin.
 
 Sweeps: images of 1 to 600 random bytes, and of tens of thousands; packets of another version or
-kind, of kinds that differ in one bit, of length 0, and cut at each of their places; bytes that
-begin no packet, with many SYNC among them.
-Drives: bytes at random clocks and back to back; an engine that waits while as many bytes come as
-are kept; a line that falls idle; resets.
-Checks: ``load_valid``, the byte and ``load_last`` in every clock; that every image that was sent
-whole arrives, byte by byte.
-Does not prove: more bytes while the engine waits than it can wait for.
+kind, of kinds that differ in one bit, of length 0, and packets cut at each of their places; bytes
+that begin no packet, among them many SYNC bytes.
+Drives: bytes at random clocks and back to back; an engine that takes no byte until as many have
+come as the block can keep; a line that becomes idle; resets.
+Checks: ``load_valid``, the byte and ``load_last`` in every clock; that every image which was sent
+completely arrives, byte by byte.
+Does not prove: what happens if more bytes come than the block can keep while the engine takes none.
 """
 
 import cocotb

@@ -1,12 +1,12 @@
 """packet_sender against its twin.
 
-Sweeps: codes at random and both ends; frames of the right length, shorter and longer.
+Sweeps: random codes and both ends; frames of the right length, and shorter and longer ones.
 Drives: samples, outputs, points of a profile and flags at random clocks, often and seldom; a line
-that takes bytes at once, slowly and not at all; more packets than their number counts; resets in
-each byte of a packet.
-Checks: ``out_valid`` and the byte in every clock; that the bytes are packets that a computer reads,
-with numbers in order.
-Does not prove: more than a few hundred frames; the count of them has 16 bits.
+that takes bytes at once, slowly, or not at all; so many packets that their number wraps around;
+resets in each byte of a packet.
+Checks: ``out_valid`` and the byte in every clock; that a computer reads the bytes as packets, and
+their numbers in order.
+Does not prove: that more than a few hundred frames are counted right; their count has 16 bits.
 """
 
 import cocotb

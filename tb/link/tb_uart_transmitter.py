@@ -1,10 +1,11 @@
 """uart_transmitter against its twin.
 
 Sweeps: every byte.
-Drives: bytes as they are taken, then at random clocks; resets at random, in each bit, and in each
-clock of one before a pause; a UART of cocotbext-uart that listens.
-Checks: ``tx`` and ``in_ready`` in every clock; that the UART hears every byte.
-Does not prove: a computer whose clock is off (tb_uart_receiver drives a line that is).
+Drives: bytes as soon as they are taken, then at random clocks; resets at random, in each bit, and
+in each clock of a bit before a pause; and a UART of cocotbext-uart that listens.
+Checks: ``tx`` and ``in_ready`` in every clock; that the UART receives every byte.
+Does not prove: that a computer with an inexact clock reads the line (tb_uart_receiver drives such a
+line).
 """
 
 import cocotb

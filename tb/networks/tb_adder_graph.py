@@ -1,12 +1,12 @@
 """adder_graph, every sum a graph of shifted adds, against its twin.
 
-Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one
-sensor alone); frames that drive each hidden sum to its ends; 400 random frames.
-Drives: a frame every clock, with random gaps, with resets among them, and with one reset at each
-clock of a frame's way.
-Checks: every output bit for bit in its clock, that nothing comes out in any other clock, and that
-``frame_error`` stays low. Measures the clocks of a frame.
-Does not prove: anything about the accuracy of the network (the report of `make demo` does).
+Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one sensor
+at a rail); frames that drive each hidden sum to both of its ends; 400 random frames.
+Drives: frames in every clock, with random gaps, with resets among them, and with one reset at each
+clock of a frame's way through the design.
+Checks: every output bit for bit in its clock, that no output comes in any other clock, and that
+``frame_error`` stays low. The bench also measures the clocks of a frame.
+Does not prove: how accurate the network is (the report of `make demo` shows that).
 """
 
 import cocotb

@@ -1,13 +1,14 @@
 """axis_network, a network behind AXI4-Stream, against its twin.
 
-Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one
-sensor alone); random frames, with random bits above the sample; frames too short and too long
-among good ones.
-Drives: as fast as it takes them; with random pauses on either side and on both; with the output
-blocked until nothing more enters; with resets at random; and with the AXI4-Stream source and sink
-of cocotbext-axi, which pause at random.
+Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one sensor
+at a rail); random frames with random bits above the sample; frames that are too short or too long
+among good frames.
+Drives: elements as fast as the block takes them; with random pauses on either side and on both;
+with the output blocked until nothing more enters; with random resets; and from the AXI4-Stream
+source to the sink of cocotbext-axi, which pause at random.
 Checks: every transfer, its ``tlast`` and ``frame_error`` bit for bit; that no frame is lost or
-mixed; that what is offered stays until it is taken. Measures the clocks of a frame.
+mixed with another; that an offered result stays until it is taken. The bench also measures the
+clocks of a frame.
 Does not prove: anything about the network inside, which has a bench of its own.
 """
 

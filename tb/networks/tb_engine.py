@@ -1,18 +1,18 @@
 """engine, a whole scene on one multiplier or on none, against its twin.
 
-Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one
-sensor alone); frames that drive each hidden sum to its ends; 100 random frames; frames too short
-and too long among good ones. Where it can be reloaded: its own image, those of shipped scenes and
-of other numbers of samples; images that are cut, too long, changed in one bit, for other hardware,
-or without an end.
-Drives: as close as the design takes frames, with random gaps, closer than it takes them, with
-resets in mid-frame, and with one reset at each clock of a frame, of a long one at many. Where it
-can be reloaded: images before, between and in the middle of frames, bytes with gaps, resets in
-mid-load.
-Checks: every output, ``out_last`` and ``frame_error`` bit for bit in its clock, and that nothing
-comes out in any other clock; ``load_ready`` and ``image_error`` too. The twin executes the words
-that were loaded. Measures the clocks of a frame.
-Does not prove: anything about the accuracy of the network (the report of `make demo` does).
+Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one sensor
+at a rail); frames that drive each hidden sum to both of its ends; 100 random frames; frames that
+are too short or too long among good frames. If the engine can be reloaded: its own image, images of
+shipped scenes and images with other numbers of samples; images that are cut, too long, changed in
+one bit, for other hardware, or without an end.
+Drives: frames as close as the design takes them, with random gaps, closer than it takes them, with
+resets in mid-frame, and with one reset at each clock of a frame, or at many clocks of a long frame.
+If the engine can be reloaded: images before, between and in the middle of frames, bytes with gaps,
+and resets while an image is loaded.
+Checks: every output, ``out_last`` and ``frame_error`` bit for bit in its clock, and that no output
+comes in any other clock; ``load_ready`` and ``image_error`` too. The twin executes the loaded
+words. The bench also measures the clocks of a frame.
+Does not prove: how accurate the network is (the report of `make demo` shows that).
 """
 
 import cocotb

@@ -1,12 +1,12 @@
 """parallel, every multiplication at once, against its twin.
 
-Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one
-sensor alone); frames that drive each hidden sum to its ends; 400 random frames.
-Drives: as close as the design takes frames, with random gaps, closer than it takes them, with
-resets among them, and with one reset at each clock of a frame's way.
-Checks: every output and ``frame_error`` bit for bit in its clock, and that nothing comes out in any
-other clock. Measures the clocks of a frame.
-Does not prove: anything about the accuracy of the network (the report of `make demo` does).
+Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one sensor
+at a rail); frames that drive each hidden sum to both of its ends; 400 random frames.
+Drives: frames as close as the design takes them, with random gaps, closer than it takes them, with
+resets among them, and with one reset at each clock of a frame's way through the design.
+Checks: every output and ``frame_error`` bit for bit in its clock, and that no output comes in any
+other clock. The bench also measures the clocks of a frame.
+Does not prove: how accurate the network is (the report of `make demo` shows that).
 """
 
 import cocotb

@@ -1,13 +1,14 @@
 """converter_reader against its twin, with a model of the part on its wires.
 
-Sweeps: codes at random, both ends and those about the one from which on samples saturate; recorded
-voltages of the sensors; each bit that tells of a converter, wrong in each turn; a reset in each bit
-of a transfer.
-Drives: what the part would send for what the block has asked, and until that is promised anything.
-Checks: ``cs_n`` and ``sclk`` in every clock, the channels that are asked for, every limit of the
-part's timing; samples, ``out_last`` and their clocks; ``converter_error`` in every clock, and that
-nothing leaves while it is up.
-Does not prove: that a part keeps to its data sheet, or the wires' delays.
+Sweeps: random codes, both ends, and the codes around the first for which a sample saturates;
+recorded voltages of the sensors; each bit that shows the presence of a converter, wrong in each
+turn; a reset in each bit of a transfer.
+Drives: the answer of the converter to what the block has asked, and anything until the data sheet
+promises an answer.
+Checks: ``cs_n`` and ``sclk`` in every clock, the requested channels, every limit of the converter's
+timing; samples, ``out_last`` and their clocks; ``converter_error`` in every clock, and that no
+sample leaves while it is high.
+Does not prove: that a converter keeps to its data sheet, and what the delays of the wires do.
 """
 
 import cocotb

@@ -1,14 +1,14 @@
 """frame_window against its twin.
 
-Sweeps: random frames and corner frames (rails, alternating rails, zeros, one sensor alone), three
-times as many as the ring holds, or once; frames of all lengths, one in three of them wrong; a reset
-at each clock of a frame and of what is sent after it.
-Drives: frames as close as the network takes them, closer, also by each power of two of clocks, with
-gaps, and with resets at random clocks.
+Sweeps: random frames and corner frames (rails, alternating rails, zeros, one sensor at a rail),
+three times as many as the ring holds, or just as many if that takes long; frames of all lengths,
+one in three of them wrong; a reset at each clock of a frame and of what is sent after it.
+Drives: frames as close as the network takes them, closer by random numbers and by each power of two
+of clocks, with gaps, and with resets at random clocks.
 Checks: every sample that leaves, ``out_last`` and ``frame_error`` bit for bit in their clocks, and
-that nothing leaves in any other clock: not before the past is whole, of no wrong frame, and none of
-its samples later.
-Does not prove: what stands in the slots behind the samples, which does not matter.
+that no sample leaves in any other clock: none before the past is complete, none of a wrong frame,
+and none of its samples as the past of later frames.
+Does not prove: what is in the slots after the samples, which has no effect.
 """
 
 import cocotb

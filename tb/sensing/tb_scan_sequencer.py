@@ -1,13 +1,13 @@
 """scan_sequencer against its twin.
 
-Sweeps: three whole scans, every clock of them, or of long ones as many as 400000
-clocks hold; another random code on the converter in each.
-Drives: scans from the first reset on; then resets at random clocks; then one in each clock about
-that in which a code is taken.
-Checks: the address in every clock; samples, ``out_last`` and the clocks in which they stand; that
-a sample stays until the next.
-Does not prove: that an analogue multiplexer has settled when the code is taken; the end of a scan
-of more than 400000 clocks.
+Sweeps: every clock of three complete scans, or of as many as fit into 400000 clocks; in each clock
+the converter shows another random code.
+Drives: scans from the first reset on; then resets at random clocks; then one reset in each clock
+around the one in which a code is taken.
+Checks: the address in every clock; samples, ``out_last`` and their clocks; that a sample stays
+until the next one.
+Does not prove: that an analogue multiplexer has settled when the code is taken; what happens at the
+end of a scan of more than 400000 clocks.
 """
 
 import cocotb

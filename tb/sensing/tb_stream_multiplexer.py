@@ -3,10 +3,10 @@
 Sweeps: 3000 random elements in frames of random length, many shorter than the slot and many longer,
 with the rails among elements and results.
 Drives: results at random clocks, with random gaps between elements, and with resets, each of which
-a result follows.
+is followed by a result.
 Checks: data, valid and last in every clock.
-Does not prove: a slot that comes before any result since the last reset, which the cascade's delays
-rule out.
+Does not prove: what a slot carries before the first result after a reset; the delays of the cascade
+rule it out.
 """
 
 import cocotb

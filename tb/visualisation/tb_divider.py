@@ -1,11 +1,14 @@
 """divider against its twin.
 
-Sweeps: extremes of distance and width with each other, widths of 0 and 1 and of each single bit
-among them; for 400 widths the distances about that where the quotient saturates; 2000 random pairs.
-Drives: as close as the block takes pairs, then in random order with gaps and resets, then closer.
-Checks: the quotient bit for bit, and its clock; that it stays; that a pair which is followed too
-early has none.
-Does not prove: all pairs (tests/test_visualisation.py has random ones against the twin's steps).
+Sweeps: every pair of an extreme distance and an extreme width, with widths of 0, of 1 and of each
+single bit among them; for 400 widths, the distances around the one at which the quotient saturates;
+2000 random pairs.
+Drives: pairs as close as the block takes them, then in random order with gaps and resets, then
+closer than the block takes them.
+Checks: the quotient bit for bit, and the clock in which it appears; that it stays; that a pair
+which is followed too soon has no quotient.
+Does not prove: that all pairs are right (tests/test_visualisation.py compares random ones with the
+steps of the twin).
 """
 
 import cocotb

@@ -1,14 +1,14 @@
 """load_profile, assembled, against its twin.
 
-Sweeps: what the network of digit-single makes of every third recorded frame;
-widths from the most negative code to the largest, with either shape; positions on the ramp, beside
-it and outside; loads and shapes at their ends and about the threshold; shapes that differ from it
-in one bit; large loads with points far down the slope; random results.
-Drives: each frame in the clock of the last point before; then frames at random distances, so that
-many come while a ramp is being drawn, with and without resets; a reset of one clock at each clock
-of the way to the first point and just behind it.
-Checks: every point bit for bit in its clock; that it stays until the next; that results which come
-during a ramp wait, and the latest of them are drawn.
+Sweeps: the outputs of the network of digit-single for every third recorded frame; widths from the
+most negative code to the largest, with either shape; positions on the ramp, beside it and outside;
+loads and shapes at their ends and around the threshold; shapes that differ from the threshold in
+one bit; large loads with points far down the slope; random results.
+Drives: each frame in the clock of the last point of the frame before; then frames at random
+distances, so that many come while a ramp is being drawn, with and without resets; a reset of one
+clock at each clock from a frame to just after its first point.
+Checks: every point bit for bit and its clock; that it stays until the next point; that results
+which come during a ramp wait, and the latest of them are drawn.
 Does not prove: how close the points are to equation 3.18 (tests/test_visualisation.py bounds it).
 """
 

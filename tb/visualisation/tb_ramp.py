@@ -1,9 +1,9 @@
 """ramp against its twin.
 
 Sweeps: every position, several times over.
-Drives: back to back, then with gaps, then with resets.
-Checks: position and ``out_last`` bit for bit and their clock; that they stay until the next; that a
-reset leads back to the first.
+Drives: requests for positions back to back, then with gaps, then with resets.
+Checks: position and ``out_last`` bit for bit, and their clock; that they stay until the next
+position; that a reset leads back to the first position.
 Does not prove: that the positions are the nearest codes (tests/test_visualisation.py does).
 """
 
