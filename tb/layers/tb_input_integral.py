@@ -26,7 +26,7 @@ FAULTS = [
 
 
 def stimuli(bench):
-    """Frames, as the twin takes them."""
+    """The frames that are played, as the twin takes them."""
     twin, fmt = bench.twin, bench.twin.in_fmt
     random = bench.rng.integers(fmt.low, fmt.high + 1, (300, twin.inputs))
     ends = extreme_frames(fmt, twin.weights)
@@ -52,7 +52,7 @@ async def frames(dut):
         expected = twin.process(seen)
         for quantity, sums in twin.quantities(seen).items():
             bench.meet(quantity, sums)
-        # The first clock of every sum, and the last one before the next sum.
+        # Each sum is compared in its first clock and in the last clock before the next sum.
         for rows in (held, np.append(held[1:] - 1, recording.clocks - 1)):
             got = np.stack([recording.signed(port, rows) for port in ports], axis=-1)
             bench.compare("out_q", got, expected, frame=seen)

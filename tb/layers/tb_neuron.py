@@ -21,13 +21,13 @@ FAULTS = [
     (r"word <= (\S+);", "word <= 0;"),
     (r"wide \* (\d+)", r"wide * (\1 + 64)"),
     (r"scale0_wide \* (\d+)", r"scale0_wide * (\1 + 1)"),
-    # Sums that are multiples of 5.
+    # The sums of this case are multiples of 5.
     (r"data_late < \(-8192\)", "data_late < (-8195)"),
 ]
 
 
 def stimuli(bench):
-    """Frames, as the twin takes them."""
+    """The frames that are played, as the twin takes them."""
     twin = bench.twin
     fmt, inputs = twin.in_fmt, len(twin.weights)
     random = bench.rng.integers(fmt.low, fmt.high + 1, (1000 + bench.latency, inputs))
@@ -44,7 +44,7 @@ async def frames(dut):
     ((driven,),) = stimuli(bench)
     ports = [f"in_data_{k}" for k in range(len(twin.weights))]
     recording = await bench.play(dict(zip(ports, driven.T, strict=True)), ["out_data"])
-    # From the first row after the initial ones; by then the bias is in its register.
+    # The initial rows are skipped, so that the bias is in its register.
     rows = np.arange(recording.clocks - len(driven), recording.clocks - latency)
     seen = np.stack([recording.signed(port, rows) for port in ports], axis=-1)
     bench.meet("sum", twin.exact(seen))

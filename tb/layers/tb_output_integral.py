@@ -33,7 +33,7 @@ OUTPUTS = {"out_data": SIGNED, "out_last": UNSIGNED}
 
 
 def rows_of(twin, frames):
-    """Each output row, its ``last``, and the activations, for every frame of these."""
+    """Each output row with its ``last`` and the activations, for every frame."""
     rows = np.tile(np.arange(twin.outputs), len(frames))
     last = (rows == twin.outputs - 1).astype(np.int64)
     return rows, last, *np.repeat(frames, twin.outputs, axis=0).T
@@ -60,7 +60,7 @@ async def check(bench, operands, gap, resets):
 
 
 def stimuli(bench, count=1000):
-    """Rows and activations, as the block takes them; ``count`` random frames."""
+    """Rows and activations, as the block takes them, with ``count`` random frames among them."""
     fmt = bench.twin.in_fmt
     random = bench.rng.integers(fmt.low, fmt.high + 1, (count, bench.twin.hidden))
     ends = extreme_frames(fmt, bench.twin.weights)

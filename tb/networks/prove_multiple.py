@@ -3,7 +3,7 @@
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import ago, frames, network
 
-# Frames whose least distance is more than their length.
+# A case in which the least distance of frames is more than their length.
 ALSO = ("wide-multiple",)
 
 

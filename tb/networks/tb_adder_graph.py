@@ -30,7 +30,7 @@ def ports(name, count):
 
 
 async def check(bench, frames, gap, pause=0, resets=None):
-    """Play frames; expect what the twin makes of the frames that were recorded.
+    """Play frames, and compare with what the twin computes from the recorded frames.
 
     ``resets`` gives the reset column for a number of clocks.
     """
@@ -60,7 +60,7 @@ def random_frames(bench, count):
 
 @cocotb.test()
 async def recorded(dut):
-    """All recorded frames back to back, then with gaps; counts the clocks."""
+    """Play all recorded frames back to back, then with gaps, and count the clocks of a frame."""
     bench = Bench(dut)
     codes = bench.scene.vectors().codes
     recording, entered = await check(bench, codes, gap=0.0)
@@ -76,7 +76,7 @@ async def recorded(dut):
 
 @cocotb.test()
 async def corners_and_random(dut):
-    """Corner frames, frames that drive hidden sums to their ends, and random ones."""
+    """Play corner frames, frames that drive hidden sums to their ends, and random frames."""
     bench = Bench(dut)
     ends = extreme_frames(SIGNAL, bench.twin.hidden_weights)
     corners = corner_frames(SIGNAL, bench.twin.inputs)
@@ -88,7 +88,7 @@ async def corners_and_random(dut):
 
 @cocotb.test()
 async def resets_among_frames(dut):
-    """Resets at random clocks among frames at any distance."""
+    """Play frames at any distance, with resets at random clocks."""
     bench = Bench(dut)
     every = 2 * (1 + bench.latency)
     await check(
@@ -102,14 +102,14 @@ async def resets_among_frames(dut):
 
 @cocotb.test()
 async def reset_at_every_clock(dut):
-    """One frame, a reset a given number of clocks after it, and a good frame."""
+    """Play a frame, a reset so many clocks after it, and then a good frame."""
     bench = Bench(dut)
     span = bench.latency + 2
 
     def resets(clocks):
         column = np.zeros(clocks, dtype=np.int64)
         for t in range(span):
-            # Frame 2 t enters at this clock, frame 2 t + 1 a span and a clock later.
+            # Frame 2 t enters in this clock, and frame 2 t + 1 a span and one clock later.
             column[2 * t * (span + 1) + span + t] = 1
         return column
 

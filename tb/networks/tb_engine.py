@@ -35,7 +35,7 @@ from tb.common.network import (
 from tb.common.small import ENGINES, RELOADED, SERIAL_ENGINES
 from tb.common.stimulus import random_resets, spread
 
-# Without a multiplier the sum is another; what stands around it is the same.
+# Without a multiplier the block of the sum is another one. All other blocks are the same.
 SERIAL = {n: SERIAL_ENGINES[n] for n in ("rails-serial", "least-serial", "chain-serial")}
 CASES = RELOADED | ENGINES | SERIAL
 FAULTS = [
@@ -44,7 +44,7 @@ FAULTS = [
     (r"(?s)(frame_guard u_frame_guard_0 .*?\.halt)\(halt\)", r"\1(1'b0)"),
     (r"\.busy\(busy\)", ".busy(1'b0)"),
 ]
-# Other arrangements, and another number of samples.
+# These have other arrangements, and another number of samples.
 SCENES = ("digit-single", "digit-multiple", "swing-single")
 
 __all__ = [
@@ -57,7 +57,7 @@ __all__ = [
 
 
 def frames_of(bench, frames, after):
-    """A timeline of frames as close as the twin takes them, ``after`` clocks from its begin."""
+    """A timeline of frames as close as the twin takes them, which starts after ``after`` clocks."""
     count, inputs = frames.shape
     pause = np.zeros((count, inputs), dtype=np.int64)
     pause[:, 0] = bench.twin.interval - inputs
@@ -70,7 +70,7 @@ def frames_of(bench, frames, after):
 
 
 def traffic(bench, samples, most):
-    """Frames of the right length, and some shorter and longer, up to ``most`` clocks apart."""
+    """Frames of the right length and some shorter and longer ones, up to ``most`` clocks apart."""
     twin, rng = bench.twin, bench.rng
     last = random_lengths(rng, twin.inputs, samples)
     data = rng.integers(SIGNAL.low, SIGNAL.high + 1, samples if len(last) < samples else len(last))
@@ -80,11 +80,12 @@ def traffic(bench, samples, most):
 
 
 def wrong_images(rng, image):
-    """Byte streams that are not the image: each must be refused."""
+    """Byte streams that differ from the image. Each must be refused."""
     cuts = [1, 4, 5, 6, len(image) // 2, len(image) - 2, len(image) - 1]
     wrong = [image[:count] for count in cuts]
     wrong += [image + bytes(count) for count in (1, 2, 3, 5, 7)]
-    # The header's fields, a word, the last word to come, and the check.
+    # The changed bytes are in the fields of the header, in a word, in the last word and in the
+    # check.
     for place in (1, 2, 3, 4, len(image) // 2, len(image) - 3, len(image) - 2, len(image) - 1):
         changed = bytearray(image)
         changed[place] ^= 1 << rng.integers(0, 8)
@@ -94,7 +95,7 @@ def wrong_images(rng, image):
 
 @cocotb.test()
 async def images_one_after_the_other(dut):
-    """Its own image and those of shipped scenes, each with its recorded frames."""
+    """Load the own image and those of shipped scenes, and play the recorded frames of each."""
     bench = Bench(dut)
     if not bench.twin.image:
         return
@@ -112,7 +113,8 @@ async def images_one_after_the_other(dut):
 
 @cocotb.test()
 async def other_numbers_of_samples(dut):
-    """Each bit of the number that the image names is 1 in one of two and 0 in the other."""
+    """Load two images, so that each bit of their number of samples is 1 in one and 0 in the "
+    "other."""
     bench = Bench(dut)
     if not bench.twin.image:
         return
@@ -132,7 +134,7 @@ async def other_numbers_of_samples(dut):
 
 @cocotb.test()
 async def wrong_images_among_good_ones(dut):
-    """No frame is taken from the first byte of an image on that is not good."""
+    """Check that no frame is taken from the first byte of a wrong image on."""
     bench = Bench(dut)
     if not bench.twin.image:
         return
@@ -155,7 +157,7 @@ async def wrong_images_among_good_ones(dut):
 
 @cocotb.test()
 async def frames_while_loading(dut):
-    """Images in the middle of frames and of their computation, of two scenes in turn."""
+    """Load images of two scenes in turn, in the middle of frames and of their computation."""
     bench = Bench(dut)
     if not bench.twin.image:
         return
@@ -175,7 +177,7 @@ async def frames_while_loading(dut):
 
 @cocotb.test()
 async def resets_while_loading(dut):
-    """Resets at random clocks, also in mid-load; each forgets the image."""
+    """Play resets at random clocks, also during loading. Each reset discards the image."""
     bench = Bench(dut)
     if not bench.twin.image:
         return

@@ -35,7 +35,8 @@ FAULTS = [
     (r"aligned_2 <= result_2", "aligned_2 <= aligned_0"),
 ]
 
-# Of how many frames the least and the largest outputs are played, and how many of either.
+# How many frames are searched for the least and the largest outputs, and how many of each are
+# played.
 MANY, ENDS = 1 << 16, 4
 
 __all__ = [
@@ -49,7 +50,7 @@ __all__ = [
 
 @cocotb.test()
 async def ends_of_outputs(dut):
-    """An output whose sign seldom changes does so here, if it can."""
+    """Play the least and the largest outputs, so that each output changes its sign if it can."""
     bench = Bench(dut)
     frames = random_elements(bench, MANY * bench.twin.inputs).reshape(MANY, -1)
     at_rail = bench.rng.random(frames.shape) < 0.5

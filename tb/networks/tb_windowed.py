@@ -21,7 +21,7 @@ from tb.common.network import (
 )
 from tb.common.small import WINDOWS
 
-# Of delays of 64 frames the bench of frame_window makes sure, which has nothing else to simulate.
+# The bench of frame_window covers delays of 64 frames, as it has no network to simulate.
 CASES = {name: case for name, case in WINDOWS.items() if name != "long-past"}
 FAULTS = [
     (r"\.in_valid\(valid\)", ".in_valid(in_valid)"),

@@ -36,7 +36,7 @@ def properties(twin):
                 "newest == held",
                 "!out_valid || expected == out_data",
             ),
-            # Both may be anything, but the same.
+            # Both may have any value, but it is the same value.
             assumes={"Before the first result something is held.": "after_reset || newest == held"},
             reached=(f"out_valid && place == {twin.slot + 1}",),
             refuted_by=(

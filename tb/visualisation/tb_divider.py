@@ -30,7 +30,7 @@ FAULTS = [
 
 INPUTS = {"in_distance": UNSIGNED, "in_width": UNSIGNED}
 OUTPUTS = {"out_data": UNSIGNED}
-# Pairs played at a time, so that the recording stays small.
+# How many pairs are played at a time, so that the recording stays small.
 CHUNK = 1024
 
 
@@ -42,11 +42,11 @@ def extremes(bits):
 def pairs(bench):
     twin, rng = bench.twin, bench.rng
     most, widest = (1 << twin.distance_width) - 1, (1 << twin.width_width) - 1
-    # A comparison with 0 that leaves out a bit takes a width of that bit alone for none.
+    # A comparison with 0 that ignores a bit takes a width with only that bit for 0.
     some = np.union1d(extremes(twin.width_width), 1 << np.arange(twin.width_width))
     grid = np.meshgrid(extremes(twin.distance_width), some)
     widths = np.sort(rng.integers(1, widest + 1, 400))
-    # distance * gain / width = 2 ** integer bits: the first quotient that saturates.
+    # The first quotient that saturates has distance * gain / width = 2 ** integer bits.
     border = (widths << (twin.out_width - twin.out_frac + twin.gain_frac)) // twin.gain
     near = border + rng.integers(-1, 3, 400)
     about, at, quotients = twin.about_border
@@ -92,7 +92,7 @@ async def early(dut):
 
 @cocotb.test()
 async def stays(dut):
-    """A quotient stands until ``out_width`` clocks before the next."""
+    """Check that a quotient stays until ``out_width`` clocks before the next one."""
     bench = Bench(dut)
     twin, rng, count = bench.twin, bench.rng, 200
     every = pairs(bench)
