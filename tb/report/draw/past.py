@@ -1,4 +1,4 @@
-"""From the table ``past`` to plots: what past samples, noise and the sampling rate do."""
+"""Plots what past samples, noise and the sampling rate do, from the table ``past``."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ AS_GOOD = 1.1
 
 
 def past_plots(table: Table) -> list[Plot]:
-    """Error against past samples, noise and sampling rate, of networks and of linear estimators."""
+    """The error of networks and linear estimators against past samples, noise and sampling rate."""
     return [
         _plot(
             table,
@@ -56,7 +56,7 @@ def _samples_sentence(table: Table) -> str:
 
 
 def linear_sentence(rows: list[Row]) -> str:
-    """Whether a linear estimator on the same past would do, for each output."""
+    """A sentence that says, for each output, whether a linear estimator would be as good."""
     told = []
     for row in rows:
         network, linear = number(row, NETWORK), min(number(row, FITTED), number(row, WIENER))
