@@ -70,7 +70,7 @@ def main() -> None:
 
 
 def refuse_others(names: list[str], seed: int) -> None:
-    """Refuse to record what is measured for every report, or with another seed."""
+    """Refuse to record tables that every report measures, or tables of another seed."""
     kept = (*table_records.RECORDED, *table_records.FOR_PAGES)
     others = [name for name in names if name not in kept]
     if others:

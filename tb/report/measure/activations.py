@@ -1,4 +1,4 @@
-"""Activations: error against clocks, and of Pade against the iterations of its regression."""
+"""The error of activations against clocks, and of Pade against its iterations."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ ITERATIONS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
 
 
 def activations(_: int) -> Table:
-    """Every scheme in every precision: equation 4.32, the largest error, and clocks."""
+    """Every scheme in every precision, with equation 4.32, the largest error, and the clocks."""
     rows: list[list[Cell]] = []
     for name, options, scheme in variants():
         full = f"{name}, {options}" if options else name
@@ -56,7 +56,7 @@ def activations(_: int) -> Table:
 
 
 def iterations(_: int) -> Table:
-    """Error of Pade for more and more iterations, for each rho."""
+    """The error of Pade for more and more iterations, for each rho."""
     rows: list[list[Cell]] = []
     for rho in RHOS:
         stable = stable_below(rho)

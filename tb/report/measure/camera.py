@@ -1,4 +1,4 @@
-"""The swing's errors in millimetres beside that of the cameras which measured it."""
+"""The errors of the swing in millimetres, beside those of the cameras that measured it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ ARRANGEMENTS = ("single", "multiple", "cascade")
 
 
 def camera(seed: int) -> Table:
-    """Printed and own errors of each coordinate, as lengths, with the cameras' error as a floor."""
+    """Printed and own errors of each coordinate as lengths, with the error of the cameras."""
     found = motions(seed)
     at = {name: list(found.columns).index(name) for name in found.columns}
     printed = thesis_table("swing")

@@ -1,4 +1,4 @@
-"""Errors of networks against the clocks that they take for a frame."""
+"""The errors of networks against the clocks that a frame takes."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from tb.report.measure.table import Cell, Table
 
 
 def clocks_per_frame(design: Network) -> int:
-    """Clocks from a frame's first sample, that clock included, to its last output.
+    """The clocks from the first sample of a frame, which counts too, to its last output.
 
-    The elements of a frame come in one a clock, those of a parallel network all at once. An
-    instrument's frame begins with its scan.
+    One element of a frame comes in each clock; for a parallel network all come at once. The frame
+    of an instrument begins with its scan.
     """
     return design.frame_clocks + design.output_clocks[-1]
 
 
 def clocks(_: int) -> Table:
-    """Every shipped scene and those for comparison; the seeds are those of their training."""
+    """Every shipped scene and those for comparison, with the networks as they were trained."""
     rows: list[list[Cell]] = []
     for scene in scenes():
         design = scene.twin()

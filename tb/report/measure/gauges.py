@@ -1,4 +1,4 @@
-"""``python -m tb.report.measure.gauges RIG``: where gauges on a beam should sit."""
+"""``python -m tb.report.measure.gauges RIG``: finds the best places of gauges on a beam."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ COUNTS = (3, 4, 6)
 
 
 def sensors(rig: GaugeRig) -> tuple[Table, str]:
-    """The bounds for the places to compare with and for the best found, and their picture."""
+    """The bounds for given places and for the best places, and their picture."""
     placing = Placing(rig)
     sets: dict[str, Sequence[float]] = {COMPARED: rig.compare} if rig.compare else {}
     sets[FOUND] = placing.best()
@@ -45,7 +45,7 @@ def sensors(rig: GaugeRig) -> tuple[Table, str]:
 
 
 def sentence(table: Table) -> str:
-    """What the best places are worth, where there are some to compare with."""
+    """A sentence on the gain of the best places, if there are others to compare with."""
     means = {(row[0], row[2]): float(str(row[3])) for row in table.rows}
     outputs = list(dict.fromkeys(str(row[2]) for row in table.rows))
     told = [
@@ -59,7 +59,7 @@ def sentence(table: Table) -> str:
 
 
 def gauge_places(_: int) -> Table:
-    """Few and many gauges on the digit's beam."""
+    """The bounds for few and for many gauges on the beam of the digit."""
     rig = load_rig(RIG)
     rows: list[list[Cell]] = []
     cases = [("thesis", rig, list(rig.compare))]

@@ -38,7 +38,7 @@ from tb.report.measure import (
 from tb.report.measure.stability.table import stability
 from tb.report.measure.table import Table
 
-# By name, in the order printed; the name is that of the table.
+# The tables by their names, in the order in which they are printed.
 TABLES: dict[str, Callable[[int], Table]] = {
     "networks": networks.networks,
     "clocks": clocks.clocks,
@@ -83,5 +83,5 @@ TABLES: dict[str, Callable[[int], Table]] = {
     "stability": stability,
 }
 
-# Measured when they are asked for by name: they start simulators.
+# These start simulators, so they are measured only if they are asked for by name.
 ASKED: dict[str, Callable[[int], Table]] = {"simulators": simulators.simulators}

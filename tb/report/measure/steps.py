@@ -1,4 +1,4 @@
-"""The tables of ``make figures`` for the report: recorded, kept in the store, or measured."""
+"""The tables of ``make figures`` for the report, which are recorded, kept or measured."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from tb.report.measure.table import Table
 
 
 def measuring(*rooms: str) -> list[Path]:
-    """The sources of some rooms without those that only draw and write the report."""
+    """The sources of some rooms, except those that only draw or write the report."""
     return [path for path in sources(*rooms) if path.parent.name not in ("draw", "page")]
 
 
 def measured(tell: Progress, names: Collection[str] = tuple(TABLES)) -> dict[str, Table]:
-    """Every table, or those of these names; those without run times side by side."""
+    """The tables of these names. Tables without run times are measured in parallel."""
     state = fingerprint(
         [*measuring("golden", "tb/report"), ROOT / "golden" / "data"], str(table_records.SEED)
     )
-    # Tables with run times have the machine for themselves.
+    # Tables with run times are measured alone.
     together = [n for n in names if n not in table_records.TIMED and kept(n, state) is None]
     answers: dict[str, Any] = {}
     if together:

@@ -1,4 +1,4 @@
-"""What the project's own approximations err and cost: the sections that FULL=1 adds to a report."""
+"""The errors and costs of the project's own approximations, which FULL=1 adds to a report."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ Draw = Callable[[str, Sequence[Plot]], list[Picture]]
 
 
 def sections(scene: Scene, state: str, draw: Draw, tell: Progress) -> list[Section]:
-    """The sections.
+    """The sections that FULL=1 adds.
 
     Parameters
     ----------
     scene : Scene
-        Whose frames every engine computes.
+        The scene whose frames every simulator computes.
     state : str
-        A digest of all that its measurement depends on.
+        A digest of all that the measurement of the scene depends on.
     draw : callable
-        Pictures of plots, by a name to keep them under.
+        Draws plots, and keeps the pictures under a name.
     tell : callable
         See ``tb.report.measure.store``.
     """
