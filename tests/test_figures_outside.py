@@ -1,4 +1,4 @@
-"""Table outside, as it is recorded: the target of each rig, and that the page shows it."""
+"""Tests the recorded table outside: the target of each rig, and the figures of the page."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def test_more_false_alarms_see_more(rows) -> None:
 
 
 def test_at_its_limit_good_frames_are_inside(rows) -> None:
-    """But of the digit, whose limit rests on eight stretches: the page says so."""
+    """The digit is an exception, as its limit depends on eight stretches. The page says so."""
     for rig in RIGS[1:]:
         assert rows[rig, "good"]["at its limit"] <= 1
         assert rows[rig, "columns swapped"]["at its limit"] >= 95
@@ -43,7 +43,7 @@ def test_at_its_limit_good_frames_are_inside(rows) -> None:
 
 
 def test_the_rail_is_that_of_the_tutorial() -> None:
-    """The readings of docs/tutorial, noise and all."""
+    """Its readings equal those of docs/tutorial, with their noise."""
     names = ["s1", "s2", "s3", "s4", "s5", "force", "place"]
     table = read_table(outside.RAIL.with_name("readings.csv"), names)
     again = outside.rail(table[:, 5:], np.random.default_rng(1))
