@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "new-design.md").read_text()
 NAMED = r"^`([\w/.-]+)`[^\n]*(?:\n[^\n]+)*\n\n```(?:python|markdown)\n(.*?)```"
 SHAPES = {"single": [(2, 5, 2)], "cascade": [(2, 4, 1), (3, 5, 1)]}
-# Compares the design with hybrid, runs the cases of stability, and prints words of its picture.
+# Compares the design with hybrid, runs the cases of stability, and checks words of its picture.
 ASKED = """
 import sys
 from xml.etree import ElementTree

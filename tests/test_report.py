@@ -1,4 +1,4 @@
-"""The report: what stands in it, beside it, and how it looks in a browser."""
+"""Tests the report: its content, the files beside it, and its look in a browser."""
 
 from __future__ import annotations
 
@@ -53,9 +53,9 @@ def data(report: Path) -> dict:
 
 @pytest.fixture(scope="module")
 def own(shared: Shared) -> Path:
-    """The report of a user's scene: no reference, and a network from elsewhere.
+    """The report of a user's scene without reference, and with a network that was not trained here.
 
-    No other test may use its name: what commands build stands in one folder for all of a run.
+    No other test may use the name of this scene, because all commands of a run share a folder.
     """
     folder = shared.folder / OWN
 
@@ -130,7 +130,7 @@ def test_full_is_asked_for_at_the_front_door() -> None:
 
 
 class Links(HTMLParser):
-    """Everything that a page loads or leads to, and every id."""
+    """Everything that a page loads or links to, and every id."""
 
     def __init__(self, text: str) -> None:
         super().__init__()
@@ -241,7 +241,7 @@ def test_a_plot_of_nothing_is_refused() -> None:
 
 
 def test_every_plot_draws_activations_and_designs_alike(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Colour and marker of each label are those of ``looks``, in the drawing itself too."""
+    """The colour and marker of each label are those of ``looks``, also in the drawing itself."""
     names = list(forms())
     columns = ["scheme", "arithmetic", "latency clocks", "LUT", "mean %", "largest units"]
     rows: list[list[Cell]] = [[n, "exact", i + 1, 9, 0.1, 1.0] for i, n in enumerate(names)]
@@ -330,7 +330,7 @@ document.getElementById("page").onload = function () {{
 
 
 def look(page: Path, width: int, folder: Path) -> dict:
-    """What a browser makes of a page in a window of that width."""
+    """What a browser measures of a page, in a window of this width."""
     assert BROWSER, "chromium is not installed; on Debian: apt-get install chromium"
     assert page.is_file()
     wrapper = folder / "look.html"
@@ -345,7 +345,7 @@ def look(page: Path, width: int, folder: Path) -> dict:
 
 def browser(*options: object) -> str:
     command = [BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"]
-    # No name resolves, so that nothing can come from a network.
+    # No host name resolves, so that nothing can be loaded from a network.
     command += ["--host-resolver-rules=MAP * ~NOTFOUND", *map(str, options)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
     return done.stdout
@@ -369,7 +369,7 @@ def test_pictures_that_scroll_have_a_hint(own: Path, width: int, tmp_path: Path)
 
 def test_a_page_that_is_too_wide_is_seen(tmp_path: Path) -> None:
     table = Table("errors", ["a"], [["x" * 400]], "a note")
-    # Not an SVG, which the page would shrink.
+    # This is not an SVG, because the page would shrink it.
     wide = Picture("p", "P", '<div style="width:800px">wide</div>', "s.")
     page = tmp_path / "wide.html"
     page.write_text(Page("t", [], table, table, [Section("s", "S", pictures=[wide])]).render())

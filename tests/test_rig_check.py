@@ -1,4 +1,4 @@
-"""make check: each fault is seen, all of them at once, and a search does not begin with one."""
+"""Tests make check: it finds every fault at once, and no search begins with a fault."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ NAMES = ["x0", "x1", "x2", "y0", "y1"]
 
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
-    """A cascade of two networks on the engine, trained, nothing wrong with it."""
+    """A trained cascade of two networks on the engine, without faults."""
     mlps = [random_mlp((3 + i, 4, 1), 0.5, i + 1) for i in range(2)]
     path = write_scene(
         tmp_path, "rig", "exact", mlps, "cascade", "precise", "{}", rows=60, design="engine"
@@ -103,7 +103,7 @@ def no_network(path: Path) -> None:
 
 
 def larger(path: Path) -> None:
-    """A fifth of the readings are beyond the codes."""
+    """Make a fifth of the readings larger than the codes."""
     column(path, "x1", lambda x: np.where(np.arange(len(x)) % 5 == 0, 2.0, x))
 
 
@@ -195,7 +195,7 @@ def test_networks_that_are_not_there_yet_are_no_fault(path: Path) -> None:
 
 
 def test_the_design_is_tried_with_the_least_and_the_largest_networks(path: Path) -> None:
-    """An engine that is reloaded has memories of one size, whatever training finds."""
+    """The memories of a reloadable engine have a fixed size, whatever training finds."""
     untrained(path)
     change(path, r"hidden = \[4, 4\]", "hidden = 0")
     change(path, "interface", "reload = true\noperand_words = 32\ninterface")
@@ -253,7 +253,7 @@ def test_the_command_ends_with_2_where_there_is_a_fault(path: Path) -> None:
 
 
 def test_no_search_begins_with_a_fault(path: Path) -> None:
-    """Both are told, and neither of the networks is touched."""
+    """Both faults are reported, and neither network is changed."""
     folder_for_a_file(path)
     column(path, "x1", lambda x: 0 * x)
     network = path.with_name("rig.npz").read_bytes()

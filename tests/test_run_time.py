@@ -1,4 +1,4 @@
-"""docs/error-against-run-time.md: its records are of today's code, and each default is the best."""
+"""Tests docs/error-against-run-time.md: its records are current, and each default is the best."""
 
 from __future__ import annotations
 
@@ -26,21 +26,21 @@ from tb.report.measure.table import Cell, Table
 from tb.report.page import run_time
 
 SVG = "{http://www.w3.org/2000/svg}"
-# Of the records those that are measured anew in every run, and end alike on every machine.
+# These records are measured again in every run, and end alike on every machine.
 COMPARED = ("series", "plate", "swing", "swing_damping", "iterations")
-# Below it errors of integration differ by a factor of 2.2 between processors, and by 2 % above.
+# Smaller errors of integration differ by a factor of 2.2 between processors, larger ones by 2 %.
 FINE = 1e-9
 
 
 @pytest.fixture(scope="module")
 def tables() -> run_time.Tables:
-    """What is recorded."""
+    """The recorded tables."""
     return {name: table_records.read(name) for name in table_records.FOR_PAGES}
 
 
 @pytest.fixture(scope="module")
 def measured(shared: Shared) -> dict[str, Table]:
-    """What is measured in every run."""
+    """The tables that are measured in every run."""
     return shared.tables()
 
 
@@ -78,7 +78,7 @@ def test_a_record_of_other_figures_is_found_out() -> None:
 def test_the_recorded_descents_begin_where_todays_do(
     tables: run_time.Tables, measured: dict[str, Table]
 ) -> None:
-    """Where they end is a range that the page shows: a last bit turns them."""
+    """The page shows where they end as a range, because a last bit changes that."""
 
     def starts(table: Table) -> list[tuple]:
         rows = rows_of(table, evaluations=1)
