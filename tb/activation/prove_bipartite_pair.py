@@ -1,4 +1,4 @@
-"""What is proved of bipartite_pair, whatever drives it."""
+"""Proved properties of bipartite_pair, whatever drives it."""
 
 from tb.activation.prove_bipartite import EARLY_SIGN, LATE, sign
 from tb.sign_off.watch import pipeline

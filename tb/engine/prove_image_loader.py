@@ -1,4 +1,4 @@
-"""What is proved of image_loader, whatever bytes come.
+"""Proved properties of image_loader, for any bytes.
 
 Here all bits of the count in the header are used, and the check is computed bit by bit.
 """

@@ -1,4 +1,4 @@
-"""What is proved of multiply_accumulate, whatever operands and coefficients are."""
+"""Proved properties of multiply_accumulate, for all operands and coefficients."""
 
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, WIDTH
 from golden.engine.operand_memory import WORD

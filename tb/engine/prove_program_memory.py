@@ -1,4 +1,4 @@
-"""What is proved of program_memory, whatever steers it."""
+"""Proved properties of program_memory, whatever controls it."""
 
 from golden.engine.program import WORD_WIDTH
 from tb.sign_off.properties import Property

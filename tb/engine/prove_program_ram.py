@@ -1,4 +1,4 @@
-"""What is proved of program_ram, whatever steers it.
+"""Proved properties of program_ram, whatever controls it.
 
 The contents of the words are left to the bench, because z3 gives no answer within minutes for so
 large a memory.

@@ -1,4 +1,4 @@
-"""What is proved of serial_accumulate, whatever coefficients and planes are."""
+"""Proved properties of serial_accumulate, for all coefficients and planes."""
 
 from golden.engine.formats import WIDTH
 from golden.engine.operand_memory import WORD

@@ -1,4 +1,4 @@
-"""What is proved of instrument: that its scans are frames that its network takes."""
+"""Proved properties of instrument: its scans are frames that its network takes."""
 
 from tb.sign_off.properties import Property
 

@@ -1,4 +1,4 @@
-"""What is proved of uart_instrument: how its parts work together, whatever line and converter do.
+"""Proved properties of uart_instrument: how its parts work together, for any line and converter.
 
 The first properties are of an engine that takes images. The others are those of
 converter_instrument, in a case without such an engine and without a profile.

@@ -1,4 +1,4 @@
-"""What is proved of constant_matrix, for all samples: no sum of its graph overflows."""
+"""Proved properties of constant_matrix, for all samples: no sum of its graph overflows."""
 
 from golden.layers.shift_add import Constant, Input, Sum
 from tb.sign_off.properties import Property

@@ -1,4 +1,4 @@
-"""What is proved of input_controller, whatever drives it."""
+"""Proved properties of input_controller, whatever drives it."""
 
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import ago, frames

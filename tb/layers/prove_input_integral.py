@@ -1,4 +1,4 @@
-"""What is proved of input_integral, whatever the samples are."""
+"""Proved properties of input_integral, for all samples."""
 
 from tb.sign_off.properties import Property
 

@@ -1,4 +1,4 @@
-"""What is proved of input_node, whatever samples and weights are.
+"""Proved properties of input_node, for all samples and weights.
 
 That no sum of a layer overflows is proved of input_integral, which knows the weights.
 """

@@ -1,4 +1,4 @@
-"""What is proved of neuron, for every frame: a hidden neuron, which has no factor."""
+"""Proved properties of neuron, for every frame of a hidden neuron, which has no factor."""
 
 from golden.layers.weighted_sum import tree_depth
 from tb.sign_off.properties import Property

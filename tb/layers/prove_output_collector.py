@@ -1,4 +1,4 @@
-"""What is proved of output_collector, whatever drives it."""
+"""Proved properties of output_collector, whatever drives it."""
 
 from tb.sign_off.properties import Property
 

@@ -1,4 +1,4 @@
-"""What is proved of output_integral, whatever drives it."""
+"""Proved properties of output_integral, whatever drives it."""
 
 from tb.sign_off.properties import Property
 from tb.sign_off.tree import tree

@@ -1,4 +1,4 @@
-"""What is proved of image_receiver, whatever bytes come."""
+"""Proved properties of image_receiver, for any bytes."""
 
 from golden.link.packets import IMAGE, SYNC, kind_byte
 from tb.sign_off.properties import Property

@@ -1,4 +1,4 @@
-"""What is proved of packet_sender, whatever comes and whenever the line takes a byte."""
+"""Proved properties of packet_sender, whatever comes and whenever the line takes a byte."""
 
 from golden.link.packets import CHECK_BYTES, CHECK_PRESET, FRAME, SYNC, kind_byte
 from golden.precision import SIGNAL

@@ -1,4 +1,4 @@
-"""What is proved of axis_network, whatever either side does.
+"""Proved properties of axis_network, whatever either side does.
 
 The network inside is cut off. Its results may have any value and come in any clock, as long as
 there are no more results than good frames have been sent. This condition is proved of hybrid, in

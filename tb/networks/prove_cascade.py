@@ -1,4 +1,4 @@
-"""What is proved of cascade, whatever comes on its stream.
+"""Proved properties of cascade, whatever comes on its stream.
 
 Nothing is proved of its outputs. They depend on the frame checks of all parts, each of which comes
 later than the one before, and no induction over few clocks covers that.

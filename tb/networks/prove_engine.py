@@ -1,4 +1,4 @@
-"""What is proved of engine, with a program that can be loaded and with one that is built in.
+"""Proved properties of engine, with a loaded and with a built-in program.
 
 The proofs do not cover what the data paths compute. A program has no branches, so its clocks are
 the same for every frame.

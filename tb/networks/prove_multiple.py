@@ -1,4 +1,4 @@
-"""What is proved of multiple, whatever comes on its stream."""
+"""Proved properties of multiple, whatever comes on its stream."""
 
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import ago, frames, network

@@ -1,4 +1,4 @@
-"""What is proved of windowed, whatever comes on its stream.
+"""Proved properties of windowed, whatever comes on its stream.
 
 What the network computes is proved of the network itself.
 """

@@ -1,4 +1,4 @@
-"""What is proved of converter_reader."""
+"""Proved properties of converter_reader."""
 
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import ago, results

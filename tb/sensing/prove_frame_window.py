@@ -1,4 +1,4 @@
-"""What is proved of frame_window, whatever comes on its stream."""
+"""Proved properties of frame_window, whatever comes on its stream."""
 
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import ago, frames, results

@@ -1,4 +1,4 @@
-"""What is proved of load_profile, whatever its parts give."""
+"""Proved properties of load_profile, whatever its parts give."""
 
 from tb.sign_off.properties import Property
 

@@ -1,4 +1,4 @@
-"""What is proved of power_fold."""
+"""Proved properties of power_fold."""
 
 from tb.sign_off.properties import Property
 
