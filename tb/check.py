@@ -50,7 +50,7 @@ def main() -> None:
     wrong = len(faults(findings))
     if wrong:
         raise InputError(
-            f"{arguments.scene}: {wrong} {'fault' if wrong == 1 else 'faults'}, told above"
+            f"{arguments.scene}: {wrong} {'fault' if wrong == 1 else 'faults'}, listed above"
         )
 
 

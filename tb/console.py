@@ -129,7 +129,7 @@ def _parameter(argument: Argument) -> click.Parameter:
     key, complete = argument.name.lower(), partial(_offered, argument)
     if argument.name == WORD:
         return click.Argument([key], required=argument.needed, shell_complete=complete)
-    about = "Check what is given, print what would be done, and do nothing."
+    about = "Check the arguments, print what would be done, and do nothing."
     return click.Option(
         [key, _option(argument)],
         is_flag=argument.flag,
@@ -169,7 +169,7 @@ def _call(command: Command, /, **given: str | bool | None) -> None:
     }
     if "RECORD" in words and not is_checkout() and not words.get(WORD, "").endswith(".toml"):
         raise InputError(
-            "--record: what is recorded of a block, of a table or of a shipped scene belongs to a "
+            "--record: the records of blocks, of tables and of shipped scenes belong to a "
             "checkout of tactus; expected a scene of your own, as a path to a .toml file"
         )
     # Use the installed modules, even if the folder of the user holds modules with the same names.

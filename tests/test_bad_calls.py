@@ -113,8 +113,8 @@ READINGS = {
     "predict mine.toml mine.csv pipe": "pipe: cannot be written: got no regular file, expected a",
     "scene mine.csv y0 --to pipe.toml": "pipe.toml: cannot be written: got no regular file",
     "predict finger mine.csv a.csv": "scene 'finger': no such scene, expected a path",
-    "check finger": "finger: 1 fault, told above",
-    "check loop.toml": "loop.toml: 1 fault, told above",
+    "check finger": "finger: 1 fault, listed above",
+    "check loop.toml": "loop.toml: 1 fault, listed above",
 }
 # What blocks the output of a command: the command, a file or a folder, and the message.
 IN_THE_WAY = [
@@ -198,7 +198,7 @@ def test_a_scene_like_an_option_is_a_scene(desk: Desk, command: str, name: str) 
     code, said = desk.call(command, *words[: len(words) - len(known.last)])
     assert code == 2
     if command == "check":
-        assert said == f"error: {name}: 1 fault, told above\n"
+        assert said == f"error: {name}: 1 fault, listed above\n"
     else:
         assert said.startswith(f"error: scene {name!r}: no such scene, expected a path to a ")
         assert said.count("\n") == 1

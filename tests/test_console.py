@@ -202,7 +202,7 @@ def test_records_belong_to_a_checkout(
     capfd: pytest.CaptureFixture,
 ) -> None:
     assert called(monkeypatch, *words, "--record") == 2
-    assert capfd.readouterr().err.startswith("error: --record: what is recorded of a block, ")
+    assert capfd.readouterr().err.startswith("error: --record: the records of blocks, ")
     assert not started
     assert called(monkeypatch, "synth", "mine.toml", "--record") == 0
     assert started.pop() == BY_NAME["synth"].words({"SCENE": "mine.toml", "RECORD": "1"})

@@ -249,7 +249,7 @@ def test_the_command_ends_with_2_where_there_is_a_fault(path: Path) -> None:
     folder_for_a_file(path)
     done = run("tb.check", str(path), "--build", str(path.parent / "build"))
     assert done.returncode == 2
-    assert done.stderr == f"error: {path}: {done.stdout.count('fault  ')} faults, told above\n"
+    assert done.stderr == f"error: {path}: {done.stdout.count('fault  ')} faults, listed above\n"
 
 
 def test_no_search_begins_with_a_fault(path: Path) -> None:

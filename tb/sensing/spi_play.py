@@ -44,7 +44,7 @@ async def listen(bench, reader, resets, watch, convert, fault=lambda number: Non
     for name in PINS:
         rows = every if name != "mosi" else every[columns["cs_n"][every] == 0]
         both = ([one.columns[name][t] for t in rows] for one in (asked, recording))
-        assert len({tuple(bits) for bits in both}) == 1, f"{name} hangs on what is answered"
+        assert len({tuple(bits) for bits in both}) == 1, f"{name} depends on the answers"
     return recording, transfers
 
 

@@ -48,10 +48,11 @@ def activations(_: int) -> Table:
             "interval clocks",
         ],
         rows,
-        "Against tanh: equation 4.32 as printed, and twice that, as the thesis' figures need it; "
-        "the largest error in units of 2^-13 over every input code, |q| to 3 in floating point and "
-        "in thesis precision, to 8 in exact. Latency from a code to its result, interval from "
-        "one code to the next; with fewer iterations pade needs fewer of both.",
+        "Errors against tanh: equation 4.32 as printed, and twice that, which agrees with the "
+        "figures of the thesis. The largest error is in units of 2^-13 over every input code, with "
+        "|q| to 3 in floating point and in thesis precision, and to 8 in exact precision. The "
+        "latency is from a code to its result, and the interval from one code to the next. With "
+        "fewer iterations, pade needs fewer clocks for both.",
     )
 
 

@@ -34,8 +34,8 @@ def adder_errors(seed: int) -> Table:
         "adder_errors",
         ["scene", "cause", "recorded, 2^-13", "random, 2^-13"],
         rows,
-        "The network in floating point, to which one cause of error after the other is added: mean "
-        "magnitude of the difference, as in one_network.",
+        "The causes of error are added one after the other to the network in floating point. The "
+        "figures are the mean magnitude of the difference, as in one_network.",
     )
 
 

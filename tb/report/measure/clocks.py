@@ -62,10 +62,10 @@ def clocks(_: int) -> Table:
             "interval clocks",
         ],
         rows,
-        "The output with the largest error of each scene, bit-true, on all of its recorded "
-        "vectors: the largest mean over the positions (equation 3.15) and the mean. Those of "
-        "appendix2 are percent of the target, or of 0.9 for position and width; those of "
-        "swing-train percent of 1.4, from end to end, without positions, so the two do not "
-        "compare. Clocks from the first sample to the last output, and from one frame to the "
-        "next; thesis and digit-instrument wait for their sensors.",
+        "For each scene, the output with the largest bit-true error on all recorded vectors, with "
+        "the largest mean over the positions (equation 3.15) and the mean. Errors on appendix2 are "
+        "in percent of the target, or of 0.9 for position and width. Errors on swing-train are in "
+        "percent of 1.4, from end to end, without positions, so the two cannot be compared. The "
+        "clocks are those from the first sample to the last output, and from one frame to the "
+        "next. thesis and digit-instrument wait for their sensors.",
     )

@@ -79,8 +79,9 @@ def blocks(scene: Scene, design: Network, found: Costs) -> Table:
         "blocks",
         ["family", "largest entity", "entities", *columns],
         rows,
-        f"Of each block of scene {scene.name} the entity with the most LUTs, with all that it "
-        f"contains, and how many entities there are. Yosys, hierarchy kept; {meaning}.",
+        f"For each block of scene {scene.name}, the entity with the most LUTs, with everything "
+        f"that it contains, and the number of entities. Yosys counted the cells and kept the "
+        f"hierarchy; {meaning}.",
     )
 
 

@@ -22,10 +22,10 @@ NONE = "as recorded"
 BOUND = ", bound"
 MEANING = (
     "Bit-true mean errors in percent on all recorded rows with disturbed readings. Sizes are "
-    "standard deviations: of noise and offsets in the unit of the readings, 0.001 is 1 mV of a "
-    "volt; of gains a part of the reading. Noise differs from reading to reading, "
-    "a drift of gain or offset from sensor to sensor. All rows are drawn so many times that they "
-    f"are {FRAMES:,} frames or more, each with a drift of its own."
+    "standard deviations. Those of noise and offsets are in the unit of the readings, so that "
+    "0.001 is 1 mV of a volt; those of gains are a part of the reading. Noise differs from reading "
+    "to reading, and the drift of gain or offset from sensor to sensor. All rows are drawn "
+    f"repeatedly, until there are {FRAMES:,} frames or more, each with a drift of its own."
 )
 
 

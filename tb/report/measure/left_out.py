@@ -73,8 +73,8 @@ def left_out(_: int) -> Table:
         "left_out",
         ["scene", "design", "blocks", *(f"{k}, {how}" for k in kinds for how in (WHOLE, LEAN))],
         rows,
-        f"Whole: every segment of every activation, every hidden node, every bit of a sum; as it "
-        f"is: what the scene's hardware holds. Cells: Yosys, synth_xilinx -family {FAMILY}, as "
-        "make lean RECORD=1 recorded them. Words: of programs and of the tables of activations and "
-        "of exp.",
+        f"'{WHOLE}' has every segment of every activation, every hidden node and every bit of a "
+        f"sum. '{LEAN}' is what the hardware of the scene holds. The cells are those of Yosys, "
+        f"synth_xilinx -family {FAMILY}, as make lean RECORD=1 recorded them. The words are those "
+        "of programs, and of the tables of activations and of exp.",
     )

@@ -182,10 +182,11 @@ def confidence(found: Outcome) -> Table:
         "confidence",
         ["output", "figure", "rows", "%", "from", "to"],
         rows,
-        "Errors in percent, bit-true but where it says so, and between what they lie in "
-        f"{SURE} % of {RESAMPLES} resamples (bootstrap, seed {SEED}). Drawn are {unit}; at one "
-        "position single rows. It tells what chance in these rows does, not what other loads or "
-        "other sensors would do. Of a worst row it tells nothing: no draw goes beyond it.",
+        "Errors in percent, which are bit-true unless stated otherwise, and the interval that "
+        f"holds them in {SURE} % of {RESAMPLES} resamples (bootstrap, seed {SEED}). The resamples "
+        f"draw {unit}, and at one position single rows. The interval shows the effect of chance in "
+        f"these rows, and not of other loads or other sensors. For a worst row it shows nothing, "
+        f"because no draw exceeds it.",
     )
 
 
@@ -212,9 +213,9 @@ def sensors(found: Outcome) -> Table:
             "at either end",
         ],
         rows,
-        "Readings beyond what the first and the last code stand for are replaced by the nearest "
-        "code. Many that are the least or the largest one tell of a sensor that was saturated "
-        "before it was recorded.",
+        "Readings beyond the first or the last code are replaced by the nearest code. If many "
+        "readings are the least or the largest one, the sensor was probably saturated before it "
+        "was recorded.",
     )
 
 
@@ -233,9 +234,10 @@ def telling(scene: Scene) -> Table | None:
         "sensors_tell",
         ["left out", "follows %", *(f"{name} %" for name in found.outputs)],
         rows,
-        "Mean errors, as the scene counts them, of a smooth map from the sensors to the outputs "
-        "(Gaussian kernel ridge regression), fitted anew without each sensor, on rows held out "
-        "from the fit; without all it is a constant. Networks err less; what a network loses "
-        "without a sensor, training tells. Follows: the part of a sensor's variance that the "
-        f"outputs, or these and the other sensors, explain; of noise it is about 0 or less.{drop}",
+        "Mean errors, by the measure of the scene, of a smooth map from the sensors to the outputs "
+        "(Gaussian kernel ridge regression). It is fitted again without each sensor, and measured "
+        "on rows held out from the fit. Without all sensors it is a constant. Networks have "
+        "smaller errors; only training shows what a network loses without a sensor. 'follows' is "
+        "the part of a sensor's variance that the outputs, or these and the other sensors, "
+        f"explain. For noise it is about 0 or less.{drop}",
     )

@@ -88,9 +88,9 @@ def compare_simulators(scene: Scene, netlist: bool = False) -> Table:
         ],
         rows,
         f"The {len(codes)} recorded frames of scene {scene.name} through {design.entity}, as close "
-        "as it takes them; in numpy all at once, and repeated to a million. Elaboration and "
-        "compilation are left out, cocotb's driving and recording are in. The bench compares what "
-        "GHDL and Icarus give; any difference fails the report.",
+        "as it takes them; in numpy all at once, and repeated to a million. The times do not "
+        "include elaboration and compilation, but they include driving and recording by cocotb. "
+        "The bench compares the results of GHDL and Icarus, and any difference fails the report.",
         timed=["seconds", "frames a second"],
     )
 

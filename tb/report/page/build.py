@@ -54,11 +54,11 @@ def made(seconds: float) -> list[str]:
     return [
         f"Made by make report in {seconds:.0f} s on {machine['processor']}; "
         f"{machine['instructions']}; {machine['versions']}.",
-        "Run times are those of this machine; every other figure comes out the same again on it. "
-        "Another processor rounds last bits otherwise, which changes where trainings end and how "
-        "many evaluations an integrator takes (docs/figures.md), and nothing of the hardware. Each "
-        "plot is an SVG and each table a CSV in the folder beside this file; report.json holds "
-        "all of them.",
+        "Run times are those of this machine, which reproduces every other figure exactly. Another "
+        "processor rounds last bits differently. That changes where trainings end and how many "
+        "evaluations an integrator takes (docs/figures.md), but nothing in the hardware. Each plot "
+        "is an SVG and each table a CSV in the folder beside this file. report.json holds all of "
+        "them.",
     ]
 
 

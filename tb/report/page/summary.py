@@ -49,10 +49,10 @@ def errors(found: Outcome, moved: Table | None) -> Table:
         noisy = [float(errors[:, c].mean()) for errors in found.noisy.values()]
         rows.append([name, error.mean, error.largest_mean, error.worst, held, *noisy])
     note = (
-        "Bit-true, which is what the hardware computes, on the recorded rows"
-        + (f"; largest: the largest mean at one {scene.group_by}. " if scene.group_by else ". ")
-        + f"Held out: the mean; rows: {held_out_text(scene)}. Noise: the mean "
-        "with so much on every reading, in its unit."
+        "Bit-true errors, which are those of the hardware, on the recorded rows. "
+        + (f"Largest is the largest mean at one {scene.group_by}. " if scene.group_by else "")
+        + f"Held out is the mean on held-out rows; rows: {held_out_text(scene)}. Noise is the mean "
+        "with noise of this size on every reading, in its unit."
     )
     if not scene.group_by:
         columns, rows = _without(2, columns), [_without(2, row) for row in rows]
