@@ -13,11 +13,11 @@ from golden.scene.uart import UART
 from golden.scene.visualisation import VISUALISATION
 from golden.schema import Alternatives, Each, Flag, Key, List, Number, Span, Table, Text, Whole
 
-# SCENE for an editor. ``make pages`` writes it, and the first line of a scene that ``make scene``
-# writes names it.
+# SCENE for an editor, which finds it by the first line of what make scene writes; ``make pages``
+# writes it.
 EDITOR_SCHEMA = Path(__file__).with_name("scene.schema.json")
 FEWEST = "fewest"
-# By which part of itself the error of an output may grow with digits = "fewest".
+# What digits = "fewest" lets an output err more, as a part of its error.
 DIGITS_TOLERANCE = 0.02
 # An engine's memory of operands has as many words.
 MOST_HIDDEN = 1024
