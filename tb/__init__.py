@@ -1,1 +1,1 @@
-"""cocotb benches and their runner."""
+"""The cocotb benches, their runner, sign-off, the report and the monitor."""

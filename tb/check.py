@@ -1,4 +1,5 @@
-"""``make check``: what can be wrong with a scene, a line for each thing that was looked at."""
+"""``make check``: looks for everything that can be wrong with a scene, with a line for each "
+"check."""
 
 from __future__ import annotations
 
@@ -18,7 +19,7 @@ from tb.common.tools import SIMULATORS, version
 
 
 def tools() -> list[Finding]:
-    """The simulators; training and export do without."""
+    """Findings about the simulators, which training and export do not need."""
     found = versions("python", "numpy", "scipy", "myhdl", "cocotb")
     text = ", ".join(f"{name} {number}" for name, number in found.items())
     findings = [Finding(OK, "versions", text)]
@@ -32,7 +33,7 @@ def tools() -> list[Finding]:
 
 
 def check(name: str, build: Path) -> list[Finding]:
-    """Everything about a scene and this machine."""
+    """All findings about a scene and this machine."""
     findings: list[Finding] = []
     with collect_faults(findings):
         findings += everything(load_scene(name), build)
@@ -49,7 +50,7 @@ def main() -> None:
     wrong = len(faults(findings))
     if wrong:
         raise InputError(
-            f"{arguments.scene}: {wrong} {'fault' if wrong == 1 else 'faults'}, told above"
+            f"{arguments.scene}: {wrong} {'fault' if wrong == 1 else 'faults'}, listed above"
         )
 
 

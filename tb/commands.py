@@ -1,9 +1,9 @@
-"""Every command of ``make``: what it is for, what it may be given, and the module that does it.
+"""Every command of ``make``: its purpose, its variables, and the module that does the work.
 
-From this one table come ``make help``, the command ``tactus`` (``tb.console``), the table of
-commands in ``docs/README.md``, the words that a module is called with, and what the tests know of
-commands. ``make help`` must work before
-anything is installed, so this file imports nothing but the standard library.
+This one table is the source of ``make help``, of the command ``tactus`` (``tb.console``), of the
+table of commands in ``docs/README.md``, of the words that a module is called with, and of what the
+tests know about commands. ``make help`` must work before anything is installed, so this file
+imports nothing but the standard library.
 """
 
 from __future__ import annotations
@@ -23,23 +23,23 @@ INDENT = 10
 
 @dataclass(frozen=True)
 class Argument:
-    """A variable that a command of make may be given.
+    """A variable that a command of make accepts.
 
     Attributes
     ----------
     name : str
-        As it is given: ``BLOCK``.
+        The name of the variable, such as ``BLOCK``.
     example : str
-        What the help shows behind ``=``.
+        What the help shows after ``=``.
     option : str
-        What stands in front of its value where the module is called: ``--block=``. Empty for a word
-        of its own.
+        What precedes the value when the module is called, such as ``--block=``. It is empty if the
+        value is a word by itself.
     flag : bool
-        Whether ``option`` is all that the module is called with, for any value but 0.
+        Whether the module is called with ``option`` alone, for any value but 0.
     default : str or None
-        The word where it is not given; None for no word.
+        The word if the variable is not set; None for no word.
     needed : bool
-        Whether the command does nothing without it.
+        Whether the command requires the variable.
     """
 
     name: str
@@ -51,12 +51,12 @@ class Argument:
 
     @property
     def usage(self) -> str:
-        """How the help shows it; in brackets what may be left out."""
+        """The variable as the help shows it, in brackets if it may be left out."""
         text = f"{self.name}={self.example}"
         return text if self.needed else f"[{text}]"
 
     def words(self, given: Mapping[str, str]) -> list[str]:
-        """What it adds to the words that the module is called with."""
+        """The words that the variable adds to the call of the module."""
         value = given.get(self.name)
         if self.flag:
             return [self.option] if value not in (None, "", "0") else []
@@ -69,17 +69,17 @@ class Argument:
 def word(
     name: str, example: str = "", default: str | None = None, needed: bool = False
 ) -> Argument:
-    """A word of its own."""
+    """A variable whose value is a word by itself."""
     return Argument(name, example, default=default, needed=needed)
 
 
 def option(name: str, example: str = "", needed: bool = False) -> Argument:
-    """``NAME=x`` becomes ``--name=x``."""
+    """A variable whose ``NAME=x`` becomes ``--name=x``."""
     return Argument(name, example, f"--{name.lower()}=", needed=needed)
 
 
 def flag(name: str) -> Argument:
-    """``NAME=1`` becomes ``--name``."""
+    """A variable whose ``NAME=1`` becomes ``--name``."""
     return Argument(name, "1", f"--{name.lower()}", flag=True)
 
 
@@ -90,15 +90,15 @@ class Command:
     Attributes
     ----------
     name : str
-        The target.
+        The name of the target.
     purpose : str
-        One sentence.
+        One sentence that says what the command does.
     arguments : tuple of Argument
-        In the order of the words that the module is called with.
+        The variables, in the order in which the module takes them.
     module : str
-        What does it; empty for what the Makefile does itself.
+        The module that does the work. It is empty if the Makefile does it itself.
     last : tuple of str
-        Words that the module is always called with, behind the others.
+        Words that always end the call of the module.
     """
 
     name: str
@@ -109,15 +109,15 @@ class Command:
 
     @property
     def usage(self) -> str:
-        """The command with all that it may be given; what it needs stands first."""
+        """The command with all of its variables, the required ones first."""
         ordered = sorted(self.arguments, key=lambda argument: not argument.needed)
         return " ".join(["make", self.name, *(argument.usage for argument in ordered)])
 
     def words(self, given: Mapping[str, str]) -> list[str]:
-        """What follows ``python`` where the variables ``given`` are given.
+        """The words after ``python`` for the variables ``given``.
 
-        A word that looks like an option is still the word that was given: then ``--`` stands
-        between the options and the words.
+        If a word looks like an option, ``--`` separates the options from the words, so that it is
+        still read as a word.
         """
         options: list[str] = []
         words: list[str] = []
@@ -130,10 +130,10 @@ class Command:
 
 
 SCENE = word("SCENE", default="digit")
-# A scene that the command chooses itself where none is given.
+# For these the command itself chooses a scene if none is given.
 OPTIONAL_SCENE = word("SCENE")
-# Where scene digit would be refused, since it has none of that: a board and its serial line, an
-# engine that can be reloaded, one network for all outputs.
+# These commands would refuse scene digit, which has no board with a serial line, no engine that can
+# be reloaded, and not one network for all outputs.
 BOARD_SCENE = word("SCENE", default="digit-board")
 RELOADED_SCENE = word("SCENE", default="digit-reload")
 SINGLE_SCENE = word("SCENE", default="digit-single")
@@ -401,7 +401,7 @@ CLOSING = (
 
 
 def scene_names() -> list[str]:
-    """As ``golden.scene.scene_names``, which needs numpy."""
+    """The same names as ``golden.scene.scene_names``, which needs numpy."""
     folder = ROOT / "golden" / "scenes"
     return sorted(
         path.parent.name for path in folder.glob("*/*.toml") if path.parent.name == path.stem
@@ -409,10 +409,10 @@ def scene_names() -> list[str]:
 
 
 def help_text() -> str:
-    """What ``make`` alone prints."""
+    """The text that ``make`` without a target prints."""
     lines = []
     for command in COMMANDS:
-        # Brackets hold no blank, so no argument is cut.
+        # There is no blank within brackets, so no line break falls into an argument.
         lines += _wrapped(command.usage, "", " " * INDENT)
         lines += _wrapped(command.purpose, " " * INDENT, " " * INDENT)
     names = ", ".join(scene_names())
@@ -434,14 +434,14 @@ def _wrapped(text: str, first: str, others: str) -> list[str]:
 
 
 def start(command: Command, given: Mapping[str, str]) -> NoReturn:
-    """Call what does a command, in the place of this process."""
+    """Replace this process by the module of a command."""
     os.execv(sys.executable, [sys.executable, *command.words(given)])
 
 
 def main() -> None:
-    """``python -m tb.commands TARGET``: print the help, or call what does it.
+    """``python -m tb.commands TARGET``: print the help, or run a command.
 
-    What is given stands in the environment, where no character of it is special.
+    The values of the variables come from the environment, where no character is special.
     """
     name = sys.argv[1]
     if name == "help":

@@ -1,8 +1,8 @@
-"""``tactus COMMAND``: the commands of ``tb.commands`` from any folder, where tactus is installed.
+"""``tactus COMMAND``: the commands of ``tb.commands``, from any folder, where tactus is installed.
 
-click reads the command line, and the table says what it may hold: ``SCENE`` is a word, what make
-takes as ``NAME=1`` is a flag ``--name``, and any other ``NAME=x`` an option ``--name=x``. What was
-given then goes to the same module as from make.
+click reads the command line, and the table says what the line may hold. ``SCENE`` is a word, a
+variable ``NAME=1`` of make is a flag ``--name``, and any other ``NAME=x`` is an option
+``--name=x``. The values then go to the same module as from make.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from tb.commands import (
 
 NAME = "tactus"
 WORD = "SCENE"
-# What takes the name or the path of a scene.
+# The variables whose value is the name or the path of a scene.
 SCENES = (WORD, "HARDWARE", "BESIDE")
 DRY = flag("DRY")
 ARGUMENTS = {a.name: a for a in (DRY, *(a for c in COMMANDS for a in c.arguments))}
@@ -43,7 +43,7 @@ SETTINGS: dict[str, Any] = {"help_option_names": ["-h", "--help"], "max_content_
 
 
 def typed(text: str) -> str:
-    """A text of the table with commands and variables as ``tactus`` takes them."""
+    """A text of the table, with its commands and variables written as ``tactus`` takes them."""
     text = re.sub(rf"\bmake (?=(?:{'|'.join(BY_NAME)})\b)", f"{NAME} ", text)
     return re.sub(r"\b([A-Z]+)=(\w*)", lambda found: _typed(found[0], *found.groups()), text)
 
@@ -62,21 +62,21 @@ def _option(argument: Argument) -> str:
 
 
 def _paragraph(text: str) -> str:
-    """Lines that click takes as they are: it would break names at their hyphens."""
+    """A paragraph that click does not wrap again, since it would break names at their hyphens."""
     return "\b\n" + textwrap.fill(text, 76, break_long_words=False, break_on_hyphens=False)
 
 
 class Front(click.Group):
-    """All commands in the order of the table; of an unknown one it names the nearest."""
+    """All commands in the order of the table. An unknown command gets a suggestion."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """As they stand in the table, and not by the alphabet."""
+        """The commands in the order of the table, and not of the alphabet."""
         return list(self.commands)
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """As click does it, but for commands that there are not."""
+        """Find a command as click does, and suggest the nearest name for an unknown one."""
         name = args[0]
         if name not in self.commands and not ctx.resilient_parsing and not name.startswith("-"):
             # Only here, since it imports numpy.
@@ -92,7 +92,7 @@ class Front(click.Group):
 
 
 def front() -> Front:
-    """The commands of the table that tactus itself has, and not make."""
+    """The commands of the table that ``tactus`` has; some exist only in make."""
     closing = (
         f"SCENE is a path to a .toml file, or one of {', '.join(scene_names())}.",
         "Results go below build in the folder in which you stand.",
@@ -129,7 +129,7 @@ def _parameter(argument: Argument) -> click.Parameter:
     key, complete = argument.name.lower(), partial(_offered, argument)
     if argument.name == WORD:
         return click.Argument([key], required=argument.needed, shell_complete=complete)
-    about = "Check what is given, print what would be done, and do nothing."
+    about = "Check the arguments, print what would be done, and do nothing."
     return click.Option(
         [key, _option(argument)],
         is_flag=argument.flag,
@@ -143,7 +143,7 @@ def _parameter(argument: Argument) -> click.Parameter:
 def _offered(
     argument: Argument, _: click.Context, __: click.Parameter, begun: str
 ) -> list[CompletionItem]:
-    """What completes a word that has begun; a shell adds the files where one may be meant."""
+    """The completions of a word. A shell adds file names where a file is possible."""
     names: Sequence[str] = ()
     if argument.name == "BLOCK":
         # Only here, since it imports numpy.
@@ -161,7 +161,7 @@ def _offered(
 
 
 def _call(command: Command, /, **given: str | bool | None) -> None:
-    """Give over to the module of a command, with what was given as make names it."""
+    """Run the module of a command with the values, under the names that make gives them."""
     words = {
         key.upper(): "1" if value is True else str(value)
         for key, value in given.items()
@@ -169,22 +169,22 @@ def _call(command: Command, /, **given: str | bool | None) -> None:
     }
     if "RECORD" in words and not is_checkout() and not words.get(WORD, "").endswith(".toml"):
         raise InputError(
-            "--record: what is recorded of a block, of a table or of a shipped scene belongs to a "
+            "--record: the records of blocks, of tables and of shipped scenes belong to a "
             "checkout of tactus; expected a scene of your own, as a path to a .toml file"
         )
-    # Modules are those that are installed, whatever the folder of the user holds by their names.
+    # Use the installed modules, even if the folder of the user holds modules with the same names.
     os.environ["PYTHONSAFEPATH"] = "1"
     os.environ[DRY.name] = words.pop(DRY.name, "")
     start(command, words)
 
 
 def _parsed() -> int:
-    """Read the command line, and do what it says.
+    """Read the command line and run its command.
 
     Raises
     ------
     InputError
-        For a command line that no command takes.
+        For a command line that no command accepts.
     """
     try:
         code = front().main(sys.argv[1:] or ["--help"], prog_name=NAME, standalone_mode=False)
@@ -197,7 +197,7 @@ def _parsed() -> int:
 
 
 def main() -> int:
-    """The exit code of the command line."""
+    """Run the command line and return its exit code."""
     return run(_parsed)
 
 

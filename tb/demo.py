@@ -1,11 +1,12 @@
-"""``make demo``: scenes end to end, and one table of what came out.
+"""``make demo``: runs scenes from end to end and prints the results in one table.
 
-Every block of a scene is simulated under GHDL and Icarus against its twin on the exported files;
-then the errors on the recorded vectors are printed beside the clocks and the simulators' speed.
-Without a scene these are the default ones, and a table has them side by side. Of entities of one
-block that differ in constants alone one is simulated by itself, and all within their networks; see
-``tb.common.results.chosen``. ``--full`` simulates each. Benches whose inputs have not changed since
-they passed are not run again, also where an earlier demo was interrupted.
+Every block of a scene is simulated under GHDL and Icarus on the exported files, and compared with
+its twin. Then the errors on the recorded vectors are printed, with the clocks and the speed of the
+simulators. Without a scene the default scenes are run, and a table shows them side by side. If
+entities of one block differ only in their constants, one of them has a simulation of its own, and
+all are simulated within their networks; see ``tb.common.results.chosen``. ``--full`` simulates each
+by itself. A bench that has passed and has not changed since is not run again, even if an earlier
+demo was interrupted.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ from tb.report.side_by_side import side_by_side
 
 
 def twin_speed(scene: Scene) -> float:
-    """Frames a second of the bit-true numpy twin on one core."""
+    """How many frames per second the bit-true numpy twin computes on one core."""
     design = scene.twin().core
     codes = np.tile(scene.vectors().codes, (200, 1))
     started = time.perf_counter()
@@ -54,8 +55,11 @@ def twin_speed(scene: Scene) -> float:
 
 
 def error_table(scene: Scene) -> list[str]:
-    """Per output: mean, largest mean over positions and worst frame, in real arithmetic and as the
-    hardware has it; its mean on what the networks have not seen, and with noise."""
+    """The errors of every output, in real arithmetic and in the hardware.
+
+    These are the mean, the largest mean over the positions, the worst frame, the mean on rows that
+    the networks have not seen, and the mean with noise.
+    """
     found, held_out = scene_errors(scene), held_out_means(scene)
     triple = "  mean  largest  worst"
     columns = [(f"{kind:^22}", f"{triple:22}") for kind in ("float", "bit-true")]
@@ -85,7 +89,7 @@ def error_table(scene: Scene) -> list[str]:
 
 
 def clock_lines(scene: Scene, clocks: int, interval: int) -> list[str]:
-    """Clocks of a frame and between frames, and what these are at the scene's clock."""
+    """The clocks of a frame and between frames, and these times at the clock of the scene."""
     return [
         f"clocks a frame            {clocks}, first sample in to last output out "
         f"({clocks / scene.clock_mhz:.3f} us at {scene.clock_mhz:g} MHz)",
@@ -95,7 +99,7 @@ def clock_lines(scene: Scene, clocks: int, interval: int) -> list[str]:
 
 
 def length_lines(scene: Scene) -> list[str]:
-    """The bit-true errors of lengths in millimetres, and of what has a scale in its unit."""
+    """The bit-true errors of lengths in millimetres, and of outputs with a scale in their unit."""
     found = scene_errors(scene)["bit-true"]
     lines = []
     for name, error in zip(scene.outputs, found, strict=True):
@@ -115,7 +119,7 @@ def length_lines(scene: Scene) -> list[str]:
 
 
 def report(scene: Scene, results: dict[str, Any]) -> str:
-    """Errors, clocks, what was left out, and speed."""
+    """The text about errors, clocks, what was left out, and speed."""
     vectors, design = scene.vectors(), scene.twin().core
     facts = results["facts"]
     first = next(iter(facts.values()))
@@ -147,7 +151,7 @@ def report(scene: Scene, results: dict[str, Any]) -> str:
 
 
 def bench_table(scene: Scene, results: dict[str, Any]) -> str:
-    """Entities and values compared, a line per block."""
+    """The numbers of entities and of compared values, one line for each block."""
     lines = [
         "",
         f"scene {scene.name}",
@@ -190,7 +194,7 @@ def main() -> int:
         print(text)
         for simulator in SIMULATORS:
             print(f"{language(simulator):8} in {BUILD / scene.name / language(simulator)}")
-        # What is the project's own takes longer than all else, and would be the same in each.
+        # The tables about the project itself take longest, and would be the same in each report.
         with stage(f"{scene.name}: writing the report"):
             build_report(scene, arguments.full, own=len(scenes) == 1)
     if len(scenes) > 1:

@@ -1,7 +1,7 @@
-"""``python -m tb.set_up VENV``: an environment with all that tactus needs, which make asks for.
+"""``python -m tb.set_up VENV``: makes an environment with everything that tactus needs, for make.
 
-It runs before anything is installed, so it imports nothing but the standard library and what does
-so too. What pip prints is printed, and where pip is silent a line every few seconds.
+It runs before anything is installed, so it imports only the standard library and modules that do
+the same. It prints what pip prints, and a line every few seconds while pip is silent.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from pathlib import Path
 
 from golden.progress import stage
 
-# Colours and bars are for a terminal that pip does not always have.
+# Pip does not always have a terminal, so it shows no colours and no progress bars.
 PIP = ("-m", "pip", "--disable-pip-version-check", "--no-color", "install", "--progress-bar=off")
-# Pip compiles on one core what is compiled here on all of them.
+# Pip would compile on one core. Here all cores are used.
 WHAT = ("--no-compile", "-e", ".[dev]")
 COMPILE = ("-m", "compileall", "-qq", "-j", "0")
 
@@ -29,7 +29,7 @@ def main() -> int:
         python = str(Path(venv) / "bin" / "python")
         installed = subprocess.run([python, *PIP, *WHAT], check=False).returncode
         if installed == 0:
-            # Of some packages a file is for another Python, and nobody imports it.
+            # Some packages hold a file for another Python, which nobody imports.
             subprocess.run([python, *COMPILE, str(Path(venv) / "lib")], check=False)
         return installed
 

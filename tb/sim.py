@@ -1,8 +1,8 @@
 """``make sim``: the benches of one block, or of every block of a scene.
 
-Without a scene they are those of the default scenes; a block that these do not contain is looked
-for elsewhere (``tb/common/where.py``), and a line says where it was found. Benches run on the
-exported VHDL and Verilog, or on what ``--netlist`` names (``tb/sign_off/netlist.py``).
+Without a scene the benches of the default scenes are run. A block that these do not contain is
+searched elsewhere (``tb/common/where.py``), and a line says where it was found. Benches run on the
+exported VHDL and Verilog, or on the netlist that ``--netlist`` names (``tb/sign_off/netlist.py``).
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ MOST_FRAMES = 1_000_000
 
 
 def conclude(outcomes: list[Outcome]) -> int:
-    """The closing line and the exit code."""
+    """Print the closing line and return the exit code."""
     failed = sum(not o.passed for o in outcomes)
     compared = sum(o.compared for o in outcomes)
     print(f"{len(outcomes)} benches, {failed} failed, {compared} results compared")
@@ -55,7 +55,7 @@ def main() -> int:
     for simulator in simulators:
         check_simulator(simulator)
     with TemporaryDirectory() as folder:
-        # A dry run leaves no scene of a case behind.
+        # A dry run must not leave the scene of a case behind.
         build = Path(folder) if dry() else BUILD
         found = places(arguments.scene, arguments.block, build)
         count = 0

@@ -1,4 +1,4 @@
-"""A whole board as the cells of its device, beside its Verilog: converter in, serial line out."""
+"""Simulates a whole board as cells of its device beside its Verilog, from converter to line."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from hdl.boards.wrapper import RESET_WIDTH
 from hdl.export.exporter import export
 from tb.sign_off.cell_models import models_for
 
-# The MCP3208 as it answers: bit n stands at the n-th rise of sclk.
+# This model answers as an MCP3208: bit n is on the wire at the n-th rise of sclk.
 BENCH = """
 module bench;
   reg oscillator = 0, miso = 1, rx = 1;
@@ -80,15 +80,15 @@ Change = Callable[[str], str]
 
 @dataclass(frozen=True)
 class Played:
-    """What was seen.
+    """What a simulation has shown.
 
     Attributes
     ----------
     line : bytes
-        What the cells sent.
+        The bytes that the cells sent.
     compared, differ, unknown : int
-        Clocks: all, those in which an output of the cells is not that of the Verilog, and those in
-        which one is not known.
+        The numbers of compared clocks, of clocks in which an output of the cells differs from the
+        Verilog, and of clocks in which an output is unknown.
     """
 
     line: bytes
@@ -98,9 +98,9 @@ class Played:
 
 
 def play(scene: Scene, board: Board, voltages: Codes, folder: Path, change: Change = str) -> Played:
-    """Load the scene's image, if it takes one, and show the converter's codes of some voltages.
+    """Load the image of the scene, if it takes one, and play the converter's codes of voltages.
 
-    ``change`` is made in the netlist.
+    ``change`` is applied to the netlist.
     """
     design = scene.twin()
     assert isinstance(design, UartInstrument)
@@ -153,7 +153,7 @@ def play(scene: Scene, board: Board, voltages: Codes, folder: Path, change: Chan
 
 
 def frames_of(line: bytes, design: UartInstrument) -> list[tuple[int, list[int], list[int]]]:
-    """Count, samples and outputs of each packet on a line that begins between two."""
+    """The count, samples and outputs of each packet. The line begins between two packets."""
     layout = design.packet_sender.layout
     size = layout.packet_bytes
     found = []
@@ -165,7 +165,7 @@ def frames_of(line: bytes, design: UartInstrument) -> list[tuple[int, list[int],
 
 
 def expected_of(design: UartInstrument, voltages: Codes) -> list[tuple[list[int], list[int]]]:
-    """Samples and outputs of each frame."""
+    """The expected samples and outputs of each frame."""
     reader = design.converter_reader
     samples = reader.process(reader.converted(voltages))
     outputs = np.asarray(design.process(voltages))

@@ -1,4 +1,4 @@
-"""``make test``: pytest on all cores, on the tests that are named or on all."""
+"""``make test``: runs pytest on all cores, for the named tests or for all."""
 
 from __future__ import annotations
 

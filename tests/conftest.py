@@ -1,4 +1,4 @@
-"""Tiers, what the tests of a run share, and small scenes."""
+"""The two tiers of tests, what the tests of a run share, and small scenes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from tb.common.cases import random_mlp, write_scene
 from tb.common.tools import simulator_versions
 
 STARTED = time.perf_counter()
-# How long each test of ALL=1 took that was run and passed.
+# How long each test took that only ALL=1 runs, if it passed.
 TIMES: dict[str, float] = {}
 # Tests that simulate, synthesise, or measure.
 LONG = (
@@ -30,7 +30,7 @@ LONG = (
     *("test_lean", "test_new_design", "test_report", "test_site", "test_synth", "test_tutorial"),
 )
 
-# Nothing hangs on how busy the cores are.
+# No test may depend on how busy the cores are.
 settings.register_profile("untimed", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("untimed")
 
@@ -43,20 +43,20 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "all_only: run by make test ALL=1 alone")
-    # Hundreds of processes import the same modules: none of them should compile these anew.
+    # Hundreds of processes import the same modules. None of them should compile these again.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     # matplotlib keeps the list of fonts that it once found, for all environments of a user. One
     # that ran while its environment was removed leaves a list without the fonts it ships.
     os.environ["MPLCONFIGDIR"] = str(Path(sys.prefix) / "matplotlib")
-    # What this run was given, such as ALL=1, is not given to the commands that tests call.
+    # The variables of this run, such as ALL=1, are not passed to the commands that tests call.
     for name in ("MAKEFLAGS", "MAKEOVERRIDES", "PYTEST_ADDOPTS", *GIVEN):
         os.environ.pop(name, None)
 
 
 def by_scene(items: list[pytest.Item]) -> list[list[pytest.Item]]:
-    """The tests of each case or scene together, since the first of them makes its exports.
+    """Put the tests of each case or scene together, because the first of them makes its exports.
 
-    A worker that had one of them alone would wait while another worker exports.
+    Otherwise a worker with one of these tests would wait while another worker exports.
     """
     groups: dict[str, list[pytest.Item]] = {}
     for item in items:
@@ -67,10 +67,10 @@ def by_scene(items: list[pytest.Item]) -> list[list[pytest.Item]]:
 
 
 def long_first(items: list[pytest.Item], workers: int) -> list[pytest.Item]:
-    """The same tests, each worker's share beginning with its part of those that take long.
+    """Reorder the tests, so that the share of each worker begins with its part of the long tests.
 
-    Worker i of n begins with the i-th of n equal parts of the list; whoever is ready first takes of
-    another's end, so what is left last is short.
+    Worker i of n begins with the i-th of n equal parts of the list. A worker that has finished
+    takes tests from the end of another's part, so the last tests are short.
     """
     modules = {name: [i for i in items if i.path.stem == name] for name in LONG}
     benches = by_scene(modules.pop("test_benches"))
@@ -79,7 +79,7 @@ def long_first(items: list[pytest.Item], workers: int) -> list[pytest.Item]:
     for worker in range(workers):
         for scene in benches[worker::workers]:
             found += scene
-        # What a module makes first is made by one.
+        # The first tests of a module make what the others use, so they stay on one worker.
         for module in list(modules.values())[worker::workers]:
             found += module
         end = max(0, len(items) * (worker + 1) // workers - len(found))
@@ -89,7 +89,7 @@ def long_first(items: list[pytest.Item], workers: int) -> list[pytest.Item]:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Skipped, not left out: the summary counts what is left to the other tier."""
+    """Skip the tests of the other tier, so that the summary counts them."""
     items[:] = long_first(items, int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")))
     left = [item for item in items if item.get_closest_marker("all_only")]
     if config.getoption("--all"):
@@ -104,7 +104,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def pytest_runtest_logreport(report: pytest.TestReport) -> None:
-    """In the process that hears of all workers' tests."""
+    """Note how long a test took, in the process that gets the reports of all workers."""
     if "all_only" in report.keywords and report.when == "call" and report.passed:
         TIMES[report.nodeid] = report.duration
 
@@ -112,7 +112,7 @@ def pytest_runtest_logreport(report: pytest.TestReport) -> None:
 def pytest_terminal_summary(
     terminalreporter: pytest.TerminalReporter, config: pytest.Config
 ) -> None:
-    """Before pytest's closing line, on what the tests ran, and what was drawn."""
+    """Print the machine and the drawn tests before the closing line of pytest."""
     if config.getoption("--sample"):
         terminalreporter.section("drawn of what ALL=1 adds")
         for name in sorted(TIMES):
@@ -123,7 +123,7 @@ def pytest_terminal_summary(
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:
-    """A choice of tests of which none runs is an error, as one that names none."""
+    """A selection of which no test runs is an error, as is a selection that matches none."""
     reporter = session.config.pluginmanager.get_plugin("terminalreporter")
     if reporter and session.exitstatus == pytest.ExitCode.OK and "passed" not in reporter.stats:
         session.exitstatus = pytest.ExitCode.NO_TESTS_COLLECTED
@@ -132,20 +132,20 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
 
 
 def tiered(always: Iterable[Any], all_only: Iterable[Any]) -> list[Any]:
-    """Values of a test's parameter: those of every run, and those that ALL=1 adds."""
+    """The values of a test's parameter: those of every run, and those that ALL=1 adds."""
     return [*always, *(pytest.param(value, marks=pytest.mark.all_only) for value in all_only)]
 
 
 @pytest.fixture(scope="session")
 def shared(tmp_path_factory: pytest.TempPathFactory) -> Shared:
-    """One folder for all workers of a run: each has its own below the run's."""
+    """The folder that all workers of a run share. Each worker has its own below that of the run."""
     folder = tmp_path_factory.getbasetemp()
     return Shared(folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder)
 
 
 @pytest.fixture
 def desk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture) -> Desk:
-    """A 3:5:2 scene ``mine.toml`` in exact precision, and what commands say of it."""
+    """A 3:5:2 scene ``mine.toml`` in exact precision, and a way to call commands on it."""
     write_scene(tmp_path, "mine", "exact", [random_mlp((3, 5, 2), 1.0, 1)])
     return Desk(tmp_path, monkeypatch, capfd)
 

@@ -1,4 +1,4 @@
-"""The commands that the pages name, in code and in a line: of make, of tactus, and of Python."""
+"""Finds the commands of make, tactus and Python that the pages name, in code or in a line."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from tb.common.cases import random_mlp
 
 ROOT = Path(__file__).parents[1]
 PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").rglob("*.md")])
-# The change log names commands as they were.
+# The change log is left out, because it names commands as they were.
 PAGES = [page for page in PAGES if page.stem != "changelog"]
-# Variables of the shell, or a folder of programs, may stand in front.
+# Variables of the shell, or a folder of programs, may come first.
 BEGIN = r"(?:[A-Z_]+=\S+ )*(make [a-z]|tactus [a-z]|(?:\S+/)?python3? -m )"
 FIRST_WORD = re.compile(BEGIN)
 FRONT_DOORS = ("make", "tactus")
-# Stand-ins for what a user has and this project has not, by variable and by what the pages show.
+# The pages show values that only a user has. For each, this names a value that a test can use.
 STAND_INS = {
     ("SCENE", "path/to/rig.toml"): "tutorial/rig.toml",
     ("SCENE", "../rig/my-rig.toml"): "digit",
@@ -34,7 +34,7 @@ STAND_INS = {
     ("SCENE", "my-digit/digit.toml"): "digit",
     ("SCENE", "scratch/digit-relu.toml"): "digit-hybrid",
     ("SCENE", "scratch/digit-rowwise.toml"): "digit-hybrid",
-    # What the pages about new blocks and designs add: their own tests type it in and run it.
+    # The pages on new blocks and designs add these. Tests of their own type them in and run them.
     ("BLOCK", "relu"): "precise",
     ("BLOCK", "rowwise"): "hybrid",
     ("TESTS", "tests/test_relu.py"): "tests/test_precise.py",
@@ -51,14 +51,14 @@ STAND_INS = {
 
 @dataclass(frozen=True)
 class Documented:
-    """A command of a page, as it stands there, and where it stands first."""
+    """A command as a page shows it, and the first page that does."""
 
     text: str
     page: Path
 
     @property
     def words(self) -> list[str]:
-        """Its words, without the variables of the shell in front, in quotes or not."""
+        """The words of the command, without variables of the shell before it."""
         found = shlex.split(re.sub(r"\[[^]]*\]", "", self.text))
         while "=" in found[0]:
             found = found[1:]
@@ -66,27 +66,27 @@ class Documented:
 
     @property
     def command(self) -> Command | None:
-        """The command of the table that it is; None for another program."""
+        """The entry of the table of commands, or None for another program."""
         return BY_NAME.get(self.words[1]) if self.words[0] in FRONT_DOORS else None
 
     @property
     def shown(self) -> dict[str, str]:
-        """The variables that it gives. ``SCENE=`` and ``SCENE=...`` stand for any."""
+        """The variables that the page gives. ``SCENE=`` and ``SCENE=...`` stand for any value."""
         of = _given_to_tactus if self.words[0] == "tactus" else _given_to_make
         pairs = (of(word) for word in self.words[2:])
         return {name: value for name, value in pairs if value not in ("", "...")}
 
     @property
     def optional(self) -> list[str]:
-        """The variables that it shows in brackets."""
+        """The variables that the page shows in brackets."""
         return re.findall(r"\[([A-Z]+)=", self.text)
 
     @property
-    def given(self) -> dict[str, str]:
-        """The variables that it is tried with.
+    def variables(self) -> dict[str, str]:
+        """The variables with which a test tries the command.
 
-        What the pages only show is a stand-in, and so is what the command needs and a sentence
-        leaves out.
+        A stand-in replaces each value that only a user has, and each required value that the
+        sentence leaves out.
         """
         assert self.command
         needed = {a.name: a.example for a in self.command.arguments if a.needed}
@@ -99,7 +99,7 @@ def _given_to_make(word: str) -> tuple[str, str]:
 
 
 def _given_to_tactus(word: str) -> tuple[str, str]:
-    """A variable by the name that it has in the table."""
+    """A variable, with its name in the table of commands."""
     if not word.startswith("--"):
         return "SCENE", word
     name, _, value = word[2:].partition("=")
@@ -107,7 +107,7 @@ def _given_to_tactus(word: str) -> tuple[str, str]:
 
 
 def documented() -> list[Documented]:
-    """Every command of every page, once."""
+    """Every command of every page, each once."""
     found: dict[str, Documented] = {}
     for page in PAGES:
         for text in commands_of(page.read_text(encoding="utf-8")):
@@ -116,7 +116,7 @@ def documented() -> list[Documented]:
 
 
 def commands_of(page: str) -> Iterator[str]:
-    """The commands of a page in their order: lines of code, and what stands between backticks."""
+    """The commands of a page in their order, from lines of code and from backticks."""
     fences = r"^(?:```+|~~~+).*?^(?:```+|~~~+)$"
     for block in re.findall(fences, page, re.M | re.S):
         for line in block.splitlines():
@@ -130,17 +130,17 @@ def commands_of(page: str) -> Iterator[str]:
 
 
 def _command(text: str) -> Iterator[str]:
-    """The text, if it is a command; what stands apart behind it is a remark."""
+    """The command in a text, if it is one, without a remark after several blanks."""
     if FIRST_WORD.match(text):
         yield re.split(r" {2,}", text)[0]
 
 
 def lay_out(folder: Path) -> None:
-    """Files of a user, with the names that the pages give them, and the folders that are read."""
+    """Make the files of a user, under the names of the pages, and the folders that are read."""
     for name in ("golden", "docs", "tests"):
         (folder / name).symlink_to(ROOT / name)
     shutil.copytree(ROOT / "docs" / "tutorial", folder / "tutorial")
-    # As after make train, which takes a minute.
+    # These files are what make train would write in a minute.
     for n, member in enumerate(load_scene(str(folder / "tutorial" / "rig.toml")).members):
         save_network(member.weights_path, random_mlp((member.inputs, 4, 1), 1.0, n), {})
     (folder / "written").mkdir()
@@ -148,7 +148,7 @@ def lay_out(folder: Path) -> None:
     sensors = [f"sensor{n}" for n in range(1, 5)]
     outputs = ["load", "position", "width", "shape"]
     table = read_table(ROOT / "golden" / "data" / "appendix2.csv", sensors + outputs)
-    # Of sensors that have drifted: of others nothing is written.
+    # The sensors have drifted, because otherwise no correction is written.
     drifted = table * [0.95, 1, 0.95, 1, 1, 1, 1, 1]
     write_table(folder / "placements.csv", sensors + outputs, drifted, 4)
     write_table(folder / "labels.csv", outputs, table[:, 4:], 4)

@@ -1,4 +1,4 @@
-"""Scenes drawn at random over what a scene may choose, with small random networks."""
+"""Draws random scenes with any allowed choice of keys, and with small random networks."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from golden.sensing.converter_parts import PARTS
 from golden.window import Window
 from tb.common.cases import FRONT_END, VISUALISATION, Case
 
-# Weights from tiny to the limits of what a network may hold.
+# The spread of the weights, from tiny up to the limits of a network.
 SPREADS = (0.001, 0.05, 0.5, 1.0, 4.0, 20.0, 100.0)
 ACTIVATION_OPTIONS = {
     "pade": ["{}", "{ rho = 1.5, iterations = 3 }", "{ rho = 1.5, iterations = 11 }"],
@@ -25,10 +25,10 @@ ACTIVATION_OPTIONS = {
 
 
 def drawn_scene(seed: int, folder: Path, large: bool) -> Scene:
-    """The first of the cases of a seed that a scene can be; others are refused by name.
+    """The first valid case of a seed. Cases before it must be refused with a message.
 
-    ``large`` draws of networks to 8:24:6, which take longer; else they have to 3 inputs and 4
-    hidden nodes.
+    With ``large`` the networks have up to 8:24:6 nodes, which takes longer. Otherwise they have up
+    to 3 inputs and 4 hidden nodes.
     """
     rng = np.random.default_rng(seed)
     while True:
@@ -40,7 +40,7 @@ def drawn_scene(seed: int, folder: Path, large: bool) -> Scene:
 
 
 def drawn_case(rng: np.random.Generator, large: bool) -> Case:
-    """A case of any design, arrangement, activation, precision and surroundings."""
+    """A random case of any design, arrangement, activation, precision and surroundings."""
     design = str(rng.choice([*DESIGNS]))
     kind = DESIGNS[design]
     arrangement = str(rng.choice(kind.arrangements))
@@ -71,7 +71,7 @@ def drawn_case(rng: np.random.Generator, large: bool) -> Case:
 def drawn_shapes(
     rng: np.random.Generator, arrangement: str, large: bool, shown: bool
 ) -> list[tuple[int, int, int]]:
-    """Inputs, hidden nodes and outputs of each network; a profile takes four outputs."""
+    """Random numbers of inputs, hidden nodes and outputs. A profile needs four outputs."""
     most = 9 if large else 4
     inputs = int(rng.integers(1, most))
     hidden = rng.choice([1, 2, 3, 4, 6, 9, 24][:most], 4).tolist()
@@ -85,7 +85,7 @@ def drawn_shapes(
 
 
 def drawn_hardware(rng: np.random.Generator, design: str) -> list[str]:
-    """Keys of a design's own."""
+    """Random keys that only this design has."""
     lines = []
     if design == "adder_graph" and rng.random() < 0.5:
         lines.append(f"adders_per_clock = {rng.integers(1, 4)}")
@@ -102,7 +102,7 @@ def drawn_hardware(rng: np.random.Generator, design: str) -> list[str]:
 
 
 def drawn_surroundings(rng: np.random.Generator, shown: bool) -> tuple[str, list[str]]:
-    """Sections around the networks, and the clock that they need."""
+    """Random sections around the networks, and the clock that they need."""
     sections = VISUALISATION + "stop = 0.9\nstep = 0.3\n" if shown else ""
     around = str(rng.choice(["nothing", "scan", "converter", "line"], p=[0.55, 0.15, 0.15, 0.15]))
     if around == "nothing":

@@ -1,8 +1,8 @@
-"""Digests of every constant that ends in hardware; of two machines they tell where these differ.
+"""Prints digests of all constants of the hardware, which show where two machines differ.
 
-``python tests/exported_constants.py`` prints a line for every block of every shipped scene, and of
-every activation for some factors besides. With ``--defined-only``, functions of numpy and math that
-a machine may round as it likes raise.
+``python tests/exported_constants.py`` prints a line for every block of every shipped scene, and for
+every activation with some other factors. With ``--defined-only``, those functions of numpy and math
+raise whose rounding differs between machines.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ import numpy as np
 
 from golden.input_error import InputError
 
-# Normalisations of the activations that stand beside the scenes.
+# The normalisations of activations that are not part of a scene.
 FACTORS = (1, 2, 3, 5, 7, 11, 16, 30, 100, 500)
 
-# What IEEE 754 defines to the last bit for every number by itself, and what only compares or moves
-# bits.
+# Functions whose result IEEE 754 defines to the last bit for a single number, and functions that
+# only compare or move bits.
 DEFINED = set(
     """absolute add bitwise_and bitwise_count bitwise_or bitwise_xor ceil copysign divide equal fabs
     floor floor_divide fmax fmin fmod frexp gcd greater greater_equal invert isfinite isinf isnan
@@ -29,7 +29,7 @@ DEFINED = set(
     square subtract trunc
     comb factorial isclose isqrt nextafter perm ulp""".split()  # noqa: SIM905
 )
-# Sums of products and the like, in an order of their own; with them all of numpy.linalg.
+# Functions that sum products in an order of their own. All of numpy.linalg belongs to them.
 REDUCTIONS = set(
     """average convolve correlate corrcoef cov dot einsum inner interp matvec mean nanmean nanstd
     nanvar outer polyfit polyval std tensordot trapezoid var vdot vecdot vecmat""".split()  # noqa: SIM905
@@ -37,8 +37,8 @@ REDUCTIONS = set(
 
 
 def refuse_undefined() -> None:
-    """Make functions raise that are not ``DEFINED``. The operators ``**`` and ``@`` stay."""
-    # The standard library computes its own constants with some of them when it is imported.
+    """Make all functions raise that are not ``DEFINED``. The operators ``**`` and ``@`` stay."""
+    # When they are imported, these modules compute constants with some of the functions.
     import math
     import random  # noqa: F401
     import tempfile  # noqa: F401
@@ -59,7 +59,7 @@ def refuse_undefined() -> None:
 
 
 def exported() -> Iterator[tuple[str, object]]:
-    """A name of its own for every block, and for the codes that a scene's test bench plays."""
+    """Every block, and the codes that the test bench of a scene plays, each with a unique name."""
     from golden.activation.schemes import forms
     from golden.block import walk
     from golden.scene import comparison_names, load_scene, scene_names
@@ -79,14 +79,14 @@ def exported() -> Iterator[tuple[str, object]]:
 
 
 def constants(block: object) -> str:
-    """All that a block says of itself: its fields, and what follows from them."""
+    """A digest of all that a block states: its fields and its properties."""
     kind = type(block)
     derived = [name for name in dir(kind) if isinstance(getattr(kind, name), property)]
     return repr((block, [(name, derived_value(block, name)) for name in derived]))
 
 
 def derived_value(block: object, name: str) -> object:
-    """What a property is; of what a block has not in its form, that it says so."""
+    """The value of a property, or its error if the block has no such property in its form."""
     try:
         return getattr(block, name)
     except (NotImplementedError, InputError) as error:

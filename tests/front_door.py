@@ -1,4 +1,4 @@
-"""What the Makefile takes from a user."""
+"""The variables that the Makefile accepts from a user."""
 
 from __future__ import annotations
 
@@ -7,5 +7,5 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
-# Its variables that a user may give, on the command line or in the environment.
+# A user may set these on the command line or in the environment.
 GIVEN = re.sub(r"\\\n", "", MAKEFILE).partition("GIVEN := ")[2].splitlines()[0].split()

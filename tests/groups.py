@@ -1,4 +1,4 @@
-"""What a kind of machine may change, and so which tests of ``make machines`` it runs."""
+"""What each kind of machine may change, and which tests of ``make machines`` it runs."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Rest:
-    """Tests that some machines leave out.
+    """A set of tests that some machines leave out.
 
     Parameters
     ----------
     why : str
-        Why they may, in a sentence.
+        A sentence that says why they may be left out.
     tests : tuple of str
         Files, or a file and a function of it.
     """
@@ -23,17 +23,17 @@ class Rest:
 
 @dataclass(frozen=True)
 class Group:
-    """The tests that a kind of machine runs: all that stand in no rest.
+    """The tests that a kind of machine runs, which are all that are in none of its rests.
 
-    A new test is thus run on every machine until it is named in a rest.
+    So a new test runs on every machine until a rest names it.
 
     Parameters
     ----------
     name : str
     changes : str
-        What these machines may change.
+        Says what these machines may change.
     rests : tuple of Rest
-        What they cannot.
+        The tests whose result these machines cannot change.
     """
 
     name: str
@@ -41,7 +41,7 @@ class Group:
     rests: tuple[Rest, ...] = ()
 
     def leaves_out(self) -> list[str]:
-        """Files, or a file and a function of it."""
+        """The tests that are left out: files, or a file and a function of it."""
         return [test for rest in self.rests for test in rest.tests]
 
 

@@ -1,8 +1,9 @@
-"""``make machines``: the tests under what other machines have, one after the other, a line each.
+"""``make machines``: runs the tests as on other machines, one after the other, with a line for
+each.
 
-A machine of the table is this one with other variables, another user, another place of the checkout
-or other versions. What this machine cannot be is said by name, and is an error where it was asked
-for by name.
+A machine of the table is this computer with other variables, another user, another place of the
+checkout, or other versions. Machines that this computer cannot imitate are named. It is an error if
+the user asked for one of them.
 """
 
 from __future__ import annotations
@@ -32,10 +33,10 @@ ROOT = Path(__file__).parents[1]
 LOGS = Path("build") / "machines"
 
 
-# Not the project's: what .gitignore names, and git's own.
+# These do not belong to the project: what .gitignore names, and the folder of git.
 NOT_COPIED = (".git", ".venv*", "build", "*.egg-info", "__pycache__", ".*_cache", ".hypothesis")
 
-# Before `make test`, in place of what make would install.
+# This is done before `make test`, instead of what make would install.
 LOWEST = """
 python3 -m venv .venv
 .venv/bin/python -m pip install --quiet uv
@@ -50,29 +51,29 @@ OTHER_USER = 'os.geteuid() == 0 and shutil.which("setpriv")'
 
 @dataclass(frozen=True)
 class Machine:
-    """A machine to be.
+    """A machine to imitate.
 
     Parameters
     ----------
     what : str
-        In words.
+        A description.
     group : Group
-        What it may change.
+        The group, which says what it may change.
     environment : mapping
     holds : str
-        A Python expression that is true where this machine is that one.
+        A Python expression that is true if this computer behaves like that machine.
     needs : str
-        What is needed for that, in words.
+        A description of what is needed for that.
     copy : str
-        The folder of a copy of the checkout, with an environment of its own; empty for none.
+        The folder for a copy of the checkout with its own environment, or empty for no copy.
     umask : int
-        -1 for that which is.
+        The umask, or -1 to keep the present one.
     user : str
-        "sudo" or "no sudo": not root, with or without sudo that asks no password.
+        "sudo" or "no sudo": a user who is not root, with or without a sudo that asks no password.
     python : str
-        The interpreter of a copy.
+        The interpreter for the copy.
     lowest : bool
-        The lowest versions that pyproject.toml allows, in a copy.
+        Whether the copy has the lowest versions that pyproject.toml allows.
     """
 
     what: str
@@ -135,7 +136,7 @@ def _locale(what: str, name: str) -> Machine:
 
 def _python(version: str) -> Machine:
     name = f"python{version}"
-    # A name may be there and refuse: pyenv's do, where another version was chosen.
+    # A program of this name may exist and fail, as those of pyenv do if another version is chosen.
     starts = f'not subprocess.run(["{name}", "-V"]).returncode'
     return Machine(
         f"Python {version}", VERSIONS, holds=starts, needs=name, copy="tactus", python=name
@@ -246,13 +247,13 @@ def main() -> int:
 
 
 def same(one: Machine, other: Machine) -> bool:
-    """Whether the same is done for both, so that this machine is the other if it is the one."""
+    """Whether both machines are imitated in the same way, so that one run covers both."""
     names = {"what": "", "holds": "", "needs": ""}
     return replace(one, **names) == replace(other, **names)
 
 
 def tell(name: str, selection: str, tests: list[str], show: bool) -> str:
-    """Run the tests as the machine of that name; print and return what came of it."""
+    """Run the tests as the machine of that name, and print and return the result."""
     machine = MACHINES[name]
     started = time.perf_counter()
     with tempfile.TemporaryFile() as output:
@@ -272,14 +273,14 @@ def tell(name: str, selection: str, tests: list[str], show: bool) -> str:
 
 
 def closing(text: str) -> str:
-    """Pytest's last line, after which make may complain; without one the last of all."""
+    """The last line of pytest, after which make may print a complaint, or else the last line."""
     lines = text.strip().split("\n")
     counts = [line for line in lines if re.search(r"\d (passed|failed|error).* in \d", line)]
     return (counts or lines)[-1].strip("= ")
 
 
 def is_possible(machine: Machine) -> bool:
-    """Whether this machine can be that one: its condition holds in its environment."""
+    """Whether this computer can imitate the machine: its condition holds in its environment."""
     imports = "import locale, os, platform, shutil, subprocess; from golden.machine import *"
     command = [sys.executable, "-c", f"{imports}\nassert {machine.holds}"]
     environment = os.environ | machine.environment
@@ -289,7 +290,7 @@ def is_possible(machine: Machine) -> bool:
 
 
 def run(machine: Machine, tests: list[str], output: BinaryIO | None) -> int:
-    """Run the tests as that machine; the exit code."""
+    """Run the tests as that machine, and return the exit code."""
     if not machine.copy:
         return call([sys.executable, "-m", "pytest", *CORES, *tests], ROOT, machine, output)
     with tempfile.TemporaryDirectory(prefix="tactus-") as name:
@@ -306,8 +307,8 @@ def run(machine: Machine, tests: list[str], output: BinaryIO | None) -> int:
 
 
 def call(command: list[str], folder: Path, machine: Machine, output: BinaryIO | None) -> int:
-    """The exit code of a command in the machine's environment."""
-    # What this make was given is not for that of a copy.
+    """Run a command in the environment of the machine, and return its exit code."""
+    # The variables of this make are not passed to the make of the copy.
     environment = {k: v for k, v in os.environ.items() if not k.startswith("MAKE")}
     if machine.user:
         environment["HOME"] = str(folder.parent)
@@ -324,7 +325,7 @@ def call(command: list[str], folder: Path, machine: Machine, output: BinaryIO | 
 
 
 def copy_checkout(folder: Path, machine: Machine) -> None:
-    """The files of this checkout, as they are now, in ``folder``."""
+    """Copy the present files of this checkout to ``folder``."""
     shutil.copytree(ROOT, folder, ignore=shutil.ignore_patterns(*NOT_COPIED))
     if machine.umask != -1:
         for path in (folder, *folder.rglob("*")):
@@ -332,9 +333,10 @@ def copy_checkout(folder: Path, machine: Machine) -> None:
 
 
 def as_nobody(command: list[str], home: Path, sudo: bool) -> list[str]:
-    """The command, run by the user nobody, who owns ``home``.
+    """The command as the user nobody, who owns ``home``, would run it.
 
-    With ``sudo``, sudo asks nobody for a password, in name spaces that end with the command.
+    With ``sudo`` this user needs no password for sudo. That holds only in a name space that ends
+    with the command.
     """
     nobody = pwd.getpwnam("nobody")
     for path in (home, *home.rglob("*")):

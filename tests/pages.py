@@ -1,8 +1,8 @@
-"""What a page shows against what was measured: one comparison, and how exact it can be.
+"""Compares the figures that a page shows with measured ones, and states how exact this can be.
 
-Another processor rounds last bits otherwise, and other versions of SciPy take other steps. What
-that does to a figure, as a part of it, was measured by ``python -m tb.report.measure.spread
-figures`` on x86-64 with every setting named there, and with SciPy 1.13 and 1.17:
+Another processor rounds last bits differently, and other versions of SciPy take other steps. The
+relative change of figures was measured by ``python -m tb.report.measure.spread figures`` on x86-64,
+with every setting that it names, and with SciPy 1.13 and 1.17:
 
 ========= ====================================================================== ================
 bound     figures                                                                differed by
@@ -14,9 +14,9 @@ TRAINED   the ends of descents that a last bit turns to another minimum: a page 
           shows their range, so this is what may lie beyond either end of it     on the page
 ========= ====================================================================== ================
 
-The first bound is fifty times what was seen and a tenth of the last digit that any page shows, the
-second half as much again. So a figure of three digits that is ten percent off is found out, and so
-is one of another row.
+The first bound is fifty times the largest measured change, and a tenth of the last digit that any
+page shows. The second bound is one and a half times the largest change. So the test finds a figure
+of three digits that is ten percent off, and a figure of another row.
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ NUMBER = r"-?\d[\d,]*(?:\.\d+)?(?:e-?\d+)?"
 FIGURE = re.compile(rf"{NUMBER}(?: to {NUMBER})?")
 
 
-# Of the width of a picture in points: what nobody sees.
+# A difference in points, for the width of a picture, that nobody can see.
 UNSEEN = 0.01
 
 
 def same_picture(one: str, other: str) -> bool:
-    """Whether two SVG differ in nothing but coordinates, and in these by what nobody sees."""
+    """Whether two SVG differ only in coordinates, by so little that nobody can see it."""
     number = r"-?\d+(?:\.\d+)?"
     if re.sub(number, "0", one) != re.sub(number, "0", other):
         return False
@@ -55,7 +55,8 @@ def section(page: str, heading: str) -> str:
 
 
 def cells(page: str, *start: str) -> list[str]:
-    """The further cells of the one line that begins with these: of a table, or of printed words."""
+    """The other cells of the one line, of a table or of printed words, that begins with "
+    "``start``."""
     found = []
     for line in page.splitlines():
         words = line[1:].rstrip().removesuffix("|").split("|") if line[:1] == "|" else line.split()
@@ -67,16 +68,16 @@ def cells(page: str, *start: str) -> list[str]:
 
 
 def shows(text: str, measured: float, bound: float, digits: int | None = None) -> bool:
-    """Whether the figure or the range ("3 to 4") that a page shows is what was measured.
+    """Whether the figure or the range ("3 to 4") that a page shows agrees with the measured one.
 
     Parameters
     ----------
     text : str
     measured : float
     bound : float
-        What another machine may measure, as a part of the figure: one of those above.
+        The allowed relative difference of another machine, which is one of the bounds above.
     digits : int
-        To how many digits the page rounds; to the last one that is written, where not given.
+        To how many digits the page rounds. The default is the last digit that is written.
     """
     assert FIGURE.fullmatch(text), f"got {text!r}, expected a number, or two with 'to' between"
     ends = text.split(" to ")
@@ -90,6 +91,6 @@ def shows(text: str, measured: float, bound: float, digits: int | None = None) -
 
 
 def half_a_unit(figure: Decimal, digits: int | None) -> float:
-    """Half of what one is worth in the last digit of a figure."""
+    """Half a unit of the last digit of a figure."""
     last = figure.as_tuple().exponent if digits is None else figure.adjusted() + 1 - digits
     return 0.5 * 10.0 ** int(last)

@@ -1,4 +1,4 @@
-"""What commands say of bad input: one line, exit code 2, nothing written, no traceback."""
+"""How commands must refuse bad input: one line, exit code 2, no files written, no traceback."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from golden.cli import run
 from golden.fingerprint import fingerprint
 from tb.commands import BY_NAME
 
-# The commands that are called wrongly.
+# The commands that tests call with wrong arguments.
 COMMANDS = (
     *("train", "vhdl", "sim", "network", "image", "bench", "listing", "figures", "lean", "synth"),
     *("bitstream", "report", "demo", "scene", "check", "predict"),
@@ -23,7 +23,7 @@ COMMANDS = (
 
 
 def main_of(module: str) -> Callable[[], int | None]:
-    """The ``main`` that ``python -m`` runs of a module or a package."""
+    """The ``main`` that ``python -m`` runs for a module or a package."""
     found = importlib.import_module(module)
     if hasattr(found, "__path__"):
         found = importlib.import_module(f"{module}.__main__")
@@ -32,7 +32,7 @@ def main_of(module: str) -> Callable[[], int | None]:
 
 
 class Desk:
-    """A folder with the scene ``mine.toml``, its data and its network, and what a command says."""
+    """A folder with the scene ``mine.toml``, its data and its network, to call commands on."""
 
     def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture):
         self.folder = folder
@@ -43,13 +43,13 @@ class Desk:
         monkeypatch.setenv("PYTHONHASHSEED", "0")
 
     def edit(self, old: str, new: str, file: str = "mine.toml") -> None:
-        """Put ``new`` in the place of ``old``, which the file must have."""
+        """Replace ``old``, which the file must contain, by ``new``."""
         text = (self.folder / file).read_text(encoding="utf-8")
         assert old in text, f"{file} has no {old!r}"
         (self.folder / file).write_text(text.replace(old, new, 1), encoding="utf-8")
 
     def call(self, command: str, *words: str) -> tuple[int, str]:
-        """Exit code and what was said on stderr, but for warnings."""
+        """The exit code of a command, and its text on stderr without warnings."""
         known = BY_NAME[command]
         main = main_of(known.module)
         self._monkeypatch.setattr(sys, "argv", [command, *words, *known.last])
@@ -64,9 +64,9 @@ class Desk:
         )
 
     def refuses(self, command: str, *words: str, says: str = "", faults: int = 1) -> None:
-        """A command refuses, and leaves the folder as it was: a line for each fault.
+        """Check that a command refuses, with a line for each fault, and does not change the folder.
 
-        ``says`` stands in the first; of it, ``.*`` is any text.
+        The first line must contain ``says``, in which ``.*`` stands for any text.
         """
         before = fingerprint([self.folder])
         code, said = self.call(command, *words)

@@ -1,9 +1,10 @@
 """A drawn sample of the tests that ``make test ALL=1`` adds: ``make test SAMPLE=180``.
 
-What is left to ALL=1 must not rot between two nightly runs, so CI adds a few minutes of it to every
-run. The sample is drawn by the digest of the tree: the same tree draws the same tests, the next one
-draws others. How long a test takes is recorded, so that the sample fits its time; a test that is
-longer than the whole sample is never drawn, and is left to the nightly run.
+Tests that only ALL=1 runs must not break unnoticed between two nightly runs, so CI adds a few
+minutes of them to every run. The digest of the tree is the seed: the same tree draws the same
+tests, and the next tree draws others. The time of each test is recorded, so that the sample fits
+its time. A test that takes longer than the whole sample is never drawn, and is left to the nightly
+run.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from golden.files import read_json, write_json
 
 ROOT = Path(__file__).parents[1]
 SECONDS = Path(__file__).parent / "data" / "seconds.json"
-# Of a test that was never timed: it may be long, so few of these are drawn at a time.
+# The assumed time of a test that was never timed. It may be long, so only few of these are drawn.
 UNTIMED = 180.0
 
 
@@ -40,13 +41,13 @@ def cores() -> int:
 
 
 def timed() -> dict[str, float]:
-    """By test: how many seconds of one processor it took when ALL=1 was last timed."""
+    """For each test, the seconds of one processor that it took when ALL=1 was last timed."""
     found: dict[str, float] = read_json(SECONDS, "JSON", "no times of tests are recorded")
     return found
 
 
 def record(times: Mapping[str, float]) -> None:
-    """Keep how long tests take, beside those that were not run: ``make test ALL=1 RECORD=1``."""
+    """Record how long tests take, without forgetting others: ``make test ALL=1 RECORD=1``."""
     now = {name: round(seconds, 1) for name, seconds in times.items()}
     write_json(SECONDS, {**timed(), **now}, sort_keys=True)
 
@@ -59,13 +60,13 @@ def draw(
     Parameters
     ----------
     names : iterable of str
-        All that could be drawn.
+        All tests that could be drawn.
     seconds : mapping
-        By test, how long it takes.
+        For each test, how long it takes.
     budget : float
-        Seconds of one processor.
+        The time for the sample, in seconds of one processor.
     digest : str
-        Of the tree.
+        The digest of the tree.
     """
     order = sorted(names, key=lambda name: hashlib.sha256(f"{digest} {name}".encode()).digest())
     drawn, left = [], budget

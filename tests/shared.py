@@ -1,4 +1,4 @@
-"""What the tests of one run make once and share, whichever worker makes it."""
+"""What the tests of one run make once and share between all workers."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from golden.scene import Scene, load_scene
 from tb.common.collected import CASES, CASES_OF
 from tb.common.runner import Job, Outcome, compile_vhdl, export, jobs, run_jobs
 from tb.common.tools import language
-from tb.report.measure import recorded, store
+from tb.report.measure import store, table_records
 from tb.report.measure.registry import TABLES
 from tb.report.measure.steps import measured
 from tb.report.measure.table import Table
 from tb.sign_off.subject import first
 
-# A worker of several does one thing at a time: the others have the other cores.
+# If there are several workers, each does one thing at a time, because the others use the cores.
 AT_ONCE = 1 if "PYTEST_XDIST_WORKER" in os.environ else os.cpu_count() or 1
 
 
 class Shared:
-    """A folder of the run; each part is made by the first test that asks for it."""
+    """A folder of the run. The first test that needs a part of it makes the part."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -34,7 +34,8 @@ class Shared:
 
     @contextmanager
     def alone(self, name: str) -> Iterator[Path]:
-        """One process at a time is in here; yields what to touch when the part is made."""
+        """Let one process at a time make a part. It touches the yielded file when the part is "
+        "made."""
         made = self.folder / "made" / name.replace("/", "-")
         made.parent.mkdir(parents=True, exist_ok=True)
         with made.with_name(f"{made.name}.lock").open("w") as handle:
@@ -42,14 +43,14 @@ class Shared:
             yield made
 
     def once(self, name: str, make: Callable[[], object]) -> None:
-        """Make a part, unless another test of this run has."""
+        """Make a part, unless another test of this run has made it."""
         with self.alone(name) as made:
             if not made.exists():
                 make()
                 made.touch()
 
     def scene(self, name: str) -> Scene:
-        """A case's scene by the case's name, or a shipped scene."""
+        """The scene of a case, by the name of the case, or a shipped scene."""
         if name not in CASES:
             return load_scene(name)
         folder = self.folder / "scenes"
@@ -58,13 +59,13 @@ class Shared:
         return load_scene(str(folder / f"{name}.toml"))
 
     def export(self, name: str, tongue: str) -> Path:
-        """The folder with a scene's VHDL or Verilog, not to be changed."""
+        """The folder with the VHDL or Verilog of a scene. Tests must not change it."""
         scene = self.scene(name)
         self.once(f"{name} {tongue}", lambda: export(scene, tongue, self.build))
         return self.build / scene.name / tongue
 
     def jobs(self, name: str, simulator: str) -> list[Job]:
-        """A scene's benches in a simulator, on those exports."""
+        """The benches of a scene in a simulator, on the shared exports."""
         self.export(name, language(simulator))
         scene = self.scene(name)
         if simulator == "ghdl":
@@ -72,33 +73,34 @@ class Shared:
         return jobs(scene, simulator, build=self.build)
 
     def subject(self, block: str, simulator: str = "icarus", case: str | None = None) -> Job:
-        """The entity that stands for a block, as in ``tb.sign_off.subject``, on those exports."""
+        """The entity that represents a block, as in ``tb.sign_off.subject``, on the shared "
+        "exports."""
         return first(self.jobs(case or CASES_OF[block][0], simulator), block)
 
     def recorded(self, name: str, anew: bool) -> Table:
-        """A table that reports take as recorded, or as it is measured now."""
+        """A recorded table, or the same table measured again if ``anew`` is true."""
         if not anew:
-            return recorded.read(name)
+            return table_records.read(name)
         path = self.folder / f"{name}.json"
         self.once(
             f"measured {name}",
-            lambda: write_kept(path, store.packed(TABLES[name](recorded.SEED))),
+            lambda: write_kept(path, store.packed(TABLES[name](table_records.SEED))),
         )
         return store.unpacked(read_kept(path))
 
     def tables(self) -> dict[str, Table]:
-        """Every table of the report, measured once in the run and in no earlier one."""
+        """Every table of the report, measured once in this run."""
         store.STORE = self.folder / "report"
         with self.alone("tables"):
             return measured(lambda *_: None)
 
     def run(self, planned: list[Job]) -> list[Outcome]:
-        """Run jobs, side by side where no other worker has the cores."""
+        """Run jobs, side by side if no other worker uses the cores."""
         return run_jobs(planned, lambda _: None, AT_ONCE)
 
 
 def copied_job(job: Job, folder: Path) -> Job:
-    """The same bench on files of its own, which may be changed."""
+    """The same bench on a copy of its files, which may be changed."""
     copied = replace(job, build=folder)
     for name in job.files:
         (copied.hdl_folder / name).parent.mkdir(parents=True, exist_ok=True)

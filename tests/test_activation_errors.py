@@ -1,4 +1,4 @@
-"""make activations: its figures, its files, and that the documentation shows them."""
+"""Tests make activations: its figures, its files, and the documentation of them."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def test_every_form_is_measured_in_all_its_precisions(rows: list[Row]) -> None:
 
 
 def test_which_reading_of_equation_4_32_is_the_thesis(rows: list[Row]) -> None:
-    """Twice what equation 4.32 says comes nearer for every scheme of piecewise curves."""
+    """For every scheme of piecewise curves, twice equation 4.32 is nearer to the printed figure."""
     for name in ("gradient", "gradient_parallel", "polynomial", "lut"):
         row = at_three(rows, name, "float")
         assert abs(row.mean_percent_thesis - row.thesis) < 0.2 * row.thesis
@@ -102,7 +102,7 @@ def test_every_datasheet_shows_its_plot() -> None:
 
 
 def test_the_page_shows_what_the_command_prints(rows: list[Row]) -> None:
-    """Its words as they are, its figures as this machine measures them."""
+    """The words must be equal, and the figures must be those that this machine measures."""
     page = (ROOT / "docs" / "activations.md").read_text()
     lines = table(rows)
     groups: dict[tuple[str, str, str], list[Row]] = {}

@@ -32,7 +32,7 @@ def test_taylor_is_the_cut_series() -> None:
 
 
 def test_the_thesis_is_right_about_series_and_fraction() -> None:
-    """Up to 2.3 % for the series, for positive q and of tanh; less than 0.25 % for the fraction."""
+    """The series is off by up to 2.3 % of tanh for positive q, the fraction by less than 0.25 %."""
     positive = Q[Q > 0]
     worst = np.abs(taylor(positive) / np.tanh(positive) - 1).max()
     assert 100 * worst == pytest.approx(2.3, abs=0.05)
@@ -56,7 +56,7 @@ def test_a_rho_that_never_settles_is_refused() -> None:
 
 
 def test_the_plain_regression_is_that_with_rho_1() -> None:
-    """But from another start: t = A d."""
+    """They are the same except for the start, which is t = A d."""
     assert plain_regression(Q, 9) == pytest.approx(rho_regression(Q, 1.0, 9))
     inside = np.abs(Q) < 1.4
     assert plain_regression(Q[inside], 900) == pytest.approx(pade_fraction(Q[inside]))

@@ -1,4 +1,4 @@
-"""The design without a multiplier against real arithmetic, and networks side by side."""
+"""Compares the design without a multiplier with real arithmetic, also for parallel networks."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def frames_of(inputs: int) -> np.ndarray:
 
 
 def off(design: AdderGraph, mlp: Mlp, outputs: slice) -> np.ndarray:
-    """How far outputs are from real arithmetic that saturates, in real units."""
+    """The distance of the outputs from real arithmetic that saturates, in real units."""
     frames = frames_of(design.inputs)
     real = mlp.process(SIGNAL.to_real(frames), tanh)
     ends = SIGNAL.to_real([SIGNAL.low, SIGNAL.high])
@@ -54,7 +54,8 @@ def test_networks_side_by_side() -> None:
     for i, mlp in enumerate(mlps):
         alone = AdderGraph.of([mlp], Settings(EXACT, "bipartite"))
         bounds = error_bounds(alone, mlp, EXACT, 3)
-        # Cut elsewhere than alone, by a unit or two.
+        # Bits are cut at other places than in a single network, which changes a result by a unit or
+        # two.
         assert (off(design, mlp, slice(i, i + 1)) <= bounds + 2.0**-12).all()
 
 
@@ -78,7 +79,7 @@ def test_each_cause_of_error_moves_an_output_by_what_it_can() -> None:
     design = AdderGraph.of([mlp], Settings(EXACT, "bipartite"))
     *others, (_, tabled), (_, cut_once), (_, cut) = stages(design, frames_of(3))
     ideal = np.clip(8192 * mlp.process(SIGNAL.to_real(frames_of(3)), tanh), *ENDS)
-    # Weights of 18 bits, and half a unit.
+    # The bound is that of weights of 18 bits, and half a unit.
     assert np.abs(others[0][1] - ideal).max() < 1
     assert len({output.tobytes() for _, output in others}) == 2
     assert np.abs(tabled - others[1][1]).max() <= np.ceil(np.abs(mlp.w2).sum(axis=1)).max()

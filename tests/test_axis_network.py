@@ -1,4 +1,4 @@
-"""The twin of axis_network, and the memory that it relies on."""
+"""Tests the twin of axis_network, and the memory that it relies on."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def test_frames_are_those_of_the_network(tmp_path: Path, name: str) -> None:
     frames = rng.integers(-8192, 8192, (20, design.inputs))
     last = np.zeros(frames.shape, dtype=bool)
     last[:, -1] = True
-    # Whatever stands above the sample.
+    # The bits above the sample may have any value.
     padded = frames + 16384 * rng.integers(-1, 2, frames.shape)
     padded = np.clip(padded, TDATA.low, TDATA.high)
     kept = (padded - frames) % 16384 == 0
@@ -43,7 +43,7 @@ def test_frames_are_those_of_the_network(tmp_path: Path, name: str) -> None:
 
 def test_wrong_frames_give_nothing(tmp_path: Path) -> None:
     design = CASES["axis-cascade"].scene(tmp_path, "axis-cascade").twin()
-    # Two samples a frame: too short, good, as long as the cascade's own frames, good.
+    # With two samples in a frame: too short, good, as long as the frames of the cascade, good.
     last = [1, 0, 1, 0, 0, 0, 1, 0, 1]
     data, _, errors = design.process_stream(np.arange(9), last)
     expected = design.network.process([[1, 2], [7, 8]])
@@ -92,8 +92,8 @@ def test_what_cannot_be_built_is_refused(tmp_path: Path, old: str, new: str, mes
 def test_credits_cover_the_way_through_and_no_more(tmp_path: Path, name: str) -> None:
     design = CASES[name].scene(tmp_path, name).twin()
     frames = design.frames_under_way
-    # From the last sample to the clock in which the credit is back, one clock after the last
-    # output is fetched, which is when that output stands on the port.
+    # From the last sample to the clock in which the credit is returned. This is one clock after the
+    # last output is fetched, when that output is on the port.
     held = design.latency + design.outputs - 1
     assert (frames - 1) * design.interval < held <= frames * design.interval
 

@@ -1,4 +1,4 @@
-"""Commands that are called wrongly, or that cannot write: one line, and nothing left behind."""
+"""Commands with wrong arguments, or that cannot write, print one line and leave no files."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from tb.commands import BY_NAME
 from tb.common.cases import random_mlp, write_scene
 from tb.common.runner import BUILD
 
-# Commands whose one argument is a scene.
+# Commands whose only argument is a scene.
 # Those that need no more than a scene.
 MORE = ("network", "figures", "scene", "check", "predict", "bitstream")
 SCENES = [n for n in COMMANDS if n not in MORE]
-# Scenes that no command can read, and what is said of them.
+# Scenes that no command can read, and the message for each.
 NAMES = {
     "finger": "scene 'finger': no such scene, expected a path to a .toml file or one of digit",
     "digit-singel": "scene 'digit-singel': no such scene, .* did you mean 'digit-single'?",
@@ -75,7 +75,7 @@ WORDS = {
     "train --cluster nowhere": "CLUSTER=nowhere: no scheduler answers: ",
     "train --cluster ftp://a:1": "CLUSTER=ftp://a:1: no scheduler answers: ",
 }
-# Files that a network is to be written to.
+# Names of files for a network, and the message for each.
 TARGETS = {
     "": ".: got the ending '', expected one of .npz, .mat, .onnx",
     "net": "net: got the ending '', expected one of .npz, .mat, .onnx",
@@ -113,10 +113,10 @@ READINGS = {
     "predict mine.toml mine.csv pipe": "pipe: cannot be written: got no regular file, expected a",
     "scene mine.csv y0 --to pipe.toml": "pipe.toml: cannot be written: got no regular file",
     "predict finger mine.csv a.csv": "scene 'finger': no such scene, expected a path",
-    "check finger": "finger: 1 fault, told above",
-    "check loop.toml": "loop.toml: 1 fault, told above",
+    "check finger": "finger: 1 fault, listed above",
+    "check loop.toml": "loop.toml: 1 fault, listed above",
 }
-# What stands where a command writes: in which command, as a file or a folder, and what is said.
+# What blocks the output of a command: the command, a file or a folder, and the message.
 IN_THE_WAY = [
     ("train", "build", "build/mine/training/.*0.jsonl: cannot be written: build"),
     ("train", "build/mine", "build/mine/training/.*0.jsonl: cannot be written: build/mine"),
@@ -137,7 +137,7 @@ IN_THE_WAY = [
 
 @pytest.fixture
 def crowded(desk: Desk) -> Desk:
-    """Beside the scene, much that is none."""
+    """A desk with many files beside the scene that are not scenes."""
     (desk.folder / "folder.toml").mkdir()
     (desk.folder / "folder.npz").mkdir()
     (desk.folder / "loop.toml").symlink_to("loop.toml")
@@ -157,7 +157,7 @@ def test_a_name_is_refused(crowded: Desk, name: str, message: str) -> None:
 
 @pytest.mark.parametrize("command", SCENES)
 def test_every_command_refuses_a_scene(desk: Desk, command: str) -> None:
-    """That is not there, is broken, and has no network or, for training, no data."""
+    """The scene is missing, is broken, or has no network or, for training, no data."""
     desk.refuses(command, "digit-singel", says="scene 'digit-singel': no such scene")
     desk.edit('file = "mine.csv"', 'file = "no.csv"')
     if command == "train":
@@ -191,14 +191,14 @@ def test_what_keeps_the_past_is_no_part_of_an_image(desk: Desk, scene: str) -> N
 @pytest.mark.parametrize("name", ["--help-me", "--help", "-h", "--full", "--"])
 @pytest.mark.parametrize("command", [c for c in COMMANDS if c not in ("scene", "figures")])
 def test_a_scene_like_an_option_is_a_scene(desk: Desk, command: str, name: str) -> None:
-    """As make calls it, with what it needs beside the scene."""
+    """The command is called as make calls it, with the other values that it needs."""
     known = BY_NAME[command]
     given = {argument.name: argument.example for argument in known.arguments if argument.needed}
     words = known.words(given | {"SCENE": name})[2:]
     code, said = desk.call(command, *words[: len(words) - len(known.last)])
     assert code == 2
     if command == "check":
-        assert said == f"error: {name}: 1 fault, told above\n"
+        assert said == f"error: {name}: 1 fault, listed above\n"
     else:
         assert said.startswith(f"error: scene {name!r}: no such scene, expected a path to a ")
         assert said.count("\n") == 1

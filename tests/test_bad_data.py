@@ -1,4 +1,4 @@
-"""Recorded vectors that cannot be: one line with file, line and column."""
+"""Invalid recorded vectors are refused by one line with file, line and column."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from refused import Desk
 HEADER = b"x0,x1,x2,y0,y1\n"
 LINES = b"0.1,0.2,0.3,0.4,0.5\n" * 3
 
-# Content of mine.csv, and what is said of it.
+# Contents of mine.csv, and the message for each.
 TABLE = {
     "empty": (b"", "mine.csv: got 0 lines, expected a header and at least one row"),
     "blank lines": (b"\n\n\n", "mine.csv: got 0 lines, expected a header"),
@@ -54,7 +54,7 @@ TABLE = {
     "a target too large": (HEADER + b"1,1,1,1,1.5\n", "mine.csv: column 'y1': got a target of 1.5"),
     "a target of 0": (HEADER + b"1,1,1,0,1\n", "mine.csv: column 'y0' holds a target of 0, whose"),
 }
-# What stands in the scene, what instead, and what is said of the file that it then names.
+# A text of the scene, its replacement, and the message on the file that it then names.
 FILES = {
     "another group": ('group_by = "y0"', 'group_by = "q"', "mine.csv: no column 'q', got x0, x1"),
     "no such row": ('group_by = "y0"', "where = { x0 = 9 }", "mine.csv: no row has x0 = 9, expect"),
@@ -74,7 +74,7 @@ FILES = {
     "the scene": ("mine.csv", "mine.toml", "mine.toml:4: got 3 cells, expected 1"),
     "the network": ("mine.csv", "mine.npz", "mine.npz: got the byte 0x.* at .*, expected UTF-8"),
 }
-# Columns that nothing can be learnt from, by the place of the column.
+# Columns from which nothing can be learnt, by the place of the column.
 SAME = {0: "column 'x0': got 0.5 in every row", 4: "column 'y1': got 0.5 in every row"}
 
 

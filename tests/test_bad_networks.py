@@ -1,4 +1,4 @@
-"""A network file that cannot be: one line that names it, whatever its parser says."""
+"""An invalid network file is refused by one line that names it, whatever its parser says."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def shaped(shape: str) -> str:
 
 
 def zipped(offset: int, value: int) -> bytes:
-    """An archive whose first entry says of itself what it is not: 0 flags, 2 method."""
+    """An archive with a wrong field in its first entry: 0 for its flags, 2 for its method."""
     content = bytearray(npz())
     content[content.find(b"PK\x03\x04") + 6 + offset] = value
     content[content.find(b"PK\x01\x02") + 8 + offset] = value
@@ -78,7 +78,7 @@ CHAIN = [
 
 
 def onnx(nodes: dict[int, Any] | None = None, **changed: Any) -> bytes:
-    """A network with some nodes and constants replaced; ``ends`` are its inputs and outputs."""
+    """A network in which some nodes and constants are replaced. ``ends`` are inputs and outputs."""
     ends = [
         [helper.make_tensor_value_info(name, TensorProto.DOUBLE, [None, 3]) for name in names]
         for names in changed.pop("ends", ("x", "y"))
@@ -93,7 +93,7 @@ def onnx(nodes: dict[int, Any] | None = None, **changed: Any) -> bytes:
 
 
 def tensor(**fields: Any) -> TensorProto:
-    """The weights of layer 1, some of whose fields are others; None takes one away."""
+    """The weights of layer 1 with some fields changed, or removed if the value is None."""
     made = numpy_helper.from_array(MLP.w1.T, "w1")
     for name, value in fields.items():
         made.ClearField(name)
@@ -253,7 +253,7 @@ def test_a_network_is_refused(desk: Desk, form: str, content: bytes, message: st
 
 @pytest.mark.parametrize("form", ["npz", "mat", "onnx"])
 def test_a_network_without_hidden_nodes_is_refused(desk: Desk, form: str) -> None:
-    """Where the scene takes as many as the file has."""
+    """Also if the scene takes as many hidden nodes as the file has."""
     none = {"npz": npz(**NONE), "mat": mat({k: v.T for k, v in NONE.items()})}
     none["onnx"] = onnx(w1=NONE["w1"].T, b1=NONE["b1"], w2=NONE["w2"].T)
     desk.edit("mine.npz", f"mine.{form}")

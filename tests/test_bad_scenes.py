@@ -1,4 +1,4 @@
-"""A scene that cannot be: one line with file, key, what was got and what was expected."""
+"""An invalid scene is refused by a line with file, key, the value and what was expected."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ NUMBER = "expected a number"
 HIDDEN = "expected the least and the largest number of hidden nodes"
 OPTIONS = "activation_options = {}"
 
-# What stands in the scene; what stands there instead, and what is said of that.
+# A text of the scene, and its replacements with the message for each.
 TABLE: dict[str, dict[str, str]] = {
     'file = "mine.csv"': {
         "file = 5": f"data.file: got 5, {TEXT}",
@@ -228,7 +228,7 @@ def test_a_key_is_refused(desk: Desk, old: str, new: str, message: str) -> None:
     desk.refuses("bench", "mine.toml", says=message)
 
 
-# Of an empty file.
+# The messages for an empty file.
 MISSING = [
     *("data.sensors: missing, expected a list", "data.outputs: missing, expected a list"),
     *(f"{key}: missing, {TEXT}" for key in ("network.arrangement", "network.weights")),
@@ -236,7 +236,7 @@ MISSING = [
     "data.file: missing, expected text, the name of a file",
 ]
 SECTIONS = "[visualisation]\nload = 'y0'\nposition = 'y1'\n[uart]\nbaud = 5\n[front_end]"
-# A section of a board with its keys, and what is said of it at once.
+# Sections of a board's scene, and all messages that come at once.
 BOARD = {
     SECTIONS: [
         "front_end.converter: got none with a section [uart], expected a part",

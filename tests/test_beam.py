@@ -1,4 +1,4 @@
-"""The cantilever and its gauges: equations 3.1 to 3.5 and 3.7 to 3.9, and data made from them."""
+"""Tests the cantilever and its gauges: equations 3.1 to 3.5 and 3.7 to 3.9, and generated data."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def test_what_a_load_does_elsewhere_it_suffers_from_there(a: float, b: float) ->
 
 
 def test_the_strain_is_the_typical_maximum_of_section_3_5() -> None:
-    """23 g at the tip, at the root: below 1e-3, of that size."""
+    """With 23 g at the tip, the strain at the root is near 1e-3 and below it."""
     moment = BEAM.moment(0, 0.023, BEAM.length)
     strain = abs(moment) * BEAM.thickness / (2 * BEAM.stiffness)
     assert 7e-4 < strain < 1e-3
@@ -155,7 +155,7 @@ def test_what_the_fit_makes_of_the_recorded_sensors() -> None:
     places = [1e3 * sensor.position for sensor in sensors[:3]]
     assert places == pytest.approx([0.5, 86.9, 149.9], abs=0.1)
     assert sensors[3].position == pytest.approx(BEAM.length * (1 - FARTHEST), rel=1e-3)
-    # The load alone does as well as any sensor position.
+    # The load alone fits as well as any position of the sensor.
     matrix = np.stack([loads.mass, np.ones(len(table))], axis=1)
     volts_per_kg = np.linalg.lstsq(matrix, table[:, 3])[0]
     alone = np.sqrt(((matrix @ volts_per_kg - table[:, 3]) ** 2).mean())
@@ -164,7 +164,7 @@ def test_what_the_fit_makes_of_the_recorded_sensors() -> None:
 
 
 def test_every_other_row_of_sensors_1_to_3_was_interpolated() -> None:
-    """Between two placements 12.7 mm apart they are the mean, sensor 4 is not."""
+    """They are the mean of two placements 12.7 mm apart, and sensor 4 is not."""
     table = recorded()
     means = []
     for load in np.unique(table[:, 4]):
@@ -175,7 +175,7 @@ def test_every_other_row_of_sensors_1_to_3_was_interpolated() -> None:
 
 
 def test_heavy_loads_read_less_than_in_proportion() -> None:
-    """Sensor 1 with every load at one place, against a line through those of 6 to 16 g."""
+    """Sensor 1, for every load at one place, is compared with a line through 6 to 16 g."""
     rows = recorded()
     rows = rows[rows[:, 5] == 0.225]
     mass, volts = rows[:, 4] / 0.9 * 23, rows[:, 0]

@@ -1,8 +1,8 @@
-"""What benches are about to drive, for scenes drawn at random over what a scene may choose.
+"""Checks what benches are going to drive, for random scenes with any allowed choice of keys.
 
-Nothing is simulated for a plan: each test of each bench runs up to its first play. What it would
-drive fits its ports; where its stimuli are a function, the twin takes them all and every border is
-met. Of some scenes the benches are run whole, which ALL=1 does.
+No simulator runs: each test of each bench runs up to its first play. The values that it would drive
+must fit its ports. If its stimuli come from a function, the twin must accept them, and they must
+reach every border. For some scenes the benches are run completely, which only ALL=1 does.
 """
 
 from __future__ import annotations
@@ -37,12 +37,13 @@ EVERY_RUN, MORE, WHOLE = 4, 200, 20
 
 
 class PlannedError(Exception):
-    """A bench has come to its first play."""
+    """Raised when a bench comes to its first play."""
 
 
 @dataclass
 class Subject:
-    """What a bench gets in place of a simulator's: who asks it for a port is about to play."""
+    """A replacement for the simulator's object. A bench that asks it for a port is going to "
+    "play."""
 
     scene: Scene
     design: Block
@@ -54,7 +55,7 @@ class Subject:
 
 
 def prepared(bench: Bench, subject: Subject) -> None:
-    """A bench of a subject, outside a simulator."""
+    """Prepare a bench of a subject outside of a simulator."""
     bench.dut = subject
     bench.scene, bench.design, bench.twin = subject.scene, subject.design, subject.twin
     bench.latency, bench.frames = bench.twin.latency, 20
@@ -65,7 +66,7 @@ def prepared(bench: Bench, subject: Subject) -> None:
 
 
 async def played(bench: Bench, drive: dict[str, np.ndarray], watch: list[str]) -> None:
-    """What is driven fits its ports."""
+    """Check that the driven values fit their ports, instead of playing them."""
     ports = {port.name: port for port in bench.twin.ports}
     assert len({len(column) for column in drive.values()}) == 1, bench.twin.entity
     for name, column in drive.items():
@@ -82,13 +83,13 @@ def planned(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def ends(port: Port) -> tuple[int, int]:
-    """The least and the largest number that fits a port; benches drive bits or signed numbers."""
+    """The least and the largest number for a port. Benches drive bits or signed numbers."""
     most = 1 << (port.width or 1)
     return (-most // 2 if port.signed else 0, most - 1)
 
 
 def plan(subject: Subject) -> None:
-    """Run each test of a bench up to its first play, or to its end where it has none to make."""
+    """Run each test of a bench up to its first play, or to its end if it plays nothing."""
     tests = vars(BENCHES[subject.twin.block]).values()
     for test in [value for value in tests if isinstance(value, TestGenerator)]:
         with suppress(PlannedError, StopIteration):
@@ -96,7 +97,7 @@ def plan(subject: Subject) -> None:
 
 
 def check(subject: Subject) -> None:
-    """The twin takes all stimuli of a bench, and they meet every border of it."""
+    """Check that the twin accepts all stimuli of a bench, and that they reach every border."""
     stimuli = getattr(BENCHES[subject.twin.block], "stimuli", None)
     if stimuli is None:
         return
@@ -112,7 +113,7 @@ def check(subject: Subject) -> None:
 def test_the_benches_of_a_drawn_scene_have_a_plan(planned: None, tmp_path: Path, seed: int) -> None:
     scene = drawn_scene(seed, tmp_path, large=seed >= EVERY_RUN)
     design = scene.twin(lean=seed % 3 > 0)
-    # One entity of each block.
+    # One entity of each block is planned.
     for twin in {part.block: part for part in walk(design)}.values():
         subject = Subject(scene, design, twin, seed)
         check(subject)
@@ -122,7 +123,7 @@ def test_the_benches_of_a_drawn_scene_have_a_plan(planned: None, tmp_path: Path,
 @pytest.mark.all_only
 @pytest.mark.parametrize("seed", range(WHOLE))
 def test_the_benches_of_a_drawn_scene_are_green(tmp_path: Path, seed: int) -> None:
-    """One entity of each block, in both simulators."""
+    """One entity of each block runs in both simulators."""
     scene = drawn_scene(seed, tmp_path, large=False)
     for simulator in SIMULATORS:
         entities = {job.block: job for job in plan_jobs(scene, [simulator], build=tmp_path)}
@@ -133,7 +134,7 @@ def test_the_benches_of_a_drawn_scene_are_green(tmp_path: Path, seed: int) -> No
 
 
 def test_every_choice_is_drawn(tmp_path: Path) -> None:
-    """What a scene may choose comes up in the scenes that are drawn."""
+    """Every choice of a scene occurs in the drawn scenes."""
     scenes = [drawn_scene(seed, tmp_path, large=False) for seed in range(MORE)]
     assert {scene.design for scene in scenes} == set(DESIGNS)
     assert {scene.activation for scene in scenes} == set(SCHEMES)

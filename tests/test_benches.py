@@ -1,4 +1,4 @@
-"""Every bench, both simulators: its cases, and the shipped scenes."""
+"""Runs every bench in both simulators, on its cases and on the shipped scenes."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from tb.sign_off.current import stale_records
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
-# Every run plays all recorded frames through these: the scene that is exported by default, the
-# design of the thesis in its arithmetic, and the one with every multiplication at once. The cases
-# hold the other arrangements and interfaces.
+# Every run plays all recorded frames through these scenes: the default scene, the design of the
+# thesis in its arithmetic, and the design with every multiplication at once. The cases cover the
+# other arrangements and interfaces.
 NETWORKS = ("digit", "digit-parallel", "digit-single-thesis")
 
 
-# Cases that drive what others drive too, in other sizes: they are left to ALL=1.
+# These cases drive the same as others in other sizes, so only ALL=1 runs them.
 LEFT = (
     *("deep-cascade", "slow-axis-cascade", "huge-exact", "wide-thesis", "pade-thesis"),
     *("profile", "other-profile", "deep-reload", "three-engine", "huge-engine"),
@@ -39,7 +39,7 @@ LEFT = (
 )
 
 
-# Each bench with each case that it names. Those of one case stand together: they share exports.
+# Each bench with each of its cases. Those of a case are together, because they share exports.
 PAIRS = [
     pytest.param(block, case, marks=[pytest.mark.all_only] if case in LEFT else [])
     for case in sorted(CASES, key=lambda name: name in LEFT)
@@ -48,14 +48,15 @@ PAIRS = [
 
 
 def one_of_each(jobs: list[Job]) -> list[Job]:
-    """The first entity of each block, which has its faults; others differ in constants alone."""
+    """The first entity of each block, which has its faults. Others differ only in constants."""
     return list({job.block: job for job in jobs}.values())
 
 
 def check(outcomes: list[Outcome]) -> None:
-    """Nothing failed, both simulators compared as much of every entity, and records are of this.
+    """Check that no bench failed, both simulators compared equally much, and records are current.
 
-    What is recorded of a bench is recorded of its trace: each run shows whether it is that still.
+    The records of a bench belong to its trace, and each run shows whether the trace is still the
+    same.
     """
     failed = [f"{o.job.simulator}, {o.job.entity}: {o.complaint()}" for o in outcomes]
     assert all(o.passed for o in outcomes), "\n".join(
@@ -76,7 +77,7 @@ def check(outcomes: list[Outcome]) -> None:
 
 
 def check_clocks(outcomes: list[Outcome]) -> None:
-    """Those of whole networks are the published ones."""
+    """Check that the clocks of whole networks are the published ones."""
     for outcome in outcomes:
         design = outcome.job.scene.twin()
         if outcome.job.entity == design.entity:
@@ -100,7 +101,7 @@ def test_every_bench_has_a_case_in_every_run() -> None:
 
 @pytest.mark.parametrize(("block", "case"), PAIRS)
 def test_hardware_equals_twin(shared: Shared, block: str, case: str) -> None:
-    """A block in a case that its bench names, in both simulators."""
+    """Run a block in a case of its bench, in both simulators."""
     jobs = [
         job for s in SIMULATORS for job in one_of_each(shared.jobs(case, s)) if job.block == block
     ]
@@ -112,7 +113,7 @@ def test_hardware_equals_twin(shared: Shared, block: str, case: str) -> None:
 
 @pytest.mark.parametrize("scene", NETWORKS)
 def test_recorded_frames_of_a_scene(shared: Shared, scene: str) -> None:
-    """The whole network of a shipped scene, in both simulators."""
+    """Run the whole network of a shipped scene, in both simulators."""
     top = load_scene(scene).twin().entity
     outcomes = shared.run([j for s in SIMULATORS for j in shared.jobs(scene, s) if j.entity == top])
     assert len(outcomes) == len(SIMULATORS)
@@ -123,7 +124,7 @@ def test_recorded_frames_of_a_scene(shared: Shared, scene: str) -> None:
 @pytest.mark.all_only
 @pytest.mark.parametrize("case", CASES)
 def test_all_constants_of_a_case(shared: Shared, case: str) -> None:
-    """The entities of its blocks that test_hardware_equals_twin leaves out."""
+    """Run the entities that test_hardware_equals_twin leaves out."""
     blocks = blocks_of(case)
     left = []
     for simulator in SIMULATORS:

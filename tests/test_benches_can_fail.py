@@ -1,4 +1,4 @@
-"""A fault in the exported hardware turns its bench red: one or more per block."""
+"""A fault in the exported hardware must make its bench fail, with at least one for each block."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.Unsettle
 
 
 def with_fault(job: Job, folder: Path, pattern: str, text: str) -> Job:
-    """The job on a copy of its files in which the first match is replaced."""
+    """The job, on a copy of its files in which the first match is replaced."""
     changed = replace(job, build=folder)
     shutil.copytree(job.hdl_folder, changed.hdl_folder)
     file = changed.hdl_folder / f"{job.entity}.v"
@@ -28,9 +28,9 @@ def with_fault(job: Job, folder: Path, pattern: str, text: str) -> Job:
 
 
 def job_of(shared: Shared, block: str, pattern: str = "") -> Job:
-    """The first entity of a block, in the first case of its bench, that holds a pattern."""
+    """The first entity of a block that contains a pattern, in the first case of its bench."""
     case = CASES_OF[block][0]
-    # In line the last entity comes first.
+    # The jobs are listed in the reverse order of the entities.
     for job in reversed(shared.jobs(case, "icarus")):
         source = (job.hdl_folder / f"{job.entity}.v").read_text()
         if job.block == block and re.search(pattern, source):
@@ -53,12 +53,12 @@ def test_a_fault_turns_the_bench_red(
     pattern, text = FAULTS[block][number]
     outcome = run_job(with_fault(job_of(shared, block, pattern), tmp_path, pattern, text))
     assert not outcome.passed, f"{pattern} as {text}"
-    # It ran and found the fault: not the compiler did.
+    # The bench ran and found the fault, and not the compiler.
     assert re.search(r" FAIL=[1-9]", outcome.log.read_text())
 
 
 def test_a_bench_that_compares_nothing_fails(shared: Shared, tmp_path: Path, monkeypatch) -> None:
-    """A test filter that matches nothing exits green in cocotb; the runner turns it red."""
+    """A test filter that matches no test passes in cocotb, but the runner must report a failure."""
     original = runner.subprocess.run
 
     def with_filter(command, **keywords):

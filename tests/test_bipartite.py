@@ -1,4 +1,4 @@
-"""The activation bipartite over every one of its 262144 codes."""
+"""Tests the activation bipartite over all of its 262144 codes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from golden.precision import EXACT, THESIS
 
 FMT = EXACT.hidden_fmt
 CODES = np.arange(FMT.low, FMT.high + 1)
-# Codes that are not the nearest to tanh, and the largest error in units of 2**-13.
+# How many codes are not the nearest to tanh, and the largest error in units of 2**-13.
 FOUND = {"block_ram": (23416, 0.708), "logic": (90322, 4.497)}
 
 
@@ -29,7 +29,7 @@ def build(memory: str, reach: int = FMT.high) -> Bipartite:
 
 
 def tanh_units() -> np.ndarray:
-    """tanh of the middle of every step in codes of r; off by less than 2**-37 of one."""
+    """tanh of the middle of every step, in codes of r, with an error below 2**-37 of a code."""
     return np.tanh((CODES + 0.5) * 2.0**-14) * 16384
 
 
@@ -37,7 +37,7 @@ def tanh_units() -> np.ndarray:
 def test_error_and_wrong_codes_are_those_of_the_page(memory: str) -> None:
     results = build(memory).process(CODES)
     exact = tanh_units()
-    # No tanh is so near to a whole code that its last bits decide which code is the nearest.
+    # No tanh is so near to a whole code that its last bits could change which code is the nearest.
     assert np.abs(exact - np.rint(exact)).min() > 2**-34
     wrong, bound = FOUND[memory]
     assert int((results != np.floor(exact)).sum()) == wrong

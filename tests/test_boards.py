@@ -1,4 +1,4 @@
-"""Boards: their files, the clock, what stands around a design, and bitstreams."""
+"""Tests boards: their files, their clocks, what is around a design, and bitstreams."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ LINE = "\n[uart]\n"
 
 
 def scene_with(folder: Path, clock_mhz: float, sections: str = CONVERTER + LINE) -> Scene:
-    """The smallest instrument that there is, on an engine."""
+    """The smallest possible instrument, on an engine."""
     path = write_scene(
         folder,
         "tiny",
@@ -126,7 +126,7 @@ def number(text: str, name: str) -> int:
 
 @pytest.mark.parametrize("mhz", [10, 12, 24, 25.175, 33.3333, 48, 62.5, 64, 100, 125])
 def test_the_pll_of_an_ecp5(mhz: float) -> None:
-    """What its numbers give, by the formula of ecppll, and every limit."""
+    """Checks the frequency by the formula of ecppll, and every limit."""
     clock = clock_for(load_board("ulx3s"), mhz)
     names = ("CLKI_DIV", "CLKFB_DIV", "CLKOP_DIV", "CLKOS_DIV")
     divide_in, factor, closing, divide_out = (number(clock.text, name) for name in names)
@@ -143,7 +143,7 @@ def test_the_pll_of_an_ecp5(mhz: float) -> None:
 
 @pytest.mark.parametrize("mhz", [16.5, 18, 24, 30, 36, 48])
 def test_the_pll_of_an_ice40(mhz: float) -> None:
-    """What its numbers give, by the formula of icepll, and every limit."""
+    """Checks the frequency by the formula of icepll, and every limit."""
     clock = clock_for(load_board("icebreaker"), mhz)
     assert "SB_PLL40_PAD" in clock.text
     divide_in, loop = number(clock.text, "DIVR") + 1, number(clock.text, "DIVF") + 1
@@ -160,7 +160,7 @@ def test_a_clock_that_no_pll_makes_is_refused(board: str, mhz: float) -> None:
         clock_for(load_board(board), mhz)
 
 
-# A design of the same ports that shows its clock's edges in reset, and a PLL that locks at once.
+# A design with the same ports that counts its clock edges in reset, and a model of a PLL.
 STUBS = """
 module SB_PLL40_PAD #(parameter FEEDBACK_PATH = "", DIVR = 0, DIVF = 0, DIVQ = 0, FILTER_RANGE = 0)
   (input PACKAGEPIN, RESETB, BYPASS, output PLLOUTGLOBAL, output reg LOCK);
@@ -194,7 +194,7 @@ endmodule
 
 @pytest.mark.parametrize("clock_mhz", [12.0, 24.0])
 def test_a_design_begins_in_reset(tmp_path: Path, clock_mhz: float) -> None:
-    """For 2**RESET_WIDTH edges of its clock, from when a PLL has locked; a lamp may be inverted."""
+    """The reset lasts 2**RESET_WIDTH clock edges after a PLL has locked. A lamp may be inverted."""
     scene, board = scene_with(tmp_path, clock_mhz), load_board("icebreaker")
     design = scene.twin()
     text = wrapper(scene, design, board, clock_for(board, clock_mhz))
@@ -207,7 +207,7 @@ def test_a_design_begins_in_reset(tmp_path: Path, clock_mhz: float) -> None:
     for command in (["iverilog", "-g2012", "-o", "text", "text.v"], ["vvp", "-n", "text"]):
         run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
     (edges, first), (same, second) = (line.split() for line in run.stdout.splitlines())
-    # The PLL locks behind the 50th edge, and two registers see it.
+    # The PLL locks after the 50th edge, and two registers delay this.
     waited = 52 if clock_mhz != board.clock_mhz else 0
     assert int(edges) == int(same) == (1 << RESET_WIDTH) + waited
     assert (first, second) == ("001", "010")
@@ -222,7 +222,7 @@ def test_a_scene_without_what_a_board_needs_is_refused(tmp_path: Path) -> None:
         scene = scene_with(tmp_path, 25.0, sections)
         with pytest.raises(InputError, match=rf"tiny\.toml: {message}"):
             sources(scene, scene.twin(), board)
-    # All of it at once, the clock too, which no PLL makes.
+    # All faults are reported at once, also the clock that no PLL can make.
     scene = scene_with(tmp_path, 3.0, "")
     with pytest.raises(InputError) as refused:
         sources(scene, scene.twin(), board)
@@ -252,7 +252,8 @@ def test_the_pins_files_name_every_pin_that_is_used(tmp_path: Path) -> None:
 
 
 def test_the_command(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A bitstream, from the store the second time; one that is too slow, or does not fit."""
+    """It makes a bitstream, takes it from the store the second time, and refuses slow or large "
+    "ones."""
     scene_with(desk.folder, 12.0)
     desk.refuses("bitstream", "tiny.toml", "icebraker", says="'icebraker'.*'icebreaker'?")
     desk.refuses("bitstream", "mine.toml", "ulx3s", says="converter: got none", faults=2)
@@ -263,7 +264,7 @@ def test_the_command(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
     packed = (folder / "tiny.bin").read_bytes()
     facts = json.loads((folder / "bitstream.json").read_text())
     assert facts["sha256"] == hashlib.sha256(packed).hexdigest()
-    # What a bitstream of an iCE40 begins with, behind its comment.
+    # A bitstream of an iCE40 begins with these bytes, after its comment.
     assert bytes.fromhex("7eaa997e") in packed[:200]
     assert facts["report"]["clock_mhz"] > facts["report"]["needed_mhz"] == 12
     assert 0 < facts["report"]["used"]["block RAMs"] < facts["report"]["available"]["block RAMs"]
@@ -321,7 +322,7 @@ def built(scene: Scene, board: Board, folder: Path) -> tuple[bytes, Report]:
 def test_the_same_bytes_twice(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, board: str
 ) -> None:
-    """From the tools themselves, and they take what is recorded."""
+    """The tools run twice, and the design takes the recorded resources."""
     scene, target = load_scene(name), load_board(board)
     found = []
     for run in ("one", "other"):
@@ -345,7 +346,7 @@ def test_a_pll_of_an_ice40_is_placed(tmp_path: Path) -> None:
     assert report.clock_mhz >= report.needed_mhz == 24
 
 
-# A word of 17 bits is two multipliers' product; its register is the operand of the next ones.
+# The product of 17 bits takes two multipliers, and its register is an operand of the next ones.
 CHAIN = """
 module chain (input clk, input [16:0] a, input [13:0] b, input signed [13:0] c,
               output reg signed [31:0] y);
@@ -374,7 +375,7 @@ endmodule
 
 @pytest.mark.all_only
 def test_a_register_between_two_multipliers(tmp_path: Path) -> None:
-    """Of which ice40_dsp of Yosys loses bits; so it is left out."""
+    """ice40_dsp of Yosys loses bits of such a register, so this pass is left out."""
     (tmp_path / "chain.v").write_text(CHAIN)
     netlist = ice40_netlist(tmp_path, "chain").replace("module chain(", "module chain_cells(")
     text = models_for("ice40", netlist) + netlist + CHAIN + COMPARED
@@ -388,7 +389,7 @@ def test_a_register_between_two_multipliers(tmp_path: Path) -> None:
 @pytest.mark.all_only
 @pytest.mark.parametrize("name", board_names())
 def test_the_cells_of_a_board_do_what_its_verilog_does(tmp_path: Path, name: str) -> None:
-    """From the converter's wires to the bytes on the line, which are the twin's."""
+    """From the wires of the converter, the cells send the bytes that the twin predicts."""
     board = load_board(name)
     scene = scene_with(tmp_path, board.clock_mhz, f"{CONVERTER}counter_width = 11\n{LINE}")
     design = scene.twin()
@@ -398,7 +399,7 @@ def test_the_cells_of_a_board_do_what_its_verilog_does(tmp_path: Path, name: str
     assert played.compared > 20 * design.interval
     expected = expected_of(design, voltages)
     found = frames_of(played.line, design)
-    # The first is sent when a scan is over, and the last may not be whole.
+    # The first packet is sent after a scan, and the last one may be incomplete.
     assert len(found) >= (len(voltages) - 2) // design.packet_scans >= 7
     assert all(expected[count - 1] == (s, outputs) for count, s, outputs in found)
 
@@ -406,7 +407,7 @@ def test_the_cells_of_a_board_do_what_its_verilog_does(tmp_path: Path, name: str
 @pytest.mark.all_only
 @pytest.mark.parametrize(("name", "board"), SHIPPED)
 def test_the_cells_of_a_shipped_instrument(tmp_path: Path, name: str, board: str) -> None:
-    """Its image over the line, then recorded frames: they are the twin's, and the Verilog's."""
+    """After loading its image, the outputs are those of the twin and of the Verilog."""
     scene = load_scene(name)
     design = scene.twin()
     voltages = scene.vectors().codes[:16]
@@ -416,7 +417,7 @@ def test_the_cells_of_a_shipped_instrument(tmp_path: Path, name: str, board: str
     expected = {tuple(s): outputs for s, outputs in expected_of(design, voltages)}
     assert len(expected) == len(voltages)
     found = frames_of(played.line, design)
-    # None is computed before the image is there; the last may not be whole.
+    # No frame is computed before the image is loaded, and the last one may be incomplete.
     computed = [(s, outputs) for count, s, outputs in found if count]
     assert len(computed) >= (len(voltages) - 2) // design.packet_scans - 1 >= 5
     assert all(expected[tuple(s)] == outputs for s, outputs in computed)
@@ -428,7 +429,7 @@ def test_a_wrong_cell_of_a_board_is_seen(tmp_path: Path) -> None:
     voltages = np.random.default_rng(1).integers(-8192, 8192, (12, 1))
 
     def wrong(netlist: str) -> str:
-        """One line of one table is the other way round."""
+        """Invert one line of one table."""
         names = re.findall(r"\.LUT_INIT\(16'h(\w{4})\)", netlist)
         return netlist.replace(f"16'h{names[0]}", f"16'h{int(names[0], 16) ^ 0xFFFF:04x}", 1)
 
@@ -436,7 +437,7 @@ def test_a_wrong_cell_of_a_board_is_seen(tmp_path: Path) -> None:
 
 
 def test_each_stage_of_a_bitstream_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Also that a second placer is tried, where the first does not meet the clock."""
+    """A second placer is tried if the first does not meet the clock, which is reported too."""
     board = load_board("ulx3s")
     told: list[str] = []
 

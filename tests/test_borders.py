@@ -1,4 +1,4 @@
-"""Borders that the twins publish, and the samples that reach them."""
+"""Tests the borders that twins publish, and the samples that reach them."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def test_a_sum_that_is_too_small_names_its_range() -> None:
 
 
 def test_a_factor_moves_the_border() -> None:
-    """Of sums that are multiplied by 5 the least that saturates."""
+    """The border is the least sum that saturates when it is multiplied by 5."""
     neuron = Neuron(SMALL, Fix(6, 3), SMALL, 3, (9, -11, 7), 3, factor=5)
     at = neuron.borders[1].at
     assert 5 * at > SMALL.high >= 5 * (at - 1)

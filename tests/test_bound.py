@@ -1,4 +1,4 @@
-"""What can be known of a load: the bound of Cramer and Rao, and what prior knowledge adds."""
+"""Tests the bound of Cramer and Rao for a load, and what prior knowledge adds."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ BEAM = Beam()
 SENSORS_FITTED = fit_sensors(TABLE, BEAM)
 SCALE = error_scale(TARGETS, COLUMNS, {"position": FULL_SCALE, "width": FULL_SCALE})
 NOISE = np.full(len(SENSORS), 0.002)
-# Under load A here lies sensor 3, a quarter of the width off its middle.
+# Load A covers sensor 3 here, a quarter of the width away from its middle.
 WITHIN = np.array([0.9, 0.63, 0.9, 0.45])
 
 
@@ -37,7 +37,7 @@ def readings(codes: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("triangular", [False, True])
 def test_slopes_of_the_arm_are_its_finite_differences(triangular: bool) -> None:
-    # Neither at the middle of the load nor at its ends, where the second derivative jumps.
+    # The middle and the ends of the load are avoided, because the second derivative jumps there.
     d, h, e = np.linspace(-0.0301, 0.0303, 61), 0.02, 1e-7
     by_distance, by_half_width = arm_slopes(d, h, triangular)
     moved = (mean_arm(d + e, h, triangular) - mean_arm(d - e, h, triangular)) / (2 * e)
@@ -70,7 +70,7 @@ def test_the_bound_is_the_inverse_of_the_information() -> None:
 def test_what_no_reading_holds_has_no_bound_and_leaves_the_others_theirs() -> None:
     absent = np.array([[1.0, 0, 0], [0, 1, 0], [0, 1, 0]])
     assert least_deviations(absent, 1.0) == pytest.approx([1, 1 / np.sqrt(2), np.inf])
-    # Two that change the readings alike, in other units, cannot be told apart.
+    # Two parameters that change the readings alike, in different units, cannot be distinguished.
     alike = np.outer([0.1, 0.7, 0.3, 0.2], [0, 1, 3e-6]) + np.outer([0.9, -0.1, 0, -0.1], [1, 0, 0])
     assert least_deviations(alike, 1.0) == pytest.approx([1 / np.sqrt(0.83), np.inf, np.inf])
 
@@ -82,7 +82,7 @@ def test_noise_that_cannot_be_is_refused(noise: object) -> None:
 
 
 def test_width_is_in_the_readings_where_a_sensor_lies_under_the_load() -> None:
-    """By places alone: the fewest of the placements."""
+    """That is the case for few of the placements."""
     loads = loads_from_codes(TARGETS, BEAM)
     places = np.array([sensor.position for sensor in SENSORS_FITTED])
     off = np.abs(loads.position[:, np.newaxis] - places)
@@ -94,8 +94,10 @@ def test_width_is_in_the_readings_where_a_sensor_lies_under_the_load() -> None:
 
 
 def test_least_squares_reach_the_bound() -> None:
-    """As efficient an estimator as there is: of many draws the deviation is that of the bound, and
-    the mean error sqrt(2 / pi) of it. With 600 draws the deviation is known to 3 %."""
+    """Least squares is an efficient estimator, so its deviation over many draws is the bound.
+
+    Its mean error is sqrt(2 / pi) of the bound. With 600 draws the deviation is known to 3 %.
+    """
     noise, rng = 2e-4, np.random.default_rng(1)
     exact = readings(WITHIN[np.newaxis])[0]
 
@@ -125,14 +127,15 @@ def known() -> dict[bool, np.ndarray]:
 
 
 def test_who_knows_the_loads_needs_no_reading_of_their_width(known: dict) -> None:
-    """At 2 mV every load is recognised; only its position is left to be found."""
+    """With 2 mV of noise every load is recognised, and only its position is uncertain."""
     assert (known[True][:, [0, 2, 3]] < 1e-9).all()
     bound = least_mean_errors(SENSORS_FITTED, TARGETS, NOISE, SCALE[:, :3])
     assert 0.3 < known[True][:, 1].mean() / bound[:, 1].mean() < 1
 
 
 def test_who_knows_the_widths_alone_guesses_where_no_reading_holds_one(known: dict) -> None:
-    """Half-way between the four, and a rectangle, which is the less for an error of the target."""
+    """It guesses the middle of the widths, and a rectangle, which has the smaller relative "
+    "error."""
     bound = least_mean_errors(SENSORS_FITTED, TARGETS, NOISE, SCALE[:, :3])
     absent = np.isinf(bound[:, 2])
     guess = 100 * np.abs(TARGETS[absent, 2] - (0.45 + 0.675) / 2) / FULL_SCALE
@@ -141,6 +144,6 @@ def test_who_knows_the_widths_alone_guesses_where_no_reading_holds_one(known: di
     triangles = TARGETS[:, 3] > 0.5
     assert known[False][absent & triangles, 3] == pytest.approx(50)
     assert np.median(known[False][absent & ~triangles, 3]) == 0
-    # Load and position are as well known as by the bound: nothing is known of them beforehand.
+    # Load and position reach the bound, because nothing is known about them beforehand.
     errors = known[False][absent, :2].mean(axis=0)
     assert errors == pytest.approx(bound[absent, :2].mean(axis=0), rel=0.1)

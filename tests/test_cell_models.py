@@ -1,4 +1,4 @@
-"""Models of memories do what the manuals say: what they hold, write, clear, and cannot read."""
+"""The models of memories behave as the manuals say when they are read, written and reset."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import pytest
 from hdl.synth.timing import routed_netlist
 from tb.sign_off.cell_models import models_for
 
-# The port that writes, and the one that reads: words of 18 bits, of which 16 are data. Word 0 is
-# 1 with both bits of parity, word 1 is 2 with none.
+# One port writes and one reads words of 18 bits, 16 of which are data. Word 0 is 1 with both bits
+# of parity set, and word 1 is 2 with none set.
 VIRTEX = """RAMB16_S18_S18 #(.INIT_00(256'h00020001), .INITP_00(256'h3), .SRVAL_B(18'h3ffff),
     .WRITE_MODE_A("{mode}")) memory(.CLKA(clk), .CLKB(clk), .ENA(1'b1), .ENB(1'b1), .WEA(write),
     .WEB(1'b0), .SSRA(1'b0), .SSRB(clear), .ADDRA(at), .ADDRB(of), .DIA(data[15:0]),
@@ -48,7 +48,7 @@ endmodule
 
 
 def played(folder: Path, family: str, bench: str) -> list[str]:
-    """What a bench prints, with the models that it needs."""
+    """The output of a bench, with the models that it needs."""
     (folder / "text.v").write_text(models_for(family, bench) + bench)
     for command in (["iverilog", "-g2012", "-o", "text", "text.v"], ["vvp", "-n", "text"]):
         result = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
@@ -58,7 +58,7 @@ def played(folder: Path, family: str, bench: str) -> list[str]:
 @pytest.mark.parametrize("mode", ["READ_FIRST", "WRITE_FIRST", "NO_CHANGE"])
 @pytest.mark.parametrize("memory", MEMORIES)
 def test_a_block_ram(tmp_path: Path, memory: str, mode: str) -> None:
-    """Contents; a word that is written; one that is read meanwhile; the value of reset."""
+    """Tests the contents, a written word, a word that is read meanwhile, and the reset value."""
     family, text = MEMORIES[memory]
     meanwhile = "30001" if mode == "READ_FIRST" else "xxxxx"
     bench = BENCH.replace("{memory}", text.format(mode=mode))
@@ -83,7 +83,7 @@ def test_only_what_a_netlist_names_comes_with_it(family: str, cell: str) -> None
     assert text.count("endmodule") == 1
 
 
-# A memory with registers around it for nextpnr to time. What it begins with has no symmetry.
+# A memory with registers around it, so that nextpnr can time it. Its contents have no symmetry.
 MEMORY = """module memory(input clk, write, input [{top}:0] at, of, input [{high}:0] data,
     output reg [{high}:0] word);
   (* no_rw_check *) reg [{high}:0] words [0:{words}-1];
@@ -98,7 +98,7 @@ MEMORY = """module memory(input clk, write, input [{top}:0] at, of, input [{high
   end
 endmodule
 """
-# No word is read in the clock in which it is written.
+# A word is never read in the clock in which it is written.
 SEEN = """module bench;
   reg clk = 0, write = 0; reg [{top}:0] at = 0, of = 0; reg [{high}:0] data = 0; integer n;
   wire [{high}:0] word;
@@ -123,7 +123,7 @@ endmodule
 def test_a_memory_of_an_ecp5_is_written_and_read_as_its_verilog(
     tmp_path: Path, width: int, address: int, cell: str
 ) -> None:
-    """And begins with the same words; 6 bits leave two of a memory of LUTs without a wire."""
+    """It also begins with the same words. With 6 bits, a memory of LUTs has two unused outputs."""
     sizes = {"high": width - 1, "top": address - 1, "words": 1 << address}
     memory, bench = MEMORY.format(**sizes), SEEN.format(**sizes)
     folder = tmp_path / "verilog"

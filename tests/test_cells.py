@@ -1,4 +1,4 @@
-"""What Yosys counts of the activations."""
+"""Tests the cells that Yosys counts for the activations."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One name in every room, and the walls between the rooms."""
+"""Every block has one name in every room, and rooms keep to their imports."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 from golden.block import Block
 
 ROOT = Path(__file__).parents[1]
-# Parts are inlined into blocks and have no entity; the blocks that use them are their bench.
+# Parts are inlined into blocks and have no entity. The benches of these blocks test them.
 OTHERS = {"boards", "common", "export", "network_parts", "synth"}
 BLOCKS = sorted(
     (path.parent.name, path.stem)

@@ -1,4 +1,4 @@
-"""How commands end: complaints, faults of ours, disks that are full, readers that go away."""
+"""Tests how commands end: by a complaint, a fault of ours, a full disk, or a closed pipe."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_a_complaint_is_one_line(main: Callable[[], None], message: str, capfd) 
     ],
 )
 def test_a_fault_of_ours_keeps_its_traceback(fault: Callable[[], object], last: str, capfd) -> None:
-    """Also where a library raises what we raise for users."""
+    """That also holds if a library raises an error that we raise for users."""
 
     def main() -> None:
         with naming("a.toml"):
@@ -75,7 +75,8 @@ def test_a_fault_of_ours_keeps_its_traceback(fault: Callable[[], object], last: 
 def call(*words: str, **options) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, "-m", *words],
-        # No bytecode: a limit on files would cut it short, and who reads it next would fail.
+        # No bytecode is written, because the limit on file sizes would truncate it for later
+        # readers.
         env=os.environ
         | {"PYTHONPATH": str(ROOT), "PYTHONHASHSEED": "0", "PYTHONDONTWRITEBYTECODE": "1"},
         stderr=subprocess.PIPE,
@@ -86,7 +87,7 @@ def call(*words: str, **options) -> subprocess.CompletedProcess[str]:
 
 
 def small_files(most: int) -> Callable[[], None]:
-    """What lets a process write no file above so many bytes: a disk that is full, to root too."""
+    """A function that limits the size of files in a process, like a full disk, also for root."""
     return lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
 
 

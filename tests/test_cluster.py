@@ -1,4 +1,4 @@
-"""A training search on a cluster: joblib's own way to name one, and the same record as here."""
+"""Tests a training search on a cluster, which joblib selects and which gives the same record."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ ROOT = Path(__file__).parents[1]
 
 
 def test_a_dask_cluster_gives_the_same_record(small_scene: Scene, tmp_path: Path) -> None:
-    """Two worker processes, reached over sockets as those of another machine would be."""
+    """The two worker processes are reached over sockets, as those of another machine would be."""
     scene = open_search(small_scene)
     here = searched(scene, tmp_path / "here.jsonl")
     cluster = LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None)
@@ -42,7 +42,7 @@ def test_a_dask_cluster_gives_the_same_record(small_scene: Scene, tmp_path: Path
 
 @contextmanager
 def listening(answer: Callable[[socket.socket], object]) -> Iterator[str]:
-    """The address of a program that listens and is no scheduler."""
+    """The address of a program that listens but is not a scheduler."""
     server = socket.create_server(("127.0.0.1", 0))
     taken: list[socket.socket] = []
 
@@ -74,7 +74,7 @@ def listening(answer: Callable[[socket.socket], object]) -> Iterator[str]:
 def test_what_listens_and_is_no_scheduler_is_refused_in_seconds(
     answer: Callable[[socket.socket], object], reason: str, capfd: pytest.CaptureFixture
 ) -> None:
-    """It waited for seven minutes, or tried to read a message of 3.07 EiB."""
+    """Otherwise it would wait for seven minutes, or try to read a message of 3.07 EiB."""
     with listening(answer) as address:
         message = f"^CLUSTER={address}: no scheduler answers: {reason}.*; expected the address of a"
         with pytest.raises(InputError, match=message) as refused, computed_on(address, 1.0):

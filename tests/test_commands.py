@@ -1,4 +1,4 @@
-"""The commands as a user types them: what they list, refuse and leave behind."""
+"""Tests the commands as a user types them: what they list, refuse and write."""
 
 from __future__ import annotations
 
@@ -42,13 +42,13 @@ def run(*command: str, **environment: str) -> subprocess.CompletedProcess[str]:
 
 
 def make(*words: str, **environment: str) -> subprocess.CompletedProcess[str]:
-    """make with the running interpreter's environment, so that nothing is installed."""
+    """Run make with the environment of this interpreter, so that nothing is installed."""
     environment.setdefault("MAKEFLAGS", "")
     return run("make", "--no-print-directory", f"VENV={sys.prefix}", *words, **environment)
 
 
 def test_make_alone_lists_the_commands_before_anything_is_installed(tmp_path: Path) -> None:
-    """With a Python that has its standard library alone, and no environment."""
+    """It runs with a Python that only has its standard library, and without an environment."""
     python = tmp_path / "python3"
     python.write_text(f'#!/bin/sh\nexec "{sys.executable}" -E -S "$@"\n')
     python.chmod(0o755)
@@ -64,7 +64,7 @@ def test_make_alone_lists_the_commands_before_anything_is_installed(tmp_path: Pa
 
 
 def test_every_target_is_in_the_table() -> None:
-    """But for those that others need."""
+    """Targets that only other targets need are left out."""
     text = (ROOT / "Makefile").read_text(encoding="utf-8").replace("\\\n", " ")
     phony = set(re.search(r"^\.PHONY: (.*)$", text, re.M)[1].split())
     assert phony == {command.name for command in COMMANDS} | {"help", "tools", "browser", "ready"}
@@ -92,7 +92,7 @@ def test_the_default_scenes_are_those_that_the_table_names() -> None:
 
 @pytest.fixture(scope="module", autouse=True)
 def ready() -> None:
-    """The environment is this one; make need not set it up again."""
+    """Mark the present environment as ready, so that make does not set it up again."""
     (Path(sys.prefix) / ".ready").touch()
 
 
@@ -153,9 +153,10 @@ INSTALL = "env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install
     ],
 )
 def test_missing_tools_are_installed_or_named(tmp_path: Path, user: int, sudo: int, done) -> None:
-    """As root; by sudo that asks no password; by the user, who is told what to run."""
+    """They are installed as root or by a sudo without password. Other users get the command to "
+    "run."""
     log = tmp_path / "log"
-    # What apt-get prints is printed: it takes a minute.
+    # The output of apt-get is printed, because it takes a minute.
     for name, script in {
         "id": f"echo {user}",
         "sudo": f'echo "sudo $@" >> "{log}"; exit {sudo}',

@@ -1,4 +1,4 @@
-"""From deflection to code: sensor, DC remover, gain, clipping, ADC."""
+"""Tests the way from deflection to code: sensor, DC remover, gain, clipping, ADC."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def rng() -> np.random.Generator:
 
 
 def amplitude(hertz: float) -> float:
-    """Of a sine of 1 V after the high pass, once it has settled."""
+    """The amplitude of a sine of 1 V after the high pass, when it has settled."""
     passed = Conditioning(1.0).amplify(np.sin(2 * math.pi * hertz * TIME), 0.0)
     return float(np.sqrt(2 * (passed[len(TIME) // 2 :] ** 2).mean()))
 
@@ -45,7 +45,7 @@ def test_dc_is_gone_once_settled() -> None:
     assert (rest == 0).all()
     step = Conditioning(1).amplify(np.full(2000, 1.0), 0.0)
     assert step[0] == pytest.approx(1, rel=1e-3)
-    # A time constant of 1 / (2 pi 0.06 Hz) = 2.65 s.
+    # The time constant is 1 / (2 pi 0.06 Hz) = 2.65 s.
     assert step[round(200 / (2 * math.pi * CUTOFF))] == pytest.approx(math.exp(-1), rel=5e-3)
 
 
@@ -94,7 +94,7 @@ def test_the_low_pass_is_first_order_and_leaves_the_noise_that_it_says() -> None
         passed = filtered.passed(np.sin(2 * math.pi * hertz * time))[10_000:]
         expected = 1 / math.sqrt(1 + (hertz / 25) ** 2)
         assert np.sqrt(2 * (passed**2).mean()) == pytest.approx(expected, rel=2e-3)
-    # White noise: the sum of the squares of the impulse response.
+    # For white noise this is the sum of the squares of the impulse response.
     impulse = filtered.passed(np.r_[0.0, 1.0, np.zeros(5000)])
     assert math.sqrt((impulse**2).sum()) == pytest.approx(filtered.noise_left, rel=1e-9)
 

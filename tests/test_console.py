@@ -1,4 +1,4 @@
-"""The command ``tactus``: what it makes of the table, and that a wheel holds all that it needs."""
+"""Tests the command ``tactus``: how it reads the table, and that a wheel is complete."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ from tb.common.where import block_names
 ROOT = Path(__file__).parents[1]
 OFFERED = [command for command in COMMANDS if command.module]
 MAKES = [command for command in COMMANDS if not command.module]
-# A value for each variable; a flag is given or not.
+# A value for each variable. A flag has none.
 VALUE = "a b"
 
 
 @pytest.fixture
 def started(monkeypatch: pytest.MonkeyPatch) -> list[list[str]]:
-    """The words that Python would have been started with, which it is not."""
+    """The words with which Python would have been started. It is not started."""
     found: list[list[str]] = []
     monkeypatch.setattr(commands.os, "execv", lambda _, words: found.append(words[1:]))
     monkeypatch.setenv("DRY", "")
@@ -48,7 +48,7 @@ def invoke(*words: str) -> Result:
 
 
 def options(command: Command, given: dict[str, str]) -> list[str]:
-    """A command line that gives what make would be given."""
+    """A command line with the same values as for make."""
     words = [command.name]
     for argument in command.arguments:
         if argument.name not in given:
@@ -64,7 +64,7 @@ def options(command: Command, given: dict[str, str]) -> list[str]:
 
 @pytest.mark.parametrize("command", OFFERED, ids=lambda c: c.name)
 def test_a_command_hands_on_what_it_is_given(command: Command, started: list[list[str]]) -> None:
-    """As make does: everything that the table knows, only what is needed, and nothing twice."""
+    """It does so as make does, with all variables or only the required ones, and none twice."""
     everything_given = {a.name: "1" if a.flag else VALUE for a in command.arguments}
     needed = {a.name: VALUE for a in command.arguments if a.needed}
     for given in (everything_given, needed):
@@ -103,7 +103,7 @@ def test_texts_of_the_table_name_what_is_typed() -> None:
 
 
 def called(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
-    """The exit code of a command line."""
+    """Run a command line, and return its exit code."""
     monkeypatch.setattr(sys, "argv", ["tactus", *words])
     return console.main()
 
@@ -138,7 +138,7 @@ def test_alone_it_lists_its_commands(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
 ) -> None:
     assert called(monkeypatch) == 0
-    # click takes other widths in a test of its own.
+    # click would use another width in a test.
     assert capfd.readouterr().out.split() == invoke("--help").output.split()
     assert called(monkeypatch, "--version") == 0
     assert capfd.readouterr().out == f"tactus {version('tactus')}\n"
@@ -171,7 +171,7 @@ def test_a_shell_completes_files(words: list[str], begun: str) -> None:
 
 @pytest.fixture
 def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder of packages in which tactus seems to stand, as pip puts it there."""
+    """A folder of packages in which tactus seems to be installed, as pip does it."""
     monkeypatch.setattr(folders, "ROOT", tmp_path / "site-packages")
     return folders.ROOT
 
@@ -202,14 +202,14 @@ def test_records_belong_to_a_checkout(
     capfd: pytest.CaptureFixture,
 ) -> None:
     assert called(monkeypatch, *words, "--record") == 2
-    assert capfd.readouterr().err.startswith("error: --record: what is recorded of a block, ")
+    assert capfd.readouterr().err.startswith("error: --record: the records of blocks, ")
     assert not started
     assert called(monkeypatch, "synth", "mine.toml", "--record") == 0
     assert started.pop() == BY_NAME["synth"].words({"SCENE": "mine.toml", "RECORD": "1"})
 
 
 def test_the_wheel_has_every_kind_of_file() -> None:
-    """A file of another ending would be missing where pip installs it."""
+    """A file with another suffix would be missing after pip has installed the wheel."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())
     packed = {name.removeprefix("*") for name in project["tool"]["setuptools"]["package-data"]["*"]}
     rooms = [ROOT / room for room in folders.ROOMS]
@@ -219,7 +219,7 @@ def test_the_wheel_has_every_kind_of_file() -> None:
 
 @pytest.mark.all_only
 def test_a_wheel_works_from_any_folder(tmp_path: Path) -> None:
-    """Built from a copy, since setuptools leaves what it builds beside the source."""
+    """The wheel is built from a copy, because setuptools leaves files beside the source."""
     source, prefix, place = (tmp_path / name for name in ("source", "prefix", "place"))
     for room in folders.ROOMS:
         shutil.copytree(ROOT / room, source / room, ignore=shutil.ignore_patterns("__pycache__"))
@@ -234,12 +234,12 @@ def test_a_wheel_works_from_any_folder(tmp_path: Path) -> None:
     subprocess.run(
         [*pip, "--python", prefix / "bin" / "python", "install", "--no-deps", wheel], check=True
     )
-    # All else comes from this environment, but for the tactus that stands there.
+    # Everything else comes from this environment, except its tactus.
     others = Path(pytest.__file__).parents[1]
     (packages / "others.pth").write_text(f"{others}\n")
     shutil.rmtree(source)
     before = {path for path in packages.rglob("*") if path.suffix != ".pyc"}
-    # What a user has by the names of our packages is not taken for them.
+    # A user's folders with the names of our packages are not used instead of them.
     (place / "tb").mkdir(parents=True)
     (place / "tb" / "__init__.py").write_text("raise SystemExit('not this one')\n")
 

@@ -1,4 +1,4 @@
-"""Graphs of shifted adds against whole numbers, and what is cut from them against its bounds."""
+"""Compares graphs of shifted adds with whole numbers, and truncation with its bounds."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ WEIGHT = st.integers(-(1 << 11), 1 << 11)
 
 @pytest.fixture(autouse=True, scope="module")
 def _few_runs() -> Iterator[None]:
-    """Runs find smaller graphs, not others."""
+    """Limit the number of runs. More runs only find smaller graphs."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(sharing, "RUNS", 2)
         shared.cache_clear()
@@ -35,7 +35,7 @@ def _few_runs() -> Iterator[None]:
 
 @st.composite
 def matrices(draw: st.DrawFn) -> ConstantMatrix:
-    """Small ones of any shape, some of whose weights are 0."""
+    """Small matrices of any shape, in which some weights are 0."""
     inputs, rows = draw(st.integers(1, 4)), draw(st.integers(1, 4))
     weights = draw(
         st.lists(
@@ -64,7 +64,7 @@ def products(matrix: ConstantMatrix, frames: np.ndarray) -> np.ndarray:
 
 
 def some_frames(matrix: ConstantMatrix) -> np.ndarray:
-    """The ends of each sum, and random ones."""
+    """Frames for the ends of each sum, and random frames."""
     ends = [frame for pair in matrix.ends for frame in pair]
     fmt = matrix.in_fmt
     random = np.random.default_rng(3).integers(fmt.low, fmt.high + 1, (40, matrix.inputs))
@@ -109,7 +109,7 @@ def test_no_number_leaves_its_bounds_and_none_comes_late(matrix: ConstantMatrix)
 @given(matrices())
 def test_sharing_takes_no_more_adders_than_the_digits(matrix: ConstantMatrix) -> None:
     sums = sum(isinstance(node, Sum) for node in matrix.graph.nodes)
-    # The digits of a row and its constant.
+    # These are the digits of a row and of its constant.
     alone = sum(sum(len(signed_digits(w)) for w in row) for row in matrix.weights)
     assert sums <= alone
 
@@ -125,7 +125,7 @@ def test_a_graph_is_the_same_every_time() -> None:
 
 def test_three_times_and_nine_times_share_an_adder() -> None:
     matrix = ConstantMatrix(SAMPLES, WIDE, ((5, 0), (5, 1), (40, 8)), (0, 0, 0), 0, 0, 4)
-    # 5 x, 5 x + z, and its eightfold is a wire.
+    # The adders are 5 x and 5 x + z. The eightfold is a shift by wires.
     assert sum(isinstance(node, Sum) for node in matrix.graph.nodes) == 2
 
 

@@ -1,4 +1,4 @@
-"""Converters on an SPI: their data, the twin that reads them, and what a scene may ask for."""
+"""Tests converters on an SPI: their data, the twin that reads them, and the keys of a scene."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def test_the_bench_has_a_model_of_every_part() -> None:
 @pytest.mark.parametrize("part", PARTS)
 @pytest.mark.parametrize("clock_mhz", [0.048, 1.0, 4.0, 12.0, 25.0, 33.3333, 64.0, 100.0, 250.0])
 def test_no_limit_of_a_part_is_broken_at_any_clock(part: str, clock_mhz: float) -> None:
-    """Nor is a faster clock possible that breaks none."""
+    """It is also the fastest clock that breaks no limit."""
     data, clock = PARTS[part], Fraction(str(clock_mhz))
     half_ns = data.half_clocks(clock) * 1000 / clock
 
@@ -74,7 +74,7 @@ def test_codes_of_sixteen_bits_are_rounded() -> None:
 
 @pytest.mark.parametrize(("part", "most"), [("mcp3208", 2), ("ads8344", 0), ("ads8345", 0)])
 def test_every_voltage_comes_back(part: str, most: int) -> None:
-    """But for half a step of the part; above its largest code it saturates."""
+    """It is off by at most half a step of the part, and saturates above the largest code."""
     voltages = np.arange(FMT.low, FMT.high + 1)
     twin = reader(part)
     error = np.abs(twin.process(twin.converted(voltages)) - voltages)
@@ -83,7 +83,8 @@ def test_every_voltage_comes_back(part: str, most: int) -> None:
 
 
 def test_the_worst_error_of_the_rounding() -> None:
-    """Every code of 16 bits, in quarters of a step: two, and three for the largest two."""
+    """Over all codes of 16 bits it is two quarters of a step, or three for the largest two "
+    "codes."""
     codes = np.arange(1 << 16)
     error = np.abs(4 * reader("ads8344").process(codes) - (codes - 32768))
     assert error[:-2].max() == 2
@@ -91,7 +92,7 @@ def test_the_worst_error_of_the_rounding() -> None:
 
 
 def sent(part: str, code: int) -> np.ndarray:
-    """What a converter that works sends, and 1 before it."""
+    """The bits that a working converter sends, with a 1 before them."""
     data = PARTS[part]
     bits = np.ones(data.clocks + 1, dtype=np.int64)
     bits[data.first :] = 0
@@ -161,7 +162,7 @@ def test_a_scene_names_its_converter(tmp_path) -> None:
     expected = replace(reader("mcp3208-5v", 2, 2, 11), pause=64000 - 2048)
     assert design.converter_reader == expected
     assert design.interval == 64000
-    # Of twelve bits the network is shown what there is.
+    # A converter of twelve bits only gives these codes to the network.
     voltages = np.array([[-8192, 8191], [3, -3]])
     through = np.array([[-8192, 8188], [4, -4]])
     assert (design.process(voltages) == design.readout.process(through)).all()

@@ -1,4 +1,4 @@
-"""The scale of sensors that a converter reads: its data sheet's, whatever the scene's readings."""
+"""The scale of sensors behind a converter follows from its data sheet, not from the readings."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ OTHER = "readings in another unit, such as volts, take front_end.reference"
 
 
 def codes_of(part: str) -> np.ndarray:
-    """Forty frames of a part's codes, as a program prints them; both ends are among them."""
+    """Forty frames of codes of a part, as a program prints them, with both ends among them."""
     data = PARTS[part]
     half = 1 << (data.bits - 1)
     codes = np.random.default_rng(3).integers(-half, half, (40, 3))
@@ -37,7 +37,7 @@ def codes_of(part: str) -> np.ndarray:
 
 
 def rig(folder: Path, part: str, recorded: np.ndarray, keys: str = "", reference: str = "") -> Path:
-    """A 3:5:2 scene whose sensors a part reads, with its recording and ``keys`` of its data."""
+    """A 3:5:2 scene with a converter, its recording, and ``keys`` of its data section."""
     mlp = on_readings(
         random_mlp((3, 5, 2), 1.0, 1), [Scale(2048, 2048)] * 3, [Scale(0, 25), Scale(0, 100)]
     )
@@ -66,7 +66,7 @@ def written(scale: str) -> str:
 
 
 def signals_of(scene: Scene, codes: np.ndarray) -> np.ndarray:
-    """What the converter reader of the scene's hardware makes of codes of its part."""
+    """The signals that the converter reader of the hardware makes from codes of its part."""
     reader = scene.twin().converter_reader
     assert isinstance(reader, ConverterReader)
     return reader.process(codes % (1 << reader.part.bits))
@@ -77,7 +77,7 @@ def signals_of(scene: Scene, codes: np.ndarray) -> np.ndarray:
 def test_networks_are_given_what_the_hardware_will_read(
     tmp_path: Path, part: str, keys: str
 ) -> None:
-    """Of every part, bit for bit, though the readings cover no part of its range."""
+    """This holds bit for bit for every part, even if the readings cover little of its range."""
     codes = codes_of(part)
     path = rig(tmp_path, part, codes, keys)
     scene = load_scene(str(path))
@@ -100,7 +100,7 @@ def test_networks_are_given_what_the_hardware_will_read(
 def test_volts_need_the_reference_and_nothing_else(tmp_path: Path, part: str, volts) -> None:
     codes = codes_of(part)
     recorded = volts(codes)
-    # Nothing is known of them without it.
+    # Without the reference nothing is known about volts.
     path = rig(tmp_path, part, recorded, NONE)
     with pytest.raises(InputError, match=rf"mine\.toml: data\.scale: got none .* {OTHER}"):
         load_scene(str(path)).vectors()
@@ -122,7 +122,7 @@ def test_readings_that_are_signals_stay(tmp_path: Path) -> None:
 
 
 def test_means_of_codes_are_told_to_be_codes(tmp_path: Path) -> None:
-    """They cannot be told from another unit; a scale for each sensor does."""
+    """They cannot be distinguished from another unit, so each sensor needs a scale."""
     codes = codes_of("mcp3208") + 0.25
     codes[1] -= 1
     path = rig(tmp_path, "mcp3208", codes, NONE)
@@ -137,7 +137,7 @@ def test_means_of_codes_are_told_to_be_codes(tmp_path: Path) -> None:
     assert not faults(everything(load_scene(str(path)), tmp_path / "build"))
 
 
-# What is written and read, and what the scale should have been.
+# The written scale, the readings, and the right scale.
 WRONG = {
     "auto before the converter": ("{ offset = 2046, factor = 95.2 }", "", 2048, 2048),
     "of another part": ("{ offset = 512, factor = 512 }", "", 2048, 2048),
@@ -161,7 +161,7 @@ def test_a_scale_that_is_not_the_converters_is_a_fault(tmp_path: Path, name: str
         found = faults(look(load_scene(str(path)), tmp_path / "build"))
         assert len(found) == 1
         assert found[0].startswith(message)
-    # What it says is right.
+    # The scale that the message names is right.
     path.write_text(path.read_text().replace(scale, f"{{ offset = {offset}, factor = {factor} }}"))
     assert not faults(everything(load_scene(str(path)), tmp_path / "build"))
 
@@ -204,7 +204,7 @@ def test_readings_beyond_the_converter(tmp_path: Path) -> None:
 
 
 def test_a_recalibrated_copy_is_read_by_the_same_converter(tmp_path: Path) -> None:
-    """Its recording is what the sensors would give now, which are codes, too."""
+    """Its recording holds what the sensors would give now, which are also codes."""
     scene = load_scene(str(rig(tmp_path, "mcp3208", codes_of("mcp3208"), NONE)))
     path, *_ = write_copy(scene, [Scale(0.01, 0.97)] * 3, {}, tmp_path / "copy" / "mine.toml")
     copy = load_scene(str(path))
@@ -213,7 +213,7 @@ def test_a_recalibrated_copy_is_read_by_the_same_converter(tmp_path: Path) -> No
 
 
 def test_training_leaves_the_scale_of_the_sensors(tmp_path: Path) -> None:
-    """And works that of the outputs out."""
+    """It only computes the scale of the outputs."""
     codes = codes_of("mcp3208") // 50 + 1987
     keys = 'scale = "auto"\nfull_scale = { y0 = 25, y1 = 100 }\n'
     path = rig(tmp_path, "mcp3208", codes, keys)

@@ -1,4 +1,4 @@
-"""Records of what the benches met: of every block, of this source, and nothing left out."""
+"""The records of coverage exist for every block, are current, and leave nothing out."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def test_the_record_is_of_this_source(shared: Shared, block: str) -> None:
 
 @pytest.mark.parametrize("block", BENCHES)
 def test_the_record_leaves_nothing_out(block: str) -> None:
-    """What was recorded was met, or has a reason."""
+    """Everything in a record was reached or has a reason why it is not."""
     record = read_record(KIND, block)
     for name, border in record["borders"].items():
         assert border.get("unreachable") or (border["below"] and border["from"]), name
@@ -108,7 +108,7 @@ def test_what_is_not_met_is_named() -> None:
 
 
 def test_a_border_that_is_not_met_fails_the_bench(shared: Shared, tmp_path, monkeypatch) -> None:
-    """The twin names one more border than the bench knows of."""
+    """The twin names one more border than the bench reaches."""
     block = shared.subject("abs_unit")
     known = AbsUnit.borders.fget
     more = property(lambda unit: (*known(unit), Border("another", "code", 10**6)))

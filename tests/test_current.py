@@ -1,4 +1,4 @@
-"""Records are of what a bench played: another trace makes them stale, and nothing else does."""
+"""A record belongs to the trace of a bench. Another trace makes it stale, and nothing else does."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The decoder of the serial line: whatever is between packets, every whole one is found."""
+"""Tests the decoder of the serial line, which finds every complete packet among other bytes."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from golden.link.packets import FLAGS, FRAME, SYNC, Frame, FrameLayout, check_of
 
 LAYOUT = FrameLayout(4, 2, drawn=True)
 PLAIN = FrameLayout(2, 1)
-# A code whose bytes are those of a packet's beginning.
+# A code with the same bytes as the beginning of a packet.
 BEGINS = int.from_bytes(bytes([SYNC, 0x10 | FRAME]), "big", signed=True)
 
 codes = st.integers(-(1 << 15), (1 << 15) - 1) | st.just(BEGINS)
@@ -43,14 +43,16 @@ def some_frames(draw: st.DrawFn, layout: FrameLayout = LAYOUT) -> list[Frame]:
 
 
 def pieces(data: bytes, cuts: list[int]) -> list[bytes]:
-    """The same bytes as a port gives them: some at a time."""
+    """The same bytes in pieces, as a port gives them."""
     ends = sorted({min(cut, len(data)) for cut in cuts} | {0, len(data)})
     return [data[a:b] for a, b in pairwise(ends)]
 
 
 def whole(data: bytes, layout: FrameLayout) -> list[int]:
-    """Where packets begin, told from the definition alone: the first, and the next behind its
-    end."""
+    """The places where packets begin, from the definition alone.
+
+    It is the first place of a packet, then the first after its end, and so on.
+    """
     found, at = [], 0
     while at + 6 <= len(data):
         end = at + 4 + data[at + 2] + 2
@@ -86,12 +88,12 @@ def test_every_packet_between_garbage_is_found(
     assert len(found) == len(places)
     for frame, place in zip(found, places, strict=True):
         assert LAYOUT.to_bytes(frame) == data[place : place + LAYOUT.packet_bytes]
-    # Noise that passes its check may hide some; what hypothesis makes up does not.
+    # Noise that passes the check could hide packets, but hypothesis does not generate such noise.
     assert found == frames
 
 
 def test_the_beginning_of_a_packet_hides_none_behind_it() -> None:
-    """Garbage that begins like a packet as long as can be, cut anywhere, before true packets."""
+    """Garbage that begins like the longest possible packet, cut anywhere, comes before packets."""
     frames = [Frame(n, (), n, (BEGINS,) * 4, (BEGINS,) * 2, (0, n, BEGINS)) for n in range(12)]
     data = b"".join(map(LAYOUT.to_bytes, frames))
     for head in (
@@ -119,14 +121,16 @@ def test_a_turned_bit_costs_its_packet_alone() -> None:
         assert decoder.feed(data) == frames[:2] + frames[3:], bit
         tally = decoder.tally
         assert tally.missed == 1
-        # Where it begins like a packet of its length the check is what fails.
+        # If the beginning and the length are still right, the check fails.
         assert tally.failed == (bit >= 8 * 3)
         assert tally.skipped == LAYOUT.packet_bytes + MOST_WAITING
 
 
 def test_every_kind_of_damage_in_one_stream() -> None:
-    """Random streams in which bytes are lost, turned, doubled and put in; compared with a search
-    of the whole stream."""
+    """Bytes of random streams are lost, changed, doubled and inserted.
+
+    The result is compared with a search of the whole stream.
+    """
     draw, found_in_all = random.Random(5), 0
     for _ in range(60):
         data = bytearray(MOST_WAITING)

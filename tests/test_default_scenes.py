@@ -1,4 +1,4 @@
-"""What a command takes that is given no scene: the thesis' own instrument, and today's of it."""
+"""Tests the default scenes: the instrument of the thesis, and the same task as built today."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 from golden.block import walk
 from golden.scene import DEFAULT_SCENES, Scene, load_scene, scene_names, thesis_table
 
-# The groups of blocks of the thesis, chapters 4 and 5, by the names that they have in every room.
+# The groups of blocks in chapters 4 and 5 of the thesis, by their names in every room.
 OF_THE_THESIS = {
     "activation": "abs_unit comparator_bank g_memory i_memory grad_eqn sign_retriever gradient",
     "layers": "input_node input_integral output_integral input_controller output_controller",

@@ -1,4 +1,4 @@
-"""Noise and drift of sensors."""
+"""Tests the noise and the drift of sensors."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,8 @@ def test_without_any_readings_stay_what_they_are():
 
 def test_noise_is_of_every_reading():
     noise = Disturbance(noise=0.002).of(READINGS, np.random.default_rng(1)) - READINGS
-    # 4000 draws: their standard deviation is within 5 % by more than four of its own deviations.
+    # The standard deviation of 4000 draws is within 5 %, which is more than four of its own
+    # deviations.
     assert noise.std() == pytest.approx(0.002, rel=0.05)
     assert abs(np.corrcoef(noise[:-1].ravel(), noise[1:].ravel())[0, 1]) < 0.1
 

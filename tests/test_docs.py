@@ -1,4 +1,4 @@
-"""The documentation against the project: links, port tables, commands."""
+"""Compares the documentation with the project: links, port tables, and commands."""
 
 from __future__ import annotations
 
@@ -55,13 +55,13 @@ def test_links_lead_somewhere(page: Path) -> None:
 
 
 def test_the_change_log_names_commands_that_there_are() -> None:
-    """Those of the other pages are tried in test_documented.py."""
+    """test_documented.py tries the commands of the other pages."""
     text = (ROOT / "CHANGELOG.md").read_text()
     for name in re.findall(r"(?:^|`)make ([a-z]+)", text, re.M):
         assert name in {*BY_NAME, "help", "tools"}, name
 
 
-# The block that new-block.md adds is not there, nor is the design of new-design.md.
+# The block that new-block.md adds does not exist here, nor does the design of new-design.md.
 @pytest.mark.parametrize(
     "page",
     [page for page in PAGES if page.stem not in ("new-block", "new-design")],
@@ -88,7 +88,7 @@ def twin_of(shared: Shared, block: str) -> Block:
 
 
 def test_the_pages_hold_what_the_twins_publish() -> None:
-    """That the hardware has just these ports, every export checks."""
+    """Every export checks that the hardware has just these ports."""
     pages = published()
     assert pages.keys() == {ROOT / "docs" / "README.md", *SHEETS}
     for page, text in pages.items():
@@ -111,7 +111,7 @@ def test_the_demos_table_holds_the_errors() -> None:
 
 
 def apply(diff: str, folder: Path) -> None:
-    """Apply a unified diff of one file; each hunk's old lines must stand in it just once."""
+    """Apply a unified diff to a file, which must contain the old lines of each hunk just once."""
     name = re.search(r"^\+\+\+ b/(\S+)$", diff, re.M)
     assert name
     file = folder / name[1]
@@ -127,7 +127,8 @@ def apply(diff: str, folder: Path) -> None:
 
 
 def test_the_worked_example_works(tmp_path: Path) -> None:
-    """docs/new-block.md, typed in as it stands: the block trains, simulates and is found out."""
+    """The example of docs/new-block.md is typed in: it trains, simulates, and its fault is "
+    "found."""
     page = (ROOT / "docs" / "new-block.md").read_text()
     copy = tmp_path / "tactus"
     for room in ("golden", "hdl", "tb", "docs"):
@@ -184,7 +185,7 @@ def test_the_parameter_table_is_the_twin(shared: Shared, sheet: Path) -> None:
 
 
 def test_the_scenes_page_names_the_designs_that_go_with_a_section() -> None:
-    """Of [front_end] and [visualisation], which take and give a stream; and of AXI4-Stream."""
+    """These are the sections [front_end] and [visualisation], and the interface AXI4-Stream."""
     page = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
     streams = [f"`{name}`" for name, design in DESIGNS.items() if design.stream == "serial"]
     for name in ("front_end", "visualisation"):
@@ -194,7 +195,7 @@ def test_the_scenes_page_names_the_designs_that_go_with_a_section() -> None:
 
 
 def test_the_scenes_page_shows_what_a_scene_leaves_out() -> None:
-    """The texts of the twin, and the recorded cells."""
+    """The page shows the texts of the twin and the recorded cells."""
     page = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
     first, *others = re.search(r"make lean SCENE=(\S+) BESIDE=(\S+)`", page).groups()
     shown = page.partition(f"\nscene {first} leaves out:\n")[2].partition("\n```")[0]

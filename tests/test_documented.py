@@ -1,8 +1,8 @@
-"""Every command that a page names is tried as it stands there; one that errs is red.
+"""Tries every command that a page names, as the page shows it. A command that fails is an error.
 
-A command is called as ``make`` calls it, with ``DRY=1``: it checks all that it is given, says what
-it would do, and does nothing. ``make test ALL=1`` really does what takes seconds. That make hands
-on what it is given is seen in ``test_make.py``.
+A command is called as ``make`` calls it, with ``DRY=1``: it checks its arguments, says what it
+would do, and does nothing. ``make test ALL=1`` really runs the commands that take seconds.
+``test_make.py`` tests that make passes its variables on.
 """
 
 from __future__ import annotations
@@ -31,31 +31,31 @@ from tb.commands import BY_NAME
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
 FOUND = documented()
-# Of make's own: with DRY=1 the recipes themselves say what they would do.
+# Make does these itself. With DRY=1 its recipes say what they would do.
 OWN = ("docs", "pages", "lint", "clean")
-# What takes seconds, and is done.
+# These commands take seconds, and are really run.
 QUICK = ("check", "image", "listing", "network", "predict", "recalibrate", "scene", "verilog")
 SAYS = "DRY=1: nothing done; would "
 
 
 @pytest.fixture(scope="module")
 def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where a user works who has what the pages speak of."""
+    """The folder of a user who has all files that the pages name."""
     folder = tmp_path_factory.mktemp("user")
     lay_out(folder)
     return folder
 
 
 def words_of(item: Documented) -> tuple[str, list[str]]:
-    """The module that a command calls, and with what."""
+    """The module that a command calls, and its words."""
     if item.command is None:
         _, option, module, *words = item.words
         assert option == "-m", item.text
         return module, words
     if item.command.module:
-        _, module, *words = item.command.words(item.given)
+        _, module, *words = item.command.words(item.variables)
         return module, words
-    given = item.given
+    given = item.variables
     words = [f"--tests={given.get('TESTS', '')}"]
     if item.command.name == "machines":
         return "machines", [f"--only={given.get('ONLY', '')}", *words]
@@ -67,7 +67,7 @@ def words_of(item: Documented) -> tuple[str, list[str]]:
 
 
 def call(item: Documented, folder: Path, monkeypatch: pytest.MonkeyPatch) -> int:
-    """The exit code of a command in a folder."""
+    """Call a command in a folder, and return its exit code."""
     module, words = words_of(item)
     main = main_of(module)
     monkeypatch.chdir(folder)
@@ -89,7 +89,7 @@ def test_a_documented_command_works(
         assert {*item.shown, *item.optional} <= known, f"{where}: expected {', '.join(known)}"
         if item.command.name in OWN:
             return
-    given = item.given.get("TESTS", "").split() if item.command else []
+    given = item.variables.get("TESTS", "").split() if item.command else []
     for name in takewhile(lambda word: not word.startswith("-"), given):
         assert (ROOT / name).is_file(), f"{where}: no such test"
     monkeypatch.setenv("DRY", "1")
@@ -151,7 +151,7 @@ tactus vhdl my-rig.toml
 
 def test_what_tactus_is_given_is_what_make_is_given() -> None:
     typed = Documented("tactus mutate my-rig.toml --block=x --all", ROOT / "README.md")
-    assert typed.given == {"SCENE": "digit", "BLOCK": "x", "ALL": "1"}
+    assert typed.variables == {"SCENE": "digit", "BLOCK": "x", "ALL": "1"}
     assert typed.command is BY_NAME["mutate"]
 
 

@@ -1,4 +1,4 @@
-"""What is placed and routed on an ECP5 computes what its Verilog does."""
+"""A design that is placed and routed on an ECP5 computes the same as its Verilog."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from tb.common.collected import CASES_OF
 from tb.common.runner import Job, run_job
 from tb.sign_off.netlist import on_cells
 
-# What a memory may give that cannot give the word before, and where such a word must do harm.
+# What a memory may return for a word that is just written, and the case in which that does harm.
 COLLISION = "if (write && write_addr == read_addr) found <= 18'bx; else found <= memory"
 ALWAYS = "if (write) found <= 18'bx; else found <= memory"
 
 
 def engine_in(shared: Shared, case: str) -> Job:
-    """The bench of an engine in Icarus."""
+    """The bench of the engine of a case, in Icarus."""
     (job,) = (job for job in shared.jobs(case, "icarus") if job.block == "engine")
     return job
 
 
 def passes_with(job: Job, text: str) -> bool:
-    """Whether the bench passes with another way of reading the operand memory."""
+    """Whether the bench passes if the operand memory is read in another way."""
     (file,) = job.hdl_folder.glob(f"{OPERANDS}.v")
     source, count = re.subn(r"found <= memory", text, file.read_text())
     assert count == 1
@@ -55,7 +55,7 @@ def test_a_netlist_computes_what_its_twin_does(shared: Shared) -> None:
 
 @pytest.mark.all_only
 def test_a_word_without_its_register_is_found(shared: Shared, tmp_path: Path) -> None:
-    """The register behind a memory's port, which was moved into the memory, is needed there."""
+    """The register after the port of a memory, which was moved into the memory, is needed."""
     job = on_cells(engine_in(shared, "deep-engine"), "ecp5")
     copied = copied_job(job, tmp_path)
     file = copied.hdl_folder / copied.files[0]

@@ -1,4 +1,4 @@
-"""The engine's program: what it computes, in which order, and how it is written down."""
+"""Tests the program of the engine: what it computes, in which order, and how it is encoded."""
 
 from __future__ import annotations
 
@@ -56,17 +56,17 @@ PIPELINES = [Pipeline(), Pipeline(memory_registers=1)]
 
 
 def code(value: float | Fraction, result: Fix, operand: Fix) -> int:
-    """A weight to the nearest code, halves up."""
+    """The nearest code of a weight, with halves rounded up."""
     return floor(Fraction(value) * (1 << coeff_frac(result, operand)) + Fraction(1, 2))
 
 
 def word(total: Codes) -> Codes:
-    """A sum, to which a half has been added, as a word."""
+    """A sum to which a half has been added, as a word."""
     return np.clip(total >> DROPPED, -(1 << (WIDTH - 1)), (1 << (WIDTH - 1)) - 1)
 
 
 def tanh(q: Codes, width: int) -> Codes:
-    """A line for each segment of q; see the page of the engine."""
+    """tanh by a line for each segment of q, as the page of the engine says."""
     table = tanh_table(width)
     segment = np.minimum(np.where(q < 0, ~q, q) >> width, len(table.slopes) - 1)
     middle = np.where(q < 0, -1, 1) * np.array(table.intercepts)[segment]
@@ -76,7 +76,7 @@ def tanh(q: Codes, width: int) -> Codes:
 
 
 def layer_by_layer(arrangement: str, mlps: list[Mlp], codes: Codes, width: int = 9) -> Codes:
-    """Outputs as the formats define them, a network and a layer after the other."""
+    """The outputs as the formats define them, one network and one layer after the other."""
     samples = [column << SAMPLE_SHIFT for column in codes.T]
     half = 1 << (DROPPED - 1)
     outputs: list[Codes] = []
@@ -86,7 +86,7 @@ def layer_by_layer(arrangement: str, mlps: list[Mlp], codes: Codes, width: int =
         hidden = []
         for weights, bias in zip(mlp.w1.tolist(), mlp.b1.tolist(), strict=True):
             rounded = [code(w, HIDDEN, f) for w, f in zip(weights, formats, strict=True)]
-            # An earlier output carries half a unit of its last place.
+            # The output of an earlier network includes half a unit of its last place.
             extra = sum(
                 Fraction(w, 1 << coeff_frac(HIDDEN, RESULT)) / (2 << SIGNAL.frac)
                 for w in rounded[len(samples) :]
@@ -104,7 +104,7 @@ def layer_by_layer(arrangement: str, mlps: list[Mlp], codes: Codes, width: int =
 
 
 def random_codes(inputs: int, count: int, seed: int = 1) -> Codes:
-    """Random frames, the rails among them."""
+    """Random frames, with the rails among them."""
     codes = np.random.default_rng(seed).integers(SIGNAL.low, SIGNAL.high + 1, (count, inputs))
     codes[0], codes[1] = SIGNAL.low, SIGNAL.high
     return codes
@@ -124,7 +124,7 @@ SHAPES = st.tuples(st.integers(1, 4), st.integers(1, 6), st.integers(1, 3))
 
 @st.composite
 def networks(draw: st.DrawFn) -> tuple[str, list[Mlp]]:
-    """One network or several, with weights from small ones to some that no 18 bits hold."""
+    """One or several networks, with weights from small ones to some that need more than 18 bits."""
     arrangement = draw(st.sampled_from(["single", "multiple", "cascade"]))
     count = 1 if arrangement == "single" else draw(st.integers(2, 3))
     inputs, hidden, outputs = draw(SHAPES)
@@ -134,7 +134,7 @@ def networks(draw: st.DrawFn) -> tuple[str, list[Mlp]]:
         earlier = n * outputs if arrangement == "cascade" else 0
         mlp = random_mlp((inputs + earlier, hidden, outputs), spread, draw(st.integers(0, 99)))
         if draw(st.booleans()):
-            # A node that no output uses, and a sensor that no node sees.
+            # This makes a node that no output uses, and a sensor that no node uses.
             mlp.w2[:, -1] = 0
             mlp.w1[:, 0] = 0
         mlps.append(mlp)
@@ -169,7 +169,7 @@ def used(steps: list[Step]) -> list[Step]:
 
 @st.composite
 def graphs(draw: st.DrawFn) -> Graph:
-    """Neurons that read any values before them, in sums of any length."""
+    """Random neurons that read any earlier values, with sums of any length."""
     inputs = draw(st.integers(1, 4))
     neurons = []
     for n in range(draw(st.integers(1, 12))):
@@ -194,7 +194,7 @@ def graphs(draw: st.DrawFn) -> Graph:
 
 
 def places(steps: list[Step]) -> dict[int, list[int]]:
-    """By neuron the steps of its sum."""
+    """For each neuron the steps of its sum."""
     found: dict[int, list[int]] = {}
     for n, step in enumerate(steps):
         if step.neuron >= 0:
@@ -209,7 +209,8 @@ def test_the_schedule_respects_hazards(graph: Graph, pipeline: Pipeline) -> None
     assert at.keys() == set(range(len(graph.neurons)))
     for n, neuron in enumerate(graph.neurons):
         begin, end = at[n][0], at[n][-1]
-        # Every term once, and nobody else in between: there is one sum.
+        # Every term comes once, and no other sum comes between them, because there is one
+        # accumulator.
         assert Counter(steps[k].term for k in at[n]) == Counter(neuron.terms)
         assert {steps[k].neuron for k in range(begin, end + 1)} <= {n, -1}
         assert [k for k in at[n] if steps[k].first] == [begin]

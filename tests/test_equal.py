@@ -1,4 +1,4 @@
-"""VHDL is the same function as Verilog: recorded for every block, and the proof can fail."""
+"""VHDL computes the same as Verilog: this is recorded for every block, and the proof can fail."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ from tb.sign_off.equal_proof import DIFFERENT, EQUAL, compare
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
-# Compared in every run; make prove does all.
+# These are compared in every run. make prove compares all blocks.
 QUICK = ("output_controller",)
-# Its netlist of the VHDL goes through its bench in every run: a table, flags and registers.
+# In every run, the bench of this block runs on its VHDL netlist, with a table and registers.
 PLAYED = ("comparator_bank",)
 
 
 @pytest.fixture
 def pair(shared: Shared) -> Callable[[str], Pair]:
-    """From a block to what stands for it, exported once a run."""
+    """A function from a block to its pair of exports, which are made once in a run."""
 
     def both(block: str) -> Pair:
         return Pair(shared.subject(block), shared.subject(block, "ghdl"))
@@ -55,7 +55,7 @@ def test_equal_and_faults_differ(pair: Callable[[str], Pair], block: str) -> Non
 def test_the_netlist_of_the_vhdl_passes_the_bench(
     pair: Callable[[str], Pair], tmp_path: Path, block: str
 ) -> None:
-    """What is read of GHDL's netlist is what its simulator does: the same bench is green."""
+    """GHDL's netlist behaves as its simulator does, because the same bench passes."""
     both = pair(block)
     job = replace(both.verilog, build=tmp_path)
     shutil.copytree(both.verilog.hdl_folder, job.hdl_folder)
@@ -80,7 +80,7 @@ def test_a_record_of_another_source_is_stale(
     assert complaint.endswith(command("output_controller"))
 
 
-# Entity by its ports, what it holds and what it does, in both languages; x is signed, u is not.
+# Small entities in both languages: ports, declarations and statements. x is signed, u is not.
 VHDL = """library IEEE;
 use IEEE.std_logic_1164.all;
 use IEEE.numeric_std.all;
@@ -114,7 +114,7 @@ always @(posedge clk) begin
 end
 endmodule
 """
-# What VHDL means in Verilog, and what it would be with a mistake, most of them GHDL's own.
+# VHDL, its meaning in Verilog, and the Verilog with a mistake. Most mistakes are those of GHDL.
 MEANT = {
     "default of a choice": (
         "case to_integer(addr) is when 0 => kept <= x; when others => kept <= -x; end case;",
@@ -163,7 +163,7 @@ def test_meant_by_the_standard_and_not_as_ghdl_prints_it(tmp_path: Path, what: s
 
 
 def test_a_mistake_of_ghdl_that_is_not_mended_is_found(tmp_path: Path) -> None:
-    """It swaps number and signal; no block has such a difference (tests/test_myhdl_rules.py)."""
+    """GHDL swaps number and signal. No block has such a subtraction (tests/test_myhdl_rules.py)."""
     gate = small(tmp_path, "kept <= 100 - x;")
     gold = VERILOG.replace("{verilog}", "kept <= 100 - x;")
     assert compare("small", gold, gate, [])["result"] == DIFFERENT

@@ -1,4 +1,4 @@
-"""What the exporter writes: reproducible, strict, readable, and free of latches."""
+"""The exported files are reproducible, standard-conforming, readable, and free of latches."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.Unsettle
 ROOT = Path(__file__).parents[1]
 
 
-# One network each; the cascades and multiple networks among the others stand for the larger scenes.
+# These have one network each. Cascades and multiple networks below represent the larger scenes.
 SHIPPED = ("digit-load", "digit-parallel", "digit-single", "digit-single-thesis")
 
-# Shapes, arrangements and activations that these do not have.
+# These add shapes, arrangements and activations that the scenes above do not have.
 OTHERS = (
     "wide-thesis",
     "logic",
@@ -65,7 +65,7 @@ def build(shared: Shared) -> Path:
 
 
 def top_of(folder: Path) -> str:
-    """The entity that holds all others: the last one in compile order."""
+    """The top entity, which is the last one in compile order."""
     return str(json.loads((folder / MANIFEST).read_text())[-1]["entity"])
 
 
@@ -103,7 +103,7 @@ def test_the_same_bytes_whatever_the_hash_seed(build: Path, tmp_path: Path, lang
 def test_ghdl_accepts_every_file_in_the_listed_order(
     build: Path, tmp_path: Path, scene: str, standard: str
 ) -> None:
-    """Analysed without code, which the benches and the tests of the handover generate."""
+    """The files are only analysed. Benches and tests of the handover generate code from them."""
     listed = files(build / scene / "vhdl")
     assert listed
     result = subprocess.run(
@@ -128,10 +128,10 @@ def test_only_the_standard_packages_are_used(build: Path, scene: str) -> None:
         assert {u.lower() for u in used} <= allowed
 
 
-# What MyHDL writes and nobody would: each is one rule of hdl.export.tidy.
+# Text that MyHDL writes but no person would. Each pattern is a rule of hdl.export.tidy.
 UNREADABLE = {
     "vhdl": r"MyHDL|\bspec\b|``|textio|, 0\)|\d ?- ?\d\)|\bsigned \(|\n\n\n"
-    # One pair of parentheses around the whole condition.
+    # The whole condition has one pair of parentheses.
     r"|elsif \((?:[^()]|\([^()]*\))*\) then",
     "verilog": r"MyHDL|\bspec\b|``|\n\n\n",
 }
@@ -150,7 +150,7 @@ def test_files_read_as_if_written_by_hand(build: Path, scene: str, language: str
 
 
 def test_a_cascade_is_few_entities_in_short_files(tmp_path: Path) -> None:
-    """Of folded networks, whatever the design of the scene."""
+    """The networks are folded, so that this does not depend on the design of the scene."""
     exporter.export(replace(load_scene("digit"), design="hybrid"), "vhdl", tmp_path / "digit")
     assert len(json.loads((tmp_path / "digit" / MANIFEST).read_text())) <= 30
     lengths = {file.name: file.read_text().count("\n") for file in files(tmp_path / "digit")}
@@ -176,7 +176,7 @@ end;
 
 
 def synthesise(sources: list[Path], top: str, work: Path) -> subprocess.CompletedProcess[str]:
-    """GHDL's synthesis, which refuses a latch."""
+    """Run GHDL's synthesis, which refuses a latch."""
     options = ["--std=93", f"--workdir={work}", "--out=raw-vhdl"]
     return subprocess.run(
         ["ghdl", "--synth", *options, *map(str, sources), "-e", top],
@@ -223,7 +223,7 @@ def test_verilog_synthesises_without_a_latch(build: Path, scene: str) -> None:
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_a_reader_finds_every_block_by_name(shared: Shared, build: Path, scene: str) -> None:
-    """One entity per block of the design, instantiated by the parent that the twin names."""
+    """Each block of the design has an entity, which the parent that the twin names instantiates."""
     design = shared.scene(scene).twin()
     folder = build / scene / "vhdl"
     entities = {entry["entity"] for entry in json.loads((folder / MANIFEST).read_text())}

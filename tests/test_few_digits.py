@@ -1,4 +1,4 @@
-"""Weights of few digits: how many are left, where they stand, and which rows decide."""
+"""Tests weights of few digits: how many digits remain, where, and which rows decide that."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from golden.training.task import task_for
 
 @pytest.fixture(autouse=True)
 def _quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What a network of thousands of weights would not miss."""
+    """Reduce the effort to what a small network needs."""
     for name, value in {"STARTS": 2, "TEACHER_FRAMES": 100, "REFITS": 3}.items():
         monkeypatch.setattr(few_digits, name, value)
 
@@ -38,13 +38,13 @@ def asking(scene: Scene, digits: int | str, **settings) -> Scene:
 
 
 def few_of(scene: Scene, digits: int | str, **settings) -> FewDigits:
-    """A network of a scene as it was trained, asked for fewer digits."""
+    """A network of a scene as it was trained, with a request for fewer digits."""
     task = task_for(asking(scene, digits, **settings), scene.vectors(), [])
     return FewDigits(task, train(task, 5, 0))
 
 
 def digits_in_hardware(scene: Scene, mlp: Mlp) -> int:
-    """Counted one by one in the codes that the designs compute with, which must be the weights."""
+    """The digits of the codes with which designs compute. These codes must equal the weights."""
     found = constants_of(mlp, scene.settings(lean=False))
     for layer, weights, biases in ((found.first, mlp.w1, mlp.b1), (found.second, mlp.w2, mlp.b2)):
         assert np.array_equal(layer.fmt.to_real(layer.weights), weights)
@@ -93,7 +93,7 @@ def test_digits_that_a_network_has_are_left_to_it(small_scene: Scene) -> None:
 
 
 def test_the_rest_makes_up_for_what_is_taken_away(small_scene: Scene) -> None:
-    """Beside every weight on the nearest number of two digits, which is not fitted to anything."""
+    """The error is compared with that of weights that are just rounded to two digits."""
     few = few_of(small_scene, 50)
     aim = few._aim(few.task, few.chosen, few.task.training, few.task.split.training)
     start, grid = pack(few.chosen), aim.grid
@@ -137,7 +137,7 @@ def test_validation_rows_decide_between_the_starts(
 
 
 def test_the_fewest_digits_keep_to_the_tolerance(small_scene: Scene) -> None:
-    """A wider one leaves no more."""
+    """A wider tolerance leaves no more digits."""
     counts = []
     for tolerance in (0.02, 1.0):
         few = few_of(small_scene, "fewest", digits_tolerance=tolerance)
@@ -161,7 +161,7 @@ def test_fewest_asks_for_as_many_of_what_has_seen_more_rows(small_scene: Scene) 
 
 
 def test_held_out_rows_take_no_part(small_scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Their readings and targets are replaced: only the network that is written may change."""
+    """If their readings and targets are replaced, only the written network may change."""
     scene = asking(small_scene, 30, refit=True)
     split = task_for(scene, scene.vectors(), []).split
     found = []

@@ -1,4 +1,4 @@
-"""make figures: the tables, what they claim, and the files they leave."""
+"""Tests make figures: the tables, their claims, and the written files."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from golden.physics.swing import LIGHT, METHODS, STRONG, STRONG_DAMPING
 from golden.physics.swing_data import NOISE
 from tb.report.measure.motions import RUNS
 from tb.report.measure.rbf import classes, printed_figures
-from tb.report.measure.recorded import TIMED
-from tb.report.measure.recordings import FORMS, NOISES
 from tb.report.measure.registry import TABLES
+from tb.report.measure.swing_recordings import FORMS, NOISES
 from tb.report.measure.table import Table
+from tb.report.measure.table_records import TIMED
 
 ROOT = Path(__file__).parents[1]
 NETWORKS = ("MLP 2:6:2", "RBF 2:6:2", "RBF 2:7:2")
@@ -34,7 +34,7 @@ def run(*words: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
 
 
-# Of every kind, one that is quick: counted, measured, and with run times.
+# One quick table of every kind: counted, measured, and with run times.
 QUICK = ("operations", "profile", "plate")
 
 
@@ -49,7 +49,7 @@ def tables(shared: Shared) -> dict[str, Table]:
     ids=["quick", "all"],
 )
 def written(request, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str, list[str]]:
-    """What a call wrote and printed, and the tables that it was asked for."""
+    """The folder and the output of a call, and the requested tables."""
     build = tmp_path_factory.mktemp("build")
     result = run("--build", str(build), "--seed", "3", *request.param)
     assert result.returncode == 0, result.stderr
@@ -99,7 +99,7 @@ def test_the_json_says_what_took_part(written) -> None:
 
 
 def test_the_same_seed_gives_the_same_bytes(written, tmp_path: Path) -> None:
-    """Of all but times.json, with tables that hold run times too."""
+    """This holds for all files but times.json, also for tables with run times."""
     folder, _, _ = written
     assert run("--build", str(tmp_path), "--seed", "3", "operations", "profile").returncode == 0
     again = tmp_path / "figures"
@@ -138,12 +138,12 @@ def test_the_series_of_the_plate_keeps_its_bound_and_beats_the_grid(tables) -> N
 
 
 def test_the_default_integrators_are_those_the_tables_choose(tables) -> None:
-    """By evaluations, which a machine changes by a few percent."""
+    """The tables choose by evaluations, which depend on the machine by a few percent."""
     table = columns(tables, "swing", "case", "method", "tolerance", "evaluations", "error rad")
     assert len(table) == 3 * 6 * 5
 
     def work(case: str, method: str, error: float) -> float:
-        """Least evaluations with which a method comes within an error."""
+        """The least number of evaluations with which a method reaches an error."""
         found = [
             evaluations
             for c, m, _, evaluations, miss in table
@@ -171,8 +171,10 @@ def test_overdamped_the_implicit_method_keeps_the_tolerance(tables) -> None:
 
 
 def test_the_recordings_are_as_hard_as_the_thesis_found_them(tables) -> None:
-    """With the noise of the shipped ones: between the best and the worst of Table 6.2, and the page
-    shows the figures of its seed."""
+    """With the noise of the shipped recordings, errors lie within the range of Table 6.2.
+
+    The page shows the figures of its seed.
+    """
     names = ("noise uV", "output", "error %", *(f"printed {form}" for form in FORMS))
     for noise, output, error, *printed in columns(tables, "recordings", *names):
         if noise == pytest.approx(1e6 * NOISE):
@@ -186,8 +188,10 @@ def test_the_recordings_are_as_hard_as_the_thesis_found_them(tables) -> None:
 
 
 def test_no_method_is_next_to_the_error_that_the_page_asks_for(tables) -> None:
-    """Or rounding would decide which tolerance is the first to reach it: errors near it differ by
-    2 % at most between processors."""
+    """Otherwise rounding would decide which tolerance reaches it first.
+
+    Near it, errors differ by at most 2 % between processors.
+    """
     for error in columns(tables, "swing", "error rad"):
         assert error[0] is None or not 0.9e-9 < error[0] < 1.1e-9
 
@@ -208,7 +212,7 @@ def test_the_sensors_of_the_page_are_those_fitted(tables) -> None:
 
 
 def test_the_motions_of_the_page_are_those_measured(tables) -> None:
-    """The worse of two runs, bit-true, beside the thesis and, with a past, what was asked for."""
+    """The page shows the worse of two bit-true runs beside the thesis, and the demanded error."""
     page = section("physics", "Networks for the swing")
     names = ("scene", "run", "output", "float %", "bit-true %")
     worst: dict[tuple[str, str], float] = {}
@@ -245,7 +249,7 @@ def past(request: pytest.FixtureRequest, shared: Shared) -> dict[str, Table]:
 
 
 def test_what_limits_the_swing_is_what_the_page_says(past) -> None:
-    """Networks end elsewhere with another SciPy; linear estimators are sums."""
+    """Networks depend on the version of SciPy. Linear estimators are sums and do not."""
     page = section("physics", "What limits the swing")
     found: dict[tuple, list[list[float]]] = {}
     names = ("varied", "samples a sensor", "noise uV", "rate Hz", "network %", "least squares %")
@@ -291,8 +295,10 @@ def test_bad_input_leaves_what_was_there(tmp_path: Path, words: list[str], messa
 
 
 def test_the_mlp_is_better_than_the_rbf_and_of_the_printed_size(tables) -> None:
-    """What section 3.11.3 concludes, on the rows there are; which rows train moves an RBF's largest
-    error by a factor of three."""
+    """Section 3.11.3 concludes this too.
+
+    The choice of the training rows changes the largest error of an RBF by a factor of three.
+    """
     found = {
         (network, output): (difference, worst)
         for network, output, difference, worst in columns(
@@ -309,8 +315,10 @@ def test_the_mlp_is_better_than_the_rbf_and_of_the_printed_size(tables) -> None:
 
 
 def test_the_classes_of_the_page_are_those_of_five_seeds() -> None:
-    """Of an MLP either end may be that of another version of SciPy, which ends trainings at other
-    points: the two that the page names are 14 % apart."""
+    """The range of an MLP covers two versions of SciPy, which end trainings at different points.
+
+    Their figures differ by up to 14 %.
+    """
     page = section("figures", "classes")
     found: dict[tuple[str, str], list[tuple[float, float]]] = {}
     for seed in range(1, 6):
@@ -332,7 +340,7 @@ def test_the_classes_of_the_page_are_those_of_five_seeds() -> None:
 
 
 def test_the_page_shows_the_parallel_networks(tables) -> None:
-    """With the activations of the thesis, each better than what section 5.2.2 prints."""
+    """With each activation of the thesis they are better than section 5.2.2 prints."""
     table = tables["parallel"]
     at = [
         list(table.columns).index(f"{kind} largest %") for kind in ("float", "bit-true", "printed")
@@ -401,8 +409,12 @@ def test_the_limits_of_the_page_are_those_measured(tables) -> None:
 
 
 def test_who_knows_more_is_off_by_less(tables) -> None:
-    """The scene has learnt which loads there are: it is not better than who knows them, and where
-    the width is in no reading better than who does not."""
+    """The scene has learnt the existing loads, so it is not better than an estimator that knows
+    them.
+
+    If no reading depends on the width, the scene is better than an estimator that does not know
+    them.
+    """
     names = ("noise", "output", "in the readings", "bound %", "digit %", "any load %")
     rows = columns(tables, "bounds", *names, "known loads %")
     assert len(rows) == 4 * 5
@@ -430,7 +442,7 @@ def test_the_recalibrations_of_the_page_are_those_measured(tables) -> None:
 
 
 def test_corrections_that_would_harm_are_not_written(tables) -> None:
-    """The page shows the figures, and that none that is written harms while others would."""
+    """The page shows the figures. No written correction does harm, but some others would."""
     page, rows = section("recalibration", "Where it would do harm"), tables["recalibration_noise"]
     assert len(rows.rows) == 8
     for noise, drift, times, *figures in rows.rows:

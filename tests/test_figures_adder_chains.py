@@ -1,4 +1,4 @@
-"""Table adder_chains: what the record holds, and what its chains compute."""
+"""Tests table adder_chains: the content of the record, and what its chains compute."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ def column(table: Table, heading: str) -> list:
 
 
 def least_levels(matrix: ConstantMatrix) -> int:
-    """Adders one behind the other that the row of most digits takes at the least.
+    """The least number of adders in a chain for the row with the most digits.
 
-    A sum has no more signed digits than its operands have together; the constant is one more.
+    A sum has no more signed digits than its operands together. The constant adds one digit.
     """
     rows = [sum(len(list(signed_digits(weight))) for weight in row) for row in matrix.weights]
     return max(rows).bit_length()
@@ -42,7 +42,7 @@ def test_networks_have_as_few_clocks_as_the_digits_of_their_weights_let_them(cou
     design = adder_chains.with_adders(scene, count).twin()
     assert isinstance(design, AdderGraph)
     first = -(-least_levels(design.first) // count)
-    # The saturation is one more.
+    # The saturation adds one clock.
     second = -(-(least_levels(design.second) + 1) // count)
     assert clocks == design.latency == first + design.activations[0].latency + second
 
@@ -63,7 +63,7 @@ def test_each_adder_more_takes_time_and_a_faster_grade_less() -> None:
 
 
 def test_a_chain_adds_and_saturates(tmp_path: Path) -> None:
-    """Every sum of three numbers of four bits, in three bits."""
+    """Tests every sum of three numbers of four bits, saturated to three bits."""
     bench = """
 module bench;
   reg clk = 0;
@@ -84,6 +84,6 @@ endmodule
     subprocess.run(["iverilog", "-o", program, source], check=True, capture_output=True)
     said = subprocess.run(["vvp", "-n", program], check=True, capture_output=True, text=True)
     values = range(-8, 8)
-    # Sums of four bits wrap, as those of the network never do.
+    # Sums of four bits wrap here. Those of a network never do.
     sums = ((a + b + c + 8) % 16 - 8 for a, b, c in product(values, values, values))
     assert list(map(int, said.stdout.split())) == [min(max(s, -4), 3) for s in sums]

@@ -1,4 +1,4 @@
-"""Table clocks: every scene, its clocks, and what README.md says of them."""
+"""Tests table clocks: every scene, its clocks, and the figures in README.md."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def test_the_clocks_of_the_front_page(table: Table) -> None:
     [("digit-single", 4 + 4), ("digit-hybrid", 7 + 4), ("digit-parallel", 1 + 1)],
 )
 def test_samples_and_outputs_take_a_clock_each(name: str, beside: int) -> None:
-    """A cascade's frame has slots for its earlier outputs; in parallel all come at once."""
+    """The frame of a cascade also has slots for earlier outputs. In parallel all come at once."""
     design = load_scene(name).twin()
     assert clocks_per_frame(design) == design.latency + beside - 1
 
@@ -66,7 +66,7 @@ def test_an_instrument_waits_for_its_sensors(table: Table) -> None:
 
 
 def test_an_engine_waits_for_its_program() -> None:
-    """Its outputs leave as they are computed: the last so many clocks after the first."""
+    """Its outputs leave when they are computed, so the last leaves some clocks after the first."""
     design = load_scene("digit").twin()
     first, *_, last = design.output_clocks
     assert clocks_per_frame(design) == 4 + last

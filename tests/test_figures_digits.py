@@ -1,4 +1,4 @@
-"""Table digits: what the record holds, and how it is measured."""
+"""Tests table digits: the content of the record, and how it is measured."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def test_the_plot_shows_the_designs_in_which_digits_save_luts() -> None:
 def test_a_row_is_measured_of_networks_with_so_many_digits(
     small_scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Cells apart, which take minutes."""
+    """Cells are not counted here, because that takes minutes."""
     for name, value in {"STARTS": 2, "TEACHER_FRAMES": 100, "REFITS": 3}.items():
         monkeypatch.setattr(few_digits, name, value)
     built = []

@@ -1,4 +1,4 @@
-"""Tables honest and robustness: what they compare, and what docs/figures.md says of them."""
+"""Tests tables honest and robustness: their content, and what docs/figures.md says of them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from golden.disturbance import Disturbance
 from golden.fingerprint import ROOT
 from golden.scene import load_scene
 from golden.training.stages import Stages
-from tb.report.measure import honest, recorded
+from tb.report.measure import honest, table_records
 from tb.report.measure.table import Table
 
 OUTPUTS = load_scene(honest.SCENE).outputs
@@ -26,13 +26,13 @@ HONEST = ("honest", "robustness")
 
 @pytest.fixture(scope="module", params=tiered(["recorded"], ["measured"]))
 def tables(request: pytest.FixtureRequest, shared: Shared) -> dict[str, Table]:
-    """As the report shows them, and with ALL=1 as they are now."""
+    """The tables as they were recorded or, with ALL=1, as they are measured now."""
     return {name: shared.recorded(name, request.param == "measured") for name in HONEST}
 
 
-@pytest.mark.parametrize("name", recorded.RECORDED)
+@pytest.mark.parametrize("name", table_records.RECORDED)
 def test_the_record_is_of_todays_code(name: str) -> None:
-    assert not recorded.is_stale(name), f"run: make figures TABLE={name} RECORD=1"
+    assert not table_records.is_stale(name), f"run: make figures TABLE={name} RECORD=1"
 
 
 def test_what_is_not_recorded_is_refused(tmp_path: Path) -> None:
@@ -62,10 +62,10 @@ def test_every_split_and_every_noise_has_every_output(tables: dict[str, Table]) 
 
 
 def test_a_load_that_was_never_trained_is_not_told(tables: dict[str, Table]) -> None:
-    """Its width and shape are not in the readings: only which loads there are was learnt.
+    """The readings do not determine its width and shape. The networks only learnt the known loads.
 
-    They differ by tens of percent from load to load; with seeds 1 to 3 these are 19 % or more, and
-    3.6 times the error of placements or more.
+    These errors differ by tens of percent from load to load. With seeds 1 to 3 they are at least 19
+    %, and at least 3.6 times the error of placements.
     """
     placements, loads = (figures(tables["honest"], name) for name in ("placements", "loads"))
     for output in ("width", "shape"):
@@ -73,7 +73,8 @@ def test_a_load_that_was_never_trained_is_not_told(tables: dict[str, Table]) -> 
 
 
 def test_what_is_trained_for_noise_errs_less_with_it(tables: dict[str, Table]) -> None:
-    """The load, whose descents end nearly alike; and more as recorded, which is what it costs."""
+    """Tests the load, whose trainings end nearly alike. Its error as recorded is larger in "
+    "return."""
     none, much = (
         figures(tables["robustness"], 1e3 * noise)["load"] for noise in (0.0, honest.EXPECTED)
     )
@@ -86,10 +87,10 @@ def test_what_is_trained_for_noise_errs_less_with_it(tables: dict[str, Table]) -
     [("honest", list(honest.SPLITS)), ("robustness", [f"{1e3 * n:g}" for n in honest.NOISES])],
 )
 def test_the_page_shows_them(tables: dict[str, Table], name: str, firsts: list[str]) -> None:
-    """Ranges over seeds: a last bit turns a descent to another minimum, as another seed does.
+    """The page shows ranges over seeds, because a last bit can change the result as a seed does.
 
-    What was trained on with all rows ends nearly alike for load and position. The rest scatters: a
-    fourth seed, or another machine, may lie beyond three by as much as they differ.
+    Networks that were trained on with all rows end nearly alike for load and position. Other
+    figures scatter: another seed or machine may lie outside of the range by the width of the range.
     """
     page = section("figures", name)
     for first in firsts:

@@ -1,4 +1,4 @@
-"""Table outside, as it is recorded: the target of each rig, and that the page shows it."""
+"""Tests the recorded table outside: the target of each rig, and the figures of the page."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from golden.table import read_table
-from tb.report.measure import outside, recorded
+from tb.report.measure import outside, table_records
 
 RIGS = ("digit", "tutorial", "bar")
 COLUMNS = {f"{100 * part:g} %": part for part in outside.FALSE_ALARMS}
@@ -14,7 +14,7 @@ COLUMNS = {f"{100 * part:g} %": part for part in outside.FALSE_ALARMS}
 
 @pytest.fixture(scope="module")
 def rows() -> dict[tuple[str, str], dict[str, float]]:
-    table = recorded.read("outside")
+    table = table_records.read("outside")
     return {
         (str(row[0]), str(row[1])): dict(zip(table.columns[2:], row[2:], strict=True))
         for row in table.rows
@@ -35,7 +35,7 @@ def test_more_false_alarms_see_more(rows) -> None:
 
 
 def test_at_its_limit_good_frames_are_inside(rows) -> None:
-    """But of the digit, whose limit rests on eight stretches: the page says so."""
+    """The digit is an exception, as its limit depends on eight stretches. The page says so."""
     for rig in RIGS[1:]:
         assert rows[rig, "good"]["at its limit"] <= 1
         assert rows[rig, "columns swapped"]["at its limit"] >= 95
@@ -43,7 +43,7 @@ def test_at_its_limit_good_frames_are_inside(rows) -> None:
 
 
 def test_the_rail_is_that_of_the_tutorial() -> None:
-    """The readings of docs/tutorial, noise and all."""
+    """Its readings equal those of docs/tutorial, with their noise."""
     names = ["s1", "s2", "s3", "s4", "s5", "force", "place"]
     table = read_table(outside.RAIL.with_name("readings.csv"), names)
     again = outside.rail(table[:, 5:], np.random.default_rng(1))

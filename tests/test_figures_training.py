@@ -1,4 +1,4 @@
-"""Table training: what is the same on every call, and what the pages say of it."""
+"""Tests table training: what is the same in every call, and what the pages say of it."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def test_both_optimisers_begin_at_the_same_points(table: Table) -> None:
 
 
 def ends(table: Table, method: str) -> dict[int, float]:
-    """Validation error at the end of each start."""
+    """The validation error at the end of each start."""
     return {row[1]: row[-2] for row in rows_of(table, method)}
 
 
@@ -76,7 +76,7 @@ def test_the_first_network_of_both_cascades_is_the_same(table: Table) -> None:
 
 
 def test_the_page_shows_where_they_end(table: Table) -> None:
-    """Ranges: a last bit turns a descent to another minimum."""
+    """The page shows ranges, because a last bit can lead a descent to another minimum."""
     page = section("error-against-run-time", "Optimisers")
     for method in training.STEPS:
         shown, *cell = cells(page, method)

@@ -1,4 +1,4 @@
-"""Files and folders are replaced whole, with the permissions that the umask leaves."""
+"""Files and folders are replaced as a whole, with the permissions that the umask allows."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def test_a_failure_leaves_what_was(tmp_path: Path) -> None:
 
 
 def test_several_files_are_replaced_or_none(tmp_path: Path) -> None:
-    """Though the fault is found only when the last is renamed."""
+    """This holds even if the fault only shows when the last file is renamed."""
     paths = [tmp_path / "new.csv", tmp_path / "old.csv", tmp_path / "last.csv"]
     paths[1].write_text("old", encoding="utf-8")
 

@@ -1,4 +1,4 @@
-"""Formats, rounding and overflow against exact rational arithmetic."""
+"""Compares formats, rounding and overflow with exact rational arithmetic."""
 
 from __future__ import annotations
 

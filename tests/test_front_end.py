@@ -1,4 +1,4 @@
-"""The front end: patterns of the thesis, ranges, and what a scene may ask for."""
+"""Tests the front end: the patterns of the thesis, ranges, and the keys of a scene."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def sequencer(inputs=4, slots=4, counter_width=12, sample_clock=900, pause=0) ->
 
 
 def test_the_pattern_of_four_slots() -> None:
-    """Thesis section 5.4.4: 12 bits, four slots of 1024 clocks."""
+    """Section 5.4.4 of the thesis has 12 bits and four slots of 1024 clocks."""
     scan = sequencer()
     assert scan.addresses == (0, 1, 2, 3)
     assert (scan.slot_clocks, scan.scan_clocks) == (1024, 4096)
@@ -34,7 +34,7 @@ def test_the_pattern_of_four_slots() -> None:
 
 
 def test_the_pattern_of_seven_slots() -> None:
-    """Thesis section 5.5; the eighth slot is idle."""
+    """The pattern is that of section 5.5 of the thesis. The eighth slot is idle."""
     scan = sequencer(slots=7, sample_clock=460)
     assert [f"{a:02b}" for a in scan.addresses[:7]] == ["00", "01", "10", "11", "00", "01", "10"]
     assert scan.addresses[7] == 0
@@ -116,7 +116,7 @@ def test_a_front_end_that_cannot_be_is_refused(tmp_path, lines: str, message: st
         ("200.0", 320_000, "200 Hz at 64 MHz, exactly as asked"),
         ("15625", 4096, "15625 Hz at 64 MHz, exactly as asked"),
         ("0.0625", 1_024_000_000, "0.0625 Hz at 64 MHz, exactly as asked"),
-        # 58181.82 clocks.
+        # That would be 58181.82 clocks.
         ("1100", 58_182, "1099.99656 Hz at 64 MHz, 3.12 ppm below the 1100 Hz that are asked for"),
         ("9000", 7111, "9000.14063 Hz at 64 MHz, 15.6 ppm above the 9000 Hz that are asked for"),
         ("0.0596047", 1_073_740_829, "0.0596047 Hz at 64 MHz, 0.000152 ppm above"),
@@ -153,7 +153,7 @@ def test_a_rate_faster_than_the_network_is_refused(tmp_path) -> None:
 
 
 def test_a_scan_faster_than_the_network_is_refused(tmp_path) -> None:
-    """Nine outputs take nine clocks; a scan of three bits has eight."""
+    """Nine outputs take nine clocks, but a scan of three bits has only eight."""
     section = f"{FRONT_END}counter_width = 3\n"
     with pytest.raises(InputError, match="a scan of 8 clocks, expected 9 or more"):
         scene_with(tmp_path, section, shape=(2, 3, 9)).twin()
@@ -161,7 +161,7 @@ def test_a_scan_faster_than_the_network_is_refused(tmp_path) -> None:
 
 @pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 def test_a_scan_takes_as_long_as_the_slowest_network_of_a_cascade(tmp_path) -> None:
-    """Four slots and networks that take a frame every eleven clocks."""
+    """There are four slots, and the networks take a frame every eleven clocks."""
     slow = replace(CASES["slower-cascade"], shapes=[(2 + i, 1, 1) for i in range(3)])
     scan = f"{FRONT_END}counter_width = 4\n"
     assert replace(slow, sections=scan).scene(tmp_path, "slow").twin().interval == 16

@@ -1,4 +1,4 @@
-"""Equations 3.17 and 3.18 in floating point, against closed forms."""
+"""Compares equations 3.17 and 3.18 in floating point with closed forms."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from golden.visualisation.functions import (
     power_load,
 )
 
-# Load, centre, half width and terms of Figure 3.27.
+# The load, centre, half width and terms of Figure 3.27.
 FIGURE_3_27 = {"A": (0.5, 0.5, 0.3, 1000), "B": (0.5, 0.5, 0.3, 10), "C": (0.7, 0.5, 0.2, 1000)}
 POSITIONS = np.linspace(0, 1, 401)
 FRACTIONS = st.floats(0, 1)
@@ -33,7 +33,7 @@ def test_one_term_by_hand() -> None:
 
 @pytest.mark.parametrize("case", FIGURE_3_27)
 def test_figure_3_27(case: str) -> None:
-    """Height d on the pulse, less its mean 2 d w; the closed form to within the tail's bound."""
+    """The height on the pulse is d less the mean 2 d w, and the tail bounds the difference."""
     load, centre, width, terms = FIGURE_3_27[case]
     top, base = load * (1 - 2 * width), -2 * load * width
     for position, value in ((centre, top), (centre - width, top - load / 2), (0.05, base)):
@@ -71,14 +71,14 @@ def test_the_limit_is_a_pulse_without_its_mean() -> None:
 
 
 def test_a_pulse_over_the_end_is_mirrored() -> None:
-    """Centre 0.1 and half width 0.3: what lies beyond 0 is folded back and adds up."""
+    """With centre 0.1 and half width 0.3, the part beyond 0 is folded back and added."""
     limit = harmonic_limit([0.1, 0.3, 0.9], 1.0, 0.1, 0.3)
     assert np.allclose(limit + 2 * 0.3, [2.0, 1.0, 0.0])
 
 
 @pytest.mark.parametrize("terms", [50, 500, 5000])
 def test_gibbs_overshoot_does_not_go_away(terms: int) -> None:
-    """The peak stands 1 / (P + 1) inside the jump and tends to 0.0895 d above the pulse."""
+    """The peak is 1 / (P + 1) inside of the jump, and tends to 0.0895 d above the pulse."""
     load, centre, width = 0.5, 0.5, 0.25
     offsets = np.linspace(0.2, 3, 2801) / (terms + 1)
     values = harmonic_load(centre - width + offsets, load, centre, width, terms)
@@ -133,7 +133,7 @@ def test_3_17_names_its_bounds(arguments, message: str) -> None:
 @pytest.mark.parametrize("power", [2, 6])
 @pytest.mark.parametrize("width", [0.1, 0.2, 0.4])
 def test_3_18_at_chosen_points(power: int, width: float) -> None:
-    """The centre, the half width at 1 / e, half the height, and far away."""
+    """The points are the centre, the half width at 1 / e, half the height, and one far away."""
     load, centre, steepness = 0.744, 0.5, 2 / width
     at_half = math.log(2) ** (1 / power) / steepness
     for position, value in (

@@ -1,4 +1,4 @@
-"""make sensors: where gauges on a beam should sit."""
+"""Tests make sensors, which finds the best places of gauges on a beam."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def rig() -> GaugeRig:
 
 
 def test_the_shipped_rig_has_the_fitted_sensors(rig: GaugeRig) -> None:
-    """Every placement lies on the beam; the largest moment fills the range."""
+    """Every placement lies on the beam, and the largest moment fills the range."""
     loads = rig.placements
     assert (loads.position + loads.half_width).max() <= rig.beam.length - 0.00635 + 1e-12
     assert len(np.unique(loads.position)) > 20
@@ -37,7 +37,7 @@ def test_the_shipped_rig_has_the_fitted_sensors(rig: GaugeRig) -> None:
 
 
 def test_errors_are_those_of_readings_with_what_is_known_beforehand(rig: GaugeRig) -> None:
-    """By least squares on the readings of each placement and one more of each unknown."""
+    """The reference is least squares on the readings and one prior reading of each unknown."""
     places = [0.05, 0.12, 0.16]
     found = Placing(rig).errors(places)
     for n in range(0, len(found), 37):

@@ -1,4 +1,4 @@
-"""The assembled activation over every code it can meet."""
+"""Tests the assembled activation over every code that it can get."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def every_code(precision):
 
 @pytest.mark.parametrize(("precision", "factor"), CASES, ids=IDS)
 def test_error_against_tanh_over_every_code(precision, factor: int) -> None:
-    """132 units of 2**-13 is the scheme's own error; the arithmetic adds less than two."""
+    """The scheme itself has an error of 132 units of 2**-13. The arithmetic adds less than two."""
     gradient = gradient_for(precision, factor, precision.hidden_fmt.high)
     codes = every_code(precision)
     exact = np.tanh(factor * precision.hidden_fmt.to_real(codes))
@@ -65,7 +65,7 @@ def test_a_code_outside_the_format_is_refused() -> None:
 
 
 def test_every_q_up_to_512_is_as_exact_as_the_scheme() -> None:
-    """The worst over all factors and all codes is the scheme's own step at |q| = 0.5."""
+    """The worst error over all factors and codes is the scheme's own step at |q| = 0.5."""
     codes = every_code(THESIS)
     worst = 0.0
     for factor in range(1, 513):
@@ -77,7 +77,7 @@ def test_every_q_up_to_512_is_as_exact_as_the_scheme() -> None:
 
 @pytest.mark.parametrize(("precision", "factor"), CASES, ids=IDS)
 def test_zero_is_in_the_first_segment(precision, factor: int) -> None:
-    """Its value is the first intercept, 0.00767: 63 units; the thesis leaves q = 0 out."""
+    """Its value is the first intercept, 0.00767 or 63 units. The thesis leaves q = 0 out."""
     assert gradient_for(precision, factor, precision.hidden_fmt.high).process(0) == 63
     assert gradient_real(0.0)[0] == 0.00767
 

@@ -1,4 +1,4 @@
-"""What an export hands over beside the entities: it runs, it parses, it lists what is there."""
+"""The files that an export adds to the entities run, parse, and list the existing files."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.Unsettle
 
 ROOT = Path(__file__).parents[1]
 SHIPPED = ("digit", "digit-parallel")
-# A profile beside the outputs; single values; frames further apart than they are long; networks of
-# different depth; slots; the same behind AXI4-Stream; an engine that is loaded first; frames that
-# yield nothing, because they are the past of others; a converter on an SPI; the same with a line
-# over which the engine is loaded.
+# These have a profile beside the outputs; single values; frames further apart than their length;
+# networks of different depth; slots; slots behind AXI4-Stream; an engine that is loaded first;
+# frames without outputs, which are the past of others; a converter on an SPI; and a converter with
+# a serial line over which the engine is loaded.
 OTHERS = (
     *("profile", "least", "wide", "pade-parallel", "wide-multiple", "other-profile"),
     *("axis", "axis-cascade", "one-sensor", "rails-reload"),
@@ -52,7 +52,7 @@ def scenes(shared: Shared) -> dict[str, Scene]:
 
 @pytest.fixture
 def library(shared: Shared, scenes, build: Path, name: str) -> Path:
-    """A scene's VHDL, its test bench and its example, analysed once for all tests."""
+    """A scene's VHDL, test bench and example, which are analysed once for all tests."""
     work = shared.folder / "libraries" / name
     top = scenes[name].twin().entity
 
@@ -74,7 +74,7 @@ def ghdl(work: Path, *words: str) -> subprocess.CompletedProcess[str]:
 
 
 def analyse(folder: Path, work: Path, *more: str, start: str = "") -> None:
-    """As a user types it: every file in order, then the others; or from ``start`` on."""
+    """Analyse every file in order, then the others, as a user does; or from ``start`` on."""
     names = [*order(folder), *more]
     names = names[names.index(start) if start else 0 :]
     # The library says that it had the changed ones from elsewhere.
@@ -85,7 +85,7 @@ def analyse(folder: Path, work: Path, *more: str, start: str = "") -> None:
 
 
 def run(folder: Path, work: Path, top: str) -> subprocess.CompletedProcess[str]:
-    """The test bench, as docs/handover.md says."""
+    """Run the test bench as docs/handover.md says."""
     analyse(folder, work, f"{top}_vectors.vhd", f"{top}_tb.vhd")
     return simulate(work, top)
 
@@ -126,7 +126,7 @@ def test_every_recorded_frame_matches(scenes, library: Path, name: str) -> None:
         ),
         ("one-sensor", "scan_sequencer.vhd", r"out_data <= adc", "out_data <= not adc"),
         ("past", "frame_window.vhd", r"past_whole0_known = 5", "past_whole0_known = 4"),
-        # Right results, but frames are refused or flagged.
+        # The results are right, but frames are refused or flagged.
         (
             "wide",
             "input_controller_of_2_every_5.vhd",
@@ -206,7 +206,7 @@ def test_the_constraints_name_the_clock(tmp_path: Path) -> None:
     folder = tmp_path / "slow" / "verilog"
     assert 'PERIOD "clk" 80.000 ns' in (folder / "ise.ucf").read_text()
     board = (folder / "arty_a7_35.xdc").read_text()
-    # The board's own oscillator, whatever the scene is meant for.
+    # This is the oscillator of the board, whatever the clock of the scene.
     assert "create_clock -name clk -period 10.000" in board
     assert "PACKAGE_PIN E3" in board
 
@@ -221,7 +221,7 @@ def test_a_long_recording_is_cut(scenes, tmp_path: Path, monkeypatch) -> None:
 def test_a_name_that_vhdl_does_not_take(tmp_path: Path) -> None:
     path = write_scene(tmp_path, "größe 1", "exact", [random_mlp((2, 3, 1), 1.0, 1)])
     export(load_scene(str(path)), "vhdl", tmp_path)
-    # GHDL itself takes no such folder.
+    # GHDL itself does not accept such a folder.
     folder = (tmp_path / "größe 1" / "vhdl").rename(tmp_path / "vhdl")
     assert all(file.read_text().isascii() for file in folder.iterdir())
     assert yaml.safe_load((folder / "gr__e_1.core").read_text())["name"] == "tactus::gr__e_1:0"

@@ -1,4 +1,4 @@
-"""The image of a scene: its bytes, what refuses it, and one hardware that runs several."""
+"""Tests the image of a scene: its bytes, what refuses it, and hardware that runs several."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ SHIPPED = ("digit", "digit-single", "digit-multiple", "swing-single")
 
 
 def reloadable(name: str, folder: Path, keys: str = "") -> Scene:
-    """A shipped scene's networks on an engine that can be reloaded."""
+    """The networks of a shipped scene, on an engine that can be reloaded."""
     path = scene_path(name)
     text = re.sub(r'design = "\w+"', f'design = "engine"\nreload = true\n{keys}', path.read_text())
     text = re.sub(
@@ -41,7 +41,7 @@ def reloadable(name: str, folder: Path, keys: str = "") -> Scene:
 
 
 def fixed(scene: Scene) -> Engine:
-    """The same networks, with the program in the hardware."""
+    """The same networks on an engine with a built-in program."""
     engine = Engine.of(scene.mlps(), arrangement=scene.arrangement)
     assert isinstance(engine, Engine)
     return engine
@@ -100,9 +100,9 @@ def test_an_image_for_other_hardware_fails_its_check(hardware: Engine, sizes: Si
 
 @pytest.mark.parametrize("last", [2, 512, *(2 | 1 << bit for bit in range(9, 18))])
 def test_more_words_than_there_are_are_refused(hardware: Engine, last: int) -> None:
-    """By a header whose nine low bits name just the words that come; the check matches.
+    """The nine low bits of the header name just the words that come, and the check matches.
 
-    Only the first of these headers fits 512 words.
+    Only the first of these headers fits a memory of 512 words.
     """
     image, fits = hardware.loaded, last < 512
     assert image is not None
@@ -203,7 +203,7 @@ def test_make_image(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> 
 def test_the_page_shows_what_the_command_prints(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys
 ) -> None:
-    """Of a shipped scene on the shipped hardware that can be reloaded."""
+    """The example is a shipped scene on the shipped hardware that can be reloaded."""
     page = (ROOT / "docs" / "blocks" / "image_loader.md").read_text()
     shown = re.search(r"\$ make image SCENE=(\S+) HARDWARE=(\S+)\nwrote build(/.*)\n", page)
     assert shown
@@ -245,7 +245,7 @@ def test_two_scenes_of_the_same_sizes_are_the_same_hardware(tmp_path: Path) -> N
 
 @pytest.mark.parametrize("frames", tiered([200], [10_000]))
 def test_one_hardware_runs_every_scene(tmp_path: Path, frames: int) -> None:
-    """Images of other arrangements and numbers of samples, each with its recorded frames."""
+    """The images have other arrangements and numbers of samples, each with recorded frames."""
     scene = reloadable("digit", tmp_path)
     jobs = plan(scene, SIMULATORS, "engine", build=tmp_path / "build", frames=frames)
     outcomes = run_jobs(

@@ -1,4 +1,4 @@
-"""Layers and controllers against plain integer arithmetic and against their bounds."""
+"""Compares layers and controllers with plain integer arithmetic and with their bounds."""
 
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ def test_nodes_share_the_accumulator_of_the_widest_sum() -> None:
 
 
 def test_a_sum_beyond_the_accumulator_is_refused() -> None:
-    """Also where a later sample brings it back."""
+    """It is refused even if a later sample brings the sum back."""
     node = InputNode(SIGNAL, COEFF, EXACT.hidden_fmt, 0, 20)
     message = "input_node_fraction14_sum20: got sums from 0 to 524288, expected 20 bits"
     with pytest.raises(InputError, match=message):

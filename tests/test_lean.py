@@ -1,4 +1,4 @@
-"""What a scene does not need is not in its hardware, and its results are those of the whole."""
+"""Hardware leaves out what a scene does not need, and gives the same results."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from tb.report.measure.left_out import words
 
 
 def exported(scene: Scene, folder: Path) -> tuple[set[str], str]:
-    """Names of the blocks and the text of all VHDL of a scene."""
+    """The names of the blocks, and the text of all VHDL of a scene."""
     folder = folder / scene.name
     export(scene, "vhdl", folder)
     blocks = {entry["block"] for entry in json.loads((folder / MANIFEST).read_text())}
@@ -43,7 +43,7 @@ def same_results(scene: Scene) -> None:
 
 
 def with_zeros() -> Mlp:
-    """No output uses node 2; some weights of the others are 0."""
+    """A network in which no output uses node 2, and some other weights are 0."""
     mlp = random_mlp((3, 4, 2), 1.0, 3)
     mlp.w1[0, 1] = mlp.w1[3, 0] = 0
     mlp.w2[:, 2] = 0
@@ -126,7 +126,7 @@ def test_front_end_and_profile_that_the_scene_does_not_name(tmp_path: Path) -> N
 
 
 def test_a_slot_that_nobody_reads(tmp_path: Path) -> None:
-    """A cascade's scan has slots for its earlier outputs; independent networks need none."""
+    """The scan of a cascade has slots for earlier outputs. Independent networks need none."""
     for arrangement, more, slots in (("cascade", 1, 4), ("multiple", 0, 2)):
         mlps = [random_mlp((2 + more * i, 2, 1), 1.0, i) for i in range(3)]
         path = write_scene(tmp_path, arrangement, "exact", mlps, arrangement, sections=FRONT_END)
@@ -165,7 +165,7 @@ def test_a_scene_without_a_budget_is_not_recorded(tmp_path: Path) -> None:
 
 
 def test_words_are_counted_as_often_as_they_stand_there() -> None:
-    """What hybrid says that it leaves out is what it has less than the whole."""
+    """The words that hybrid states as left out are those that it has less than the complete one."""
     scene = load_scene("digit-hybrid")
     texts = re.findall(r"(\d+) ROM words of segments", " ".join(left_out(scene.twin())))
     missing = words(scene.twin(lean=False)) - words(scene.twin())
@@ -179,5 +179,5 @@ def test_the_savings_are_those_of_two_builds(tmp_path: Path, monkeypatch, capsys
     rows = [line.split() for line in capsys.readouterr().out.splitlines()[-3:]]
     whole, found, saved = ([int(n) for n in row[-5:]] for row in rows)
     assert [a - b for a, b in zip(whole, found, strict=True)] == saved
-    # The node's own and its activation's; Yosys itself finds that its part of the outputs is 0.
+    # These are the cells of the node and its activation. Yosys itself removes its products of 0.
     assert saved[3] == 2

@@ -1,4 +1,4 @@
-"""The serial line of an instrument: its twins, and what a scene may ask for."""
+"""Tests the serial line of an instrument: its twins, and the keys of a scene."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def test_what_is_sent_is_heard(divisor: int) -> None:
 
 @pytest.mark.parametrize(("divisor", "shorter", "longer"), [(4, 0.025, 0.055), (25, 0.048, 0.055)])
 def test_as_far_as_the_page_says_bits_may_be_off(divisor, shorter, longer) -> None:
-    """At any part of a clock; a tenth more is too much."""
+    """The bits may begin at any part of a clock. A tenth more is too much."""
     byte = 0xA5
     phases = np.linspace(0, 0.999, 23)
 
@@ -191,7 +191,7 @@ def test_outputs_leave_before_the_next_samples_come(tmp_path) -> None:
 
 
 def test_the_page_of_the_instrument_shows_the_figures_of_its_twin() -> None:
-    """Clocks of scene digit-board, and what they are at its clock."""
+    """The page shows the clocks of scene digit-board, and the times at its clock frequency."""
     scene = load_scene("digit-board")
     twin = scene.twin()
     assert isinstance(twin, UartInstrument)

@@ -1,4 +1,4 @@
-"""Signals are declared in the same order under every Python."""
+"""Tests that signals are declared in the same order under every version of Python."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from hdl.export.local_names import Caller, forget
 
 
 def looks() -> tuple[list[str], list[str]]:
-    """The names of a function at two looks, as a block's instances cause them."""
+    """The names of a function when it is asked twice, as the instances of a block do."""
     zeta, plain, second = 1, 2, 3
     captured = 4
     beta = [captured + item for item in range(2)]
@@ -32,7 +32,7 @@ def looks() -> tuple[list[str], list[str]]:
 
 def test_plain_names_as_bound_then_those_used_inside_by_alphabet() -> None:
     first, last = looks()
-    # A comprehension is handed its first iterable: beta is not used inside it.
+    # A comprehension gets its first iterable as an argument, so beta is not used inside it.
     assert first == ["plain", "beta", "process", "frame", "alpha", "captured", "second", "zeta"]
     assert last == [*first, "first", "late", "before"]
 

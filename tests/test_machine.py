@@ -1,4 +1,4 @@
-"""On what something was measured, and the last lines that say it."""
+"""Tests the description of the machine, and the last lines of a run that show it."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def test_a_processor_without_a_name_has_its_architecture(tmp_path: Path, monkeyp
 
 
 def test_the_instructions_are_those_in_force() -> None:
-    """Not those that the processor could do."""
+    """These can be fewer instructions than the processor has."""
     command = [sys.executable, "-c", "from golden.machine import *; print(facts())"]
     said = {}
     for threads in ("1", "2"):
@@ -67,7 +67,7 @@ def test_a_simulator_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_the_tests_end_with_them() -> None:
-    """Before pytest's closing line, which stays the last; with old versions it counts warnings."""
+    """The closing line of pytest stays the last. With old versions it counts warnings."""
     words = ["-q", "-p", "no:cacheprovider", "tests/test_fixed.py", "-k", "range_of_the_signal"]
     result = subprocess.run(
         [sys.executable, "-m", "pytest", *words],

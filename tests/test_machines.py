@@ -1,4 +1,4 @@
-"""The tests as on other machines: what is run, what is named, and what the pages say of it."""
+"""Tests make machines: which tests it runs, what it prints, and what the pages say of it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ RESTS = {id(rest): rest for group in GROUPS for rest in group.rests}.values()
 
 @pytest.fixture
 def asks(tmp_path: Path) -> list[str]:
-    """Arguments that run one test, which is green in the time zone of ``green`` alone."""
+    """Arguments that run one test, which only passes in the time zone of machine ``green``."""
     test = tmp_path / "test_zone.py"
     test.write_text("import os\n\ndef test_zone():\n    assert os.environ.get('TZ') == ")
     with test.open("a") as handle:
@@ -34,7 +34,7 @@ def asks(tmp_path: Path) -> list[str]:
 
 
 def run(monkeypatch: pytest.MonkeyPatch, folder: Path, *arguments: str) -> int:
-    """``make machines`` with machines of this test."""
+    """Run ``make machines`` with the machines of this test."""
     monkeypatch.setattr(sys, "argv", ["machines", *arguments])
     monkeypatch.setattr(machines, "MACHINES", OTHERS | {"red": Machine("nothing changed")})
     monkeypatch.setattr(machines, "LOGS", folder / "logs")
@@ -61,7 +61,7 @@ def test_what_cannot_be_is_an_error_where_it_is_asked_for(monkeypatch, tmp_path,
 
 
 def test_the_line_has_what_pytest_counted() -> None:
-    """Though make says something after it."""
+    """This holds even if make prints something after it."""
     counted = "1 failed, 2 passed, 3 warnings in 4.05s (0:00:04)"
     assert machines.closing(f"a\n== {counted} ==\nmake: *** [test] Error 1\n") == counted
     assert machines.closing("no such package\nmake: *** [.venv] Error 1\n").startswith("make: ")
@@ -123,7 +123,7 @@ def test_what_is_left_out_is_there_and_has_a_reason() -> None:
 
 
 def test_every_test_is_in_a_group_besides_everything() -> None:
-    """But for the simulated ones."""
+    """Simulated tests are an exception."""
     assert EVERYTHING.leaves_out() == []
     assert {machine.group.name for machine in MACHINES.values()} == {g.name for g in GROUPS}
     for file in {path.name for path in (ROOT / "tests").glob("test_*.py")} - {*SIMULATED.tests}:

@@ -1,4 +1,4 @@
-"""What a user gives to make reaches the command as it is: no character of it is special."""
+"""Variables of make reach the command unchanged, whatever characters they hold."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tb.commands import COMMANDS
 
 RECIPES = [line for line in re.sub(r"\\\n", "", MAKEFILE).splitlines() if line.startswith("\t")]
 
-# Each would leave a file `ran` behind, were it read by make or by the shell.
+# Each of these would make a file `ran` if make or the shell interpreted it.
 NASTY = [
     "`touch ran`",
     "$(touch ran)",
@@ -34,17 +34,17 @@ NASTY = [
     "$HOME %, (a) {b,c} [d] * ? ! ~ # = : @ é \t",
 ]
 CALLED = [command for command in COMMANDS if command.module]
-# What make or the shell ask about, and paths of what is made.
+# Variables that make or the shell test, and the paths of outputs.
 FLAGS = {argument.option for c in COMMANDS for argument in c.arguments if argument.flag}
 OTHERS = {"DRY", "PYTHON", "SITE", "VENV"}
-# In front of the arguments of each call in the log.
+# This precedes the arguments of each call in the log.
 CALL = "a call"
 
 
 def environment(folder: Path, venv: str = "venv") -> Path:
-    """A virtual environment that is ready, whose python only writes down its arguments.
+    """A virtual environment that seems ready, whose python only logs its arguments.
 
-    But for those of ``tb.commands``, with which it does what the real one does.
+    For the arguments of ``tb.commands`` it does what the real one does.
     """
     python = folder / venv / "bin" / "python"
     python.parent.mkdir(parents=True)
@@ -65,7 +65,7 @@ if [ "$2" = sphinx ]; then mkdir "$last"; fi
 
 
 def calls(log: Path) -> list[list[str]]:
-    """The arguments of each call."""
+    """The arguments of each logged call."""
     found: list[list[str]] = []
     for word in log.read_text().split("\0")[:-1]:
         if word == CALL:
@@ -136,7 +136,7 @@ def test_so_it_does_from_the_environment(tmp_path: Path, nasty: str) -> None:
 
 
 def test_a_scene_that_is_not_given_is_chosen(tmp_path: Path) -> None:
-    """By the table or, where it has none, by the command."""
+    """The table chooses the scene or, if it names none, the command does."""
     log = environment(tmp_path)
     names = ("listing", "sim", "vhdl", "monitor", "mutate", "demo")
     result = make(tmp_path, f"VENV={tmp_path / 'venv'}", *names, "PORT=twin")
@@ -166,7 +166,7 @@ def test_but_0_and_nothing_is_none(tmp_path: Path, zero: str) -> None:
 
 
 def test_make_s_own_commands_are_tried_too(tmp_path: Path) -> None:
-    """DRY=1 does nothing, least of all what clean does."""
+    """With DRY=1 nothing is done, and clean removes nothing."""
     log = environment(tmp_path)
     words = [f"VENV={tmp_path / 'venv'}", f"SITE={tmp_path / 'site'}", "DRY=1"]
     result = make(tmp_path, *words, "docs", "pages", "lint", "clean")
@@ -179,7 +179,7 @@ def test_make_s_own_commands_are_tried_too(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("nasty", [text for text in NASTY if "/" not in text])
 def test_so_do_paths(tmp_path: Path, nasty: str) -> None:
-    """Of the environment, of the interpreter that makes it, and of the site."""
+    """These are the paths of the environment, of the interpreter that makes it, and of the site."""
     log = environment(tmp_path, nasty)
     venv = tmp_path / nasty
     result = make(tmp_path, f"VENV={venv}", "listing")
@@ -199,7 +199,7 @@ def test_so_do_paths(tmp_path: Path, nasty: str) -> None:
 
 
 def test_recipes_have_no_text_of_a_user() -> None:
-    """Make puts in none of what is given: it only asks whether there is any."""
+    """Make inserts no value of a variable into a recipe. It only tests whether there is one."""
     named = {argument.name for command in COMMANDS for argument in command.arguments}
     assert named | OTHERS == set(GIVEN)
     for line in RECIPES:

@@ -1,7 +1,7 @@
-"""``make sim SCENE=`` of every shipped scene, as a user types it: every bench, both simulators.
+"""Runs ``make sim SCENE=`` for every shipped scene: every bench, in both simulators.
 
-What shipped scenes hold beside the sizes of the benches' cases is seen here alone, so all of it is
-left to ALL=1, and CI draws from it (``tests/sample.py``).
+Only these tests simulate what shipped scenes have beyond the sizes of the benches' cases. ALL=1
+runs them, and CI draws a sample of them (``tests/sample.py``).
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The error measures against closed forms, the recorded vectors and the thesis' own tables."""
+"""Compares the error measures with closed forms, recorded vectors and tables of the thesis."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def test_the_positions_are_a_load_step_apart() -> None:
 
 
 def test_the_first_placement_moves_by_half_of_the_extra_width() -> None:
-    """Position and width are coded to one scale of millimetres."""
+    """Position and width are coded with the same scale of millimetres."""
     load, position, width = recorded("load", "position", "width").T
     first = [position[load == weight].min() for weight in np.unique(load)]
     widths = [width[load == weight][0] for weight in np.unique(load)]
@@ -64,7 +64,7 @@ def test_percent_of_a_full_scale_in_millimetres() -> None:
 
 
 def test_displacement_errors_of_a_sine() -> None:
-    """From end to end a sine goes twice its amplitude."""
+    """The distance from end to end of a sine is twice its amplitude."""
     t = (np.arange(100_000) + 0.5) / 100_000
     actual = np.stack([np.sin(2 * np.pi * t), 300 * np.cos(4 * np.pi * t)], axis=1)
     found = displacement_errors(actual + np.array([0.01, -6.0]), actual)
@@ -88,7 +88,7 @@ def test_activation_error_of_known_integrals(points: int) -> None:
     assert constant.mean_percent == pytest.approx(1.0)
     assert constant.mean_percent_thesis == pytest.approx(2.0)
     assert constant.largest == pytest.approx(81.92)
-    # The integral of |q| over [-3, 3] is 9; the trapezoids are exact where 0 is on the grid.
+    # The integral of |q| over [-3, 3] is 9. Trapezoids give it exactly if 0 is on the grid.
     assert activation_error(q, q).mean_percent == pytest.approx(150, rel=9 / points**2)
 
 
@@ -99,7 +99,7 @@ def test_activation_error_leaves_out_what_lies_beyond() -> None:
 
 
 def test_activation_error_of_the_gradient_scheme_is_the_printed_one() -> None:
-    """Section 4.6 prints 0.40 %; on the codes of Fix(14,13) at Q = 3, the last is 3 - 3 / 2**13."""
+    """Section 4.6 prints 0.40 %. The last code of Fix(14,13) at Q = 3 stands for 3 - 3 / 2**13."""
     codes = np.arange(SIGNAL.low, SIGNAL.high + 1)
     q = 3 * SIGNAL.to_real(codes)
     errors = SIGNAL.to_real(gradient_for(THESIS, 3, SIGNAL.high).process(codes)) - np.tanh(q)

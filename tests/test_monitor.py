@@ -1,4 +1,4 @@
-"""What is shown, told and recorded of a board, from a pseudo-terminal to the browser."""
+"""Tests what the monitor shows, reports and records, from a pseudo-terminal to the browser."""
 
 from __future__ import annotations
 
@@ -45,12 +45,12 @@ LONGEST = 30.0
 
 @pytest.fixture(scope="module")
 def scene() -> Scene:
-    """With a cascade and a profile, and with its program in the hardware."""
+    """A scene with a cascade and a profile, and with its program in the hardware."""
     return replace(load_scene("digit-board"), design_options={})
 
 
 def wait(until: Callable[[], bool]) -> None:
-    """A fault of the test, and not a slow machine, ends it otherwise."""
+    """Wait for a condition. Only a fault ends the wait without it, and not a slow machine."""
     began = time.monotonic()
     while not until():
         assert time.monotonic() - began < LONGEST
@@ -60,7 +60,7 @@ def wait(until: Callable[[], bool]) -> None:
 @contextmanager
 def listening(monitor: Monitor, line: Line) -> Iterator[None]:
     done = threading.Event()
-    # However busy the machine is.
+    # The limit is long enough for a busy machine.
     line.silence = LONGEST
     thread = threading.Thread(target=monitor.listen, args=(line, done.is_set))
     thread.start()
@@ -138,7 +138,7 @@ def test_a_cut_cable_and_noise_are_told_and_it_goes_on(scene: Scene) -> None:
             before = monitor.decoder.tally.frames
             simulated.mend()
             wait(lambda: monitor.decoder.tally.frames > before + 20)
-            # On a busy machine the line may rest for a moment just now.
+            # On a busy machine the line may pause for a moment.
             wait(lambda: monitor.state()["line"] == "packets")
         assert monitor.decoder.tally.missed == 0
         assert monitor.decoder.tally.skipped >= 45
@@ -150,7 +150,7 @@ def test_a_cut_cable_and_noise_are_told_and_it_goes_on(scene: Scene) -> None:
 
 
 class Wire:
-    """A line that brings what a test gives it."""
+    """A line that delivers the bytes that a test gives it."""
 
     label, cut, silence = "wire", "", 2.0
 
@@ -163,7 +163,7 @@ class Wire:
 
 
 class Still:
-    """A monitor on such a line, with a clock that stands."""
+    """A monitor on such a line, with a clock that stands still."""
 
     def __init__(self, scene: Scene) -> None:
         self.now, self.said, self.wire = 100.0, [], Wire()
@@ -171,7 +171,7 @@ class Still:
         self.monitor = Monitor(self.board, self.said.append, clock=lambda: self.now)
 
     def bring(self, data: bytes) -> list[str]:
-        """What is said of these bytes."""
+        """Deliver bytes, and return the reported lines."""
         self.wire.data, before = data, len(self.said)
         ends = iter((False, True))
         self.monitor.listen(self.wire, lambda: next(ends))
@@ -228,7 +228,7 @@ def test_packets_without_frames_are_not_taken_for_frames(scene: Scene) -> None:
         still.bring(still.packet(number, count=count))
         still.now += 0.25
     state = still.monitor.state()
-    # From the first on: 1.25 seconds.
+    # These are 1.25 seconds, counted from the first packet.
     assert (state["packets_a_second"], state["computed_a_second"]) == (4 / 1.25, 4 / 1.25)
     assert state["line"] == "packets"
     for number in range(5, 15):
@@ -237,7 +237,7 @@ def test_packets_without_frames_are_not_taken_for_frames(scene: Scene) -> None:
     state = still.monitor.state()
     assert (state["packets_a_second"], state["computed_a_second"]) == (4 / 1.25, 0)
     assert state["line"] == "idle"
-    # Of one that is slower the newest count.
+    # If the board becomes slower, the newest packets count.
     for number in range(15, 20):
         still.now += 10
         still.bring(still.packet(number, count=number))
@@ -302,7 +302,7 @@ BROWSER = shutil.which("chromium")
 
 
 def browse(address: str, folder: Path, *options: str) -> str:
-    """The page as it stands after two seconds of its own clock."""
+    """The page after two seconds of its own clock."""
     assert BROWSER, "chromium is not installed; on Debian: apt-get install chromium"
     command = [BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"]
     command += ["--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1", *options]
@@ -349,7 +349,7 @@ def test_the_browser_shows_numbers_profile_and_faults(scene: Scene, tmp_path: Pa
             page = browse(server.address, tmp_path)
             assert "packets come" in plain(page, "line")
             assert "is back" in plain(page, "told")
-            # Nothing is drawn where nothing came.
+            # Nothing is drawn without data.
             assert page.count('class="course"') == 8
 
 
@@ -375,7 +375,7 @@ def test_the_page_fits_and_takes_names_as_text(scene: Scene, tmp_path: Path, wid
     page = environment("tb.monitor").get_template("page.html.jinja").render(title="t" * 60)
     stub = f"<script>window.fetch = async () => ({{json: async () => ({json.dumps(state)})}});"
     page = page.replace("<body>", f"<body>{stub}</script>{LOOK.format(width=width)}")
-    # A window of a browser is no narrower than 500: the page stands in a frame.
+    # The window of a browser is at least 500 wide, so the page is shown in a frame.
     (tmp_path / "page.html").write_text(page)
     (tmp_path / "frame.html").write_text(
         f'<body style="margin:0"><iframe id="f" src="page.html" width="{width}" height="2000" '
@@ -478,7 +478,7 @@ def test_the_command_ends_with_what_it_saw(
 
 
 def test_the_page_of_the_documentation_has_every_line(scene: Scene) -> None:
-    """And no other: numbers and names of ports may differ, and what follows three dots."""
+    """It has no other lines. Numbers, names of ports and texts after three dots may differ."""
     still = Still(scene)
     said = [
         "the line was cut: the device is gone; waiting for /dev/ttyUSB0",

@@ -1,4 +1,4 @@
-"""What is asked of a board: readings of known placements, and to run an image."""
+"""Tests recording known placements from a board, and loading an image into it."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def test_nothing_is_computed_before_an_image(simulated: TwinBoard) -> None:
 
 
 def other_sizes(hardware: Scene) -> Scene:
-    """The same scene for hardware with a larger memory."""
+    """The same scene, for hardware with a larger memory."""
     return replace(hardware, design_options=hardware.design_options | {"program_words": 1024})
 
 
@@ -111,7 +111,7 @@ def test_a_scene_of_other_sensors_is_not_loaded(hardware: Scene) -> None:
     other = replace(hardware, sensors=("sensor2", "sensor1", "sensor3", "sensor4"))
     with pytest.raises(InputError, match=r"data.sensors: got sensor2, sensor1.*expected sensor1,"):
         loading.check_readings(Board(other, hardware))
-    # Without a converter of its own a scene may have any scale.
+    # A scene without a converter may have any scale.
     other = replace(load_scene("digit"), scale={"sensor2": Scale(1.0, 2.0)})
     with pytest.raises(InputError, match=r"data.scale.sensor2: got offset 1, factor 2, expected o"):
         loading.check_readings(Board(other, hardware))
@@ -134,7 +134,7 @@ def test_placements_of_a_list_become_a_recording(
     monkeypatch: pytest.MonkeyPatch,
     capfd: pytest.CaptureFixture,
 ) -> None:
-    """Each row is the mean of what the board reads there; the labels stand as they were given."""
+    """Each row is the mean of the readings at a placement, and the labels are copied."""
     labels, to = tmp_path / "labels.csv", tmp_path / "mine.csv"
     labels.write_text("position,load\n0.225,0.9\n0.450,0.90\n")
     words = ["record", "digit-board", simulated.port, str(to), f"--labels={labels}", "--frames=4"]
@@ -142,7 +142,7 @@ def test_placements_of_a_list_become_a_recording(
     asked = []
 
     def touch(text: str) -> str:
-        """Whoever is asked touches the board there and presses Enter."""
+        """Answer a request: touch the board at the placement, and press Enter."""
         asked.append(text)
         told = re.findall(r"(position|load) ([\d.]+)", text)
         simulated.place({name: float(value) for name, value in told})
@@ -178,7 +178,7 @@ def test_placements_of_a_list_become_a_recording(
 def test_an_input_that_ends_early_is_no_success(
     simulated: TwinBoard, tmp_path: Path, labels: str, typed: str, said: str, rows: int
 ) -> None:
-    """What was recorded stays."""
+    """The recorded rows are kept."""
     (tmp_path / "labels.csv").write_text("load,position\n0.9,0.225\n0.45,0.45\n")
     words = ["tb.monitor.record", "digit-board", simulated.port, "mine.csv", "--frames=1"]
     done = subprocess.run(
@@ -194,7 +194,7 @@ def test_an_input_that_ends_early_is_no_success(
 
 
 def test_without_an_input_nothing_is_recorded(simulated: TwinBoard, tmp_path: Path) -> None:
-    """Closed by the shell, where Python has none at all."""
+    """This is the case if the shell has closed the input, so that Python has none."""
     words = f"-m tb.monitor.record digit-board {simulated.port} mine.csv <&-"
     done = subprocess.run(
         f"{shlex.quote(sys.executable)} {words}", shell=True, cwd=tmp_path, capture_output=True,
@@ -206,7 +206,7 @@ def test_without_an_input_nothing_is_recorded(simulated: TwinBoard, tmp_path: Pa
 
 
 def test_means_and_noise_are_those_of_the_readings(hardware: Scene, tmp_path: Path) -> None:
-    """A board that goes through its recording, four rows to a placement."""
+    """The board plays its recording, four rows for each placement."""
     board, said = Board(hardware, hardware), []
     with (
         TwinBoard(hardware, 1000.0) as simulated,
@@ -298,7 +298,8 @@ def test_a_simulated_board_is_touched_by_itself(hardware: Scene, simulated: Twin
 
 
 def test_the_simulated_hardware_sends_what_its_converter_reads(hardware: Scene) -> None:
-    """The first two packets, before any image; ALL=1 does more (tests/test_monitor_loop.py)."""
+    """The first two packets come before any image. ALL=1 tests more "
+    "(tests/test_monitor_loop.py)."""
     board = Board(hardware, hardware)
     with open_line("sim", None, board) as line:
         values = recording.gather(line, board, 1)
@@ -318,16 +319,16 @@ def test_the_twins_behind_a_port_say_what_the_hardware_would(hardware: Scene) ->
             frames += decoder.feed(line.read())
     samples, outputs = (np.array([getattr(f, n) for f in frames]) for n in ("samples", "outputs"))
     assert np.array_equal(outputs, core.process(samples))
-    # A scan is 4096 clocks of 25 MHz; the 300 bits of a packet, of 25 clocks each, take two.
+    # A scan is 4096 clocks of 25 MHz. A packet has 300 bits of 25 clocks, which take two scans.
     assert round(25e6 / 8192) == round(float(board.instrument.packets_a_second)) == 3052
 
 
 def test_packets_of_before_do_not_count(hardware: Scene) -> None:
-    """One may wait in the board, one be on the line, when it is asked for."""
+    """When placements are read, one old packet may be in the board and one on the line."""
     board = Board(hardware, hardware)
 
     class Wire:
-        """Six packets, each of other samples."""
+        """A line with six packets, each with other samples."""
 
         label, cut, patience = "wire", "", 10.0
 

@@ -1,4 +1,4 @@
-"""docs/monitor.md: record on a board, train, load, and see the own network run there."""
+"""Tests the steps of docs/monitor.md: record on a board, train, load, and run the network."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from tb.monitor.twin_board import TwinBoard
 
 ROOT = Path(__file__).parents[1]
 HARDWARE = "digit-board"
-# Of the recording every so-manieth row is touched.
+# Every row with this distance in the recording is touched.
 EVERY = 4
 
 
@@ -36,7 +36,7 @@ def hardware() -> Scene:
 
 
 def labels(hardware: Scene, path: Path, every: int) -> list[str]:
-    """A CSV of placements; loads in grams, which no code holds."""
+    """Write a CSV of placements, with loads in grams, which are outside of the codes."""
     rows = hardware.vectors().targets[::every]
     lines = ["position,load,grams"] + [f"{p:g},{d:g},{1000 * d:g}" for d, p, *_ in rows]
     path.write_text("\n".join(lines) + "\n")
@@ -44,7 +44,7 @@ def labels(hardware: Scene, path: Path, every: int) -> list[str]:
 
 
 def small(scene: Path) -> None:
-    """A search that ends soon."""
+    """Make the search of a scene short."""
     text = re.sub(r"hidden = \[.*", "hidden = [4, 4]", scene.read_text())
     scene.write_text(text.replace("restarts = 8", "restarts = 1"))
 
@@ -52,13 +52,13 @@ def small(scene: Path) -> None:
 def test_from_placements_to_a_network_on_the_board(
     hardware: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
 ) -> None:
-    """The loop, on a board of twins: it hangs on the port, the files and the commands alone."""
+    """The loop runs on a board of twins, and only uses the port, files and commands."""
     listed = labels(hardware, tmp_path / "placements.csv", EVERY)
     names, placements = recording.labels_of(tmp_path / "placements.csv")
     readings, rig = tmp_path / "readings.csv", tmp_path / "mine.toml"
     with TwinBoard(hardware) as simulated, Line(simulated.port, 1_000_000) as line:
         board = Board(hardware, hardware)
-        # The recording knows no grams.
+        # The recording has no grams.
         ask = recording.simulated_ask(simulated, [p[:2] for p in placements], names[:2])
         with GrowingCsv(readings, [*hardware.sensors, *names]) as file:
             source = recording.listed(names, placements, ask)
@@ -67,7 +67,7 @@ def test_from_placements_to_a_network_on_the_board(
 
         words = ["scene", str(readings), "grams", f"--to={rig}", f"--hardware={HARDWARE}"]
         monkeypatch.setattr("sys.argv", words)
-        # Two columns more than the hardware has sensors.
+        # These are two columns more than the hardware has sensors.
         assert run(write_scene.main) == 2
         assert "got the sensors sensor1, sensor2, sensor3, sensor4, position" in (
             capfd.readouterr().err
@@ -117,7 +117,7 @@ def _without(row: str, name: str, header: str) -> str:
 def test_a_recording_without_a_sensor_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
 ) -> None:
-    """One that never moved is left out, and the board would read another in its place."""
+    """A sensor that never moved is left out, and the board would read another in its place."""
     rows = ["sensor1,sensor2,sensor3,sensor4,load"]
     rows += [f"{n**0.5 / 6},{n * n / 1000},0.5,{(n % 7) / 9},{n}" for n in range(30)]
     (tmp_path / "a.csv").write_text("\n".join(rows) + "\n")
@@ -140,7 +140,7 @@ def command(*words: str) -> str:
 
 @pytest.mark.all_only
 def test_the_page_as_it_stands_on_the_simulated_hardware(hardware: Scene, tmp_path: Path) -> None:
-    """The commands themselves, with the exported hardware in the simulator behind each."""
+    """The commands run themselves, with the exported hardware in a simulator as the board."""
     folder = str(tmp_path)
     rows = hardware.vectors().targets[::9]
     (tmp_path / "placements.csv").write_text(
@@ -170,7 +170,7 @@ def test_the_page_as_it_stands_on_the_simulated_hardware(hardware: Scene, tmp_pa
     engine = Engine.of(mine.mlps(), arrangement=mine.arrangement)
     header, *lines = (tmp_path / "seen.csv").read_text().splitlines()
     assert header == "seconds,packet,computed,flags,sensor1,sensor2,sensor3,sensor4,load,position"
-    # How many there are hangs on the machine's speed.
+    # Their number depends on the speed of the machine.
     assert len(lines) == int(counted[1]) > 0
     for line in lines:
         *_, flags = line.split(",")[:4]

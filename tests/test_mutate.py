@@ -1,4 +1,4 @@
-"""Mutation scores: that the recorded ones are current and high, and that the machine can fail."""
+"""Tests that recorded mutation scores are current and high, and that the method can fail."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.Unsettle
 
 LEAST = 0.99
 SCORED = sorted(path.stem for path in (RECORDS / "mutation").glob("*.json"))
-# Few, and of a small block: the machine itself is tried, not the block.
+# A few mutants of a small block, because this tests the method and not the block.
 FEW = 12
 
 
@@ -62,7 +62,7 @@ def test_explanations_are_of_survivors() -> None:
 
 @pytest.fixture(scope="module")
 def small(shared: Shared, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Subject]:
-    """An absolute value with a few mutants; nothing that was found before counts."""
+    """The block abs_unit with a few mutants, without results of earlier runs."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(kept, "STORE", tmp_path_factory.mktemp("store"))
         job = shared.subject("abs_unit")
@@ -75,14 +75,14 @@ def small(shared: Shared, tmp_path_factory: pytest.TempPathFactory) -> Iterator[
 
 @pytest.fixture(scope="module")
 def recorded(small: Subject) -> str:
-    """What the bench drove, saw and looked at."""
+    """The trace of the bench: what it drove, recorded and read."""
     job = replace(small.job, trace=True)
     assert run_job(job).passed
     return job.trace_file.read_text(encoding="utf-8")
 
 
 def found(small: Subject, recorded: str, folder: Path) -> list[bool]:
-    """Whether the replay of a trace finds the sound netlist, and each mutant."""
+    """Whether the replay of a trace detects the sound netlist, and each mutant."""
     (folder / "recorded").write_text(recorded, encoding="utf-8")
     trace = write_trace(
         folder / "recorded", ports_of((small.folder / "abs_unit.v").read_text()), folder
@@ -103,7 +103,7 @@ def test_what_the_replay_finds_the_bench_finds(
 def test_what_the_bench_does_not_look_at_survives(
     small: Subject, recorded: str, tmp_path: Path
 ) -> None:
-    """A bench that does not look at the result finds what happens to the flags alone."""
+    """A bench that does not read the result only detects mutants that change flags."""
     parts = [json.loads(line) for line in recorded.splitlines()]
     for part in parts:
         part["looked"]["out_mag"] = "0" * len(part["looked"]["out_mag"])
@@ -146,7 +146,7 @@ def test_a_proof_tells_what_is_the_same_from_what_is_not(tmp_path: Path) -> None
     commands = make_mutants(["counter.v"], "counter", 200, 1, tmp_path)
     write_netlists(commands, "counter", tmp_path)
     found = {describe(command, tmp_path)[1]: command for command in commands}
-    # The first never differs, the second only where nobody looks.
+    # The first never differs. The second only differs in clocks that nothing reads.
     patterns = (
         r"keep: SRST.*stuck at 0",
         r".* : 5: A\[0\] inverted",
@@ -157,7 +157,7 @@ def test_a_proof_tells_what_is_the_same_from_what_is_not(tmp_path: Path) -> None
     assert [verdict for verdict, _ in answers] == [SAME, SAME, OTHER]
     unmasked = proved(chosen, "counter", tmp_path, {})
     assert [verdict for verdict, _ in unmasked] == [SAME, OTHER, OTHER]
-    # What is explained is not looked at over clocks.
+    # The proof over several clocks is not tried for an explained mutant.
     explained = proved(chosen, "counter", tmp_path, {}, {1, 3})
     assert [verdict for verdict, _ in explained] == [OPEN, OTHER, OPEN]
 

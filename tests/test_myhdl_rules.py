@@ -1,7 +1,7 @@
-"""MyHDL expressions that simulate rightly and convert to wrong hardware: none may stand in hdl/.
+"""MyHDL expressions that simulate correctly but convert to wrong hardware are forbidden in hdl/.
 
-Each rule is one that was seen to go wrong, without a warning, in VHDL, in Verilog or in the
-synthesised netlist (docs/new-block.md lists what to write instead).
+Each rule is for an expression that has failed without a warning in VHDL, in Verilog or in the
+synthesised netlist. docs/new-block.md lists what to write instead.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def constant(node: ast.expr) -> bool:
 
 
 def computed(node: ast.expr) -> bool:
-    """An expression whose width the languages choose differently."""
+    """Whether an expression has a width that the languages choose differently."""
     return isinstance(node, ast.UnaryOp | ast.BinOp) and not constant(node)
 
 
@@ -47,7 +47,7 @@ def faults(process: ast.FunctionDef, names: set[str]) -> Iterator[tuple[int, str
 
 
 def judge(node: ast.AST, names: set[str], alone: set[int]) -> Iterator[tuple[bool, str]]:
-    """Every rule that speaks of this kind of node, and whether the node breaks it."""
+    """Every rule for this kind of node, and whether the node breaks it."""
     match node:
         case ast.BinOp(left=left, op=ast.LShift() | ast.RShift()):
             yield computed(left) and not folds(left, names), "shift of an expression"
@@ -72,7 +72,7 @@ def judge(node: ast.AST, names: set[str], alone: set[int]) -> Iterator[tuple[boo
 
 
 def folds(node: ast.expr, names: set[str]) -> bool:
-    """Made of elaboration constants alone."""
+    """Whether an expression only consists of elaboration constants."""
     return all(
         isinstance(
             n, ast.Constant | ast.operator | ast.BinOp | ast.UnaryOp | ast.unaryop | ast.Load
@@ -82,7 +82,7 @@ def folds(node: ast.expr, names: set[str]) -> bool:
     )
 
 
-# Signals that the negation rule trusts: declared one bit wider than what they are driven with.
+# The rule on negation trusts these signals, which have one bit more than their drivers need.
 WIDENED = {"wide", "positive"}
 
 
@@ -91,7 +91,7 @@ def wide(node: ast.expr) -> bool:
 
 
 def elaboration_constants(block: ast.FunctionDef) -> set[str]:
-    """Names that a block computes without making a signal or an instance."""
+    """The names that a block computes without making a signal or an instance."""
     makers = {"signed", "unsigned", "fixed", "flag", "Signal", "ResetSignal", "Words"}
     names = {arg.arg for arg in block.args.kwonlyargs}
     for node in block.body:

@@ -1,4 +1,4 @@
-"""Benches on netlists and on unknown registers: that they find a fault, and what is recorded."""
+"""Tests that benches on netlists and on unknown registers find faults, and their records."""
 
 from __future__ import annotations
 
@@ -26,16 +26,17 @@ from tb.sign_off.unknown_proof import clocks_to_prove
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
-# A memory, which is a block RAM, and what nextpnr needs a few seconds for.
+# A memory that becomes a block RAM, and a block that nextpnr places in a few seconds.
 SMALL, SMALL_ROUTED = "exp_memory", "ramp"
 
 
 def recorded_blocks(kind: str) -> list[str]:
-    """The blocks of which something is recorded."""
+    """The blocks that have a record of a kind."""
     return [block for block in BENCHES if record_path(kind, block).is_file()]
 
 
-# Of one block each; make sim NETLIST= does all, and its records are held to what is exported.
+# One block for each family. make sim NETLIST= runs all, and its records are compared with the
+# exports.
 @pytest.mark.parametrize(
     "case",
     [(SMALL, "virtex-2"), (SMALL, "series-7"), (SMALL_ROUTED, "ecp5")],
@@ -48,7 +49,7 @@ def test_a_netlist_does_what_the_twin_does(shared: Shared, case: tuple[str, str]
 
 
 def run_and_read(job: Job) -> str:
-    """The log of a bench that passes."""
+    """Run a bench, which must pass, and return its log."""
     outcome = run_job(job)
     assert outcome.passed, outcome.complaint()
     return outcome.log.read_text()
@@ -70,7 +71,7 @@ def run_and_read(job: Job) -> str:
 def test_a_cell_that_is_wrong_turns_the_bench_red(
     shared: Shared, tmp_path: Path, fault: tuple[str, str, str]
 ) -> None:
-    """All of its bits are inverted: a single one may be of inputs that never come together."""
+    """All bits of the cell are inverted, since a single bit may be for impossible inputs."""
     block, family, pattern = fault
     job = copied_job(on_cells(shared.subject(block), family), tmp_path)
     file = job.hdl_folder / job.files[0]
@@ -103,7 +104,7 @@ def test_nothing_that_is_valid_hangs_on_an_unknown_register(shared: Shared, bloc
 
 @pytest.mark.parametrize("block", ["abs_unit"])
 def test_a_register_that_is_not_reset_is_found(shared: Shared, tmp_path: Path, block: str) -> None:
-    """The recorded one; where there is none, none of the block's registers is reset."""
+    """It is the recorded register or, if there is none, no register of the block is reset."""
     job = copied_job(played(shared.subject(block)), tmp_path)
     netlist = Netlist(job)
     reset = {register.name: register for register in netlist.registers() if register.reset}
@@ -117,7 +118,7 @@ def test_a_register_that_is_not_reset_is_found(shared: Shared, tmp_path: Path, b
 
 @pytest.mark.parametrize("block", ["abs_unit"])
 def test_what_is_proved_of_unknown_registers(shared: Shared, block: str) -> None:
-    """As recorded; and not where the register is not reset that the bench needs."""
+    """It is proved as recorded, and not if the register that the bench needs has no reset."""
     found = read_record(UNKNOWN, block)
     netlist = Netlist(shared.subject(block))
     reset = {register.name: register for register in netlist.registers() if register.reset}
@@ -130,7 +131,7 @@ def test_what_is_proved_of_unknown_registers(shared: Shared, block: str) -> None
 def test_an_unknown_condition_gives_what_both_branches_agree_on(
     shared: Shared, tmp_path: Path
 ) -> None:
-    """Where the exported Verilog takes the else branch."""
+    """The exported Verilog itself would take the else branch."""
     job = copied_job(shared.subject("abs_unit"), tmp_path)
     file = job.hdl_folder / job.files[0]
     file.write_text(
@@ -197,7 +198,7 @@ endmodule
 def test_a_register_in_a_multiplier_keeps_the_copies_of_its_sign(
     tmp_path: Path, weight: int, taken: str, own: bool
 ) -> None:
-    """In a multiplier of Series 7, where Yosys' own script loses them; docs/verification.md."""
+    """Yosys' own script loses them in a multiplier of Series 7, as docs/verification.md says."""
     (tmp_path / "sum.v").write_text(
         f"""module sum(input clk, input signed [13:0] b, output reg signed [31:0] s);
   reg signed [31:0] q;
@@ -223,7 +224,7 @@ endmodule
 
 
 def printed(folder: Path, text: str) -> list[str]:
-    """What some Verilog prints."""
+    """The output of some Verilog."""
     (folder / "text.v").write_text(text)
     for command in (["iverilog", "-g2012", "-o", "text", "text.v"], ["vvp", "-n", "text"]):
         result = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True)

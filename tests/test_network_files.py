@@ -1,4 +1,4 @@
-"""Networks brought from elsewhere, and what is refused by name."""
+"""Tests network files of other programs, and what is refused with its name."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_our_onnx_computes_what_our_float_network_computes(tmp_path: Path) -> No
 
 @pytest.mark.parametrize("outputs", [1, 2])
 def test_a_network_from_scikit_learn(outputs: int) -> None:
-    """MLPRegressor through skl2onnx: Cast, MatMul, Add, Tanh, MatMul, Add, Reshape."""
+    """An MLPRegressor through skl2onnx has Cast, MatMul, Add, Tanh, MatMul, Add, Reshape."""
     name = f"sklearn-3-5-{outputs}"
     mlp = load_network(DATA / f"{name}.onnx", (3, 5, outputs))
     with np.load(DATA / f"{name}.npz") as recorded:
@@ -61,12 +61,12 @@ SCALED_FILES = ["sklearn-scaled-3-5-2", "sklearn-scaled-double-3-5-2", "sklearn-
 
 @pytest.mark.parametrize("name", SCALED_FILES)
 def test_a_pipeline_with_a_scaler_from_scikit_learn(name: str) -> None:
-    """StandardScaler as Scaler or as Sub and Div, and a scaled target; make_scaled.py."""
+    """A StandardScaler is a Scaler, or Sub and Div; the target may be scaled (make_scaled.py)."""
     outputs = int(name[-1])
     mlp = load_network(DATA / f"{name}.onnx", (3, 5, outputs))
     with np.load(DATA / f"{name}.npz") as recorded:
         expected = recorded["y"].reshape(-1, outputs)
-        # scikit-learn predicts in double precision; float32 has 24 bits.
+        # scikit-learn predicts in double precision, but float32 has only 24 bits.
         assert np.abs(mlp.process(recorded["x"]) / expected - 1).max() < 1e-6
 
 
@@ -85,8 +85,8 @@ def test_such_a_pipeline_in_raw_units_becomes_hardware(tmp_path: Path, name: str
     path.write_text(text.replace('group_by = "y0"', scale).replace('"gradient"', '"precise"'))
     scene = load_scene(str(path))
     results = scene.outputs_in_units(scene.twin().process(scene.codes_of(x)))
-    # Half an LSB of a sample moves a hidden sum by that of its weights; tanh makes nothing larger.
-    # Twice that leaves room for the roundings of weights, of tanh and of the output.
+    # Half an LSB of a sample changes a hidden sum by this, times its weight. tanh does not enlarge
+    # it. Twice that leaves room for the rounding of weights, of tanh and of the output.
     (mlp,) = scene.mlps()
     lsb = 2.0**-SIGNAL.frac
     bound = lsb * (np.abs(mlp.w2) @ (np.abs(mlp.w1).sum(axis=1) + 1) + 1)
@@ -97,7 +97,7 @@ def test_such_a_pipeline_in_raw_units_becomes_hardware(tmp_path: Path, name: str
 
 @pytest.mark.parametrize("name", ["torch", "torch-legacy", "keras"])
 def test_a_network_from_pytorch_and_keras(name: str) -> None:
-    """Files that the frameworks wrote themselves, each with eight inputs and its own outputs.
+    """The frameworks wrote these files themselves, each with eight inputs and its outputs.
 
     torch 2.15, ``net = Sequential(Linear(4, 16), Tanh(), Linear(16, 4))``:
     ``torch.onnx.export(net, (x,), "torch-4-16-4.onnx", dynamo=True)``, ``False`` for legacy;
@@ -189,7 +189,7 @@ BEFORE = [
 
 @pytest.mark.parametrize("before", BEFORE)
 def test_what_scales_value_by_value_is_folded(tmp_path: Path, before: list) -> None:
-    """Before the first layer, behind it, behind tanh, and behind the last."""
+    """It may come before the first layer, after it, after tanh, or after the last layer."""
     mlp = random_mlp(SHAPE, 1.0, 1)
     nodes = [
         *before,

@@ -1,4 +1,4 @@
-"""Whole networks: bit-true against float, extreme weights, and the figures of the thesis."""
+"""Tests whole networks: bit-true against float, extreme weights, and figures of the thesis."""
 
 from __future__ import annotations
 
@@ -67,9 +67,11 @@ def test_the_cascade_holds_on_rows_that_it_never_saw() -> None:
 
 @pytest.mark.parametrize("name", [n for n in scene_names() if load_scene(n).precision is EXACT])
 def test_exact_costs_next_to_nothing(name: str) -> None:
-    """Against the same networks with the same activation in real arithmetic: a twentieth of their
-    error, or a few units of an output's last place, which is all that there is to lose where they
-    err by a dozen of these."""
+    """The reference is the same networks and activation in real arithmetic.
+
+    ``exact`` costs at most a twentieth of their error, or a few units of an output's last place if
+    their error is only a dozen of these units.
+    """
     scene = load_scene(name)
     vectors = scene.vectors()
     real = largest_means(scene, scene.process_real(vectors.inputs))
@@ -85,7 +87,7 @@ def test_thesis_normalisation_is_equation_4_16() -> None:
 @pytest.mark.parametrize("weight", [2.0**30, 1e19, 1e308])
 @pytest.mark.parametrize("place", ["layer 1", "layer 2"])
 def test_a_normalisation_too_large_to_convert_is_refused(place: str, weight: float) -> None:
-    """The next smaller one is not. Beyond int64 a float becomes what the processor makes of it."""
+    """The next smaller one is accepted. Beyond int64, conversion depends on the processor."""
     small, none = np.full((1, 2), 0.3), np.zeros(1)
     far = Mlp(weight * np.ones((1, 2)), none, np.ones((1, 1)), none)
     if place == "layer 2":
@@ -109,9 +111,9 @@ def test_bit_true_follows_float(seed: int, name: str, spread: float) -> None:
     design = Hybrid.of([mlp], Settings(PRECISIONS[name], "gradient"))
     results = SIGNAL.to_real(design.process(frames))
     exact = np.clip(mlp.process(SIGNAL.to_real(frames), gradient_real), -1, SIGNAL.high / 8192)
-    # One LSB of a weight, a product or q in each term, carried to the output by its weights. A q
-    # that falls on the other side of a border adds the scheme's step there: 126 LSB at 0, where
-    # the first intercept changes its sign, and 44 at the most elsewhere.
+    # Each term has an error of one LSB of a weight, a product or q, which its weight carries to the
+    # output. A q on the other side of a border adds the step of the scheme there. This step is 126
+    # LSB at 0, where the first intercept changes its sign, and at most 44 LSB elsewhere.
     if name == "exact":
         bound = (3 + np.abs(mlp.w2).sum(axis=1) * 130) / 8192
     else:
@@ -149,7 +151,7 @@ def test_networks_together_do_what_each_does_alone(arrangement: str) -> None:
 
 
 def slow(iterations: int) -> Settings:
-    """Those of a network that takes a frame every so many clocks."""
+    """The settings of a network that takes a frame only every few clocks."""
     return Settings(EXACT, "pade", {"rho": 4.0, "iterations": iterations})
 
 
@@ -158,7 +160,7 @@ def slow(iterations: int) -> Settings:
     ("iterations", "stored", "spacing"), [(2, False, 0), (3, True, 0), (4, True, 0), (5, True, 5)]
 )
 def test_a_cascade_is_as_slow_as_its_slowest_network(iterations, stored, spacing) -> None:
-    """Frames of four elements, of which the networks see two, three and four."""
+    """A frame has four elements, of which the networks take two, three and four."""
     mlps = [random_mlp((2 + i, 2, 1), 1.0, i) for i in range(3)]
     design = arrange("cascade", mlps, Hybrid, slow(iterations))
     assert design.interval == max(4, iterations)
@@ -234,7 +236,7 @@ def test_shapes_and_chunks_change_nothing() -> None:
 
 
 def test_huge_weights_still_build() -> None:
-    """Q_j of several hundred, and weights that leave 18 bits few fraction bits."""
+    """Q_j is several hundred, and the weights leave few of 18 bits for the fraction."""
     rng = np.random.default_rng(0)
     mlp = Mlp(rng.normal(0, 60, (3, 4)), rng.normal(0, 60, 3), np.ones((1, 3)) * 0.3, np.zeros(1))
     for precision in (THESIS, EXACT):
@@ -289,7 +291,7 @@ def test_metrics_on_numbers_done_by_hand() -> None:
 
 
 def test_a_layer_without_weights_still_builds() -> None:
-    """Its accumulators are narrower than the half LSB that rounding adds."""
+    """Its accumulators have fewer bits than the half LSB that rounding adds."""
     mlp = random_mlp((2, 3, 1), 0.3, 1)
     mlp.w1[:] = 0
     mlp.b1[:] = 0

@@ -1,4 +1,4 @@
-"""docs/new-design.md, typed in as it stands: four files, and everybody knows the design."""
+"""Types in the four files of docs/new-design.md, after which every command knows the design."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "new-design.md").read_text()
 NAMED = r"^`([\w/.-]+)`[^\n]*(?:\n[^\n]+)*\n\n```(?:python|markdown)\n(.*?)```"
 SHAPES = {"single": [(2, 5, 2)], "cascade": [(2, 4, 1), (3, 5, 1)]}
-# A network in the design and in hybrid, the cases of stability, and the words of its picture.
+# Compares the design with hybrid, runs the cases of stability, and checks words of its picture.
 ASKED = """
 import sys
 from xml.etree import ElementTree
@@ -40,7 +40,7 @@ Run = Callable[..., "subprocess.CompletedProcess[str]"]
 
 @pytest.fixture(scope="module")
 def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The project with the four files."""
+    """A copy of the project with the four files."""
     folder = tmp_path_factory.mktemp("design") / "tactus"
     for room in ("golden", "hdl", "tb", "docs", "tests"):
         ignore = shutil.ignore_patterns("__pycache__")

@@ -1,4 +1,4 @@
-"""What a report tells of a scene's rows: how sure its figures are, where errors lie, saturation."""
+"""Tests what a report says of rows: how sure figures are, where errors occur, saturation."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 @pytest.fixture(scope="module")
 def digit() -> Outcome:
-    """As if every fourth row were held out, whatever the shipped networks learnt from."""
+    """The outcome of scene digit, as if every fourth row were held out."""
     return replace(outcome(load_scene("digit")), held_out=np.arange(0, 143, 4))
 
 
@@ -58,7 +58,7 @@ def test_a_constant_sensor_says_nothing_of_neighbours(digit: Outcome) -> None:
 
 
 def test_an_interval_holds_the_mean_as_often_as_it_says(digit: Outcome) -> None:
-    """Of 300 samples of 60: 95 % of them, but for what a bootstrap of 60 falls short and chance."""
+    """Of 300 samples of 60 about 95 % do, apart from chance and the bias of a small bootstrap."""
     rng = np.random.default_rng(3)
     drawn = np.arange(60)
     held = 0
@@ -69,7 +69,7 @@ def test_an_interval_holds_the_mean_as_often_as_it_says(digit: Outcome) -> None:
 
 
 def test_errors_that_come_in_stretches_are_less_sure(digit: Outcome) -> None:
-    """Ten equal errors in a row tell what one tells: the interval is wider by the root of ten."""
+    """Ten equal errors in a row count as one, so the interval is wider by the root of ten."""
     errors = np.repeat(np.abs(np.random.default_rng(4).standard_normal(40)), 10)
     low, high = digit.interval(errors, np.arange(400))
     far_low, far_high = digit.interval(errors, np.arange(400) // 10)
@@ -109,7 +109,7 @@ def test_a_position_that_is_no_output_stands_beside_the_worst_rows(digit: Outcom
 
 
 def scene_with(readings: list[float], folder: Path) -> Scene:
-    """digit-load whose first sensor reads so in the first rows."""
+    """The scene digit-load with these readings of the first sensor in the first rows."""
     scene = load_scene("digit-load")
     header, *lines = scene.data_path.read_text().splitlines()
     for n, reading in enumerate(readings):
@@ -129,7 +129,7 @@ def test_readings_outside_the_range_are_counted_per_sensor(tmp_path: Path) -> No
 
 
 def test_what_has_a_scale_stands_in_its_unit(tmp_path: Path) -> None:
-    """The same readings in another unit: the same errors, and values in that unit."""
+    """The same readings in another unit give the same errors, and values in this unit."""
     scene = load_scene("digit-load")
     header, *lines = scene.data_path.read_text().splitlines()
     raw = [
@@ -192,7 +192,7 @@ def test_any_name_of_a_column_is_drawn(digit: Outcome, name: str) -> None:
 
 
 def test_what_the_digits_sensors_allow_stands_beside_the_noise() -> None:
-    """Of what they hold at every placement, and at no drift."""
+    """It is shown for outputs that all readings determine, and not for drift."""
     table = noise_and_drift(load_scene("digit"), 1)
     assert list(table.columns[-2:]) == ["load, bound %", "position, bound %"]
     least = {row[1]: row[4] for row in bounds(1).rows if row[:1] == ["2 mV"] and row[2] == "yes"}

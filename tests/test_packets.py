@@ -1,4 +1,4 @@
-"""Packets of the serial line, against bytes made by hand and a check computed bit by bit."""
+"""Compares packets with bytes made by hand, and their check with one computed bit by bit."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def bitwise(data: bytes) -> int:
 
 
 def test_the_check_is_the_polynomials() -> None:
-    # The check of these nine digits is published with the polynomial and this preset.
+    # The check of these nine digits is published for the polynomial with this preset.
     assert check_of(b"123456789") == bitwise(b"123456789") == 0x29B1
 
 

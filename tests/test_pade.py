@@ -1,4 +1,4 @@
-"""The Pade scheme: constants, widths, gate, and when its regression settles."""
+"""Tests the Pade scheme: constants, widths, gate, and when its regression settles."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def test_the_coefficients_are_those_of_equation_4_6() -> None:
 
 
 def test_normalised_constants_of_4_5_2_3_3_with_the_misprint_mended() -> None:
-    """Q = 3: [0.012 0.012 0.0011] and [10.012 0.049 0.0159] are printed; 1 / Q^4 is 0.0123."""
+    """For Q = 3, [0.012 0.012 0.0011] and [10.012 0.049 0.0159] are printed. 1 / Q^4 is 0.0123."""
     powers = 1 / np.array([3.0**4, 3.0**2, 1])
     for coefficients, right in (
         (pade.NUMERATOR, [0.0123, 0.0123, 0.0011]),
@@ -79,7 +79,7 @@ def test_precise_multiplies_18_bits_at_most(rho: float) -> None:
 
 
 def test_mean_error_of_equation_4_32() -> None:
-    """With rho = 4 the thesis prints 0.09 % at Q = 3, its number of iterations it does not."""
+    """With rho = 4 the thesis prints 0.09 % at Q = 3, but not its number of iterations."""
     codes = np.arange(SIGNAL.low, SIGNAL.high + 1)
     block = pade_for(THESIS, 3, SIGNAL.high, rho=4.0, iterations=24)
     error = SIGNAL.to_real(block.process(codes)) - np.tanh(3 * SIGNAL.to_real(codes))
@@ -116,7 +116,7 @@ def test_an_unsettled_regression_warns_with_its_distance() -> None:
         warnings.simplefilter("error")
         pade_for(THESIS, 3, SIGNAL.high, rho=4.0, iterations=24)
         pade_for(EXACT, 1, EXACT.hidden_fmt.high)
-        # What the neuron cannot reach does not matter.
+        # Codes that the neuron cannot reach have no effect.
         pade_for(EXACT, 1, 2 << 14, rho=2.0, iterations=60)
 
 
@@ -132,7 +132,7 @@ def test_the_distance_is_what_is_missing() -> None:
 @pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 @pytest.mark.parametrize("iterations", [1, 2, 3, 10, 41])
 def test_beyond_its_stable_range_it_stays_inside_the_format(iterations: int) -> None:
-    """It diverges there; the gate holds, and so does the sign."""
+    """The regression diverges there, but the gate limits the result, and the sign is right."""
     for precision, factor in ((THESIS, 5), (EXACT, 1)):
         fmt = precision.hidden_fmt
         block = pade_for(precision, factor, fmt.high, rho=1.0, iterations=iterations)

@@ -1,4 +1,4 @@
-"""Formulas that datasheets state, computed as they stand there, against what the twins publish."""
+"""Computes the formulas of datasheets, and compares them with what the twins publish."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ COMPARISON = ROOT / "golden" / "scenes" / "comparison"
 
 @pytest.fixture(scope="module")
 def engines(shared: Shared) -> dict[str, Engine]:
-    """By scene or case: the engines of all shipped scenes, of those compared with, and of cases."""
+    """The engines of all shipped scenes, of the scenes for comparison, and of cases, by name."""
     named = {name: name for name in scene_names()}
     named |= {path.name: str(path / f"{path.name}.toml") for path in COMPARISON.iterdir()}
     scenes = {name: load_scene(path) for name, path in named.items()}
@@ -47,7 +47,7 @@ def engines(shared: Shared) -> dict[str, Engine]:
 
 
 def row(name: str, registers: int) -> int:
-    """Clocks that the page's table of the pipeline gives."""
+    """The clocks that the table of the pipeline on the page gives."""
     return int(cells(PAGE, f"`{name}`")[registers])
 
 
@@ -65,9 +65,10 @@ def test_step_n_leaves_in_clock_begin_n_result(engines: dict[str, Engine]) -> No
 
 
 def neurons(engine: Engine) -> Iterator[tuple[int, int, int, bool]]:
-    """Words, deep or wide ones and deep ones of each neuron, and whether it leaves.
+    """For each neuron: its words, its deep or wide words, its deep words, and whether it is an
+    output.
 
-    Read from the words by the fields of docs/blocks/replay_memory.md.
+    They are decoded from the words by the fields of docs/blocks/replay_memory.md.
     """
     group: list[int] = []
     words = engine.program.words
@@ -125,7 +126,7 @@ def test_the_interval(engines: dict[str, Engine]) -> None:
 
 
 def test_words_that_are_read(engines: dict[str, Engine]) -> None:
-    """The counter steps up to the clock of the last output: one word behind the padding."""
+    """The counter runs until the clock of the last output, to one word after the padding."""
     for name, engine in engines.items():
         if engine.serial:
             continue
@@ -140,7 +141,7 @@ def test_words_that_are_read(engines: dict[str, Engine]) -> None:
         behind = row("padding", pipeline.memory_registers) + 1
         expected = {(begin + n) % memory for n in range(end + behind + 1)}
         assert set(read.tolist()) == expected, name
-        # An image names these words too, so that they are defined.
+        # An image contains these words too, so that they are defined.
         assert engine.loaded is not None or len(engine.program.words) == end + behind, name
     single = engines["digit-single-engine"].program
     stated = re.search(r"whose (\d+) words that are read and (\d+) operands share 512", TEXT)
@@ -178,7 +179,7 @@ def test_hex_is_padded_to_the_memory_and_bin_is_not(engines: dict[str, Engine]) 
 
 
 def test_how_soon_outputs_are_there(engines: dict[str, Engine]) -> None:
-    """Of docs/future-work.md."""
+    """The figures are those of docs/future-work.md."""
     page = " ".join((DOCS / "future-work.md").read_text(encoding="utf-8").split())
     found = re.search(r"less than (\d+) us after the last sample of a scan of (\d+) us", page)
     assert found
@@ -203,7 +204,7 @@ def matrices(design: AdderGraph) -> list[ConstantMatrix]:
 
 
 def test_bits_are_cut_as_the_page_says(adders: AdderGraph) -> None:
-    """The rules of docs/blocks/constant_matrix.md, on the nodes, their shifts and the rows."""
+    """Applies the rules of docs/blocks/constant_matrix.md to nodes, their shifts and rows."""
     for matrix in matrices(adders):
         graph = matrix.graph
         p = max(0, matrix.out_shift - matrix.guard)
@@ -230,7 +231,7 @@ def test_a_listing_computes_what_the_matrix_does(adders: AdderGraph) -> None:
             name, _, what = line.split(maxsplit=2)
             names[name] = eval(what, {"__builtins__": {}}, names)
         results = [names[f"out_data_{i}"] for i in range(len(matrix.weights))]
-        # A row without weights is a number.
+        # A row without weights is a constant.
         found = np.stack([np.broadcast_to(one, len(frames)) for one in results], axis=-1)
         low, high = matrix.out_fmt.low, matrix.out_fmt.high
         assert np.array_equal(np.clip(found, low, high), matrix.process(frames))
@@ -246,7 +247,7 @@ def test_the_page_shows_lines_of_a_listing_of_adders() -> None:
 
 
 def test_the_sums_of_an_adder_graph() -> None:
-    """The table of docs/blocks/adder_graph.md, of one network and its codes."""
+    """Tests the table of docs/blocks/adder_graph.md, which is for one network and its codes."""
     scene = load_scene("digit-fast")
     core = scene.twin().core
     (mlp,) = scene.mlps()

@@ -1,4 +1,4 @@
-"""What commands write into the pages stands there, and the rest of a page is left alone."""
+"""Pages contain what commands write into them, and the rest of a page stays as it is."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from golden.scene import load_scene
 from golden.scene_errors import held_out_means, held_out_rows
 from golden.table import read_table
 from golden.training.split import split_of
-from tb.report.measure import recorded
+from tb.report.measure import table_records
 from tb.report.page import lists, sign_off
 from tb.report.page.markers import END, begin, put
 
@@ -79,15 +79,15 @@ def test_what_is_recorded_stands_in_the_datasheets() -> None:
 
 
 def test_the_readme_says_what_held_out_does_not() -> None:
-    """Beside the digit's errors; its figures are those of figures.md, limits.md and the scene."""
+    """The text is beside the errors of the digit. Its figures are those of other pages."""
     scene = load_scene("digit")
     text = " ".join(lists.unseen().split())
-    rows = recorded.read("honest").rows
+    rows = table_records.read("honest").rows
     for output in ("width", "shape"):
         error = next(row[2] for row in rows if row[:2] == ["loads", output])
         found = re.search(rf"{output} (?:that errs )?by (\d+ to \d+) %", text)
         assert found, output
-        # Another machine may measure what lies beyond either end: test_figures_honest.py.
+        # Another machine may measure figures outside of the range, as test_figures_honest.py says.
         assert shows(found[1], error, TRAINED), output
     table = read_table(RECORDED, [*SENSORS, *COLUMNS])
     loads = table[:, len(SENSORS) :]
@@ -98,7 +98,7 @@ def test_the_readme_says_what_held_out_does_not() -> None:
     split = split_of(scene)
     trained = {tuple(row) for row in loads[split.training][:, [0, 2, 3]]}
     assert {tuple(row) for row in loads[split.test][:, [0, 2, 3]]} <= trained
-    # Trained on with all rows: of the networks that are shipped none is held out.
+    # The shipped networks were trained on with all rows, so no row is held out.
     assert held_out_rows(scene) is None
     assert held_out_means(scene) is not None
 

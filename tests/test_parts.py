@@ -1,4 +1,4 @@
-"""The parts that blocks inline, simulated in MyHDL against the formats' own arithmetic."""
+"""Simulates the parts that blocks inline in MyHDL, and compares them with the formats."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from tb.common.stimulus import corner_frames
 
 
 def settle(stimulus, *blocks) -> None:
-    """Run a generator of delays against some blocks to its end."""
+    """Run a generator of delays and some blocks until the generator ends."""
 
     @instance
     def drive():
@@ -99,7 +99,7 @@ def test_delay_is_that_many_clocks_and_reset_clears_state_alone(clocks, with_res
     settle(stimulus, delay_line(clk, rst if with_reset else None, data, late, clocks=clocks))
     expected = ([0] * (clocks - 1) + sent)[: len(sent)]
     if with_reset:
-        # What was under way is gone, and so is what came with the reset.
+        # Values on their way are lost, and so is the value that came with the reset.
         expected[cleared : cleared + clocks] = [0] * clocks
     assert seen == expected
 
@@ -113,7 +113,7 @@ def test_words_are_numbered_ports() -> None:
 
 
 def design_for(activation: str, usual: str) -> str:
-    """The usual design, unless the activation wants another."""
+    """The usual design, unless the activation needs another one."""
     return "adder_graph" if SCHEMES[activation].half_codes else usual
 
 
@@ -128,7 +128,7 @@ EVERY_ACTIVATION = pytest.mark.parametrize(
 def test_the_network_simulated_in_myhdl_equals_its_twin(
     tmp_path: Path, activation: str, precision: str
 ) -> None:
-    """The third engine: what MyHDL itself computes, before any conversion, with every bound."""
+    """MyHDL itself simulates the network before any conversion, and checks every bound."""
     shape = (4, 2, 4)
     mlp = random_mlp(shape, 3.0, 7)
     design = design_for(activation, "hybrid")

@@ -1,4 +1,4 @@
-"""Networks that take past samples: what a scene says of them, and which rows it uses."""
+"""Tests networks with past samples: the keys of a scene, and which rows it uses."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ block_rows = 8
 
 @pytest.fixture
 def past(tmp_path: Path) -> Scene:
-    """Three sensors, of which two have a past, in two recordings; not trained yet."""
+    """An untrained scene with three sensors, two of which have past samples, and two recordings."""
     rng = np.random.default_rng(3)
     for name, rows in zip(("one", "two"), ROWS, strict=True):
         write_table(tmp_path / f"{name}.csv", COLUMNS, rng.uniform(-0.9, 0.9, (rows, 4)), 4)
@@ -143,7 +143,7 @@ def test_parts_share_no_sample(past: Scene, split: str) -> None:
         assert not (frames[0] & frames[1])
         assert not (frames[0] & frames[2])
         assert not (frames[1] & frames[2])
-        # No more is left out than at borders must be.
+        # Only rows at borders are left out.
         assert found.count >= 97 - reach * 15
 
 
@@ -172,7 +172,7 @@ def test_drift_is_one_for_all_samples_of_a_sensor(past: Scene) -> None:
     moved = task.training.codes - np.resize(
         vectors.codes[task.split.training], task.training.codes.shape
     )
-    # a, 2 before and 3 before: to the rounding of codes, but where a code is at its end.
+    # The samples of a, 2 and 3 frames back. They agree up to rounding, unless a code is at its end.
     whole = (np.abs(task.training.codes) < 8190).all(axis=1)
     assert np.abs(moved[whole, 0] - moved[whole, 3]).max() <= 1 < np.abs(moved[:, 0]).max()
     assert np.abs(moved[whole, 0] - moved[whole, 1]).max() > 100
@@ -225,7 +225,7 @@ def test_predictions_of_rows_without_a_whole_past_are_empty(
 
 
 def test_a_sensor_that_stops_moving_is_still_used(past: Scene) -> None:
-    """Half of a recording stands still: rows are alike there, and nothing is refused."""
+    """In half of a recording nothing moves, so rows are equal, but nothing is refused."""
     path = past.data_paths[0]
     table = read_table(path, COLUMNS)
     table[30:, 0] = table[30, 0]
@@ -327,6 +327,6 @@ def test_placements_are_no_past(past: Scene, monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_the_bench_of_the_core_gets_what_the_network_takes(past: Scene) -> None:
-    """Six inputs of three sensors."""
+    """The network takes six inputs from three sensors."""
     mlp = random_mlp((6, 3, 1), 1.0, 1)
     assert past.build(mlp).inputs == 6 == past.members[0].inputs

@@ -1,4 +1,4 @@
-"""make peers: what it computes itself. What it installs, synthesises and compares is no test."""
+"""Tests what make peers computes itself, but not what it installs and synthesises."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def task() -> Task:
 
 
 def test_an_error_counts_to_the_end_of_the_range() -> None:
-    """A quarter and a half of the last place, and nothing where both are at their end."""
+    """The errors are a quarter and a half of the last place, and 0 if both values saturate."""
     codes = np.array([[100, -100], [SIGNAL.high, SIGNAL.low]])
     real = np.array([[100.25, -100.5], [1e6, -1e6]]) / 8192
     assert mean_error(codes, real) == pytest.approx((0.25 + 0.5) / 4)
@@ -63,7 +63,7 @@ def test_the_table_names_what_is_counted() -> None:
 
 
 def test_our_designs_are_found(task: Task) -> None:
-    """Each that takes a frame in a clock, and the engine; none twice."""
+    """These are the designs that take a frame in every clock, and the engine, each once."""
     names = [name for name, _ in ours.designs(load_scene("digit-single"), task)]
     assert {"parallel, precise", "engine, precise"} <= set(names)
     assert len(set(names)) == len(names)
@@ -84,7 +84,7 @@ endmodule
 
 
 def test_a_pipeline_is_played(tmp_path: Path) -> None:
-    """Every frame after its clocks, the last one too; a clock less is one that is unknown."""
+    """Every frame comes after its latency. With one clock less, the first value is unknown."""
     (tmp_path / "top.v").write_text(PIPELINE)
     frames = np.random.default_rng(1).integers(SIGNAL.low, SIGNAL.high + 1, (20, 2))
     assert (simulated(tmp_path, "top", frames, 2, 2) == frames).all()
@@ -96,10 +96,10 @@ def test_a_pipeline_is_played(tmp_path: Path) -> None:
 
 
 def tried(task: Task, cost: float, off: int) -> da4ml_rows.Tried:
-    """A setting that errs by about ``off`` units of the last place."""
+    """A setting with an error of about ``off`` units of the last place."""
     real = task.mlp.process(SIGNAL.to_real(task.frames))
     codes = SIGNAL.quantise(real, "outputs")[0]
-    # Away from the end of the range, so that none saturates.
+    # The values are away from the end of the range, so that none saturates.
     codes -= off * np.sign(codes)
     return da4ml_rows.Tried(f"off {off}", cost, 8, codes, Path())
 
@@ -113,7 +113,7 @@ def test_the_cheapest_that_is_near_enough_is_taken(task: Task) -> None:
 
 
 def test_another_da4ml_is_told(task: Task, tmp_path: Path) -> None:
-    """What is changed in its Verilog must be there, once."""
+    """Each text that is replaced in its Verilog must occur just once."""
     one = replace(tried(task, 1.0, 0), folder=tmp_path / "written")
     static, found = tmp_path / "written" / "src" / "static", tmp_path / "found"
     static.mkdir(parents=True)

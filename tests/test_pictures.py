@@ -1,4 +1,4 @@
-"""The pictures of the report: well-formed, the same on every run, and true to what they show."""
+"""The pictures of the report are well-formed, reproducible, and show the right values."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from tb.report.draw.swing import RUN, follow, swing, without_past
 from tb.report.draw.swing_animation import swing_animation
 from tb.report.draw.tanh_words import tanh_words as draw_tanh_words
 from tb.report.draw.waveforms import Row, waveforms
-from tb.report.measure.recording import record
+from tb.report.measure.simulated_frame import simulate_frame
 from tb.report.measure.table import Table
 from tb.report.measure.tanh_words import tanh_words
 
@@ -78,7 +78,7 @@ def build(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def recorded(build: Path) -> list[Row]:
     """One frame of scene digit through its exported Verilog."""
-    return record(load_scene("digit-hybrid"), FRAME, build)
+    return simulate_frame(load_scene("digit-hybrid"), FRAME, build)
 
 
 def port(ports: list[Row], owner: str, name: str) -> Row:
@@ -87,7 +87,7 @@ def port(ports: list[Row], owner: str, name: str) -> Row:
 
 
 def counting(ports: list[Row], owner: str, name: str) -> list[int | None]:
-    """The values of a port in the clocks in which they count."""
+    """The values of a port in the clocks in which its data count."""
     found = port(ports, owner, name)
     flags = port(ports, owner, found.valid).values
     return [value for value, valid in zip(found.values, flags, strict=True) if valid]
@@ -105,7 +105,7 @@ def test_a_picture_is_one_accessible_svg_the_same_on_every_run(draw, name: str) 
 
 
 def test_ids_that_matplotlib_makes_are_numbered() -> None:
-    """It makes them of the last bits of coordinates, and another processor has others."""
+    """matplotlib makes them from last bits of coordinates, which depend on the processor."""
     text = '<g id="axes_1"/><path id="p1d0cd6af95"/><use href="#m32b7dbc30e"/><g id="m32b7dbc30e"/>'
     assert own_ids(f'{text}<a clip-path="url(#p1d0cd6af95)"/>', "x") == (
         '<g id="x-axes_1"/><path id="x-p0"/><use href="#x-m1"/><g id="x-m1"/>'
@@ -241,7 +241,7 @@ def test_the_waveforms_show_the_recorded_values(recorded: list[Row]) -> None:
 @pytest.mark.parametrize("name", ["parallel", "least-multiple", "profile", "chain-engine"])
 def test_other_designs_are_recorded_too(tmp_path: Path, name: str) -> None:
     scene = CASES[name].scene(tmp_path, name)
-    ports = record(scene, 1, tmp_path)
+    ports = simulate_frame(scene, 1, tmp_path)
     outputs = scene.twin().process(scene.vectors().codes[1]).tolist()
     owner = f"{scene.twin().entity}, frame out"
     if name == "parallel":
@@ -254,11 +254,11 @@ def test_other_designs_are_recorded_too(tmp_path: Path, name: str) -> None:
 
 def test_a_design_without_a_stream_of_frames_is_not_recorded(build: Path) -> None:
     with pytest.raises(InputError, match=r"digit-instrument.toml: waveforms: got the design instr"):
-        record(load_scene("digit-instrument"), 0, build)
+        simulate_frame(load_scene("digit-instrument"), 0, build)
 
 
 def test_a_frame_that_was_not_recorded_is_refused(build: Path) -> None:
-    for draw in (lambda s, f: record(s, f, build), profile, animation):
+    for draw in (lambda s, f: simulate_frame(s, f, build), profile, animation):
         with pytest.raises(InputError, match=r"digit.toml: frame: got 143, expected 0 to 142"):
             draw(load_scene("digit"), 143)
 
@@ -298,7 +298,7 @@ def test_the_load_is_drawn_where_there_is_one(name: str) -> None:
     "change", [{"length_mm": {"position": 127.0}}, {"scale": {"load": Scale(100.0, 100.0)}}]
 )
 def test_outputs_of_those_names_alone_are_no_load(change: dict) -> None:
-    """A user's load in grams, or a width of unknown length."""
+    """Examples are a load in grams, or a width of unknown length."""
     scene = replace(load_scene("digit"), **change)
     assert has_load(load_scene("digit"))
     assert not has_load(scene)
@@ -318,7 +318,7 @@ def test_the_load_is_that_of_the_twins_and_of_the_recorded_vectors() -> None:
         real = known.profile.real(known.frames[frame])
         assert np.allclose(known.exact(frame, at), real, rtol=0, atol=1e-12)
     at, height = known.true(0)
-    # Load A: 50.8 mm wide, its first placement 31.75 mm from the tip.
+    # Load A is 50.8 mm wide, and its first placement is 31.75 mm from the tip.
     assert at.round(2).tolist() == [6.35, 6.35, 57.15, 57.15]
     assert height.tolist() == [0.0, 0.9, 0.9, 0.0]
     assert known.true(142)[1].tolist() == [0.0, 0.6261, 0.0]
@@ -367,7 +367,7 @@ def test_what_is_followed_is_what_the_twin_gives_from_the_first_whole_past_on() 
 
 
 def test_the_swing_moves_as_it_was_recorded() -> None:
-    """The mass from the side, at every step: a blue disc for where it is."""
+    """In the view from the side, a blue disc shows the mass at every step."""
     scene = load_scene("swing-window")
     root, found = parse(swing_animation(scene)), follow(scene, RUN, 5.0)
     steps = [g for g in root.iter(f"{SVG}g") if "-step" in (g.get("class") or "")]
@@ -389,14 +389,14 @@ def test_the_swing_is_refused_for_other_outputs() -> None:
 
 def test_an_engine_is_recorded_with_its_image_loaded(build: Path) -> None:
     scene = load_scene("digit-reload")
-    ports = record(scene, FRAME, build)
+    ports = simulate_frame(scene, FRAME, build)
     expected = scene.twin().process(scene.vectors().codes[FRAME])
     assert counting(ports, "engine, frame out", "out_data") == expected.tolist()
 
 
 def test_a_frame_is_recorded_behind_its_past(build: Path) -> None:
     scene = load_scene("swing-window")
-    found = counting(record(scene, 3, build), "windowed, frame out", "out_data")
+    found = counting(simulate_frame(scene, 3, build), "windowed, frame out", "out_data")
     assert found == scene.twin().core.process(scene.vectors().codes[3]).tolist()
 
 
@@ -407,7 +407,7 @@ AREA = (
 
 
 def a_table_of_designs() -> Table:
-    """Engines which lie on each other, one with two outputs, one not recorded, one too slow."""
+    """Engines at almost the same place, one with two outputs, one not recorded, one too slow."""
     rows = [
         ["digit", "appendix2", 4, "engine", 0.5, 300, 300, 137, 1],
         ["comparison/other", "appendix2", 4, "engine", 0.5, 305, 305, 137, 1],
@@ -423,7 +423,7 @@ def a_table_of_designs() -> Table:
 def test_area_shows_designs_of_four_outputs_within_a_scan_and_the_printed_ones() -> None:
     found = {design.name: design for design in designs(a_table_of_designs())}
     assert list(found) == ["digit", "other", "thesis, single", "thesis, cascade", "digit-hybrid"]
-    # Tables 5.3 and 5.4: 20 and 24 % of 28672 LUTs, 51 and 60 % of 96 multipliers.
+    # Tables 5.3 and 5.4 print 20 and 24 % of 28672 LUTs, and 51 and 60 % of 96 multipliers.
     assert (found["thesis, single"].luts, found["thesis, cascade"].luts) == (5734.4, 6881.28)
     assert found["thesis, cascade"].multipliers == 57.6
     assert (found["thesis, single"].error, found["thesis, cascade"].error) == (14.2, 3.67)

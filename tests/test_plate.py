@@ -1,4 +1,4 @@
-"""The plate: equations 6.1 to 6.3 against printed forms, literature and finite differences."""
+"""Compares equations 6.1 to 6.3 of the plate with literature and finite differences."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ PLACES = st.tuples(PARTS, PARTS)
 
 
 def at(*parts: tuple[float, float], plate: Plate = PLATE) -> np.ndarray:
-    """Places as parts of length and width."""
+    """Places, which are given as parts of length and width."""
     return np.array(parts) * [plate.length, plate.width]
 
 
 def centre(ratio: float, clamped: bool, terms: int = 5000) -> float:
-    """w D / (P a^2) in the middle, loaded there, for b / a = ratio."""
+    """w D / (P a^2) in the middle, with the load there, for b / a = ratio."""
     plate = Plate(1.0, ratio, clamped=clamped)
     middle = at((0.5, 0.5), plate=plate)
     return float(plate.influence(middle, middle, terms)[0, 0] * plate.stiffness)
@@ -46,7 +46,7 @@ def centre(ratio: float, clamped: bool, terms: int = 5000) -> float:
     ],
 )
 def test_supported_plates_of_timoshenko_table_23(ratio: float, alpha: float) -> None:
-    """As near as its few terms, worked by hand, are right."""
+    """They agree as well as the few terms allow, which were computed by hand."""
     assert centre(ratio, False) == pytest.approx(alpha, rel=2.5e-3)
 
 
@@ -55,7 +55,7 @@ def test_a_square_plate_is_the_closed_form_of_the_literature() -> None:
 
 
 def test_long_strips() -> None:
-    """A strip across x has a closed form; one clamped along both sides has 0.00725."""
+    """A strip across x has a closed form. A strip clamped along both sides has 0.00725."""
     assert centre(100, False, 100_000) == pytest.approx(7 * zeta(3) / (16 * math.pi**3), rel=1e-9)
     assert centre(100, True, 100_000) == pytest.approx(7 * zeta(3) / (16 * math.pi**3), rel=1e-9)
     assert centre(0.02, True, 200_000) / 0.02**2 == pytest.approx(0.00725, abs=1e-5)
@@ -78,7 +78,8 @@ def printed_6_1(x: float, y: float, xi: float, eta: float, terms: int) -> float:
 
 
 def printed_6_3(x: float, xi: float, off: float, terms: int, clamped: bool) -> float:
-    """Equation 6.3, or 6.2, as printed, over D / P; the load on the axis, the point ``off`` it."""
+    """Equation 6.3 or 6.2 as printed, over D / P, with the load on the axis and the point off "
+    "it."""
     first = second = 0.0
     for m in range(1, terms + 1):
         alpha = m * math.pi * B / (2 * A)
@@ -101,7 +102,7 @@ def test_equation_6_1_as_printed(y: float) -> None:
 
 @pytest.mark.parametrize("off", [0.0, 0.1, 0.27])
 def test_equation_6_2_as_printed(off: float) -> None:
-    """alpha (b - 2 y) / b is the argument: the printed factor 1 / b stands for it."""
+    """The argument is alpha (b - 2 y) / b, for which the thesis prints the factor 1 / b."""
     plate = replace(PLATE, clamped=False)
     found = plate.influence([[0.32, B / 2 + off]], [[0.5, B / 2]], 30)[0, 0] * plate.stiffness
     assert found == pytest.approx(printed_6_3(0.32, 0.5, off, 30, False), rel=1e-11)
@@ -118,7 +119,7 @@ def test_equation_6_3_as_printed_holds_on_the_axis_alone() -> None:
 @pytest.mark.parametrize("clamped", [True, False])
 @pytest.mark.parametrize("load", [(0.5, 0.5), (0.25, 0.25), (0.75, 0.125)])
 def test_finite_differences_come_to_the_series(clamped: bool, load: tuple) -> None:
-    """Everywhere on the plate; three times nearer with half the cells."""
+    """They agree everywhere on the plate, and three times better with cells of half the size."""
     plate = replace(PLATE, clamped=clamped)
     errors = []
     for cells in (24, 48):
@@ -160,7 +161,7 @@ def test_the_tail_bounds_what_is_left_out(
     plate = Plate(1.0, ratio, clamped=clamped)
     point, load = at(p, plate=plate), at(q, plate=plate)
     miss = abs(plate.influence(point, load, terms) - plate.influence(point, load, 3000))[0, 0]
-    # Rounding: a few units in the last place of the largest deflection there is.
+    # Rounding adds a few units in the last place of the largest deflection.
     assert miss <= plate.tail(point, load, terms)[0, 0] + 1e-13 / plate.stiffness
 
 
@@ -174,7 +175,7 @@ def test_the_bound_is_near_what_it_bounds_at_the_load() -> None:
 
 
 def test_the_tail_at_the_load_is_the_sum_of_what_each_term_can_be() -> None:
-    """From N to N + 1 terms it falls by (a^2 / (2 pi^3 P)) / (N + 1)^3."""
+    """With one more term than N it falls by (a^2 / (2 pi^3 P)) / (N + 1)^3."""
     middle = at((0.5, 0.5))
     for terms in (1, 7, 50):
         fall = (PLATE.tail(middle, middle, terms) - PLATE.tail(middle, middle, terms + 1))[0, 0]
@@ -195,7 +196,7 @@ def test_nothing_overflows_for_a_million_terms() -> None:
 )
 @pytest.mark.parametrize(("ratio", "bound"), [(0.01, 1e-9), (1.0, 1e-13), (100.0, 1e-13)])
 def test_rounding_of_every_term(ratio: float, bound: float) -> None:
-    """Against 64 bits of mantissa; a narrow plate cancels, as the docstring says."""
+    """The reference has 64 bits of mantissa. A narrow plate cancels, as the docstring says."""
     m = np.arange(1, 2000).reshape(-1, 1, 1)
     y, eta = (
         np.linspace(0.05, 0.95, 7).reshape(1, -1, 1),
@@ -216,14 +217,15 @@ def test_rounding_of_every_term(ratio: float, bound: float) -> None:
 
 
 def test_stiffness_and_the_order_of_size() -> None:
-    """10 kg in the middle of the rig: about half a millimetre, well below the thickness."""
+    """10 kg in the middle of the rig give half a millimetre, well below the thickness."""
     assert pytest.approx(2e11 * 0.0028**3 / (12 * 0.91), rel=1e-12) == PLATE.stiffness
     middle = at((0.5, 0.5))
     assert 98.0665 * PLATE.influence(middle, middle)[0, 0] == pytest.approx(0.536e-3, rel=0.01)
 
 
 def test_the_natural_frequency_is_that_of_section_6_1() -> None:
-    """53 Hz printed; the swing's 0.7 Hz is far below, so its forces act as if at rest."""
+    """The thesis prints 53 Hz. The 0.7 Hz of the swing are far below, so its forces act "
+    "statically."""
     assert natural_frequency(PLATE, 7850, 40, 40) == pytest.approx(53, rel=0.05)
     supported = replace(PLATE, clamped=False)
     mass = 7850 * PLATE.thickness

@@ -1,4 +1,4 @@
-"""The Polynomial scheme's constants against the thesis, and its widths."""
+"""Compares the constants of the Polynomial scheme with the thesis, and tests its widths."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from golden.precision import EXACT, SIGNAL, THESIS
 DATA = Path(polynomial.__file__).parents[1] / "data" / "thesis_numbers.toml"
 TABLE_4_2 = tomllib.loads(DATA.read_text())["activation"]["polynomial"]
 
-# Table 4.4, Q = 3: A_n2, A_n1; A_n0 is printed as a_n0 / a_11.
+# A_n2 and A_n1 of Table 4.4 for Q = 3. A_n0 is printed as a_n0 / a_11.
 TABLE_4_4 = [(-0.2905, 0.333, -0.0013), (-0.0238, 0.0502, 0.6890)]
 
 
@@ -28,7 +28,7 @@ def test_the_table_is_the_thesis_table() -> None:
 
 
 def test_constants_of_table_4_4_with_the_misprints_mended() -> None:
-    """A_10 and A_20 are nine times what equation 4.28 says: the table lacks the division by Q^2."""
+    """A_10 and A_20 are nine times those of equation 4.28, as the table does not divide by Q^2."""
     values, factor = normalised(3)
     assert factor == pytest.approx(9.681, abs=0.001)
     for row, printed in zip(values, TABLE_4_4, strict=True):
@@ -44,7 +44,7 @@ def test_constants_of_table_4_4_with_the_misprints_mended() -> None:
 
 @pytest.mark.parametrize("factor", [1, 2, 3, 4, 5, 8, 16, 77, 128, 512, 4000])
 def test_square_and_sum_fit_their_widths(factor: int) -> None:
-    """For every magnitude that a quadratic serves."""
+    """This holds for every magnitude in the range of a quadratic."""
     for precision in (THESIS, EXACT) if factor == 1 else (THESIS,):
         fmt = precision.hidden_fmt
         twin = polynomial_for(precision, factor, fmt.high)
@@ -66,7 +66,7 @@ def test_square_and_sum_fit_their_widths(factor: int) -> None:
 
 @pytest.mark.parametrize("precision", [THESIS, EXACT], ids=lambda p: p.name)
 def test_zero_is_zero(precision) -> None:
-    """The first quadratic is -0.00139 there; a magnitude has no sign."""
+    """The first quadratic is -0.00139 there, but a magnitude has no sign."""
     assert polynomial_for(precision, 1, precision.hidden_fmt.high).process(0) == 0
 
 

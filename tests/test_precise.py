@@ -1,4 +1,4 @@
-"""The activation precise over every one of its 262144 codes."""
+"""Tests the activation precise over all of its 262144 codes."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from golden.precision import EXACT, SIGNAL, THESIS
 
 FMT = EXACT.hidden_fmt
 CODES = np.arange(FMT.low, FMT.high + 1)
-# Where the coefficients stand, words of the whole table, codes that are not the correctly rounded
-# tanh, and the largest error in units of 2**-13 where the result is below the largest code.
+# For each place of the coefficients: the words of the whole table, the number of codes that are not
+# the correctly rounded tanh, and the largest error in units of 2**-13 below the largest code.
 FORMS = {
     "precise": ("logic", 38, 12770, 0.957),
     "precise block_ram": ("block_ram", 299, 452, 0.519),
@@ -31,7 +31,7 @@ def build(name: str, reach: int = FMT.high) -> Precise:
 
 
 def tanh_units() -> np.ndarray:
-    """tanh of every code in units of 2**-13; off by less than 2**-38 of a unit."""
+    """tanh of every code in units of 2**-13, with an error of less than 2**-38 of a unit."""
     return np.tanh(FMT.to_real(CODES)) * 8192
 
 
@@ -40,7 +40,7 @@ def test_every_code_is_within_one_unit_of_tanh(name: str) -> None:
     results = build(name).process(CODES)
     error = np.abs(results - tanh_units())
     assert error.max() < 1
-    # Beyond, tanh lies between the largest code and 1, and a unit is what the format leaves.
+    # For larger q, tanh lies between the largest code and 1, so the error is up to a unit.
     free = np.abs(results) < SIGNAL.high
     assert error[free].max() == pytest.approx(
         {"precise": 0.957, "precise block_ram": 0.519}[name], abs=5e-4
@@ -49,10 +49,10 @@ def test_every_code_is_within_one_unit_of_tanh(name: str) -> None:
 
 @pytest.mark.parametrize("name", FORMS)
 def test_how_many_codes_are_not_rounded_correctly(name: str) -> None:
-    """The count that docstring and datasheet state."""
+    """The docstring and the datasheet state the same number."""
     exact = tanh_units()
     nearest = np.minimum(np.floor(np.abs(exact) + 0.5), SIGNAL.high) * np.sign(exact)
-    # No tanh is so near to half a unit that its last bits decide which code is the nearest.
+    # No tanh is so near to half a unit that its last bits could change which code is the nearest.
     assert np.abs(np.abs(exact) % 1 - 0.5).min() > 2**-34
     wrong = int((build(name).process(CODES) != nearest).sum())
     assert wrong == FORMS[name][2]
@@ -96,7 +96,7 @@ def test_coefficients_fit_their_words(fmt) -> None:
     assert 0 <= min(table.gradients) <= max(table.gradients) < 1 << fmt.gradient_frac
     assert 0 <= min(table.curves) <= max(table.curves) < 1 << fmt.curve_width
     assert fmt.intercept_frac + fmt.gradient_frac + fmt.curve_width <= 36
-    # One signed input of a MULT18X18 holds the slope.
+    # The slope must fit a signed input of a MULT18X18.
     assert fmt.slope_frac <= 17
     mag = np.arange(FMT.high + 1)
     segment, _, top = fmt.split(mag)
@@ -106,7 +106,7 @@ def test_coefficients_fit_their_words(fmt) -> None:
 
 
 def test_coefficients_are_the_best_of_their_neighbours() -> None:
-    """One step away from any coefficient the results are no better, or break a promise."""
+    """If a coefficient is changed by one step, the results are not better or break a promise."""
     fmt, table = LOGIC, curve_table(LOGIC)
     exact = tanh_units()[-FMT.low :]
     nearest = np.minimum(np.floor(exact + 0.5), SIGNAL.high)
@@ -135,12 +135,12 @@ def test_coefficients_are_the_best_of_their_neighbours() -> None:
         before = results(*own)[-1]
 
 
-# Bits of a segment, of t, of the intercept, the gradient and the curve; curved segments.
+# The bits of a segment, of t, intercept, gradient and curve, and the number of curved segments.
 RULES = {"logic": (11, 6, 16, 12, 4, 32), "block_ram": (8, 3, 18, 13, 5, 320)}
 
 
 def by_rule(name: str, segment: int, before: int) -> tuple[int, int, int]:
-    """Intercept, gradient and curve as the page finds them, by trying every triple."""
+    """The intercept, gradient and curve by the rule of the page, which tries every triple."""
     width, t_bits, i_bits, g_bits, c_bits, curved = RULES[name]
     d = np.arange(1 << width)
     m, x, t = (segment << width) + d, d - (1 << (width - 1)), d >> (width - t_bits)
@@ -164,7 +164,7 @@ def by_rule(name: str, segment: int, before: int) -> tuple[int, int, int]:
     found = (0, 0, 0)
     for curve, gradient in pairs:
         product = x * (4 * gradient + 3 - curve * t)
-        # The intercept is the result in the middle of the segment, within two units.
+        # The intercept is within two units of the result in the middle of the segment.
         centre = int(exact[len(exact) // 2]) * unit
         for intercept in range(max(centre - 2 * unit, 0), centre + 3 * unit):
             if segment >= curved and intercept % unit != unit // 2:
@@ -186,7 +186,7 @@ def by_rule(name: str, segment: int, before: int) -> tuple[int, int, int]:
 
 @pytest.mark.parametrize(("name", "step"), [("logic", 3), ("block_ram", 23)])
 def test_the_coefficients_follow_from_the_rule_of_the_page(name: str, step: int) -> None:
-    """Every few segments, as each takes as many trials as there are triples."""
+    """Only some segments are tested, because each takes as many trials as there are triples."""
     block = build("precise" if name == "logic" else f"precise {name}")
     table, width = block.table, RULES[name][0]
     last = len(table.intercepts) - 1

@@ -1,4 +1,4 @@
-"""Progress: lines where somebody reads a file later, one line on a terminal."""
+"""Tests progress, which is shown as lines in a file, and as one line on a terminal."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Terminal(io.StringIO):
 
 
 class Clock:
-    """Stands still until it is moved."""
+    """A clock that stands still until a test moves it."""
 
     now = 100.0
 
@@ -74,7 +74,7 @@ def test_an_interrupted_step_leaves_the_terminal_on_a_new_line() -> None:
 
 
 def test_nothing_is_estimated_before_a_twentieth_is_done() -> None:
-    """The first part takes far longer than the others."""
+    """The first part takes much longer than the others."""
     stream, clock = io.StringIO(), Clock()
     with Progress("load", 72, "candidates", stream, clock) as progress:
         clock.now += 20
@@ -111,7 +111,7 @@ def test_of_parts_that_differ_nothing_is_estimated_and_each_is_named() -> None:
 
 
 def waited_for(stream: io.StringIO, pattern: str) -> None:
-    """Until the stream has such a line; a minute is far more than it takes."""
+    """Wait until the stream has such a line. A minute is much longer than it takes."""
     end = time.monotonic() + 60
     while not re.search(pattern, stream.getvalue(), re.M):
         assert time.monotonic() < end, stream.getvalue()
@@ -154,7 +154,7 @@ def test_nobody_waits_more_than_five_seconds_for_a_line() -> None:
 def test_setting_up_prints_what_pip_does(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture, fault: str
 ) -> None:
-    """With a Python that installs nothing, but says so."""
+    """The Python of this test installs nothing, but prints messages."""
     python = tmp_path / "python"
     python.write_text(
         f"""#!/bin/sh
@@ -177,7 +177,7 @@ if [ "$2" = pip ]; then echo "Collecting numpy ($*)"; fi
 
 
 def test_setting_up_needs_nothing_that_is_not_there_yet() -> None:
-    """A Python with its standard library alone imports it."""
+    """A Python that only has its standard library can import it."""
     root = Path(__file__).parents[1]
     words = [sys.executable, "-S", "-E", "-c", "import tb.set_up"]
     subprocess.run(words, cwd=root, check=True)

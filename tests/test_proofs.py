@@ -1,4 +1,4 @@
-"""What is proved of blocks: that proofs are recorded, that they can fail, and that some succeed."""
+"""Tests that proofs of blocks are recorded, that they can fail, and that some succeed."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ from tb.sign_off.subject import chosen_blocks
 
 pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
 
-# Proved in every run; make prove does all.
+# These are proved in every run. make prove proves all.
 QUICK = ("output_collector",)
 
 
 @pytest.fixture
 def export(shared: Shared) -> Callable[[str, str], Job]:
-    """From block and case to the first entity of the block, exported once a run."""
+    """A function from block and case to the first entity of the block, with a shared export."""
 
     return lambda block, case: shared.subject(block, case=case)
 
@@ -79,7 +79,7 @@ def test_what_is_false_is_refuted_with_a_trace(rows: Job, tmp_path: Path) -> Non
 
 
 def test_what_no_induction_shows_is_no_proof(rows: Job, tmp_path: Path) -> None:
-    """A register that never counts that far, which takes more clocks than the induction has."""
+    """A register never counts so far, but to show this takes more clocks than the induction has."""
     watch = "reg [7:0] far = 0; always @(posedge clk) far <= rst || far == 4 ? 0 : far + 1;"
     item = property_with(states=("far != 100",), watch=watch)
     assert "no induction over 3 clocks" in proved(rows, item, tmp_path).failed

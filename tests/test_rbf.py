@@ -1,4 +1,4 @@
-"""The radial basis function network: its equations, its training, and what it costs."""
+"""Tests the radial basis function network: its equations, its training, and its cost."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def test_centres_find_clusters_apart() -> None:
 
 
 def test_centres_are_those_of_the_mixture_not_of_k_means() -> None:
-    """A narrow cluster beside a wide one: k-means cuts halfway and draws both centres aside."""
+    """Next to a wide cluster is a narrow one. k-means cuts halfway, which shifts both centres."""
     rng = np.random.default_rng(2)
     narrow, wide = rng.normal(0, 0.1, (400, 2)), rng.normal([2, 0], 1, (400, 2))
     inputs = np.concatenate([narrow, wide])
@@ -78,7 +78,7 @@ def test_centres_are_those_of_the_mixture_not_of_k_means() -> None:
 
 
 def test_training_reaches_a_network_of_its_own_kind() -> None:
-    """With as many nodes as rows the least squares pass through every target."""
+    """With as many nodes as rows, least squares reach every target exactly."""
     rng = np.random.default_rng(3)
     inputs, targets = rng.uniform(-1, 1, (8, 2)), rng.uniform(-1, 1, (8, 2))
     net = train_rbf(inputs, targets, 8, np.random.default_rng(1))
@@ -117,7 +117,7 @@ def test_the_recorded_rows_are_those_of_section_3_8() -> None:
 
 
 class Counted:
-    """A number that counts what is done with it, and with what comes of it."""
+    """A number that counts the operations on it and on their results."""
 
     tally: dict[str, int]
 
@@ -146,7 +146,7 @@ def total(terms):
 
 
 def count(network: Mlp | Rbf, frame) -> Operations:
-    """Evaluate the equations number by number; the results must be the network's own."""
+    """Evaluate the equations number by number. The results must be those of the network."""
     tally = {"additions": 0, "multiplications": 0}
 
     def counted(array):
@@ -182,7 +182,7 @@ def test_operations_are_those_of_the_equations(shape) -> None:
 
 
 def test_operations_that_the_thesis_prints() -> None:
-    """Both RBF by its diagram; the MLP but for two additions."""
+    """Both RBF agree with the diagram, and the MLP agrees except for two additions."""
     for hidden in (6, 7):
         printed = printed_figures(f"RBF 2:{hidden}:2")
         found = rbf_operations_drawn((2, hidden, 2))

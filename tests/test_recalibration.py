@@ -1,4 +1,4 @@
-"""make recalibrate: gain and offset of each sensor from known placements."""
+"""Tests make recalibrate, which finds gain and offset of each sensor from known placements."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def digit(noise: float = 0.0) -> tuple[Scene, Sensitivity]:
 
 
 def at(scene: Scene, rows: np.ndarray, inputs: np.ndarray) -> Placements:
-    """Rows of the recording as placements with other readings."""
+    """Rows of the recording as placements, with other readings."""
     vectors = scene.vectors()
     return Placements(inputs[rows], vectors.targets[rows], vectors.scale[rows], np.ones(len(rows)))
 
@@ -70,7 +70,7 @@ def test_slopes_are_finite_differences_of_the_outputs(name: str) -> None:
 
 
 def test_what_a_placement_tells_is_how_its_errors_move() -> None:
-    """By one standard deviation of the gain, and of the offset, that is expected of a sensor."""
+    """The errors move with one expected standard deviation of a sensor's gain and of its offset."""
     scene, recorded = digit()
     vectors, step = scene.vectors(), 1e-6
     for k in range(8):
@@ -83,7 +83,7 @@ def test_what_a_placement_tells_is_how_its_errors_move() -> None:
 
 
 def test_a_correction_is_of_readings_in_their_unit() -> None:
-    """A gain turns about reading 0, which is no signal of 0 on the rail."""
+    """A gain multiplies readings, and on the rail a reading of 0 is not a signal of 0."""
     scene = load_scene(str(RAIL))
     scales = scene.scales(scene.sensors)
     recorded = Sensitivity.of(scene, np.zeros(5), Disturbance(gain=0.04, offset=0.01))
@@ -100,7 +100,7 @@ def test_a_correction_is_of_readings_in_their_unit() -> None:
 
 
 def test_a_drift_is_undone_where_the_outputs_are_the_networks_own() -> None:
-    """Nothing but the drift is between readings and outputs, so its inverse is what is found."""
+    """Only the drift is between readings and outputs, so the fit finds its inverse."""
     scene, recorded = digit()
     vectors = scene.vectors()
     exact = scene.process_real(vectors.inputs)
@@ -114,8 +114,10 @@ def test_a_drift_is_undone_where_the_outputs_are_the_networks_own() -> None:
 
 
 def test_twenty_placements_at_random_bring_the_errors_back() -> None:
-    """From several percent to little above those of sensors that have not drifted, for ten drifts:
-    a descent from no correction alone ends elsewhere for some of them."""
+    """Errors of several percent come down nearly to those without drift, for ten drifts.
+
+    For some of them, a descent that starts only from no correction ends elsewhere.
+    """
     scene, recorded = digit()
     vectors, rng = scene.vectors(), np.random.default_rng(2)
     own = mean_errors(scene, vectors.inputs)
@@ -131,7 +133,7 @@ def test_twenty_placements_at_random_bring_the_errors_back() -> None:
 
 
 def test_a_start_from_none_alone_would_end_elsewhere(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Why there are two."""
+    """This is the reason for two starts."""
     scene, recorded = digit()
     vectors, worst = scene.vectors(), []
     drift = Scale(-0.08, 1.1), Scale(0.08, 0.9), Scale(0.08, 1.1), Scale(-0.08, 0.9)
@@ -145,7 +147,7 @@ def test_a_start_from_none_alone_would_end_elsewhere(monkeypatch: pytest.MonkeyP
 
 
 def test_it_is_the_ridge_regression_that_the_page_gives() -> None:
-    """Of outputs that are linear in the correction: what is likeliest, and how unsure it is."""
+    """For outputs that are linear in the correction, both estimate and uncertainty agree."""
     scene, recorded = digit(0.003)
     theta = 1e-5 * np.arange(1, 9)
     rows = np.arange(0, 143, 20)
@@ -210,7 +212,7 @@ def test_rows_of_one_placement_are_its_repeats() -> None:
 
 
 def test_a_placement_left_out_takes_no_part() -> None:
-    """Its error is the same whatever is known of it, but for what is known."""
+    """Its error does not depend on its own labels, except by the difference to them."""
     scene, recorded = digit(0.002)
     drifted = DRIFT.of(scene.vectors().inputs, np.random.default_rng(5))
     there = at(scene, np.arange(4, 143, 20), drifted)
@@ -231,7 +233,7 @@ def test_a_placement_left_out_takes_no_part() -> None:
 
 
 def test_the_first_proposed_leaves_the_least_error_expected() -> None:
-    """Of every row, worked out one by one."""
+    """The expected error is computed for every row, one by one."""
     _, recorded = digit(0.002)
     spread = np.linalg.inv(recorded.spread(recorded.recorded))
     squares = recorded.squares.mean(axis=0)
@@ -281,12 +283,15 @@ def test_noise_asks_for_more_readings() -> None:
 
 
 def test_chances_and_errors_are_those_of_drifts_that_are_drawn() -> None:
-    """Drifts as they are expected, outputs that are linear in them, and corrections fitted to
-    placements with noise: how many get better, and what is left."""
+    """Random drifts have the expected deviations, and outputs are linear in them.
+
+    Corrections are fitted to placements with noise. Compared are how many errors get smaller, and
+    the remaining errors.
+    """
     scene, _ = digit()
     recorded = Sensitivity.of(scene, np.full(4, 1e-4), Disturbance(gain=5e-4, offset=2e-4))
     rng = np.random.default_rng(6)
-    # The outputs are known to be the networks' own, so that drift and noise are all there is.
+    # The labels are the outputs of the networks, so that only drift and noise cause errors.
     squares = recorded.squares.mean(axis=0)
     tells = recorded.tells[::29]
     spread = np.linalg.inv(recorded.spread(recorded.recorded)[::29])
@@ -312,13 +317,13 @@ def rail() -> Scene:
 
 
 def rail_of(scene: Scene, noise: float) -> Sensitivity:
-    """With noise of each reading in its unit."""
+    """The rail with noise of each reading, in its unit."""
     factors = np.array([s.factor for s in scene.scales(scene.sensors)])
     return Sensitivity.of(scene, noise / factors)
 
 
 def touched(touches: np.ndarray, noise: float, drift: float, rng: np.random.Generator) -> Vectors:
-    """Touches of the rail, force and place, read with noise; two gains have drifted."""
+    """Readings of touches of the rail, by force and place, with noise and two drifted gains."""
     scene = rail()
     gains = 1 + drift * np.array([0, 1, 0, 1, 0])
     apart = (touches[:, 1:] - np.linspace(30, 270, 5)) / 90
@@ -331,7 +336,7 @@ def touched(touches: np.ndarray, noise: float, drift: float, rng: np.random.Gene
 
 
 OWN = np.array([[force, place] for force in (10.0, 20, 30) for place in (50.0, 120, 180, 250)])
-# What was proposed when placements were chosen for the volume of what is unknown.
+# These placements were proposed when the volume of the uncertainty was minimised.
 OLD = np.array(
     [
         *([6, 289], [30, 271.625], [30, 150], [30, 11]),
@@ -358,8 +363,10 @@ def rail_errors(vectors: Vectors, samples: np.ndarray) -> np.ndarray:
 def test_a_correction_helps_or_is_not_written(
     chosen: str, times: int, noise: float, drift: float, least: int, most: int
 ) -> None:
-    """Gains of two sensors drifted by 5 %, five draws of noise, 300 rows that were never read. With
-    what was fitted before, without noise in it, the force got worse in five of five."""
+    """Two gains have drifted by 5 %. There are five draws of noise, and 300 unseen rows.
+
+    An earlier fit, which ignored noise, made the force worse in all five draws.
+    """
     recorded = rail_of(rail(), noise)
     eight = [recorded.recorded.targets[one.row] for one in islice(proposed(recorded, times), 8)]
     touches = {"proposed": rail().in_units(np.array(eight)), "own": OWN, "old": OLD}[chosen]
@@ -382,7 +389,7 @@ def test_a_correction_helps_or_is_not_written(
 
 
 def placements(folder: Path, scene: Scene, count: int = 20) -> Path:
-    """A CSV of known placements of sensors that have drifted, in their units."""
+    """A CSV of known placements, with readings of drifted sensors in their units."""
     vectors, rng = scene.vectors(), np.random.default_rng(4)
     drifted = DRIFT.of(vectors.inputs, rng)
     rows = rng.permutation(len(drifted))[:count]
@@ -399,13 +406,13 @@ def called(monkeypatch: pytest.MonkeyPatch, *words: object) -> None:
 
 
 def recalibrated(folder: Path, scene: Scene, monkeypatch: pytest.MonkeyPatch) -> Scene:
-    """The copy that the command writes."""
+    """Call the command, and return the scene that it writes."""
     called(monkeypatch, scene.path, placements(folder, scene), folder / "to")
     return load_scene(str(folder / "to" / f"{scene.name}.toml"))
 
 
 def same_outputs(scene: Scene, copy: Scene) -> None:
-    """The copy does to its recording what the scene does to its own, but for roundings."""
+    """Check that the copy and the scene give equal outputs for their recordings, up to rounding."""
     ours, theirs = (
         SIGNAL.to_real(one.twin().core.process(one.vectors().codes)) for one in (scene, copy)
     )
@@ -446,7 +453,7 @@ def test_the_copy_has_corrected_weights_and_says_so(
 def test_a_scene_in_raw_units_is_recalibrated_in_them(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Sensors of 0 to 5 V: their networks on readings, the correction on signals."""
+    """The sensors give 0 to 5 V. The networks use readings, and the correction uses signals."""
     shipped = load_scene("digit-load")
     path = shipped.data_path
     table = read_table(path, [*shipped.sensors, "load", "position"])
@@ -469,7 +476,7 @@ def test_a_scene_in_raw_units_is_recalibrated_in_them(
 
 
 def reloadable(folder: Path) -> Scene:
-    """The digit's networks on an engine that can be reloaded."""
+    """The networks of the digit, on an engine that can be reloaded."""
     path = scene_path("digit")
     text = path.read_text().replace('design = "engine"', 'design = "engine"\nreload = true')
     text = re.sub(r'"([^"]+\.(?:csv|npz))"', lambda f: f'"{(path.parent / f[1]).resolve()}"', text)
@@ -490,7 +497,7 @@ def test_an_engine_gets_a_new_image_and_no_new_hardware(
     for n, one in enumerate((scene, copy)):
         folder = tmp_path / f"vhdl{n}"
         export(one, "vhdl", folder)
-        # Beside the entities stand a test bench and its frames.
+        # The export also holds a test bench and its frames.
         order = (folder / "compile_order.txt").read_text().split()
         exported.append({name: (folder / name).read_bytes() for name in order})
     assert exported[0]
@@ -542,7 +549,7 @@ def test_without_placements_some_are_proposed(
 
 
 def rail_file(folder: Path, vectors: Vectors) -> Path:
-    """Touches of the rail as a CSV; equal ones are one placement."""
+    """Touches of the rail as a CSV. Equal touches are one placement."""
     scene, path = rail(), folder / "touches.csv"
     inputs = readings(vectors.inputs, scene.scales(scene.sensors))
     _, which = np.unique(vectors.targets, axis=0, return_inverse=True)
@@ -552,7 +559,7 @@ def rail_file(folder: Path, vectors: Vectors) -> Path:
 
 
 def noiseless(folder: Path) -> Path:
-    """The rail without a noise that its networks were trained for."""
+    """The scene of the rail, whose networks were not trained for noise."""
     for path in RAIL.parent.glob("rail*"):
         (folder / path.name).write_bytes(path.read_bytes())
     scene = folder / "rail.toml"
@@ -593,8 +600,10 @@ def test_noise_is_given_or_estimated_or_asked_for(
 def test_what_surely_gains_nothing_is_not_written(
     touches: np.ndarray, drift: float, message: str, tmp_path: Path, monkeypatch, capsys
 ) -> None:
-    """The errors are told all the same: of placements left out and expected, none that was
-    fitted."""
+    """The errors of left-out placements and the expected errors are printed all the same.
+
+    Errors of placements that were fitted are not printed.
+    """
     path = rail_file(tmp_path, touched(touches, 0.002, drift, np.random.default_rng(1)))
     with pytest.raises(InputError, match=rf"touches.csv: nothing written: .*{message}"):
         called(monkeypatch, RAIL, path, tmp_path / "to", "--noise=0.002")

@@ -1,4 +1,4 @@
-"""The report: what stands in it, beside it, and how it looks in a browser."""
+"""Tests the report: its content, the files beside it, and its look in a browser."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ from tb.report.draw import findings, looks
 from tb.report.draw.plots import Plot
 from tb.report.measure import store
 from tb.report.measure.clocks import clocks_per_frame
-from tb.report.measure.engines import engines
-from tb.report.measure.recorded import TIMED
 from tb.report.measure.registry import TABLES
+from tb.report.measure.simulators import compare_simulators
 from tb.report.measure.table import Cell, Table
+from tb.report.measure.table_records import TIMED
 from tb.report.page import build
 from tb.report.page.content import content
 from tb.report.page.page import Page, Picture, Section
@@ -53,9 +53,9 @@ def data(report: Path) -> dict:
 
 @pytest.fixture(scope="module")
 def own(shared: Shared) -> Path:
-    """The report of a user's scene: no reference, and a network from elsewhere.
+    """The report of a user's scene without reference, and with a network that was not trained here.
 
-    No other test may use its name: what commands build stands in one folder for all of a run.
+    No other test may use the name of this scene, because all commands of a run share a folder.
     """
     folder = shared.folder / OWN
 
@@ -130,7 +130,7 @@ def test_full_is_asked_for_at_the_front_door() -> None:
 
 
 class Links(HTMLParser):
-    """Everything that a page loads or leads to, and every id."""
+    """Everything that a page loads or links to, and every id."""
 
     def __init__(self, text: str) -> None:
         super().__init__()
@@ -167,7 +167,7 @@ def test_no_id_stands_twice_and_every_anchor_leads_somewhere(report: Path) -> No
 
 def test_every_table_and_picture_stands_beside_it(report: Path, data: dict) -> None:
     folder = report.with_suffix("")
-    assert set(data["tables"]) >= {*TABLES, "errors", "costs", "engines", "blocks"}
+    assert set(data["tables"]) >= {*TABLES, "errors", "costs", "simulators", "blocks"}
     for name, table in data["tables"].items():
         with (folder / f"{name}.csv").open(newline="") as handle:
             columns, *rows = csv.reader(handle)
@@ -190,8 +190,8 @@ def test_the_first_screen_is_the_scene(report: Path, data: dict) -> None:
     assert [row[0] for row in data["tables"]["errors"]["rows"]] == list(scene.outputs)
 
 
-def test_every_engine_ran_the_same_frames(data: dict) -> None:
-    table = data["tables"]["engines"]
+def test_every_simulator_ran_the_same_frames(data: dict) -> None:
+    table = data["tables"]["simulators"]
     names = [row[0] for row in table["rows"]]
     assert [name.split()[0] for name in names] == [
         "float,",
@@ -206,12 +206,12 @@ def test_every_engine_ran_the_same_frames(data: dict) -> None:
     assert all(row[-1] >= frames for row in table["rows"][3:])
 
 
-def test_an_engine_that_differs_fails_the_report(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_simulator_that_differs_fails_the_report(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
-        "tb.report.measure.engines.simulate", lambda _, codes: (codes[:, :1] + 1, 1.0)
+        "tb.report.measure.simulators.simulate", lambda _, codes: (codes[:, :1] + 1, 1.0)
     )
     with pytest.raises(RuntimeError, match="MyHDL and the twin differ"):
-        engines(load_scene(SCENE))
+        compare_simulators(load_scene(SCENE))
 
 
 def test_a_second_report_measures_nothing(report: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -241,7 +241,7 @@ def test_a_plot_of_nothing_is_refused() -> None:
 
 
 def test_every_plot_draws_activations_and_designs_alike(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Colour and marker of each label are those of ``looks``, in the drawing itself too."""
+    """The colour and marker of each label are those of ``looks``, also in the drawing itself."""
     names = list(forms())
     columns = ["scheme", "arithmetic", "latency clocks", "LUT", "mean %", "largest units"]
     rows: list[list[Cell]] = [[n, "exact", i + 1, 9, 0.1, 1.0] for i, n in enumerate(names)]
@@ -330,7 +330,7 @@ document.getElementById("page").onload = function () {{
 
 
 def look(page: Path, width: int, folder: Path) -> dict:
-    """What a browser makes of a page in a window of that width."""
+    """What a browser measures of a page, in a window of this width."""
     assert BROWSER, "chromium is not installed; on Debian: apt-get install chromium"
     assert page.is_file()
     wrapper = folder / "look.html"
@@ -345,7 +345,7 @@ def look(page: Path, width: int, folder: Path) -> dict:
 
 def browser(*options: object) -> str:
     command = [BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"]
-    # No name resolves, so that nothing can come from a network.
+    # No host name resolves, so that nothing can be loaded from a network.
     command += ["--host-resolver-rules=MAP * ~NOTFOUND", *map(str, options)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
     return done.stdout
@@ -369,7 +369,7 @@ def test_pictures_that_scroll_have_a_hint(own: Path, width: int, tmp_path: Path)
 
 def test_a_page_that_is_too_wide_is_seen(tmp_path: Path) -> None:
     table = Table("errors", ["a"], [["x" * 400]], "a note")
-    # Not an SVG, which the page would shrink.
+    # This is not an SVG, because the page would shrink it.
     wide = Picture("p", "P", '<div style="width:800px">wide</div>', "s.")
     page = tmp_path / "wide.html"
     page.write_text(Page("t", [], table, table, [Section("s", "S", pictures=[wide])]).render())

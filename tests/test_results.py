@@ -1,5 +1,6 @@
-"""What benches found is kept for each, so that an interrupted demo goes on where it stopped; which
-entities a demo takes.
+"""Tests the kept results of benches, so that an interrupted demo goes on where it stopped.
+
+It also tests which entities a demo simulates.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ FILE = "exported"
 
 
 class Benches:
-    """Benches that are only counted: all pass, but for those named in ``red``."""
+    """Benches that are only counted. All pass, except those named in ``red``."""
 
     def __init__(self, scene: Scene, folder: Path, monkeypatch: pytest.MonkeyPatch):
         self.scene = scene
@@ -66,7 +67,7 @@ class Benches:
         return results.simulate(load_scene(str(self.scene.path)), full)
 
     def forget(self, job: Job) -> None:
-        """What is kept of a job is cut, as on a full disk."""
+        """Truncate the kept result of a job, as a full disk would do."""
         path = kept._path(job)
         path.write_bytes(path.read_bytes()[:20])
 
@@ -215,7 +216,7 @@ def test_what_is_left_is_counted_and_run_when_all_is_asked_for(benches: Benches)
 
 
 def test_of_what_is_left_a_failure_hides_nothing(benches: Benches) -> None:
-    """All entities of the choice must have passed, whatever others did."""
+    """All chosen entities must have passed, whatever the results of the others."""
     benches.simulate()
     benches.forget(results.chosen(benches.planned)[0])
     assert results.stored_results(benches.scene) is None

@@ -1,4 +1,4 @@
-"""make check: each fault is seen, all of them at once, and a search does not begin with one."""
+"""Tests make check: it finds every fault at once, and no search begins with a fault."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ NAMES = ["x0", "x1", "x2", "y0", "y1"]
 
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
-    """A cascade of two networks on the engine, trained, nothing wrong with it."""
+    """A trained cascade of two networks on the engine, without faults."""
     mlps = [random_mlp((3 + i, 4, 1), 0.5, i + 1) for i in range(2)]
     path = write_scene(
         tmp_path, "rig", "exact", mlps, "cascade", "precise", "{}", rows=60, design="engine"
@@ -37,7 +37,7 @@ def path(tmp_path: Path) -> Path:
     return path
 
 
-def told(path: Path) -> list[Finding]:
+def findings_of(path: Path) -> list[Finding]:
     return check(str(path), path.parent / "build")
 
 
@@ -49,9 +49,9 @@ def change(path: Path, old: str, new: str) -> None:
 
 def test_nothing_is_wrong(path: Path) -> None:
     before = sorted(path.parent.iterdir())
-    assert {finding.verdict for finding in told(path)} == {OK}
+    assert {finding.verdict for finding in findings_of(path)} == {OK}
     assert sorted(path.parent.iterdir()) == before
-    lines = "\n".join(map(str, told(path)))
+    lines = "\n".join(map(str, findings_of(path)))
     assert "3 sensors, 2 outputs, 2 networks, cascade; design engine" in lines
     assert "rig-1.npz: a 4:4:1 network" in lines
     clocks = load_scene(str(path)).twin().core.facts()[1]
@@ -103,7 +103,7 @@ def no_network(path: Path) -> None:
 
 
 def larger(path: Path) -> None:
-    """A fifth of the readings are beyond the codes."""
+    """Make a fifth of the readings larger than the codes."""
     column(path, "x1", lambda x: np.where(np.arange(len(x)) % 5 == 0, 2.0, x))
 
 
@@ -141,14 +141,14 @@ FAULTS = {
 def test_a_fault_is_seen(path: Path, name: str) -> None:
     spoil, message = FAULTS[name]
     spoil(path)
-    found = faults(told(path))
+    found = faults(findings_of(path))
     assert any(re.search(message, text) for text in found), found
 
 
 def test_all_faults_are_told_at_once(path: Path) -> None:
     for name in ("sensor", "ending", "build", "no network"):
         FAULTS[name][0](path)
-    found = faults(told(path))
+    found = faults(findings_of(path))
     assert len(found) >= 4
     for name in ("sensor", "ending", "build", "no network"):
         assert any(re.search(FAULTS[name][1], text) for text in found)
@@ -174,8 +174,8 @@ WARNINGS = {
 def test_what_makes_a_result_worse_is_warned_of(path: Path, name: str) -> None:
     spoil, message = WARNINGS[name]
     spoil(path)
-    assert not faults(told(path))
-    lines = [str(finding) for finding in told(path) if finding.verdict == WARNING]
+    assert not faults(findings_of(path))
+    lines = [str(finding) for finding in findings_of(path) if finding.verdict == WARNING]
     assert any(re.search(message, line) for line in lines), lines
 
 
@@ -186,7 +186,7 @@ def untrained(path: Path) -> None:
 
 def test_networks_that_are_not_there_yet_are_no_fault(path: Path) -> None:
     untrained(path)
-    found = told(path)
+    found = findings_of(path)
     assert not faults(found)
     assert [f.text for f in found if f.verdict == NOTE] == [
         "not there yet; make train writes it"
@@ -195,7 +195,7 @@ def test_networks_that_are_not_there_yet_are_no_fault(path: Path) -> None:
 
 
 def test_the_design_is_tried_with_the_least_and_the_largest_networks(path: Path) -> None:
-    """An engine that is reloaded has memories of one size, whatever training finds."""
+    """The memories of a reloadable engine have a fixed size, whatever training finds."""
     untrained(path)
     change(path, r"hidden = \[4, 4\]", "hidden = 0")
     change(path, "interface", "reload = true\noperand_words = 32\ninterface")
@@ -203,7 +203,7 @@ def test_the_design_is_tried_with_the_least_and_the_largest_networks(path: Path)
     change(path, r"\[training\]", "[training]\nhidden = [4, 25]")
     for span, verdict in sizes.items():
         change(path, r"hidden = \[\d+, \d+\]", f"hidden = {span}")
-        found = [f for f in told(path) if "hidden nodes" in f.text or "operand" in f.text]
+        found = [f for f in findings_of(path) if "hidden nodes" in f.text or "operand" in f.text]
         assert [f.verdict for f in found] == [verdict], (span, found)
 
 
@@ -212,7 +212,7 @@ def test_raw_units_are_looked_at_with_their_scale(path: Path) -> None:
     column(path, "x1", lambda x: 4000 * x)
     column(path, "y1", lambda y: 200 * y)
     change(path, "outputs =", 'scale = "auto"\noutputs =')
-    found = told(path)
+    found = findings_of(path)
     assert not faults(found)
     line = next(f for f in found if f.subject == "x1")
     codes = [int(word) for word in re.findall(r"codes (-?\d+) to (-?\d+)", line.text)[0]]
@@ -222,7 +222,7 @@ def test_raw_units_are_looked_at_with_their_scale(path: Path) -> None:
 def test_the_name_of_a_shipped_scene_shares_its_folder(path: Path) -> None:
     other = path.with_name("digit.toml")
     shutil.copy(path, other)
-    assert any("shipped scene digit" in f.text for f in told(other) if f.verdict == WARNING)
+    assert any("shipped scene digit" in f.text for f in findings_of(other) if f.verdict == WARNING)
     own = everything(load_scene("digit"), path.parent / "build")
     assert not any("shipped scene" in f.text for f in own)
 
@@ -249,11 +249,11 @@ def test_the_command_ends_with_2_where_there_is_a_fault(path: Path) -> None:
     folder_for_a_file(path)
     done = run("tb.check", str(path), "--build", str(path.parent / "build"))
     assert done.returncode == 2
-    assert done.stderr == f"error: {path}: {done.stdout.count('fault  ')} faults, told above\n"
+    assert done.stderr == f"error: {path}: {done.stdout.count('fault  ')} faults, listed above\n"
 
 
 def test_no_search_begins_with_a_fault(path: Path) -> None:
-    """Both are told, and neither of the networks is touched."""
+    """Both faults are reported, and neither network is changed."""
     folder_for_a_file(path)
     column(path, "x1", lambda x: 0 * x)
     network = path.with_name("rig.npz").read_bytes()

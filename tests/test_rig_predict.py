@@ -1,4 +1,4 @@
-"""make predict: outputs are those of the twin, and what was never trained is told."""
+"""Tests make predict: outputs are those of the twin, and untrained readings are marked."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ ROOT = Path(__file__).parents[1]
 
 @pytest.fixture
 def scene(tmp_path: Path) -> Scene:
-    """A cascade whose networks were, as their provenance says, trained on its readings."""
+    """A cascade whose networks were trained on its readings, according to their provenance."""
     mlps = [random_mlp((3 + i, 4, 1), 0.5, i) for i in range(2)]
     path = write_scene(
         tmp_path, "rig", "exact", mlps, "cascade", "precise", "{}", rows=60, design="engine"
@@ -59,7 +59,7 @@ def test_outputs_are_those_of_the_twin(scene: Scene) -> None:
     rows = done(scene, scene.data_path)
     wanted = SIGNAL.to_real(scene.twin().process(scene.vectors().codes))
     got = np.array([[float(row["y0_predicted"]), float(row["y1_predicted"])] for row in rows])
-    # Four decimals tell two codes apart.
+    # Four decimals distinguish two codes.
     assert np.array_equal(np.rint(got * 8192), wanted * 8192)
     assert "." in rows[0]["y0_predicted"]
 
@@ -76,7 +76,7 @@ def test_every_column_stays_as_it_stands(scene: Scene) -> None:
 
 
 def test_outputs_are_in_the_units_of_the_scene(scene: Scene) -> None:
-    """The same network file, an output that counts in another unit."""
+    """The network file is the same, but an output is in another unit."""
     text = scene.path.read_text()
     scaled = scene.path.with_name("scaled.toml")
     scale = "scale = { y1 = { offset = 100.0, factor = 2.0 } }\noutputs ="
@@ -95,7 +95,7 @@ SIDES = np.array([-1.0, 0.0, 1.0, 2.0])
 
 
 def touch(states: np.ndarray, seed: int = 0) -> np.ndarray:
-    """Four sensors that a force at a place moves, with a little noise."""
+    """The readings of four sensors for forces and places, with a little noise."""
     plain = states[:, :1] * np.exp(-((states[:, 1:] - SIDES) ** 2))
     return plain + np.random.default_rng(seed).normal(0, 0.002, plain.shape)
 
@@ -104,8 +104,8 @@ def drawn(count: int, seed: int) -> np.ndarray:
     return np.random.default_rng(seed).uniform([1.0, -0.5], [2.0, 1.5], (count, 2))
 
 
-def told(readings: np.ndarray, seed: int = 3) -> np.ndarray:
-    """What a network gives that errs little: the recorded state whose readings are nearest."""
+def estimates(readings: np.ndarray, seed: int = 3) -> np.ndarray:
+    """The outputs of a good network: the recorded state with the nearest readings."""
     states = drawn(4000, seed)
     far = ((touch(states)[:, np.newaxis] - readings) ** 2).sum(axis=2)
     return states[far.argmin(axis=0)]
@@ -114,7 +114,7 @@ def told(readings: np.ndarray, seed: int = 3) -> np.ndarray:
 @pytest.fixture(scope="module")
 def known() -> TrainedOn:
     states, held = drawn(120, 1), touch(drawn(120, 2), 2)
-    outputs = told(held)
+    outputs = estimates(held)
     return learnt(("force", "place"), touch(states, 1), states, held, outputs, np.full(4, 1e-4))
 
 
@@ -124,23 +124,23 @@ def reasons(known: TrainedOn, readings: np.ndarray, outputs: np.ndarray) -> list
 
 def test_what_is_like_the_rows_that_trained_is_inside(known: TrainedOn) -> None:
     fresh = touch(drawn(1000, 7), 7)
-    assert sum(map(bool, reasons(known, fresh, told(fresh)))) <= 30
+    assert sum(map(bool, reasons(known, fresh, estimates(fresh)))) <= 30
 
 
 def test_swapped_columns_are_outside(known: TrainedOn) -> None:
     fresh = touch(drawn(500, 7), 7)
     for order in ([1, 0, 2, 3], [0, 2, 1, 3], [3, 1, 2, 0]):
         swapped = fresh[:, order]
-        # Where both read alike nobody sees it.
+        # The swap has no effect if both readings are equal.
         differ = np.abs(swapped - fresh).max(axis=1) > 0.1
-        said = reasons(known, swapped[differ], told(swapped[differ]))
+        said = reasons(known, swapped[differ], estimates(swapped[differ]))
         assert np.mean([UNLIKE in text for text in said]) > 0.95
 
 
 def test_readings_of_a_state_beyond_the_range_are_outside(known: TrainedOn) -> None:
-    """Whatever the network makes of them: here it names a state that trained."""
+    """This holds whatever the network gives. Here it gives a state of the training."""
     beyond = touch(drawn(300, 7) - np.array([0, 2.0]), 7)
-    outputs = told(beyond)
+    outputs = estimates(beyond)
     assert (outputs >= [1, -0.5]).all()
     assert np.mean([UNLIKE in text for text in reasons(known, beyond, outputs)]) > 0.99
 
@@ -169,34 +169,38 @@ def test_the_units_of_sensors_and_outputs_do_not_matter(known: TrainedOn) -> Non
         touch(states, 1) * counts + 7,
         states * force - 2,
         held * counts + 7,
-        told(held) * force - 2,
+        estimates(held) * force - 2,
         1e-4 * counts,
     )
-    plain = known.distances(new, told(new))
-    assert np.allclose(other.distances(new * counts + 7, told(new) * force - 2), plain, rtol=1e-3)
+    plain = known.distances(new, estimates(new))
+    assert np.allclose(
+        other.distances(new * counts + 7, estimates(new) * force - 2), plain, rtol=1e-3
+    )
 
 
 def test_the_limit_is_that_of_the_held_out_rows() -> None:
-    """Of 250 of them one is farther away; of 20 none is."""
+    """Of 250 held-out rows one is farther away, and of 20 rows none is."""
     states, held = drawn(120, 1), touch(drawn(250, 2), 2)
-    many = learnt(("force", "place"), touch(states, 1), states, held, told(held), np.full(4, 1e-4))
-    assert (many.distances(held, told(held)) > 1).sum() == 1
+    many = learnt(
+        ("force", "place"), touch(states, 1), states, held, estimates(held), np.full(4, 1e-4)
+    )
+    assert (many.distances(held, estimates(held)) > 1).sum() == 1
     assert many.one_in == 100
     few = learnt(
         ("force", "place"),
         touch(drawn(40, 1)),
         drawn(40, 1),
         held[:20],
-        told(held[:20]),
+        estimates(held[:20]),
         np.full(4, 1e-4),
         stretches=3,
     )
-    assert few.distances(held[:20], told(held[:20])).max() == pytest.approx(1)
+    assert few.distances(held[:20], estimates(held[:20])).max() == pytest.approx(1)
     assert few.one_in == 4
 
 
 def test_sensors_and_outputs_that_never_move_do_no_harm() -> None:
-    """A sensor that stood still while training is one that is alarming when it moves."""
+    """A sensor that did not move during training causes an alarm when it moves."""
     states = np.column_stack([drawn(60, 1), np.ones(60)])
     readings = np.column_stack([touch(states[:, :2], 1), np.full(60, 0.25)])
     known = learnt(
@@ -210,7 +214,7 @@ def test_sensors_and_outputs_that_never_move_do_no_harm() -> None:
 
 
 def test_rounding_to_codes_alone_is_not_outside() -> None:
-    """Of readings that a plane explains to the last bit nothing else is left."""
+    """If a plane explains the readings completely, only the rounding is left."""
     states = drawn(60, 1)
     step, readings = 1e-3, states @ np.array([[1.0, 0.5, 0.0], [0.0, 0.5, 1.0]])
     parts = readings[:30], states[:30], readings[30:], states[30:]
@@ -298,7 +302,7 @@ def test_the_command(scene: Scene) -> None:
     assert result.returncode == 0, result.stderr
     assert "2 of 2 rows are outside the 30 rows that trained" in result.stdout
     assert "of rows like the 30 that set the limit about 1 in 31 is too" in result.stdout
-    # These networks were drawn at random: what they give for the first row no target was.
+    # These networks are random, so their outputs for the first row are unlike any target.
     rows = out.read_text().splitlines()
     assert "y1 below" in rows[1]
     assert UNLIKE not in rows[1]

@@ -1,4 +1,4 @@
-"""make scene: what it says of readings, and the scene that it writes."""
+"""Tests make scene: what it says of readings, and the scene that it writes."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ ROOT = Path(__file__).parents[1]
 RNG = np.random.default_rng(3)
 PLACE = RNG.uniform(0.1, 0.9, 60)
 FORCE = RNG.choice([0.2, 0.4, 0.6], 60)
-# Three sensors, force and place; nothing is wrong with them.
+# Readings of three sensors with force and place, without faults.
 TABLE = {
     **{
         f"s{k}": FORCE * np.exp(-(((PLACE - at) / 0.3) ** 2)) + RNG.normal(0, 0.002, 60)
@@ -52,7 +52,7 @@ def text_of(table: dict[str, object], sign: str = ",", point: str = ".") -> str:
 
 
 def look(folder: Path, outputs: str = "force,place", **changed: object) -> Survey:
-    """The survey of the readings with some columns changed or added."""
+    """The survey of the readings, with some columns changed or added."""
     path = folder / "rig.csv"
     path.write_text(text_of(TABLE | changed), encoding="utf-8")
     return survey(read_csv_file(path), names_of(outputs))
@@ -79,7 +79,7 @@ def clipped() -> np.ndarray:
 
 
 def halves() -> dict[str, object]:
-    """Every second row the mean of its neighbours."""
+    """Columns in which every second row is the mean of its neighbours."""
     changed = {}
     for name in ("s1", "s2", "s3"):
         values = TABLE[name].round(3)
@@ -219,7 +219,7 @@ def test_a_mark_and_empty_lines_do_no_harm(tmp_path: Path, mark: str) -> None:
 
 
 def test_the_interpolated_rows_of_the_digit_are_seen() -> None:
-    """Every second row of sensors 1 to 3 was interpolated; sensor 4 was read in each."""
+    """Every second row of sensors 1 to 3 was interpolated. Sensor 4 was read in every row."""
     scene = load_scene("digit")
     assert len(readings.on_lines(scene.vectors().inputs)) == 62
     page = (ROOT / "docs" / "tutorial.md").read_text()
@@ -274,7 +274,7 @@ def test_interpolated_rows_are_held_out_in_blocks(tmp_path: Path) -> None:
 
 
 def test_raw_units_are_scaled(tmp_path: Path) -> None:
-    """Any column beyond the codes: of a sensor, or of an output."""
+    """This holds for any column beyond the codes, of a sensor or of an output."""
     assert not scene_of(tmp_path).scale
     for folder, changed in (("a", {"s2": TABLE["s2"] * 4095}), ("b", {"place": PLACE * 300})):
         (tmp_path / folder).mkdir()
@@ -290,7 +290,7 @@ def test_raw_units_are_scaled(tmp_path: Path) -> None:
 def test_the_noise_that_it_names_is_one_of_such_readings(
     tmp_path: Path, unit: float, decimals: int, noise: float
 ) -> None:
-    """In their unit; not below their last decimal, nor what a scene cannot have."""
+    """It is in their unit, at least their last decimal, and within the range of a scene."""
     sensors = {name: (TABLE[name] * unit).round(decimals) for name in ("s1", "s2", "s3")}
     path = scene_of(tmp_path, **sensors).path
     text = path.read_text()
@@ -398,7 +398,7 @@ def test_words_that_cannot_be(words: list[str], message: str) -> None:
 
 
 def test_an_editor_finds_the_schema_of_what_is_written(tmp_path: Path) -> None:
-    """By the first line, from the folder of the scene on; and marks nothing in it."""
+    """The first line names the schema relative to the scene, which has no marked faults."""
     path = tmp_path / "rig.toml"
     write_scene(look(tmp_path), path)
     text = path.read_text()

@@ -1,4 +1,4 @@
-"""docs/error-against-run-time.md: its records are of today's code, and each default is the best."""
+"""Tests docs/error-against-run-time.md: its records are current, and each default is the best."""
 
 from __future__ import annotations
 
@@ -19,28 +19,28 @@ from golden.scene.schema import TRAINING
 from golden.scene_errors import scene_errors
 from tb.report.draw.findings import number, rows_of
 from tb.report.draw.run_time import SETTLING, network_rows, rounded
-from tb.report.measure import recorded
+from tb.report.measure import table_records
 from tb.report.measure.costs import with_activation_cells, with_network_cells
-from tb.report.measure.engines import SCENE
+from tb.report.measure.simulators import SCENE
 from tb.report.measure.table import Cell, Table
 from tb.report.page import run_time
 
 SVG = "{http://www.w3.org/2000/svg}"
-# Of the records those that are measured anew in every run, and end alike on every machine.
+# These records are measured again in every run, and end alike on every machine.
 COMPARED = ("series", "plate", "swing", "swing_damping", "iterations")
-# Below it errors of integration differ by a factor of 2.2 between processors, and by 2 % above.
+# Smaller errors of integration differ by a factor of 2.2 between processors, larger ones by 2 %.
 FINE = 1e-9
 
 
 @pytest.fixture(scope="module")
 def tables() -> run_time.Tables:
-    """What is recorded."""
-    return {name: recorded.read(name) for name in recorded.FOR_PAGES}
+    """The recorded tables."""
+    return {name: table_records.read(name) for name in table_records.FOR_PAGES}
 
 
 @pytest.fixture(scope="module")
 def measured(shared: Shared) -> dict[str, Table]:
-    """What is measured in every run."""
+    """The tables that are measured in every run."""
     return shared.tables()
 
 
@@ -78,7 +78,7 @@ def test_a_record_of_other_figures_is_found_out() -> None:
 def test_the_recorded_descents_begin_where_todays_do(
     tables: run_time.Tables, measured: dict[str, Table]
 ) -> None:
-    """Where they end is a range that the page shows: a last bit turns them."""
+    """The page shows where they end as a range, because a last bit changes that."""
 
     def starts(table: Table) -> list[tuple]:
         rows = rows_of(table, evaluations=1)
@@ -97,18 +97,18 @@ def test_every_simulator_played_the_frames_of_the_default_scene(tables: run_time
     frames = len(scene.vectors().codes)
     worst = {k: max(e.mean for e in found) for k, found in scene_errors(scene).items()}
     for row in rows:
-        kind = "float" if str(row["engine"]).startswith("float") else "bit-true"
+        kind = "float" if str(row["simulator"]).startswith("float") else "bit-true"
         error = number(row, "mean error %, worst output")
         assert error == pytest.approx(worst[kind], rel=ROUNDING)
-        assert row["frames"] == frames or "repeated" in str(row["engine"])
+        assert row["frames"] == frames or "repeated" in str(row["simulator"])
     compared = [number(row, "values compared, all equal") for row in rows[3:]]
     assert min(compared) >= frames * len(scene.outputs)
     for start in run_time.SHOWS:
-        assert any(str(row["engine"]).startswith(start) for row in rows), start
+        assert any(str(row["simulator"]).startswith(start) for row in rows), start
 
 
 def test_every_time_is_of_one_machine() -> None:
-    assert recorded.machine() in run_time.PAGE.read_text(encoding="utf-8")
+    assert table_records.machine() in run_time.PAGE.read_text(encoding="utf-8")
 
 
 def test_the_page_shows_every_picture_and_nothing_else_lies_there() -> None:

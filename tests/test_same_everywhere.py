@@ -1,4 +1,4 @@
-"""What ends in hardware is the same on every machine; docs/formats.md says how."""
+"""The constants of hardware are the same on every machine. docs/formats.md says how."""
 
 from __future__ import annotations
 
@@ -35,16 +35,16 @@ from golden.visualisation.exp_memory import exp_memory
 
 ROOT = Path(__file__).parents[1]
 
-# What other machines have or lack, as environment variables that this one understands.
+# Environment variables that make this machine compute as others.
 SETTINGS = possible_settings()
-# Of each library the one farthest from a new processor; ALL=1 tries every one.
+# For each library, the setting that differs most from a new processor. ALL=1 tries all settings.
 OLDEST = {"numpy-sse", "openblas-prescott", "glibc-sse"}
 
 IN_TESTS = {"PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests")])}
 
 
 def run(setting: dict[str, str], *arguments: str) -> list[str]:
-    """The lines that a Python program prints with these of the variables of ``SETTINGS`` alone."""
+    """The lines that a Python program prints with only these variables of ``SETTINGS`` set."""
     varied = {name for one in SETTINGS.values() for name in one}
     kept = {name: value for name, value in os.environ.items() if name not in varied}
     done = subprocess.run(
@@ -71,12 +71,12 @@ def test_constants_do_not_hang_on_the_processor(setting: str) -> None:
 
 
 def test_no_function_with_a_last_bit_of_its_own_is_called() -> None:
-    """Whether one would change a word or not."""
+    """None may be called, even if it would not change a word."""
     assert run({}, exported_constants.__file__, "--defined-only") == here()
 
 
 def test_an_export_calls_none_either(tmp_path: Path) -> None:
-    """MyHDL included. The words of this scene are beyond 2**30, where it sizes literals."""
+    """This includes MyHDL. The words of this scene are above 2**30, where it sizes literals."""
     program = f"""
 import myhdl, exported_constants
 exported_constants.refuse_undefined()
@@ -91,7 +91,7 @@ for language in ("vhdl", "verilog"):
 
 @pytest.mark.parametrize("bits", range(31, 63))
 def test_a_large_literal_is_sized_by_its_bits(bits: int) -> None:
-    """A sign besides. By a logarithm 2**31 - 1 gets a bit more, and with another last bit not."""
+    """A sign bit is added. A logarithm would give 2**31 - 1 one bit more on some machines."""
     assert hdl.export.elaborate
     ones = (1 << bits) - 1
     assert _toVerilog._intRepr(ones) == f"{bits + 1}'h{ones:x}"
@@ -116,7 +116,7 @@ print(numpy.floor(1.5), math.ldexp(1.0, 3))
 
 
 def test_the_settings_do_change_last_bits() -> None:
-    """Otherwise the comparison above would compare nothing."""
+    """Otherwise the comparison above would have no effect."""
     program = """
 import hashlib, math, numpy
 x = numpy.linspace(0, 4, 10001)
@@ -144,7 +144,7 @@ def test_the_digests_hold_every_scene_and_every_table() -> None:
     assert repr(memory.words) in exported_constants.constants(memory)
 
 
-# Results of mpmath with this many bits are off by less than 2**-100.
+# Results of mpmath with so many bits have an error of less than 2**-100.
 ORACLE_BITS = 120
 
 
@@ -158,7 +158,7 @@ def test_tanh_of_every_code_is_rounded_down() -> None:
 
 
 def test_words_of_tanh_and_exp_are_the_nearest() -> None:
-    """By far: no word is within 2**-20 of a unit of where the next one would be nearer."""
+    """No word is within 2**-20 of a unit of the border at which the next one would be nearer."""
     lut = lut_for(EXACT, 1, EXACT.hidden_fmt.high).words
     memory = exp_memory(10, 6, 17).words
     assert (len(lut), len(memory)) == (128, 1024)
@@ -191,13 +191,13 @@ def nearest(value: Fraction) -> int:
 
 
 def code(value: Fraction, fmt: Fix) -> int:
-    """As ``Fix.quantise``, of a fraction."""
+    """The code of a fraction, as ``Fix.quantise`` would give it."""
     return min(max(nearest(value * 2**fmt.frac), fmt.low), fmt.high)
 
 
 @pytest.mark.parametrize("precision", PRECISIONS.values(), ids=lambda p: p.name)
 def test_gradients_are_those_of_exact_fractions(precision: Precision) -> None:
-    """For every Q, halves included."""
+    """This holds for every Q, halves included."""
     width, limit = precision.coeff_width, precision.gradient_frac_limit
     for factor in range(1, 900):
         real = [Fraction(str(g)) * factor for g in GRADIENT]

@@ -1,4 +1,4 @@
-"""What CI draws of ALL=1: the same for the same tree, another for another, and all in the end."""
+"""Tests the sample of ALL=1: a tree always draws the same tests, and all are drawn in time."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def test_a_test_that_was_never_timed_is_drawn_too() -> None:
 
 
 def test_a_run_names_what_it_has_drawn() -> None:
-    """Of one test, with time for all of it."""
+    """The run is on one test, with enough time for all of it."""
     environment = {k: v for k, v in os.environ.items() if not k.startswith("PYTEST")}
     command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-n", "1"]
     said = subprocess.run(

@@ -1,4 +1,4 @@
-"""Outputs that saturate: make check and make vhdl say so, before a board shows nothing else."""
+"""Tests that make check and make vhdl warn of outputs that saturate."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from hdl.export.__main__ import export_scene
 from tb.common.cases import random_mlp, write_scene
 
 RIGHT = random_mlp((3, 5, 2), 1.0, 2)
-# Networks that the formats hold, and the outputs that say nothing.
+# Networks that fit the formats, and their outputs that always saturate.
 WRONG = {
     "weights of 100": (replace(RIGHT, w2=np.full((2, 5), 100.0)), ["y0", "y1"]),
     "all weights of 100": (Mlp(*(np.full(a.shape, 100.0) for a in vars(RIGHT).values())), "both"),
@@ -78,7 +78,7 @@ def test_no_shipped_scene_saturates() -> None:
 
 
 def test_networks_that_are_not_there_yet_do_not_saturate(tmp_path: Path) -> None:
-    """What stands in for them has random weights."""
+    """Networks with random weights take their place, and must not cause a warning."""
     scene = scene_of(tmp_path, RIGHT)
     scene.weights_paths[0].unlink()
     assert not warned(load_scene(str(scene.path)), tmp_path / "build")

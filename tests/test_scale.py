@@ -1,4 +1,4 @@
-"""Raw units: what codes stand for, where "auto" comes from, and readings outside the codes."""
+"""Tests raw units: what codes stand for, the scale "auto", and readings outside the codes."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from hdl.export import __main__ as export
 from tb.common.cases import random_mlp, write_scene
 from tb.demo import length_lines
 
-# Of x0, x1, x2, y0, y1; an output whose error is relative to its target keeps 0 where it is.
+# The scales of x0, x1, x2, y0, y1. An output with a relative error keeps its 0.
 SCALES = [Scale(2.5, 2.5), Scale(), Scale(-300.0, 40.0), Scale(0.0, 25.0), Scale(60.0, 70.0)]
 TEXT = """scale = { x0 = { offset = 2.5, factor = 2.5 }, x2 = { offset = -300, factor = 40.0 }, \
 y0 = { factor = 25 }, y1 = { offset = 60, factor = 70 } }
@@ -36,8 +36,10 @@ full_scale = { y1 = 70 }
 
 
 def in_units(folder: Path, rows: int = 12, keys: str = TEXT) -> Scene:
-    """A 3:5:2 scene whose recordings are in raw units; its network is the one of ``signal_scene``
-    on readings."""
+    """A 3:5:2 scene with recordings in raw units.
+
+    Its network is that of ``signal_scene``, converted to take readings.
+    """
     mlp = on_readings(random_mlp((3, 5, 2), 1.0, 1), SCALES[:3], SCALES[3:])
     path = write_scene(folder, "raw", "exact", [mlp], rows=rows)
     csv = path.with_suffix(".csv")
@@ -50,14 +52,14 @@ def in_units(folder: Path, rows: int = 12, keys: str = TEXT) -> Scene:
 
 
 def signal_scene(folder: Path) -> Scene:
-    """The same recordings and the same network without units."""
+    """The same recordings and the same network, without units."""
     path = write_scene(folder, "plain", "exact", [random_mlp((3, 5, 2), 1.0, 1)])
     path.write_text(path.read_text().replace('group_by = "y0"\n', "full_scale = { y1 = 1 }\n"))
     return load_scene(str(path))
 
 
 def test_the_ends_of_a_range() -> None:
-    """An ADC of 0 to 5 V."""
+    """The example is an ADC of 0 to 5 V."""
     scale = [Scale(2.5, 2.5)]
     assert signals(np.array([[0.0], [2.5], [5.0]]), scale).ravel().tolist() == [-1, 0, 1]
     assert readings(np.array([[-1.0], [0.0], [0.5]]), scale).ravel().tolist() == [0, 2.5, 3.75]
@@ -109,7 +111,7 @@ def test_outputs_and_errors_in_units(tmp_path: Path) -> None:
     codes = np.array([[SIGNAL.low, 0], [4096, SIGNAL.low]])
     assert scene.outputs_in_units(codes).tolist() == [[-25, 60], [12.5, -10]]
     assert scene.codes_of(np.array([[0.0, 0.5, -280.0]])).tolist() == [[SIGNAL.low, 4096, 4096]]
-    # Errors against a full scale of 70: a hundredth of them in % is a 0.7 in the unit.
+    # The errors are relative to a full scale of 70, so 1 % is 0.7 in the unit.
     percent = scene_errors(scene)["bit-true"][1]
     assert unit_errors(scene)["y1"].mean == pytest.approx(0.7 * percent.mean)
     assert [line.split("  ")[0] for line in length_lines(scene)] == ["y0 in g", "y1 in its unit"]
@@ -140,13 +142,13 @@ def test_auto_is_that_of_the_training_rows_and_stands_in_the_provenance(tmp_path
     lines = scene.data_path.read_text().splitlines()
     row = int(split.test[0])
     cells = lines[row + 1].split(",")
-    # Far beyond what the training rows hold, in a sensor and in an output.
+    # These values are far beyond those of the training rows, in a sensor and in an output.
     lines[row + 1] = ",".join([*cells[:2], "900", "80", cells[4]])
     scene.data_path.write_text("\n".join(lines))
     again = trained(scene, tmp_path / "build")
     told = tomllib.loads(provenance_path(again.weights_paths[0]).read_text())["scale"]
     assert list(told) == ["x0", "x1", "x2", "y0", "y1"]
-    # What an export depends on.
+    # An export depends on these files.
     assert provenance_path(again.weights_paths[0]) in again.files
     assert {n: Scale(**s) for n, s in told.items()} == again.known_scales
     x2, y0 = again.scales(["x2", "y0"])
@@ -166,7 +168,7 @@ def test_what_is_trained_in_units_errs_as_its_provenance_says(tmp_path: Path) ->
     errors = 100 * np.abs(task.bit_true(again.mlps()[0], frames) - frames.targets) / frames.scale
     rms = np.sqrt((errors**2).mean())
     assert provenance["test_rms_percent"] == pytest.approx(rms, abs=1e-4)
-    # The file maps readings to units: without its scene too.
+    # The file maps readings to units, even without its scene.
     file = load_network(again.weights_paths[0], (3, 5, 2))
     raw = readings(again.vectors().inputs, again.scales(again.sensors))
     assert np.allclose(
@@ -177,7 +179,7 @@ def test_what_is_trained_in_units_errs_as_its_provenance_says(tmp_path: Path) ->
 
 @pytest.mark.parametrize("column", ["x0", "x2"])
 def test_training_works_with_what_the_readings_cover(tmp_path, monkeypatch, column: str) -> None:
-    """Of a converter whose range is a hundred times theirs; a column without a scale stays."""
+    """The range of the converter is a hundred times larger. A column without scale stays."""
     adc = f"scale = {{ {column} = {{ factor = 400 }}, y0 = 'auto', y1 = 'auto' }}\n"
     scene = in_units(tmp_path, rows=40, keys=adc + "full_scale = { y0 = 25, y1 = 70 }\n")
     lines = [line.split(",") for line in scene.data_path.read_text().splitlines()]
@@ -195,7 +197,7 @@ def test_training_works_with_what_the_readings_cover(tmp_path, monkeypatch, colu
     c = ["x0", "x1", "x2"].index(column)
     covered[:, c] = signals(inputs[:, [c]], [range_scale(inputs[:, c])]).ravel()
     assert np.ptp(inputs[:, c]) < 0.02 < 1 < np.ptp(covered[:, c])
-    # The output biases were shifted afterwards.
+    # The output biases are shifted after the training.
     moved = mlp.process(inputs, scene.scheme.real) - start.process(covered, scene.scheme.real)
     assert np.ptp(moved, axis=0) == pytest.approx([0, 0], abs=1e-12)
 
@@ -210,7 +212,7 @@ def test_auto_without_its_provenance_says_what_to_do(tmp_path: Path) -> None:
         scene.vectors()
     again = trained(scene, tmp_path / "build")
     assert again.vectors().codes.shape == (40, 3)
-    # Another network in place of the one that the provenance is about.
+    # Another network replaces the one that the provenance describes.
     provenance = provenance_path(again.weights_paths[0])
     told = provenance.read_text()
     save_network(again.weights_paths[0], random_mlp((3, 5, 2), 1.0, 2), {})
@@ -270,7 +272,7 @@ def test_a_fault_in_a_scale_is_named(small_scene: Scene, keys: str, message: str
 
 
 def with_readings(scene: Scene, column: int, values: list[str]) -> Scene:
-    """The scene with other cells at the head of a column."""
+    """The scene with other cells at the top of a column."""
     lines = [line.split(",") for line in scene.data_path.read_text().splitlines()]
     for line, value in zip(lines[1:], values, strict=False):
         line[column] = value

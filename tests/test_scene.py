@@ -1,4 +1,4 @@
-"""Faults of scenes, CSV files and networks: each gets one clear message."""
+"""Tests that each fault of a scene, a CSV file or a network gets one clear message."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from golden.table import read_table
 
 
 def edited(scene: Scene, old: str, new: str) -> str:
-    """The scene's file with one text replaced; its path."""
+    """Replace a text in the file of the scene, and return its path."""
     text = scene.path.read_text()
     assert old in text
     scene.path.write_text(text.replace(old, new))
@@ -148,7 +148,7 @@ def test_a_fault_in_a_scene_names_file_key_and_what_was_expected(
 
 @pytest.mark.parametrize("other", ["./a.npz", "b/../a.npz", "link.npz"])
 def test_two_networks_in_one_file_are_refused(small_cascade: Scene, other: str) -> None:
-    """However the file is named: one would overwrite the other."""
+    """This holds for every name of the file, because one network would overwrite the other."""
     small_cascade.path.with_name("link.npz").symlink_to("a.npz")
     names = '["chain.npz", "chain-1.npz", "chain-2.npz"]'
     path = edited(small_cascade, names, f'["chain.npz", "a.npz", "{other}"]')

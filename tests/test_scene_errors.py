@@ -1,4 +1,4 @@
-"""Errors of a scene: which rows are held out, and what noise and drift of the sensors do."""
+"""Tests the errors of a scene: which rows are held out, and the effect of noise and drift."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def scene(tmp_path: Path) -> Path:
 
 
 def write_provenance(scene: Path, *leave_out: str) -> None:
-    """What training tells of a scene as it is, but for some keys."""
+    """Write the provenance that training would write for a scene, without some keys."""
     loaded = load_scene(str(scene))
     story = split_story(loaded) | {"network": loaded.describe()}
     lines = [f"{key} = {value!r}\n" for key, value in story.items() if key not in leave_out]
@@ -100,13 +100,13 @@ def other_split(scene: Path) -> None:
 
 
 def other_rows(scene: Path) -> None:
-    """A row more in the file than there were."""
+    """Add a row to the file."""
     data = scene.parent / "appendix2.csv"
     data.write_text(data.read_text() + data.read_text().splitlines()[-1] + "\n")
 
 
 def other_network(scene: Path) -> None:
-    """Put where a trained one was, whose provenance stays."""
+    """Replace the trained network, and keep its provenance."""
     member = load_scene(str(scene)).members[0]
     story = provenance(scene).read_text()
     save_network(member.weights_path, random_mlp((4, 5, 4), 0.1, 1), {})
@@ -172,7 +172,7 @@ def test_without_a_disturbance_the_errors_are_those_recorded() -> None:
     ids=["noise", "gain", "offset"],
 )
 def test_the_errors_are_the_mean_of_whole_recordings(disturbance: Disturbance) -> None:
-    """Within five standard deviations of the mean of as many recordings as tell them apart."""
+    """They agree within five standard deviations of the mean over many recordings."""
     scene = load_scene("digit")
     vectors, rng = scene.vectors(), np.random.default_rng(5)
     means = []
@@ -206,7 +206,7 @@ def test_a_scene_may_state_its_noise(scene: Path) -> None:
 
 
 def test_noise_and_drift_are_in_the_unit_of_the_readings(tmp_path: Path) -> None:
-    """Of a converter of -1024 to 1024: sizes are a thousand times as large, to two digits."""
+    """The converter gives -1024 to 1024, so sizes are a thousand times larger, to two digits."""
     scene = load_scene("digit-load")
     header, *lines = scene.data_path.read_text().splitlines()
     cells = [line.split(",") for line in lines]
@@ -232,7 +232,7 @@ def test_noise_and_drift_are_in_the_unit_of_the_readings(tmp_path: Path) -> None
         assert kind == kind_there
         same = kind in (NONE, "gain drift")
         assert size == (size_there if same else pytest.approx(1000 * size_there))
-        # 1000 of 1024 is 2.3 % less.
+        # 1000 instead of 1024 makes a difference of 2.3 %.
         assert error == pytest.approx(error_there, rel=1e-9 if same else 0.03)
 
 

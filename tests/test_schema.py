@@ -1,4 +1,4 @@
-"""The one declaration of a TOML file: its check, its schema for editors and its page agree."""
+"""Tests that the check, the schema for editors and the page of a TOML file agree."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ FILES = [
     *((BOARD, path) for path in sorted(BOARDS.glob("*.toml"))),
     *((RIG, path) for path in sorted(RIGS.glob("*.toml"))),
 ]
-# Of each type some, at the ends of spans and beyond, what is in no list of choices and what is.
+# Values of each type, at the ends of spans and beyond, and choices that exist or do not.
 VALUES: list[Any] = [
     *(True, False, -1, 0, 1, 7, 24, 25, 1024, 1025, 100_001, 1_000_001, -0.5, 0.5, 1.0001, 150.5),
     *(1e-5, 10_000.5, "", "a", "auto", "fewest", "scg", "engine", "exact", "mcp3208"),
@@ -50,7 +50,7 @@ def judged(text: str) -> list[str]:
 
 
 def sections(table: Table) -> Iterator[tuple[str, Key]]:
-    """Every key below, with its place; that of a table after those in it."""
+    """Every key within a table, with its place. A table comes after the keys in it."""
     for name, key in table.keys.items():
         if isinstance(key.kind, Table):
             yield from ((f"{name}.{inner}", below) for inner, below in sections(key.kind))
@@ -104,7 +104,7 @@ def test_an_editor_sees_what_the_check_refuses(
 
 @pytest.mark.parametrize(("name", "key"), KEYS, ids=lambda part: part if type(part) is str else "")
 def test_schema_and_check_agree(name: str, key: Key) -> None:
-    """On every value: none that goes is marked, and none that is refused by itself goes unseen."""
+    """They agree on every value: the schema marks just the values that the check refuses."""
     judge = Draft7Validator(key.kind.schema())
     for value in VALUES:
         found = list(key.kind.strangers(value, name)) or list(key.kind.faults(value, name))
@@ -115,7 +115,7 @@ def test_schema_and_check_agree(name: str, key: Key) -> None:
 
 @pytest.mark.parametrize(("name", "key"), KEYS, ids=lambda part: part if type(part) is str else "")
 def test_a_default_is_what_may_stand_there(name: str, key: Key) -> None:
-    """But for what stands for a key that is left out."""
+    """Values that stand for a missing key are an exception."""
     if key.default in (REQUIRED, None, "", [], {}) or (key.kind.absent and not key.default):
         return
     assert not [*key.kind.faults(key.default, name), *key.kind.outside(key.default, name)]
@@ -192,7 +192,7 @@ def test_misspelt_names_are_told_at_once(desk: Desk) -> None:
 
 
 def test_numbers_outside_are_told_with_what_does_not_go_together(desk: Desk) -> None:
-    """A clock that cannot be is told once, and no rate is worked out from it."""
+    """An invalid clock is reported once, and no rate is computed from it."""
     sections = "[front_end]\nrate_hz = 5\n[uart]\n[training]\npatience = 0\nseed = -1"
     desk.edit("[training]", sections)
     desk.edit('interface = "stream"', 'interface = "axi_stream"\nclock_mhz = nan')

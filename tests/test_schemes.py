@@ -1,4 +1,4 @@
-"""Every activation that a scene can name, over every code that it can meet."""
+"""Tests every activation that a scene can name, over every code that it can get."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from golden.input_error import InputError
 from golden.precision import SIGNAL, THESIS
 
 FORMS = forms()
-# Largest error against tanh and against the scheme in real arithmetic, in units of 2**-13.
+# The largest error against tanh, and against the scheme in real arithmetic, in units of 2**-13.
 BOUNDS = {
     "gradient": (134, 2.5),
     "gradient_parallel": (134, 2.5),
@@ -50,7 +50,7 @@ def test_error_over_every_code(name: str, precision, factor: int) -> None:
     value, slope = FORMS[name].real(q.reshape(2, -1))
     assert value.shape == slope.shape == (2, len(q) // 2)
     scheme = np.clip(value.ravel(), -1, block.real_result(block.out_fmt.high))
-    # The most negative code saturates, and at 0 the sign of zero may differ.
+    # The most negative code saturates, and the sign of the result at 0 may differ.
     inner = (codes > codes[0]) & (codes != 0)
     assert 8192 * np.abs(results - np.tanh(q)).max() <= BOUNDS[name][0]
     assert 8192 * np.abs(results - scheme)[inner].max() <= BOUNDS[name][1]
@@ -85,7 +85,7 @@ def test_what_is_out_of_reach_is_left_out_and_changes_nothing(name, precision, r
 
 @pytest.mark.parametrize("name", FORMS)
 def test_slope_of_the_real_scheme_is_its_rise(name: str) -> None:
-    """Away from the borders of segments, over a distance that a staircase does not resolve."""
+    """Slopes are compared away from borders, over a distance longer than the steps of a table."""
     q = np.linspace(-5, 5, 997)
     step = 3.5 / 128 / 2
     value = FORMS[name].real

@@ -1,4 +1,4 @@
-"""What blocks inside a design see is what the design computes with."""
+"""Tests that the recorded inputs of inner blocks are those with which the design computes."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def test_a_later_network_of_a_cascade_sees_earlier_outputs(small_cascade: Scene)
 
 
 def test_parts_of_the_activations_of_the_thesis() -> None:
-    """Of every neuron that has a part, in line; no code but those of recorded frames."""
+    """The inputs of all neurons with a part follow in order, and only for recorded frames."""
     scene = load_scene("digit-thesis")
     design, frames = scene.twin(), frames_of(scene)
     (sign,) = {gradient.sign_retriever for gradient in part_of(design, Gradient)}
@@ -63,6 +63,6 @@ def test_a_block_whose_inputs_are_no_numbers_is_refused(small_scene: Scene) -> N
     (controller,) = part_of(design, InputController)
     with pytest.raises(InputError, match=r"input_controller.*does not compute it on its own"):
         seen(design, controller, frames_of(small_scene))
-    # Nothing stays behind.
+    # The recording leaves nothing behind.
     (layer,) = part_of(design, InputIntegral)
     assert type(layer).process.__qualname__ == "InputIntegral.process"

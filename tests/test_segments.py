@@ -1,4 +1,4 @@
-"""The Gradient scheme's constants against the thesis and against their own claims."""
+"""Compares the constants of the Gradient scheme with the thesis and with their bounds."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ DATA = Path(segments.__file__).parents[1] / "data" / "thesis_numbers.toml"
 THESIS_TABLE = tomllib.loads(DATA.read_text())["activation"]["gradient"]
 FACTORS = [1, 2, 3, 5, 8, 16, 17, 18, 32, 100, 128, 511, 512]
 
-# Table 5.2 of the thesis, first and tenth row, headed g_n Q_j.
+# The first and the tenth row of Table 5.2 of the thesis, headed g_n Q_j.
 TABLE_5_2 = {
     16: (0.0582, 0.0374, 0.0225, 0.0148, 0.0086, 0.0051, 0.0028, 0.001, 0.0002),
     32: (0.0291, 0.0187, 0.0112, 0.0074, 0.0043, 0.0026, 0.0014, 0.0005, 0.0001),
@@ -33,7 +33,7 @@ def test_the_table_is_the_thesis_table() -> None:
 
 
 def test_binary_points_of_table_4_3() -> None:
-    """For Q = 3 every coefficient is rounded at the point that the thesis prints."""
+    """For Q = 3, every coefficient has the binary point that the thesis prints."""
     codes, frac = coefficient_codes(3, 14, 13)
     assert frac == 13
     for code, gradient, point in zip(
@@ -43,7 +43,7 @@ def test_binary_points_of_table_4_3() -> None:
 
 
 def test_thresholds_of_table_4_3_with_the_misprint_mended() -> None:
-    """sigma_6 is 2.05 / 3 = 0.683, not the printed 0.633; 1.05 and 1.333 are never exceeded."""
+    """sigma_6 is 2.05 / 3 = 0.683, not the printed 0.633. 1.05 and 1.333 are never exceeded."""
     table = gradient_for(THESIS, 3, SIGNAL.high).table
     printed = (0.167, 0.333, 0.4, 0.5, 0.6, 0.683, 0.817)
     assert [round(t / 8192, 3) for t in table.thresholds] == list(printed)
@@ -64,7 +64,7 @@ def test_table_5_2_holds_gradients_divided_by_q(q: int) -> None:
 
 @pytest.mark.parametrize(("width", "limit", "bound"), [(14, 13, 0.85), (18, 17, 0.25)])
 def test_coefficients_stay_exact_enough(width: int, limit: int, bound: float) -> None:
-    """Where a segment is used, its coefficient's error moves the product by less than ``bound``."""
+    """Within a segment, the error of its coefficient changes the product by less than ``bound``."""
     for factor in range(1, 900):
         codes, frac = coefficient_codes(factor, width, limit)
         assert max(codes) < 2**COEFF_WIDTH_LIMIT
@@ -74,7 +74,7 @@ def test_coefficients_stay_exact_enough(width: int, limit: int, bound: float) ->
 
 
 def test_largest_error_of_a_gradient_word() -> None:
-    """The figure of the datasheet, over every Q that ``thesis`` takes."""
+    """It is the figure of the datasheet, over every Q that ``thesis`` accepts."""
     with pytest.raises(InputError, match=r"thresholds .* coincide|leaves"):
         gradient_for(THESIS, 1967, SIGNAL.high)
     worst = 0.0
@@ -87,7 +87,7 @@ def test_largest_error_of_a_gradient_word() -> None:
 
 
 def test_a_word_is_rounded_once_at_the_coarser_point() -> None:
-    """The words that g_memory.md gives for Q = 24, from its rule in exact arithmetic."""
+    """Compares the words of g_memory.md for Q = 24 with its rule in exact arithmetic."""
     exact = [Fraction(str(gradient)) * 24 for gradient in segments.GRADIENT]
     own = [max(p for p in range(14) if int(g * 2**p + Fraction(1, 2)) < 2**13) for g in exact]
     common = max(p for p in range(14) if int(max(exact) * 2**p + Fraction(1, 2)) < 2**17)

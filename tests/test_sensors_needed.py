@@ -1,4 +1,4 @@
-"""Which sensors an output needs: found by training without them, on rows that took no part."""
+"""Tests which sensors an output needs, by training without them and by held-out rows."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from golden.rig.sensors_needed import (
 )
 from golden.scene import load_scene
 from golden.training.split import Split, split_rows
-from tb.report.measure import recorded, sensors_dropped
+from tb.report.measure import sensors_dropped, table_records
 from tb.report.measure.table import Table
 from tb.report.page import left_out as page
 
@@ -29,7 +29,7 @@ ROWS = 120
 
 
 def made(*sensors: str) -> Recording:
-    """Sensors a and b, a copy of a, or noise; y follows both a and b, z follows b alone."""
+    """Sensors a and b, a copy of a, or noise. y depends on a and b, and z only on b."""
     rng = np.random.default_rng(5)
     a, b, noise = rng.uniform(-1, 1, (3, ROWS))
     columns = {"a": a, "b": b, "copy": 2 * a + 1, "noise": noise}
@@ -49,7 +49,7 @@ def test_a_sensor_of_noise_is_not_needed_and_the_others_are(splits: list[Split])
     means = {step.dropped: step.errors.mean.mean(axis=0) for step in (whole, *without)}
     assert (means["noise"] < 2).all()
     assert (means[""] < 2).all()
-    # z does not follow a.
+    # z does not depend on a.
     assert means["a"][0] > 20
     assert means["a"][1] < 2
     assert (means["b"] > 10).all()
@@ -69,7 +69,7 @@ def test_of_two_that_tell_the_same_one_is_needed(splits: list[Split]) -> None:
     assert max(alone["a"], alone["copy"]) < 2
     order = one_after_another(recording, splits, QUICK, known=each)
     assert order[1].dropped in ("a", "copy")
-    # It is what was trained before, not trained again.
+    # The result of the earlier training is used again.
     assert any(order[1] is step for step in each)
     assert order[2].errors.mean.max() > 20
 
@@ -125,7 +125,7 @@ def test_a_scene_gives_its_recording_and_its_splits() -> None:
 
 @pytest.fixture(scope="module")
 def dropped() -> Table:
-    return recorded.read("sensors_dropped")
+    return table_records.read("sensors_dropped")
 
 
 def test_the_table_has_every_sensor_left_out_and_every_number_of_sensors() -> None:
@@ -156,7 +156,7 @@ def test_a_table_has_the_printed_errors_at_their_hidden_nodes() -> None:
 
 
 def test_the_headline_names_the_fewest_sensors_that_do(dropped: Table) -> None:
-    """Made of rows in which two sensors are as good as three, and one is not."""
+    """In these rows, two sensors are as good as three, and one sensor is not."""
     columns, worst = list(dropped.columns), sensors_dropped.WORST
     each, order = sensors_dropped.EACH, sensors_dropped.IN_ORDER
     rows = [

@@ -1,4 +1,4 @@
-"""What each sensor tells: a channel of noise is named, and none that matters."""
+"""Tests that a channel of noise is named as useless, and no sensor that contributes."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ OUTPUTS = ("force", "place")
 
 
 def rail(folder: Path, rows: slice = slice(None), **added: np.ndarray) -> Scene:
-    """The tutorial's rail with further channels."""
+    """The rail of the tutorial, with further channels."""
     table = read_table(RAIL, [*SENSORS, *OUTPUTS])
     columns = np.column_stack([*added.values(), table])[rows]
     write_table(folder / "rig.csv", [*added, *SENSORS, *OUTPUTS], columns, 4)
@@ -37,7 +37,7 @@ def rail(folder: Path, rows: slice = slice(None), **added: np.ndarray) -> Scene:
 
 
 def noise(seed: int, rows: int = 85) -> np.ndarray:
-    """The counts of a channel with nothing connected."""
+    """The counts of a channel to which nothing is connected."""
     return np.random.default_rng(seed).integers(1987, 2106, rows).astype(float)
 
 
@@ -87,7 +87,7 @@ def test_past_samples_belong_to_their_sensor() -> None:
 
 
 def test_a_sensor_that_corrects_others_is_not_named(tmp_path: Path) -> None:
-    """A temperature on which every gain hangs follows from no output."""
+    """The example is a temperature that changes every gain but depends on no output."""
     warm = np.random.default_rng(4).uniform(-1, 1, 85)
     table = read_table(RAIL, [*SENSORS, *OUTPUTS])
     scene = rail(tmp_path, warm=warm)

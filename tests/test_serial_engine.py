@@ -1,4 +1,4 @@
-"""The engine without a multiplier: the same results, one bit of every operand at a time."""
+"""Tests that the engine without a multiplier gives the same results, bit by bit."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def test_a_frame_is_computed_within_a_scan(name: str) -> None:
 @pytest.mark.parametrize("segment_width", [7, 8, 9])
 @pytest.mark.parametrize("kind", Kind)
 def test_the_planes_make_the_product(kind: Kind, segment_width: int) -> None:
-    """Over all planes, or in that of the number one, what is added up is the operand."""
+    """The sum over all planes, or over that of the number one, is the operand."""
     rng = np.random.default_rng(4)
     words = rng.integers(WORD.low, WORD.high + 1, 2000)
     words[:4] = WORD.low, WORD.high, 0, -1
@@ -75,7 +75,7 @@ def test_the_planes_make_the_product(kind: Kind, segment_width: int) -> None:
 
 
 def reads(serial: Engine) -> list[tuple[int, int]]:
-    """Every word that is read for a frame, clock by clock, and its plane."""
+    """Every word that is read for a frame, clock by clock, with its plane."""
     memory = serial.replay_memory
     clocks = serial.output_clocks[-1]
     words, planes, _ = memory.process(np.ones(clocks), np.zeros(clocks), np.zeros(clocks))
@@ -106,7 +106,7 @@ def test_no_operand_is_read_too_early(name: str) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_passes_leave_out_zeros_alone(name: str) -> None:
-    """Every term is read in each plane in which its operand has bits; one in no other."""
+    """A term is read in each plane in which its operand has bits, and in no other."""
     serial = engine(name, "serial")
     seen: dict[tuple[int, int], list[int]] = defaultdict(list)
     neuron = -1
@@ -168,7 +168,7 @@ def test_with_a_front_end_the_budget_is_what_a_scan_leaves(tmp_path) -> None:
     for width, serial in ((11, True), (8, False)):
         section = f"\n[front_end]\ncounter_width = {width}\n"
         found = budgeted(tmp_path, "", section)
-        # Two slots, in each of which a sample is taken at the same place.
+        # There are two slots, and in each the sample is taken at the same place.
         assert found.budget == (1 << width) // 2 - 1
         assert found.serial is serial
         assert found.output_clocks[-1] <= found.budget

@@ -1,4 +1,4 @@
-"""That the comparison of pages with measured figures finds wrong figures, and only those."""
+"""Tests that the comparison of pages with measurements finds wrong figures, and only those."""
 
 from __future__ import annotations
 

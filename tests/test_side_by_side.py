@@ -1,4 +1,4 @@
-"""The table with which ``make demo`` ends has the figures of its scenes and of the thesis."""
+"""The table at the end of ``make demo`` has the figures of its scenes and of the thesis."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def table(scenes: list[Scene]) -> list[str]:
 
 
 def found(scene: Scene, **others: Any) -> dict[str, Any]:
-    """What the benches might have found."""
+    """Possible results of the benches."""
     facts = {"clocks_per_frame": 12345, "interval": 54321, "frames": 10, "seconds": 2.0}
     blocks = {"abs_unit": {simulator: [1, 70] for simulator in SIMULATORS}}
     results = {"benches": 9, "kept": 0, "left": 0, "recorded": [], "failed": 0, "compared": 987654}
@@ -41,7 +41,7 @@ def found(scene: Scene, **others: Any) -> dict[str, Any]:
 
 
 def row(table: list[str], name: str) -> str:
-    """What stands behind the first cell of the line that begins so."""
+    """The text after the first cell of the line with this name."""
     (line,) = [line for line in table if line.strip().startswith(name + "  ")]
     return line.strip().removeprefix(name)
 
@@ -112,7 +112,7 @@ def test_scenes_that_are_no_match_are_refused(scenes: list[Scene]) -> None:
 
 @pytest.fixture
 def ran(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, bool]]:
-    """The scenes that a demo simulates and whether all of each; nothing is simulated."""
+    """Lists the scenes that a demo would simulate, and whether completely."""
     asked: list[tuple[str, bool]] = []
 
     def simulate(scene: Scene, full: bool) -> dict[str, Any]:
@@ -147,7 +147,7 @@ def test_what_is_left_to_full_is_said(scenes: list[Scene]) -> None:
 def test_the_demo_says_what_it_does_from_the_start(
     desk: Desk, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
 ) -> None:
-    """Before it reads a scene, and before it exports one."""
+    """It says so before it reads a scene, and before it exports one."""
 
     def read(name: str) -> Scene:
         assert capfd.readouterr().out == "demo: reading mine.toml\n"

@@ -1,4 +1,4 @@
-"""Canonical signed digits: the number that they stand for, and that no form has fewer."""
+"""Tests canonical signed digits: they give the right number, and no form has fewer."""
 
 from itertools import pairwise
 
@@ -21,7 +21,7 @@ def test_no_two_stand_side_by_side(number):
 
 
 def test_no_other_form_has_fewer():
-    """Of all numbers that so many digits of ten places make, none is written with more."""
+    """No number that so many digits in ten places can form is written with more digits."""
     fewest = {0: 0}
     for count in range(1, 6):
         for number in list(fewest):
@@ -41,7 +41,7 @@ def test_an_array_has_the_counts_of_its_numbers(number):
 
 @given(st.floats(-1000, 1000), st.integers(0, 5))
 def test_no_number_of_so_few_digits_is_nearer(value, most):
-    """Of all below twice as much."""
+    """It is compared with all numbers below twice its value."""
     (found,) = nearest_with(np.array([value]), most)[most]
     assert len(signed_digits(int(found))) <= most
     numbers = np.arange(-2048, 2049)

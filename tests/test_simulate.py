@@ -1,4 +1,4 @@
-"""How a bench is started: it touches nothing outside of its run, and turns red wherever it must."""
+"""Tests how a bench is started: it changes nothing outside of its run, and fails if it must."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ HEAD = "import json, os, pathlib, cocotb, cocotb.triggers\n\n"
 
 @pytest.fixture(params=SIMULATORS)
 def wire(request: pytest.FixtureRequest, tmp_path: Path) -> Run:
-    """An entity that is a wire, whose bench ``bench.py`` a test writes into the same folder."""
+    """A run of an entity that is a wire. A test writes its bench ``bench.py`` into the folder."""
     for name, text in ((f"{ENTITY}.vhd", VHDL.replace("wire", ENTITY)), (f"{ENTITY}.v", VERILOG)):
         (tmp_path / name).write_text(text)
     if request.param == "ghdl":
@@ -44,7 +44,7 @@ def wire(request: pytest.FixtureRequest, tmp_path: Path) -> Run:
 
 
 def play(run: Run, bench: str, **environment: str) -> tuple[bool, str]:
-    """What became of a bench, and its log."""
+    """Whether a bench passed, and its log."""
     folder = run.library
     (folder / "bench.py").write_text(HEAD + bench)
     given = {"PATH": os.environ["PATH"], "PYTHONPATH": str(folder)} | environment

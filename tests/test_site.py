@@ -1,4 +1,4 @@
-"""make docs: the site has what it promises, and every link inside it leads somewhere."""
+"""Tests make docs: the site is complete, and every link inside it leads somewhere."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from test_docs import HEADINGS, SHEETS
 
 
 class Page(HTMLParser):
-    """The anchors of a page, and what it links to."""
+    """The anchors of a page, and its links."""
 
     def __init__(self, path: Path) -> None:
         super().__init__()
@@ -37,7 +37,7 @@ class Page(HTMLParser):
 
 
 def broken_links(site: Path) -> list[str]:
-    """Every link to a file or an anchor that is not there; links to other sites are left out."""
+    """Every link to a missing file or anchor. Links to other sites are left out."""
     pages = {path.resolve(): Page(path) for path in sorted(site.rglob("*.html"))}
     found = []
     for path, page in pages.items():
@@ -115,7 +115,7 @@ def test_every_guide_is_there(site: Path) -> None:
 
 
 def modules() -> list[str]:
-    """Every module of golden and hdl and of tb.common, but for commands."""
+    """Every module of golden, hdl and tb.common, except commands."""
     names = []
     for package in ("golden", "hdl", "tb.common"):
         path = import_module(package).__path__
@@ -136,7 +136,7 @@ def test_every_module_is_there(site: Path) -> None:
 
 @pytest.mark.parametrize(("area", "block"), BLOCKS)
 def test_a_block_has_its_ports_and_its_docstring(site: Path, area: str, block: str) -> None:
-    """What MyHDL's decorator makes of a function still has the function's signature."""
+    """A function with MyHDL's decorator still has its signature."""
     text = (site / "api" / f"hdl.{area}.html").read_text(encoding="utf-8")
     entry = re.search(rf'id="hdl\.{area}\.{block}\.{block}">(.*?)</dt>(.*?)</dd>', text, re.S)
     assert entry

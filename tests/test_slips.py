@@ -1,4 +1,4 @@
-"""Slips of the thesis that no other test is about: what is printed, and what is right."""
+"""Tests slips of the thesis without another test: what is printed, and what is right."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ DIGIT = thesis_table("digit")
 
 
 def test_equation_4_19_is_the_network_once_its_factors_are_moved() -> None:
-    """It is compared with equation 3.11 on a network whose Q_j and Y_i are all above 1."""
+    """It is compared with equation 3.11, on a network whose Q_j and Y_i are all above 1."""
     rng = np.random.default_rng(1)
     w1, b1, w2, b2 = (rng.normal(0, 2, shape) for shape in ((3, 4), 3, (2, 3), 2))
     x = rng.uniform(-1, 1, 4)
@@ -42,7 +42,7 @@ def test_the_two_top_bits_of_the_scan_counter_of_5_4_4() -> None:
 
 
 def test_elements_of_5_5_that_a_network_does_not_need() -> None:
-    """NN_A, NN_B and NN_C: three, two and one; NN_D needs all seven."""
+    """NN_A, NN_B and NN_C do not need three, two and one of them. NN_D needs all seven."""
     core = load_scene("digit-thesis").twin().core
     needed = [network.inputs for network in core.networks]
     unwanted = [list(range(inputs + 1, needed[-1] + 1)) for inputs in needed]
@@ -50,7 +50,7 @@ def test_elements_of_5_5_that_a_network_does_not_need() -> None:
 
 
 def test_accuracies_of_the_text_are_not_those_of_the_tables() -> None:
-    """Chapter 7's width, the 85 % of single networks, and section 6.6's 97 % of x."""
+    """These are the width in chapter 7, 85 % for single networks, and 97 % for x in section 6.6."""
     assert DIGIT["cascade_b"]["real_time"][2] < 2.9 == DIGIT["cascade_b"]["simulation"][3]
     assert max(DIGIT["hybrid"]["simulation"]) < 100 - 85 < max(DIGIT["hybrid"]["real_time"])
     swing = [thesis_table(f"swing.{name}")["percent_error"] for name in ("single", "cascade")]

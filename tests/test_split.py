@@ -1,4 +1,4 @@
-"""Which rows are held out: at random, in blocks of neighbours, in groups."""
+"""Tests which rows are held out: random rows, blocks of neighbours, or groups."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def parts(split: Split) -> list[np.ndarray]:
 
 
 def interpolated(scene: Scene) -> np.ndarray:
-    """Rows whose first three sensors are the mean of those at the next places, to the decimals."""
+    """Rows whose first three sensors are the mean of the neighbouring places, up to rounding."""
     readings, targets = scene.vectors().inputs[:, :3], scene.vectors().targets[:, [0, 2, 3]]
     between = (targets[:-2] == targets[1:-1]).all(axis=1) & (targets[2:] == targets[1:-1]).all(
         axis=1
@@ -35,7 +35,7 @@ def interpolated(scene: Scene) -> np.ndarray:
 
 
 def told_by_training(split: Split, rows: np.ndarray) -> list[int]:
-    """Of these rows those that are held out while both of their neighbours train."""
+    """The held-out rows among these, both of whose neighbours are training rows."""
     held_out = rows[~np.isin(rows, split.training)]
     return [row for row in held_out if np.isin([row - 1, row + 1], split.training).all()]
 
@@ -55,7 +55,7 @@ def test_blocks_are_stretches_of_one_run(rows: int, block: int, seed: int) -> No
     run = np.arange(rows)[:, np.newaxis] * 8 // rows  # eight runs
     split = split_blocks(run, block, seed)
     assert sorted(np.concatenate(parts(split))) == list(range(rows))
-    # A part may hold blocks that follow each other in the file; none of its stretches is shorter.
+    # A part may hold blocks that follow each other. None of its stretches is shorter than a block.
     least = min(block, rows // 8) if block > 1 else 1
     for part in parts(split):
         joined = np.split(part, np.flatnonzero(np.diff(part) != 1) + 1)

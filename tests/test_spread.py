@@ -1,4 +1,4 @@
-"""How far figures differ between processors: what the command finds, and that it finds anything."""
+"""Tests the measurement of how figures differ between processors."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_words_that_differ_are_no_figure() -> None:
 
 
 def test_the_settings_reach_numpy() -> None:
-    """One that had no effect would show that nothing differs."""
+    """A setting without effect would wrongly show that nothing differs."""
     code = "import numpy._core._multiarray_umath as m; print(m.__cpu_features__.get('X86_V3'))"
     known = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     if known.stdout.strip() != "True":

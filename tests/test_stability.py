@@ -1,4 +1,4 @@
-"""The table of stiff and extreme cases: complete, all hold, and a fault says no."""
+"""The table of stiff and extreme cases is complete, all cases hold, and faults break them."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ from golden.physics.plate import Plate
 from golden.scene import scene_names
 from golden.visualisation.power_fold import PowerFold
 from tb.report.draw.margins import LEFT, RIGHT, margins
-from tb.report.measure import recorded
+from tb.report.measure import table_records
 from tb.report.measure.stability import activations, networks, physics, table, visualisation
 from tb.report.measure.stability.case import Row, accepted, largest
 from tb.report.measure.stability.margins import Case, closest
 from tb.report.measure.table import Table
 from tb.report.page import stability as page
 
-# Below this an error is what is left of last bits.
+# A smaller error only consists of last bits.
 UNSEEN = 1e-9
 WINDOWS = ("swing-window", "swing-window-cascade")
-# What must be there: a model, and words that a case of it holds.
+# The cases that must exist: a model, and words in the name of the case.
 NAMED = [
     *((name, "all sensors at rails") for name in scene_names()),
     *((name, "^alternating rails") for name in scene_names()),
@@ -94,8 +94,8 @@ def test_no_figure_stands_twice(found: Table) -> None:
 
 
 def test_the_page_shows_what_is_measured(found: Table) -> None:
-    """From the record: last bits, and with them the errors of integrators, differ elsewhere."""
-    shown = recorded.read("stability").rows
+    """The page shows the record, because last bits and errors of integrators depend on machines."""
+    shown = table_records.read("stability").rows
     again = "make figures TABLE=stability RECORD=1, then make pages"
     assert [row[:4] for row in shown] == [row[:4] for row in found.rows], f"run: {again}"
     for before, now in zip(shown, found.rows, strict=True):
@@ -148,12 +148,12 @@ def test_a_case_that_breaks_its_bound_says_no(monkeypatch, value: float) -> None
 
 
 def broken(cases) -> set[tuple[str, str]]:
-    """Models and figures that do not hold."""
+    """The models and figures of cases that do not hold."""
     return {(row.model, row.figure) for row in cases() if not row.holds}
 
 
 def test_abs_that_wraps_says_no(monkeypatch) -> None:
-    """Two's complement has no 8192 in 14 bits: its magnitude comes out as -8192."""
+    """Two's complement has no 8192 in 14 bits, so the magnitude becomes -8192."""
 
     def wrapping(self, data):
         half = 1 << (self.fmt.width - 1)
@@ -165,7 +165,7 @@ def test_abs_that_wraps_says_no(monkeypatch) -> None:
 
 
 def test_a_hidden_sum_that_wraps_says_no(monkeypatch) -> None:
-    """As thesis adders do without normalisation."""
+    """Adders of the thesis would wrap without normalisation."""
     right = input_integral.requantise
 
     def wrapping(codes, shift, target: Fix, rounding, overflow):

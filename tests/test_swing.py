@@ -1,4 +1,4 @@
-"""The swing: Appendix 7 and equations 6.4, 6.5; and the wobble."""
+"""Tests the swing (Appendix 7, equations 6.4 and 6.5) and the wobble."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ from golden.physics.wobble import Wobble
 
 FREE = Swing(damping=0)
 PERIOD = 2 * math.pi / FREE.natural_frequency
-# The start beyond which the force of a foot has twin peaks, from d N_y2 / d phi = 0 at the start:
-# 3 k T^2 + 4 T - k = 0 with T = tan(start), k = 1 / tan(psi).
+# From larger start angles, the force of a foot has twin peaks. The limit follows from
+# d N_y2 / d phi = 0 at the start: 3 k T^2 + 4 T - k = 0 with T = tan(start), k = 1 / tan(psi).
 COT = 1 / math.tan(FREE.half_angle)
 TWIN = math.atan((-4 + math.sqrt(16 + 12 * COT**2)) / (6 * COT))
 
@@ -58,7 +58,7 @@ def test_the_default_method_without_damping(degrees: float) -> None:
 
 @pytest.mark.parametrize("rate", [0.1, 2.0, 30.0, 1e3])
 def test_small_swings_are_a_damped_oscillator(rate: float) -> None:
-    """phi'' + rate phi' + omega^2 phi = 0 from its roots, lightly and strongly damped."""
+    """The reference solves phi'' + rate phi' + omega^2 phi = 0, lightly and strongly damped."""
     swing, start = Swing(damping=rate * 0.48), 1e-4
     motion = swing_motion(swing, start, 3)
     root = np.sqrt(complex(rate**2 / 4 - swing.natural_frequency**2))
@@ -71,7 +71,7 @@ def test_small_swings_are_a_damped_oscillator(rate: float) -> None:
 
 
 def test_stiff_swings_take_the_implicit_method() -> None:
-    """An explicit one would need 5e6 evaluations or more."""
+    """An explicit method would need 5e6 evaluations or more."""
     swing = Swing(damping=1e6 * 0.48)
     assert swing.damping_rate > STRONG_DAMPING * swing.natural_frequency
     motion = swing_motion(swing, 0.5, 5)
@@ -89,7 +89,7 @@ def test_energy_without_damping_stays() -> None:
 
 @pytest.mark.parametrize("gyration", [0.0, 0.1])
 def test_bearing_forces_are_what_accelerates_the_mass(gyration: float) -> None:
-    """Newton's law for the centre of the mass, whose path is differentiated twice."""
+    """Newton's law is tested for the centre of mass, whose path is differentiated twice."""
     swing = Swing(damping=0, gyration=gyration)
     motion = swung(40, swing, rate=2000)
     y, z = 0.48 * np.sin(motion.angle), -0.48 * np.cos(motion.angle)
@@ -101,7 +101,7 @@ def test_bearing_forces_are_what_accelerates_the_mass(gyration: float) -> None:
 
 
 def test_the_moment_of_inertia_slows_the_swing_down() -> None:
-    """J = D (I'_p^2 + gyration^2), Appendix 7, equation 4."""
+    """J = D (I'_p^2 + gyration^2), by equation 4 of Appendix 7."""
     heavy = Swing(damping=0, gyration=0.48)
     assert heavy.natural_frequency == pytest.approx(FREE.natural_frequency / math.sqrt(2))
 
@@ -112,12 +112,12 @@ def test_foot_forces_balance_the_bearing_forces(angle: float, speed: float, fram
     horizontal, downward = bearing_forces(swing, angle, speed)
     one, two = foot_forces(swing, angle, speed)
     assert one + two == pytest.approx(downward + frame * GRAVITY, abs=1e-9)
-    # Moments about the middle between the feet.
+    # These are the moments about the middle between the feet.
     assert (two - one) * swing.feet / 2 == pytest.approx(horizontal * swing.height, abs=1e-9)
 
 
 def harmonics(degrees: float) -> float:
-    """Amplitude of all harmonics of a foot's force over that of the fundamental."""
+    """The amplitude of all harmonics of a foot's force, relative to the fundamental."""
     start = math.radians(degrees)
     period = 4 * ellipk(math.sin(start / 2) ** 2) / FREE.natural_frequency
     motion = swing_motion(FREE, start, period, 256 / period)
@@ -126,7 +126,7 @@ def harmonics(degrees: float) -> float:
 
 
 def twin_peaks(degrees: float, force: int = 1) -> bool:
-    """Whether a force (of feet 0 or 1, or 2: F_x) has two peaks a period."""
+    """Whether a force has two peaks per period: of foot 0 or 1, or F_x for 2."""
     motion = swung(degrees, seconds=4 * PERIOD)
     if force == 2:
         values = bearing_forces(FREE, motion.angle, motion.speed)[0]
@@ -136,7 +136,7 @@ def twin_peaks(degrees: float, force: int = 1) -> bool:
 
 
 def test_below_ten_degrees_the_foot_forces_are_sinusoidal() -> None:
-    """Remark of section 6.3.2; what harmonics there are grow with the angle."""
+    """Section 6.3.2 remarks this. The harmonics grow with the angle."""
     assert not twin_peaks(5)
     assert not twin_peaks(10)
     assert harmonics(1) < 0.011
@@ -145,7 +145,7 @@ def test_below_ten_degrees_the_foot_forces_are_sinusoidal() -> None:
 
 
 def test_twin_peaks_above_and_from_what_angle_on() -> None:
-    """19.2 degrees for the feet of the rig, 30 degrees for F_x of any."""
+    """The limit is 19.2 degrees for the feet of the rig, and 30 degrees for F_x of any rig."""
     assert math.degrees(TWIN) == pytest.approx(19.17, abs=0.01)
     assert twin_peaks(30)
     for foot in (0, 1):
@@ -157,7 +157,7 @@ def test_twin_peaks_above_and_from_what_angle_on() -> None:
 
 @pytest.mark.parametrize("degrees", [5, 10, 30])
 def test_the_two_sides_are_in_antiphase(degrees: float) -> None:
-    """Mirrored, one is the other; so half a period later too."""
+    """One is the mirror image of the other, so they are also equal half a period later."""
     motion = swung(degrees)
     one, two = foot_forces(FREE, motion.angle, motion.speed)
     mirrored = foot_forces(FREE, -motion.angle, -motion.speed)

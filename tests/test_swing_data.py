@@ -1,4 +1,4 @@
-"""The rig, and the recordings made with it."""
+"""Tests the rig of the swing, and the recordings that are made with it."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def shipped(name: str) -> np.ndarray:
 
 
 def excursion(values: np.ndarray) -> float:
-    """Mean from end to end."""
+    """The mean distance from end to end."""
     return float(values[find_peaks(values)[0]].mean() - values[find_peaks(-values)[0]].mean())
 
 
@@ -60,7 +60,7 @@ def test_shipped_recordings_can_be_made_again(tmp_path: Path) -> None:
     assert [path.name for path in paths] == [*(f"{name}.csv" for name in NAMES), "swing.toml"]
     for path in paths[:-1]:
         again = read_table(path, list(COLUMNS))
-        # Other versions of numpy and SciPy may round the last digit the other way.
+        # Other versions of numpy and SciPy may round the last digit differently.
         assert np.abs(again - shipped(path.stem)).max() <= 1.3e-4
     again = tomllib.loads(paths[-1].read_text(encoding="utf-8"))
     assert again["offset_mm"] == pytest.approx(STORY["offset_mm"])
@@ -82,30 +82,31 @@ def test_targets_are_coded_as_section_6_4_4_has_it() -> None:
     assert np.abs(targets).max(axis=0) == pytest.approx(BOUND, abs=1e-4)
     assert targets.mean(axis=0) == pytest.approx(0, abs=1e-4)
     for name in NAMES[1:]:
-        # A wobble is as large as its seed draws it, whatever the training run has.
+        # The seed decides how large a wobble is, independently of the training run.
         assert np.abs(shipped(name)[:, 4:]).max() < BOUND
         assert np.abs(shipped(name)[:, 3]).max() < BOUND / LEAST_WOBBLE
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_sensors_1_and_3_are_in_antiphase(name: str) -> None:
-    """Figure 6.14."""
+    """Figure 6.14 shows this."""
     sensors = shipped(name)
     assert np.corrcoef(sensors[:, 0], sensors[:, 2])[0, 1] < -0.85
     assert abs(np.corrcoef(sensors[:, 0], sensors[:, 4])[0, 1]) > 0.9
 
 
 def test_the_motion_is_of_the_size_of_table_6_2() -> None:
-    """Its "mean total displacement" can only be from end to end: see docs/physics.md."""
+    """Its "mean total displacement" can only be from end to end, as docs/physics.md explains."""
     train = shipped("swing-train")[:, 3:] * STORY["mm_per_unit"]
     found = [excursion(column) for column in train.T]
     assert found == pytest.approx([8.9, 330, 26.8], rel=0.15)
-    # Were it a mean distance from rest, the mass would have to go farther out than its arm is long.
+    # With a mean distance from rest, the mass would have to move farther than the length of its
+    # arm.
     assert math.pi / 2 * 330 > 480 > excursion(train[:, 1])
 
 
 def test_raw_signals_are_the_10_to_60_mv_of_section_6_4_2() -> None:
-    """Both ends fall out of one sensitivity, which is ours, and so do the gains of 10 and 80."""
+    """Both ends, and the gains of 10 and 80, follow from one sensitivity, which we chose."""
     recording = record(ANGLES[0], 1, 0.0)
     raw = 1e3 * np.ptp(recording.sensors, axis=0) / [10, 80, 10]
     assert raw[[0, 2]] == pytest.approx(60, rel=0.08)
@@ -142,7 +143,7 @@ def test_the_rig_stands_on_the_plate_as_figure_6_8_has_it() -> None:
     assert np.ptp(rig.feet, axis=0) == pytest.approx([0.6, 0.35])
     assert rig.feet.mean(axis=0) == pytest.approx([0.455, 0.275])
     assert rig.sensors[1] == pytest.approx([0.455, 0.275])
-    # In line with the feet, on the axis.
+    # The sensor is in line with the feet, on the axis.
     assert rig.sensors[[0, 2], 0] == pytest.approx([rig.feet[0, 0], rig.feet[2, 0]])
     assert rig.sensors[:, 1] == pytest.approx(0.275)
 
@@ -162,7 +163,7 @@ def test_the_feet_carry_what_hangs_on_them() -> None:
     motion = swing_motion(SWING, 0.0, 1)
     forces = rig.forces(motion, np.full(200, 0.004), np.zeros(200))
     assert forces.sum(axis=1) == pytest.approx((10 + FRAME_MASS) * 9.80665)
-    # Moments about the middle, across the frames: 10 kg, 4 mm off.
+    # These are the moments about the middle, across the frames, of 10 kg that are 4 mm off.
     across = (forces @ (rig.feet[:, 1] - 0.275))[0]
     assert across == pytest.approx(10 * 9.80665 * 0.004)
 

@@ -1,4 +1,4 @@
-"""Cells, depth, clock: what is counted, what is recorded, and that the record is current."""
+"""Tests counts of cells, depth and clock, their records, and that these are current."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def register(data: object, out: int, clock: int = 1, reset: object = "0") -> dic
 
 
 def product() -> dict[str, dict]:
-    """Operands 10 and 20 with their registers, a constant, and a product 30 with its register."""
+    """Cells of operands 10 and 20 with registers, a constant, and product 30 with its register."""
     wires = {f"{p}{i}": ["0"] for p in "AB" for i in range(18)}
     wires |= {f"P{i}": [100 + i] for i in range(36)}
     wires |= {"A0": [11], "A1": ["1"], "B0": [21], "P0": [30]}
@@ -146,7 +146,7 @@ def test_a_register_that_something_else_reads_stays_too() -> None:
 
 
 def memory() -> dict[str, dict]:
-    """Two words at port A, 10 and 11, with their registers; nothing reads port B."""
+    """Cells of two words at port A, 10 and 11, with their registers. Nothing reads port B."""
     wires = {f"DO{side}{i}": [100 + 50 * (side == "B") + i] for side in "AB" for i in range(18)}
     wires |= {"DOA0": [10], "DOA1": [11]}
     taken = {f"{name}{side}": value for side in "AB" for name, value in WIRED.items()}
@@ -350,7 +350,7 @@ def test_the_command(tmp_path: Path) -> None:
 
 
 def test_counts_of_a_scene_add_up() -> None:
-    """A whole is not less than its parts, and its kinds are those of its cells."""
+    """A block has at least as many cells as its parts, and its kinds add up to its cells."""
     budget = read_budget(budget_path(load_scene("digit-load").path))["xc2v"]
     design = load_scene("digit-load").twin()
     parts = Counter(part.entity for part in design.parts())

@@ -1,4 +1,4 @@
-"""tanh of the engine over every code, against a reference made of integers alone."""
+"""Compares tanh of the engine over every code with a reference in integers."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ from tb.report.measure.tanh_words import tanh_words
 WIDTHS = (7, 8, 9)
 CODES = np.arange(HIDDEN.low, HIDDEN.high + 1)
 PAGE = Path(__file__).parents[1] / "docs" / "blocks" / "engine.md"
-# Fraction bits of the reference.
+# The number of fraction bits of the reference.
 FRAC = 40
 
 
 def results(width: int) -> Codes:
-    """tanh of every code: intercept and slope of its segment, exactly, rounded once."""
+    """tanh of every code from intercept and slope of its segment, exact and then rounded once."""
     table = tanh_table(width)
     segment = np.minimum(np.where(CODES < 0, ~CODES, CODES) >> width, len(table.slopes) - 1)
     middle = np.where(CODES < 0, -1, 1) * np.array(table.intercepts)[segment]
@@ -43,12 +43,12 @@ def results(width: int) -> Codes:
 
 @pytest.fixture(scope="module")
 def floors() -> Codes:
-    """The floor of tanh 2**FRAC for every code from 0 on, and one more."""
+    """The floor of tanh 2**FRAC for every code from 0 on, and for one more."""
     return tanh_floors(Fraction(1, 1 << HIDDEN.frac), len(CODES) // 2 + 1, FRAC)
 
 
 def errors(width: int, floors: Codes) -> Codes:
-    """The distance of each result from tanh, as codes of FRAC fraction bits, and less than one."""
+    """The distance of each result from tanh, in codes of FRAC fraction bits, to within one code."""
     exact = np.where(CODES < 0, -floors[np.abs(CODES)], floors[np.abs(CODES)])
     return np.abs((results(width) << (FRAC - RESULT.frac)) - exact)
 
@@ -71,7 +71,7 @@ def test_odd(width: int) -> None:
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_the_page_says_how_far_it_errs(width: int, floors: Codes) -> None:
-    """The largest error, in units of a signal, and how many codes are not rounded correctly."""
+    """It states the largest error in units of a signal, and how many codes are not correct."""
     unit = 1 << (FRAC - SIGNAL.frac)
     row = re.search(
         rf"^\| {width} \| (\d+) \| ([\d.]+) \| ([\d.]+) % \| ([\d.]+) % \|",
@@ -79,7 +79,7 @@ def test_the_page_says_how_far_it_errs(width: int, floors: Codes) -> None:
         re.M,
     )
     assert row
-    # An output is the word with half its last place added and the lowest bits dropped.
+    # An output is the word plus half of its last place, without the lowest bits.
     drop = RESULT.frac - SIGNAL.frac
     rounded = np.minimum((results(width) + (1 << (drop - 1))) >> drop, SIGNAL.high)
     nearest = (floors[np.abs(CODES)] + unit // 2) // unit
@@ -93,7 +93,7 @@ def test_the_page_says_how_far_it_errs(width: int, floors: Codes) -> None:
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_the_blocks_compute_it(width: int) -> None:
-    """Address, memory, operand, sum and rounding, as the hardware has them, on every ninth code."""
+    """Uses the blocks for address, memory, operand, sum and rounding, on every ninth code."""
     table = tanh_table(width)
     q = CODES[::9]
     address = TableAddress(width, len(table.slopes))
@@ -114,7 +114,7 @@ def test_the_blocks_compute_it(width: int) -> None:
 
 
 def test_the_figures_of_every_table_are_those_of_its_integers(floors: Codes) -> None:
-    """Of those that an engine may have by the reference above; of all, how they depend on words."""
+    """The tables of an engine are compared with the reference, and all tables with each other."""
     found = {(row[0], row[1]): row[2:] for row in tanh_words(1).rows}
     unit = 1 << (FRAC - SIGNAL.frac)
     for width, end in ENDS.items():

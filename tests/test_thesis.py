@@ -1,4 +1,4 @@
-"""What docs/thesis.md and its tables say: against the printed figures, and against other ways."""
+"""Compares docs/thesis.md and its tables with printed figures and other computations."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from golden.scene_errors import scene_errors
 from hdl.synth.budget import budget_path, read_budget
 from tb.report.draw import along, rigs
 from tb.report.draw.convergence import convergence_plot
-from tb.report.measure import printed, recorded
+from tb.report.measure import printed, table_records
 from tb.report.measure.camera import camera
 from tb.report.measure.low_pass import low_pass
 from tb.report.measure.table import Cell, Table
@@ -37,7 +37,7 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 
 def rows(table: Table, **where: Cell) -> list[dict[str, Cell]]:
-    """Rows as mappings, those with these values."""
+    """The rows with these values, as mappings."""
     found = [dict(zip(table.columns, row, strict=True)) for row in table.rows]
     return [row for row in found if all(row[key] == value for key, value in where.items())]
 
@@ -89,7 +89,7 @@ def test_a_picture_is_one_svg_without_scripts(path) -> None:
 
 
 def test_the_printed_columns_are_those_of_the_thesis(errors: Table) -> None:
-    """Of Table 5.4 the last column, of section 3.12.1 what the multiple network has."""
+    """They are the last column of Table 5.4, and the multiple network of section 3.12.1."""
     (cascade, multiple) = (rows(errors, network=name) for name in ("cascade B", "multiple"))
     assert [row["printed, real time %"] for row in cascade] == [6.38, 2.32, 2.78, 3.77]
     assert [row["printed, simulation %"] for row in cascade] == [3.67, 2.60, 2.49, 2.9]
@@ -100,7 +100,7 @@ def test_the_printed_columns_are_those_of_the_thesis(errors: Table) -> None:
 
 
 def test_our_columns_are_the_errors_of_the_scenes(errors: Table) -> None:
-    """As make figures has them, which sums them up elsewhere; noise makes no load better."""
+    """They equal those of make figures, computed elsewhere. Noise does not improve the load."""
     for pair in printed.PAIRS:
         for name, column in ((pair.alike, "thesis arithmetic"), (pair.today, "exact")):
             if not name:
@@ -130,7 +130,7 @@ def test_the_page_says_which_networks_were_trained_on_with_all_rows() -> None:
 def test_the_worst_place_along_the_beam_is_the_printed_kind_of_figure(
     errors: Table, beam: Table
 ) -> None:
-    """The largest of the means in one table is the figure of the other; the spread holds them."""
+    """The largest mean in one table is the figure in the other, and lies within the spread."""
     columns = {"bit-true": "thesis arithmetic, bit-true %", "floating point": "floating point %"}
     for arithmetic, names in printed.ALONG.items():
         for network, scene in names.items():
@@ -161,7 +161,7 @@ def test_the_bands_reach_from_the_least_to_the_largest(beam: Table) -> None:
 
 
 def test_the_width_counts_against_itself(widths: Table) -> None:
-    """Over all loads the lengths are those of the local error, which counts against 50.8 mm."""
+    """Over all loads, the lengths are those of the local error, which is relative to 50.8 mm."""
     for network, name in printed.WIDTHS.items():
         scene = load_scene(name)
         found = rows(widths, network=network)
@@ -195,7 +195,7 @@ def test_the_low_pass_of_the_table_is_the_printed_one() -> None:
     (ten,) = rows(table, **{"left of a step": "10 %"})
     assert ten["ms"] == pytest.approx(1e3 * math.log(10) / (2 * math.pi * 25))
     (last,) = rows(table, **{"left of a step": "half a code"})
-    # 0.9 of full scale is 7373 codes of 2^-13.
+    # 0.9 of full scale are 7373 codes of 2^-13.
     assert last["ms"] == pytest.approx(ten["ms"] * math.log(2 * 0.9 * 8192) / math.log(10))
 
 
@@ -206,10 +206,10 @@ def test_the_cameras_stand_beside_the_motions() -> None:
     assert found["y"]["printed single mm"] == 8.6
     assert found["x"]["printed multiple mm"] == 0.1
     for row in found.values():
-        # A single frame cannot undo the DC remover, a past can.
+        # A single frame cannot undo the DC remover, but past samples can.
         assert row["swing-window mm"] < row["cameras mm"]
         assert row["swing-window mm"] < row["swing-single mm"]
-    # Table 6.2: error over way, but for its own rounding.
+    # In Table 6.2 this is the error divided by the way, up to rounding.
     printed_swing = thesis_table("swing")
     for name in ("single", "multiple", "cascade"):
         figures = printed_swing[name]
@@ -227,7 +227,7 @@ def test_the_deflections_are_those_of_closed_forms() -> None:
     rig = Beam()
     assert list(found.beams) == [10, 13, 23]
     for grams, line in found.beams.items():
-        # Equation 3.2 at the tip.
+        # Equation 3.2 gives the deflection at the tip.
         tip = -grams / 1e3 * GRAVITY * rig.length**3 / (3 * rig.stiffness)
         assert line[-1] == pytest.approx(1e3 * tip)
         assert line[0] == 0
@@ -246,7 +246,7 @@ def test_the_forces_of_both_sides_are_what_the_bearing_carries() -> None:
     weight = 10 * GRAVITY
     assert found.downward.max() == pytest.approx(weight * (3 - 2 * math.cos(math.pi / 6)), rel=1e-3)
     assert found.downward.min() == pytest.approx(weight * math.cos(math.pi / 6) ** 2, rel=1e-3)
-    # The two sides together stay as the bearing's vertical force: even where one is below 0.
+    # Both sides together equal the vertical force of the bearing, even if one is below 0.
     assert found.feet.sum(axis=0).min() > 0.7 * weight
     text = rigs.forces_drawn(found)
     assert text == rigs.forces_drawn(found)
@@ -263,7 +263,7 @@ def test_the_gauges_show_the_recorded_readings() -> None:
 
 
 def test_slices_are_half_of_what_takes_more() -> None:
-    """digit-parallel: 923 LUTs and 1544 flip-flops, of 14336 slices at least 772."""
+    """digit-parallel has 923 LUTs and 1544 flip-flops, which need at least 772 of 14336 slices."""
     scene = load_scene("digit-parallel")
     top = read_budget(budget_path(scene.path))["xc2v"][scene.twin().entity]
     (line,) = [x for x in thesis.resources().splitlines() if x.startswith("| 2:6:2, gradient")]
@@ -283,16 +283,16 @@ def test_every_activation_stands_beside_the_printed_gates() -> None:
         found[name] = (gates, int(luts), int(multipliers))
     gates = {"gradient": "44,000", "lut": "74,000", "pade": "33,000", "polynomial": "28,000"}
     assert {name: row[0] for name, row in found.items()} == gates
-    # What the page says of them.
+    # The page says this about them.
     assert found["gradient"][2] == found["lut"][2] == 1
     assert found["pade"][2] == max(row[2] for row in found.values())
     assert found["lut"][1] < found["pade"][1]
 
 
 def test_a_record_does_not_hang_on_printed_figures(monkeypatch, tmp_path) -> None:
-    """They train nothing; what is trained on does count."""
-    before = recorded.state("convergence")
+    """Nothing is trained on printed figures, but training data do count."""
+    before = table_records.state("convergence")
     other = tmp_path / "thesis_numbers.toml"
     other.write_text("")
-    monkeypatch.setattr(recorded, "NUMBERS", other)
-    assert recorded.state("convergence") != before
+    monkeypatch.setattr(table_records, "NUMBERS", other)
+    assert table_records.state("convergence") != before

@@ -1,4 +1,4 @@
-"""The exporter's rules of text, one by one."""
+"""Tests the exporter's rules for text, one by one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The two tiers of make test: what is left to ALL=1 is said, and a choice of nothing fails."""
+"""Tests the two tiers of make test: it counts what ALL=1 adds, and an empty selection fails."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The trainer: derivatives, optimisers, early stopping, split, determinism, shipped networks."""
+"""Tests training: derivatives, optimisers, early stopping, split, determinism, and results."""
 
 from __future__ import annotations
 
@@ -81,20 +81,21 @@ def test_an_optimiser_reaches_a_network_it_can_reach(optimiser: str) -> None:
     data = Rows(inputs, targets, np.ones((60, 1)))
 
     def error(start: int) -> float:
-        # More nodes than the network has that made the data: no local minimum in the way.
+        # There are more nodes than in the network that made the data, so no local minimum is in the
+        # way.
         goal = Objective((3, 6, 1), tanh, data, data, 0.0, 10_000)
         OPTIMISERS[optimiser](goal, pack(random_mlp((3, 6, 1), 1.0, start)), 5000)
         assert goal.best is not None
         return float(np.abs(unpack(goal.best, (3, 6, 1)).process(inputs) - targets).max())
 
-    # A start may wander in a flat valley for long; which one does hangs on SciPy's version and on
-    # the last bits of sums.
+    # A start may stay in a flat valley for long. Which start does depends on the version of SciPy
+    # and on last bits of sums.
     assert any(error(start) < 2e-3 for start in range(1, 6))
 
 
 @pytest.mark.parametrize("condition", [1.0, 1e3, 1e6])
 def test_scg_on_a_quadratic(condition: float) -> None:
-    """Stiff valleys included: the exact minimum is known."""
+    """This includes stiff valleys. The exact minimum is known."""
     weights = np.geomspace(1, condition, 8)
     goal = np.arange(8.0)
 
@@ -114,7 +115,7 @@ def test_scg_on_the_rosenbrock_valley_and_beyond_a_pole() -> None:
     assert np.allclose(minimise(rosenbrock, np.array([-1.2, 1.0]), 5000), [1, 1], atol=1e-4)
 
     def walled(x):
-        """NaN beyond 1: a step that lands there is refused."""
+        """A function that is NaN beyond 1. A step that lands there must be refused."""
         with np.errstate(invalid="ignore"):
             return float(-np.log(1 - x[0]) - 3 * x[0]), np.array([1 / (1 - x[0]) - 3])
 
@@ -158,7 +159,7 @@ def test_early_stopping_keeps_the_point_of_least_validation_error() -> None:
 
 @dataclass(frozen=True)
 class WatchedRows(Rows):
-    """Keeps every error that was measured on it."""
+    """Rows that keep every error that was measured on them."""
 
     seen: list[float] = field(default_factory=list)
 
@@ -180,7 +181,7 @@ def test_patience_ends_a_descent(optimiser: str) -> None:
         found[patience] = watched.seen
     few, whole = found.values()
     assert len(few) < len(whole), "the data do not overfit: no proof"
-    # The last bits of a product differ with where in memory their operands lie.
+    # The last bits of a product depend on the addresses of its operands in memory.
     assert few == pytest.approx(whole[: len(few)], rel=1e-6)
     assert len(few) - 1 - int(np.argmin(few)) == 3
 
@@ -208,14 +209,14 @@ def test_a_candidate_depends_on_seed_and_numbers_alone(small_scene: Scene) -> No
 
 @pytest.mark.parametrize("activation", SCHEMES)
 def test_every_activation_can_be_trained(small_scene: Scene, activation: str) -> None:
-    """And the bit-true network is close to the one that training saw."""
+    """The bit-true network is also close to the trained one."""
     design = "adder_graph" if SCHEMES[activation].half_codes else small_scene.design
     scene = replace(small_scene, activation=activation, design=design)
     vectors = scene.vectors()
     mlp = train(task_for(scene, vectors, []), 5, 1)
     results = SIGNAL.to_real(scene.build(mlp).process(vectors.codes))
     exact = np.clip(mlp.process(vectors.inputs, scene.scheme.real), -1, SIGNAL.high / 8192)
-    # A q that falls on the other side of a border adds the scheme's step there, 0.03 at the most.
+    # A q on the other side of a border adds the step of the scheme there, which is at most 0.03.
     assert np.abs(results - exact).max() < 0.002 + 0.03 * np.abs(mlp.w2).sum(axis=1).max()
     spread = np.abs(results - vectors.targets).mean()
     assert spread < np.abs(vectors.targets - vectors.targets.mean(axis=0)).mean()
@@ -226,7 +227,7 @@ def searched(scene: Scene, record: Path, workers: int = 1) -> list[Result]:
 
 
 def open_search(scene: Scene) -> Scene:
-    """The scene without a fixed number of hidden nodes: 3 sizes, 2 restarts."""
+    """The scene without a fixed number of hidden nodes, with 3 sizes and 2 restarts."""
     members = (replace(scene.members[0], hidden=0),)
     return replace(scene, members=members, training=replace(scene.training, hidden=(2, 4)))
 
@@ -271,8 +272,11 @@ def test_the_network_file_decides_the_hidden_nodes(small_scene: Scene) -> None:
 
 @pytest.mark.parametrize("name", scene_names())
 def test_shipped_networks_have_the_errors_of_their_provenance(name: str) -> None:
-    """In the design that they were trained for: another one has their networks too. As in training
-    each network hands on outputs of 14 bits, where an engine keeps 18 between its networks."""
+    """The errors are those of the design for which they were trained, as other designs use them
+    too.
+
+    As in training, networks pass on outputs of 14 bits. An engine keeps 18 bits between networks.
+    """
     scene = load_scene(name)
     first = tomllib.loads(provenance_path(scene.members[0].weights_path).read_text())
     scene = replace(scene, design=first["design"], design_options={})
@@ -285,11 +289,11 @@ def test_shipped_networks_have_the_errors_of_their_provenance(name: str) -> None
     for member in scene.members:
         provenance = tomllib.loads(provenance_path(member.weights_path).read_text())
         assert provenance["design"] == scene.design
-        # Those written before the keys were there were split at random, and not refitted.
+        # Older files without these keys were split at random, and not refitted.
         assert provenance.get("split", "random") == scene.training.split
         assert provenance.get("refit", False) == scene.training.refit
         columns = [scene.outputs.index(name) for name in member.outputs]
-        # What was refitted has seen all rows: its errors on parts are those of other networks.
+        # A refitted network has seen all rows. The errors on parts belong to other networks.
         parts = {"every": np.arange(len(errors))}
         if not scene.training.refit:
             parts |= {"validation": split.validation, "test": split.test}
@@ -339,7 +343,7 @@ def test_without_a_disturbance_the_parts_are_as_recorded(small_cascade: Scene) -
 
 
 def test_every_network_of_a_cascade_sees_the_same_disturbed_readings(small_cascade: Scene) -> None:
-    """And what the networks before it make of them, bit by bit."""
+    """It also gets the bit-true outputs of the networks before it."""
     scene, mlps = disturbed(small_cascade, noise=0.01), small_cascade.mlps()
     first, second = (task_for(scene, scene.vectors(), mlps[:n]) for n in (0, 1))
     for part in PARTS:
@@ -373,7 +377,8 @@ def test_parts_are_disturbed_by_as_much_as_the_scene_says(
         recorded = np.tile(scene.vectors().inputs[rows], (len(frames.inputs) // len(rows), 1))
         inside = np.abs(recorded) < 0.9  # the format's ends clip the others
         moved = ((frames.inputs - recorded) / expected(recorded))[inside & (recorded != 0)]
-        # 600 draws or more: their deviation is within 15 % by more than four of its own.
+        # The deviation of 600 or more draws is within 15 %, which is more than four of its own
+        # deviations.
         assert moved.std() == pytest.approx(1, rel=0.15)
         assert abs(moved.mean()) < 0.2
 
@@ -395,14 +400,14 @@ def test_training_for_noise_makes_a_network_that_noise_moves_less() -> None:
     asked = task_for(noisy, scene.vectors(), [])
     plain = train(task_for(scene, scene.vectors(), []), 8, 0)
     trained = train(asked, 8, 0)
-    # On the rows that neither saw, under the noise: by far, so that no last bit turns it round.
+    # On unseen rows with noise the difference is so large that last bits cannot change it.
     assert bit_true_error(asked, trained, asked.test) < 0.8 * bit_true_error(
         asked, plain, asked.test
     )
 
 
 def test_noise_is_in_the_unit_of_the_sensors_columns(small_scene: Scene) -> None:
-    """Whatever the scale: readings a thousand times as large, with as much noise, are the same."""
+    """Readings and noise that are both a thousand times larger give the same training."""
     scale = {name: Scale(0.0, 1000.0) for name in small_scene.sensors}
     lines = [line.split(",") for line in small_scene.data_path.read_text().splitlines()]
     scaled = disturbed(small_scene, noise=20, offset=5)
@@ -412,7 +417,7 @@ def test_noise_is_in_the_unit_of_the_sensors_columns(small_scene: Scene) -> None
     small_scene.data_path.write_text("\n".join(",".join(line) for line in lines))
     scaled = replace(scaled, scale=scale)
     task = task_for(scaled, scaled.vectors(), [])
-    # A sum of other roundings may fall on the other side of half a code.
+    # A differently rounded sum may lie on the other side of half a code.
     assert np.abs(task.validation.codes - plain.validation.codes).max() <= 1
 
 
@@ -430,7 +435,7 @@ def noisy_digit(**settings) -> Scene:
 
 
 def test_what_is_tested_has_seen_nothing_of_the_test_rows(tmp_path: Path, monkeypatch) -> None:
-    """Their targets are replaced: only the network that is written may change."""
+    """If their targets are replaced, only the written network may change."""
     scene = noisy_digit(refit=True)
     stages = Stages(scene)
     stages.add(5, 0)
@@ -441,7 +446,7 @@ def test_what_is_tested_has_seen_nothing_of_the_test_rows(tmp_path: Path, monkey
     moved = tmp_path / "moved.csv"
     moved.write_text("\n".join(",".join(line) for line in lines))
     again = Stages(replace(scene, data_paths=(moved,)))
-    # The blocks end where the load changes, which it now does elsewhere.
+    # Blocks end where the load changes, which would now be elsewhere.
     monkeypatch.setattr("golden.training.task.split_of", lambda _: split)
     again.add(5, 0)
     same = {
@@ -516,7 +521,7 @@ def test_a_cascade_is_written_whole_or_not_at_all(
 def test_what_is_stated_is_what_the_written_network_does(
     small_scene: Scene, tmp_path: Path, monkeypatch
 ) -> None:
-    """A candidate that another processor measured comes out otherwise here."""
+    """A candidate that another processor has measured has other errors here."""
     monkeypatch.setattr(command, "choose", lambda *_: (Result(5, 1, 0.5, 0.5), 0))
     command.train_scene(small_scene, tmp_path, 1)
     (member,) = small_scene.members
@@ -561,7 +566,7 @@ def test_where_networks_go_is_checked_before_the_search(
 
 
 def test_all_networks_are_written_or_none(small_cascade: Scene, tmp_path: Path) -> None:
-    """Though the last cannot be, which only its writing tells."""
+    """This holds even if the last one cannot be written, which only shows on writing."""
     before = fingerprint([tmp_path])
     paths, mlps = small_cascade.weights_paths, small_cascade.mlps()
     stories = [{"seed": 1}, {"seed": 2}, {"seed": object()}]

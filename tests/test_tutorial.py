@@ -1,4 +1,4 @@
-"""docs/tutorial.md, done as it stands, in a folder of a user's own."""
+"""Does the steps of docs/tutorial.md, in the folder of a user."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def run(*words: str) -> subprocess.CompletedProcess[str]:
 
 
 def shown(command: str) -> list[str]:
-    """What the page shows below a command."""
+    """The output that the page shows below a command."""
     found = re.search(rf"^\$ {command}.*\n((?:.*\n)*?)```", PAGE, re.M)
     assert found, command
     return found[1].splitlines()
@@ -40,7 +40,7 @@ def shown(command: str) -> list[str]:
 
 @pytest.fixture(scope="module")
 def scene(shared: Shared) -> Path:
-    """The trained scene; what the commands before training said stands beside it."""
+    """The trained scene, with the outputs of the earlier commands beside it."""
     folder = shared.folder / "own" / "rig"
     path = folder / "rig.toml"
 
@@ -76,7 +76,7 @@ def test_make_scene_writes_that_scene_and_says_what_is_shown(scene: Path) -> Non
 
 
 def test_make_check_says_what_is_shown(scene: Path) -> None:
-    """All lines in their order but for versions, which are this machine's."""
+    """All lines are in order and equal, except for the versions of this machine."""
     said = iter(scene.with_name("check.txt").read_text().splitlines())
     for line in shown("make check"):
         if line != "..." and "ghdl" not in line:
@@ -84,7 +84,7 @@ def test_make_check_says_what_is_shown(scene: Path) -> None:
 
 
 def test_make_train_says_what_is_shown(scene: Path) -> None:
-    """But for figures, which hang on last bits, and lines between first and last candidate."""
+    """Figures depend on last bits, and lines between first and last candidate may differ."""
 
     def plain(line: str) -> str:
         line = re.sub(r"in \d+ (s|min)\b", "in some time", line)
@@ -106,8 +106,8 @@ def test_new_readings_get_what_is_shown(scene: Path) -> None:
     assert done.stdout.splitlines()[2:4] == [said.replace("2 of", f"{count} of"), limit]
     for row in rows:
         *_, distance, marked, reason = cells(PAGE, row["time"])
-        # A distance hangs on the outputs, and these on where the training ended: what is inside
-        # here may be just outside elsewhere.
+        # A distance depends on the outputs, and these on where the training ended. What is inside
+        # here may be just outside on another machine.
         if marked == "1":
             assert float(distance) > 2
             assert row["outside"] == marked
@@ -125,7 +125,8 @@ def test_new_readings_get_what_is_shown(scene: Path) -> None:
 
 
 def test_what_was_never_trained_is_outside(scene: Path) -> None:
-    """At one false alarm in a hundred: swapped columns, and touches half a range outside."""
+    """At one false alarm in a hundred, swapped columns and touches half a range outside are "
+    "marked."""
     rng = np.random.default_rng(1)
     good, *wrong = outside.touched(
         load_scene(str(scene)), outside.rail, outside.FORCE, outside.PLACE, rng
@@ -138,7 +139,7 @@ def test_what_was_never_trained_is_outside(scene: Path) -> None:
 
 
 def test_the_errors_are_about_those_shown(scene: Path) -> None:
-    """A last bit turns a training to another minimum: within a factor of two of one machine's."""
+    """A last bit can lead to another minimum, so they are within a factor of two."""
     rig = load_scene(str(scene))
     for name, error in zip(rig.outputs, scene_errors(rig)["bit-true"], strict=True):
         found = re.search(rf"^{name} +(?:[\d.]+ +){{3}}([\d.]+) ", PAGE, re.M)

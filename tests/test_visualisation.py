@@ -1,4 +1,4 @@
-"""The bit-true profile of equation 3.18 against real arithmetic, and its blocks at their ends."""
+"""Compares the bit-true profile of equation 3.18 with real arithmetic, also at extremes."""
 
 from __future__ import annotations
 
@@ -39,12 +39,12 @@ CODES = st.integers(SIGNAL.low, SIGNAL.high)
 
 
 def recorded() -> np.ndarray:
-    """The recorded targets as codes: what ideal networks would give."""
+    """The recorded targets as codes, which are the outputs of ideal networks."""
     return SIGNAL.quantise(read_table(APPENDIX_2, ["load", "position", "width", "shape"]))[0]
 
 
 def units(frames, profile: LoadProfile = PROFILE) -> float:
-    """Largest error in units of 2**-13."""
+    """The largest error in units of 2**-13."""
     found = SIGNAL.to_real(profile.process(frames)[1])
     return float(np.abs(found - profile.real(frames)).max() / LSB)
 
@@ -123,7 +123,7 @@ def test_the_profile_is_even_about_the_load_and_odd_in_it() -> None:
 
 
 def test_the_shape_decides_the_power() -> None:
-    """0.45 is a rectangle, 0.9 a triangle, halfway is the border."""
+    """0.45 is a rectangle, 0.9 a triangle, and the border is halfway."""
     for shape, power in ((0.45, 6), (0.674, 6), (0.676, 2), (0.9, 2)):
         frame = SIGNAL.quantise([0.9, 0.5, 0.45, shape])[0]
         middle = SIGNAL.to_real(PROFILE.process(frame)[1])[9]
@@ -165,7 +165,7 @@ def test_the_blocks_of_the_profile() -> None:
 
 
 def test_widths_hold_what_passes_through_them() -> None:
-    """What the hardware must be as wide as; multipliers within 18 bits signed."""
+    """These are the widths that the hardware needs. Multipliers need at most 18 signed bits."""
     fold, between = PROFILE.power_fold, PROFILE.exp_interpolator
     assert max(fold.in_width, fold.out_width, between.word_width, between.factor_width) <= 17
     assert PROFILE.divider.numerator_width == (16383 * 5).bit_length()
@@ -185,7 +185,8 @@ def test_power_fold_is_the_power_saturated(power: int) -> None:
     found = fold.process(t, power)
     exact = (t / 2**10) ** power * 2**8
     assert (np.diff(found) >= 0).all()
-    # Each use of the multiplier rounds by half an LSB, which later uses multiply by t.
+    # Each use of the multiplier has a rounding error of half an LSB, which later uses multiply by
+    # t.
     bound = 0.5 * power * np.maximum(1, t / 2**10) ** (power - 1) + 1e-9
     below = exact + bound < 4095
     assert (np.abs(found - exact) <= bound)[below].all()
@@ -206,7 +207,7 @@ def test_power_fold_counts_the_uses_of_its_multiplier() -> None:
 
 @given(st.integers(0, 2**14 - 1), st.integers(0, 2**13 - 1))
 def test_divider_is_shift_and_subtract(distance: int, width: int) -> None:
-    """As the hardware does it: one bit of the quotient a step, from a remainder below the width."""
+    """The hardware computes one bit of the quotient per step, with a remainder below the width."""
     divider = PROFILE.divider
     divisor = max(width, 1)
     numerator = distance * divider.gain

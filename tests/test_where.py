@@ -1,4 +1,4 @@
-"""Where benches run that are asked for without a scene."""
+"""Tests in which scene benches run if no scene is given."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.Unsettle
 
 @cache
 def blocks_of_scenes() -> dict[str, set[str]]:
-    """Of every shipped scene, in their order."""
+    """The blocks of every shipped scene, in the order of the scenes."""
     return {name: blocks_in(load_scene(name)) for name in scene_names()}
 
 
 @pytest.mark.parametrize("block", sorted(BENCHES))
 def test_every_block_is_found_without_a_scene(block: str) -> None:
-    """In the default scenes before other shipped ones, in these before the cases of its bench."""
+    """Default scenes come first, then other shipped scenes, then the cases of its bench."""
     found = places(None, block)
     assert all(block in blocks_in(place.scene) for place in found)
     shipped = [name for name, blocks in blocks_of_scenes().items() if block in blocks]

@@ -1,4 +1,4 @@
-"""Past frames as inputs."""
+"""Tests past frames as inputs."""
 
 from __future__ import annotations
 

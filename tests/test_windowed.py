@@ -1,4 +1,4 @@
-"""The twins of frame_window and windowed: which frames yield what, and what is refused."""
+"""Tests the twins of frame_window and windowed: their outputs, and what they refuse."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def test_what_stands_around_it_has_its_past(past: Windowed, around: type[Network
 
 
 def test_simulated_in_myhdl_it_equals_its_twin(past: Windowed) -> None:
-    """With every bound of every signal, while the ring goes round."""
+    """MyHDL checks every bound of every signal, while the ring wraps around."""
     frames = random_frames(past.frame_window.words, past.inputs)
     results, _ = simulate(past, frames)
     assert np.array_equal(results, past.process(frames))
@@ -99,9 +99,9 @@ def test_outputs_come_behind_what_the_frame_window_sends(past: Windowed) -> None
     ("window", "words"),
     [
         (Window(((1,),)), 4),
-        # 2 sensors, 7 past frames, the newest and the next are 18 words.
+        # 2 sensors with 7 past frames, the newest and the next frame need 18 words.
         (Window(((0, 7), (0,))), 32),
-        # 16 words, of which one is read when another is written: one more is wanted.
+        # These are 16 words, but one is read while another is written, so one more is needed.
         (Window(((0, 2),) * 4), 32),
         (Window(((0, 64),) * 3), 256),
     ],
@@ -137,7 +137,7 @@ def test_networks_of_another_stream_are_refused(tmp_path) -> None:
 
 
 def test_an_instrument_leaves_its_engine_the_clocks_of_a_scan(tmp_path) -> None:
-    """The engine is as small as the rate allows, and takes the frames that are sent."""
+    """The engine is as small as the rate allows, and keeps up with the frames."""
     case: Case = CASES["past-instrument"]
     fast = case.scene(tmp_path, "fast").twin()
     slow = replace(case, sections=case.sections.replace("900000", "20000"))

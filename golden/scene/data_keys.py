@@ -12,8 +12,10 @@ _FRAMES = "whole numbers of frames, such as [0, 4, 8]"
 _DELAY = Whole(Span(0, MOST_PAST), f"delays from 0 to {MOST_PAST}")
 _SCALE = f"{AUTO!r} or {{ offset = , factor = }}"
 _SCALE_KEYS = {
-    "offset": Key(Number(finite=True), 0.0, "the reading of code 0"),
-    "factor": Key(Number(Span(above=0), finite=True), meaning="what full scale adds to it"),
+    "offset": Key(Number(finite=True), 0.0, "The reading that code 0 stands for."),
+    "factor": Key(
+        Number(Span(above=0), finite=True), meaning="What full scale adds to the reading of code 0."
+    ),
 }
 _SCALES = Map(Alternatives((Text((AUTO,), said=_SCALE), Table(_SCALE_KEYS, said=_SCALE)), _SCALE))
 
@@ -22,74 +24,77 @@ DATA = Table(
         "file": Key(
             Text(),
             "",
-            "CSV with the recorded vectors; a scene has this key or the next",
+            "The CSV file with the recorded vectors. A scene has either this key or `recordings`.",
         ),
         "recordings": Key(
             List(Text(), "names of files, each once", "a list of texts", once=True),
             [],
-            "several such files, each a recording of its own: none goes on where another ends",
+            "Several CSV files, each of them a recording of its own: no file continues another.",
         ),
         "sensors": Key(
             _COLUMNS,
-            meaning="columns of the samples, in the order in which they enter the hardware; at "
-            "least one, each once",
+            meaning="The columns of the samples, in the order in which they enter the hardware. "
+            "There must be at least one, and each column is named once.",
         ),
         "outputs": Key(
             _COLUMNS,
-            meaning="columns of the targets, in the order in which the outputs leave the hardware; "
-            "at least one, each once",
+            meaning="The columns of the targets, in the order in which the outputs leave the "
+            "hardware. There must be at least one, and each column is named once.",
         ),
         "group_by": Key(
             Text(),
             "",
-            "column whose equal values form a position; the largest mean error is taken over "
-            "positions (equation 3.15), or is the mean where there are none",
+            "A column; rows with the same value in it form a position. The largest mean error is "
+            "the largest over the positions (equation 3.15). Without this key it is the mean of "
+            "all rows.",
         ),
         "where": Key(
             Map(Number(finite=True)),
             {},
-            "column name to a number: only rows with these values are used, `{ width = 0.225 }`; "
-            "a CSV without such a row is refused",
+            "For each named column a number, such as `{ width = 0.225 }`. Only rows with these "
+            "values are used. A CSV file without such a row is refused.",
         ),
         "window": Key(
             Alternatives((List(_DELAY, _FRAMES), Map(List(_DELAY, _FRAMES, _FRAMES)))),
             [0],
-            "frames before the newest whose samples the networks take, `[0, 4, 8]` for every "
-            "sensor or `{ sensor1 = [0, 4] }`, where a sensor that is not named has its newest "
-            "sample alone; see [past samples](#past-samples)",
+            "How many frames back the samples lie that the networks take: `[0, 4, 8]` for every "
+            "sensor, or `{ sensor1 = [0, 4] }` for some. Of a sensor that is not named, only the "
+            "newest sample is taken. See [past samples](#past-samples).",
         ),
         "full_scale": Key(
             _ABOVE_0,
             {},
-            "output name to a number above 0, in the output's unit, by which its error is "
-            "divided; for any other output it is the target (equation 3.16)",
+            "For each named output a number above 0, in the unit of the output. The error of the "
+            "output is divided by it. The error of any other output is divided by the target "
+            "(equation 3.16).",
         ),
         "length_mm": Key(
             _ABOVE_0,
             {},
-            "name of an output with a `full_scale` to what that is in millimetres; its errors are "
-            "then shown in millimetres too",
+            "For each named output with a `full_scale`, the length of this full scale in "
+            "millimetres. The errors of the output are then also shown in millimetres.",
         ),
         "scale": Key(
             Alternatives((_SCALES, Text((AUTO,), said=f"{AUTO!r} or a table of columns"))),
             {},
-            'column name, sensor or output, to `{ offset = , factor = }` or `"auto"`; '
-            '`scale = "auto"` alone is that for all of them. What the codes stand for, [in the '
-            "unit of the column](formats.md#units); a column that is not named is in -1 to 1. For "
-            "the sensors of a scene with a `front_end.converter` nothing need be written: see "
-            "[what a converter reads](#what-a-converter-reads)",
+            "For each named column of a sensor or an output, what its codes stand for [in the unit "
+            'of the column](formats.md#units): `{ offset = , factor = }` or `"auto"`. '
+            '`scale = "auto"` means "auto" for all columns. A column that is not named holds '
+            "values from -1 to 1. Sensors of a scene with a `front_end.converter` need no scale "
+            "here: see [what a converter reads](#what-a-converter-reads).",
         ),
         "units": Key(
             Map(Text(said="text, such as 'g'")),
             {},
-            "column name, sensor or output, to the name of its unit, "
-            '`{ load = "g" }`, for what is printed',
+            "For each named column of a sensor or an output, the name of its unit, such as "
+            '`{ load = "g" }`. The name appears in what is printed.',
         ),
         "reference": Key(
             Text(),
             "",
-            "table of `golden/data/thesis_numbers.toml`, written `digit.hybrid`, whose list "
-            "`simulation`, one figure per output, `make demo` prints beside the errors",
+            "A table of `golden/data/thesis_numbers.toml`, such as `digit.hybrid`. `make demo` "
+            "prints its list `simulation`, which has one figure for each output, beside the "
+            "errors.",
         ),
     },
     name="a section",

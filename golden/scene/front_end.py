@@ -26,31 +26,32 @@ FRONT_END = Table(
         "counter_width": Key(
             Whole(Span(1, 24)),
             12,
-            "bits of the counter; a scan takes 2^`counter_width` clocks, two a slot or more, and "
-            "without `rate_hz` no fewer than the network needs from frame to frame",
+            "The number of bits of the counter that divides a scan into slots. A scan takes "
+            "2^`counter_width` clocks. Each slot needs two clocks or more. Without `rate_hz` a "
+            "scan must also take at least as many clocks as the network needs from frame to frame.",
         ),
         "sample_at": Key(
             Number(Span(above=0, below=1)),
             0.9,
-            "where in a slot the code is taken, when the multiplexer has settled",
+            "At which part of a slot the code is taken. By then the multiplexer must have settled.",
         ),
         "rate_hz": Key(
             Number(),
             0.0,
-            "scans a second: `200.0` is a scan every 320000 clocks of 64 MHz, with a pause behind "
-            "it. From one scan in 2^30 clocks to one in 2^`counter_width`; 0: each follows the "
-            "last at once. The nearest whole number of clocks is taken; `make check`, `make vhdl`, "
-            "`make verilog` and the report tell it, and how far its rate is from what was asked "
-            "for",
+            "The number of scans per second, with a pause after each scan: `200.0` is a scan every "
+            "320000 clocks of 64 MHz. It can be from one scan in 2^30 clocks to one in "
+            "2^`counter_width` clocks. With 0 each scan follows the previous one at once. The "
+            "nearest whole number of clocks is used. `make check`, `make vhdl`, `make verilog` and "
+            "the report state this number, and how far the rate is from the one asked for.",
         ),
         "converter": Key(
             Text(CONVERTERS),
             "",
-            "a part on an SPI, sensor n at its channel n: `mcp3208` (12 bits), `mcp3208-5v` (the "
-            "same with a supply of 5 V), `ads8344` or `ads8345` (16 bits), see "
-            "[converter_reader](blocks/converter_reader.md#parts); `clock_mhz` is then the clock "
-            "by which its limits are kept, and there is no `sample_at`. Without: codes of "
-            "Fix(14,13) behind an analogue multiplexer",
+            "An analogue-to-digital converter on an SPI, with sensor n at its channel n: `mcp3208` "
+            "(12 bits), `mcp3208-5v` (the same with a supply of 5 V), `ads8344` or `ads8345` (16 "
+            "bits). See [converter_reader](blocks/converter_reader.md#parts). The limits of its "
+            "timing are kept for a clock of `clock_mhz`, and `sample_at` is not used. Without this "
+            "key the hardware takes codes of Fix(14,13) from behind an analogue multiplexer.",
         ),
         "reference": Key(
             Number(
@@ -59,9 +60,9 @@ FRONT_END = Table(
                 absent=True,
             ),
             0.0,
-            "what the reference of the `converter` is in the unit of the readings, such as `5.0` "
-            "for volts; not needed where the readings are signals of -1 to 1 or the converter's "
-            "own codes, see [what a converter reads](#what-a-converter-reads)",
+            "The reference of the `converter` in the unit of the readings, such as `5.0` for "
+            "volts. It is not needed if the readings are signals of -1 to 1 or the converter's own "
+            "codes. See [what a converter reads](#what-a-converter-reads).",
         ),
     },
     name="a section",

@@ -11,102 +11,108 @@ HARDWARE = Table(
     {
         "design": Key(
             Text(tuple(DESIGNS)),
-            meaning="[engine](blocks/engine.md): one multiplier and a program, in any arrangement, "
-            "for `exact` precision and the activation `precise`; [hybrid](blocks/hybrid.md): "
-            "folded over inputs and outputs; [parallel](blocks/parallel.md): every multiplication "
-            "at once, for `single` alone; [adder_graph](blocks/adder_graph.md): a frame a clock "
-            "without a multiplier, for `single` and `multiple`, `exact` precision and the "
-            "activation `bipartite`",
+            meaning="How the networks are built. [engine](blocks/engine.md) has one multiplier and "
+            "a program; it takes any arrangement in `exact` precision with the activation "
+            "`precise`. [hybrid](blocks/hybrid.md) is folded over inputs and outputs. "
+            "[parallel](blocks/parallel.md) does every multiplication at once, and takes only the "
+            "arrangement `single`. [adder_graph](blocks/adder_graph.md) takes a frame every clock "
+            "and needs no multiplier; it takes `single` and `multiple` in `exact` precision with "
+            "the activation `bipartite`.",
         ),
         "activation": Key(
             Text(tuple(SCHEMES)),
             "",
-            "[gradient](blocks/gradient.md), [gradient_parallel](blocks/gradient_parallel.md), "
-            "[lut](blocks/lut.md), [pade](blocks/pade.md), [polynomial](blocks/polynomial.md), "
-            "[precise](blocks/precise.md), which needs `exact` precision, or "
-            "[bipartite](blocks/bipartite.md), which needs the design `adder_graph` too",
+            "The approximation of tanh: [gradient](blocks/gradient.md), "
+            "[gradient_parallel](blocks/gradient_parallel.md), [lut](blocks/lut.md), "
+            "[pade](blocks/pade.md), [polynomial](blocks/polynomial.md), "
+            "[precise](blocks/precise.md) or [bipartite](blocks/bipartite.md). `precise` and "
+            "`bipartite` need `exact` precision, and `bipartite` needs the design `adder_graph` "
+            "as well.",
             "`precise` in `exact` precision, `gradient` in `thesis`",
         ),
         "activation_options": Key(
             Map(Anything()),
             {},
-            "what the activation leaves open: `{ rho = 4.5, iterations = 32 }` for `pade`, "
-            '`{ coefficients = "logic" }` or `"block_ram"` for `precise`, '
-            '`{ memory = "block_ram" }` or `"logic"` for `bipartite`, nothing for the others',
+            "The options of the activation. `pade` has `{ rho = 4.5, iterations = 32 }`. "
+            '`precise` has `{ coefficients = "logic" }` or `"block_ram"`. `bipartite` has '
+            '`{ memory = "block_ram" }` or `"logic"`. The other activations have none.',
         ),
         "precision": Key(
             Text(tuple(PRECISIONS)),
-            meaning="`thesis` or `exact`, see [formats](formats.md#the-two-precisions)",
+            meaning="The number formats and rounding, `thesis` or `exact`. See "
+            "[formats](formats.md#the-two-precisions).",
         ),
         "clock_mhz": Key(
             Number(Span(0.001, 10_000.0)),
             64.0,
-            "turns clocks into times in the report of `make demo`, and is the period in the "
-            "exported [ise.ucf](handover.md#constraints)",
+            "The frequency of the clock. The report of `make demo` turns clocks into times with "
+            "it, and the exported [ise.ucf](handover.md#constraints) states its period.",
         ),
         "interface": Key(
             Text(("stream", "axi_stream")),
             "stream",
-            "`stream`: the ports of the network; `axi_stream`: the same behind AXI4-Stream with "
-            "back-pressure, [axis_network](blocks/axis_network.md), for `engine` and `hybrid` "
-            "without front end and visualisation",
+            "The ports of the top entity. `stream` gives it the ports of the network. `axi_stream` "
+            "puts the network behind AXI4-Stream with back-pressure "
+            "([axis_network](blocks/axis_network.md)), for `engine` and `hybrid` without front end "
+            "and visualisation.",
         ),
         "multiplier": Key(
             Text(("dsp", "serial")),
             "",
-            "of `engine` alone: `serial` does [without a "
-            "multiplier](blocks/engine.md#without-a-multiplier), at ten times the clocks; its "
-            "results are the same",
+            "Only for `engine`. `dsp` uses one multiplier. `serial` works [without a "
+            "multiplier](blocks/engine.md#without-a-multiplier): it takes ten times the clocks and "
+            "gives the same results.",
             "`dsp`",
         ),
         "pipeline": Key(
             Text(("short", "deep")),
             "",
-            "of `engine` alone: `deep` puts a register behind each of its memories, for faster "
-            "clocks; its frames take some clocks more",
+            "Only for `engine`. `deep` puts a register behind each of its memories. The clock can "
+            "then be faster, and a frame takes some clocks more.",
             "`short`",
         ),
         "segment_width": Key(
             Whole(absent=True),
             0,
-            "of `engine` alone: 9, 8 or 7 bits of a hidden sum within a [segment of "
-            "tanh](blocks/engine.md#numeric-behaviour); fewer err less and take more words",
+            "Only for `engine`. The number of bits of a hidden sum, 9, 8 or 7, that lie within a "
+            "[segment of tanh](blocks/engine.md#numeric-behaviour). With fewer bits the error is "
+            "smaller and the table has more words.",
             "9",
         ),
         "clocks": Key(
             Whole(absent=True),
             0,
-            "of `engine` alone: clocks from the last sample to the last output that a frame may "
-            "take. The smallest hardware that keeps to them is taken, without a multiplier where "
-            "there is time for it, and printed by `make vhdl` and `make demo`",
+            "Only for `engine`. The most clocks that a frame may take from the last sample to the "
+            "last output. The smallest hardware within this limit is chosen, and if there is time "
+            "enough, it has no multiplier. `make vhdl` and `make demo` print the choice.",
             "what a front end leaves",
         ),
         "reload": Key(
             Flag(),
             False,
-            "of `engine`: the program is no part of the hardware but an image that is loaded, "
-            "[image_loader](blocks/image_loader.md); the hardware then depends on the two keys "
-            "below, `segment_width` and `pipeline` alone. Without front end, visualisation and "
-            "`axi_stream`, but for a scene with a section [uart](#uart), which has a line "
-            "to load it",
+            "Only for `engine`. With `true` the program is not part of the hardware: it is an "
+            "image that is loaded ([image_loader](blocks/image_loader.md)). The hardware then "
+            "depends only on `program_words`, `operand_words`, `segment_width` and `pipeline`. A "
+            "scene with a section [uart](#uart) loads the image over that line. Any other scene "
+            "must have no front end, no visualisation and no `axi_stream`.",
         ),
         "program_words": Key(
             Whole(absent=True),
             0,
-            "with `reload`: words of the program memory, a power of two",
+            "Only with `reload`. The number of words of the program memory, a power of two.",
             "512",
         ),
         "operand_words": Key(
             Whole(absent=True),
             0,
-            "with `reload`: words of the operand memory, a power of two",
+            "Only with `reload`. The number of words of the operand memory, a power of two.",
             "128",
         ),
         "adders_per_clock": Key(
             Whole(absent=True),
             0,
-            "of `adder_graph` alone: adders one behind the other between two registers; fewer make "
-            "the clock faster and the latency longer",
+            "Only for `adder_graph`. How many adders stand one behind the other between two "
+            "registers. Fewer adders make the clock faster and the latency longer.",
             "5",
         ),
     },

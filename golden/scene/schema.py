@@ -26,34 +26,42 @@ NETWORK = Table(
     {
         "arrangement": Key(
             Text(ARRANGEMENTS),
-            meaning="`single`: one network for all outputs; `multiple`: one for each output; "
-            "`cascade`: one for each output, which sees the sensors and the outputs before its own",
+            meaning="`single` has one network for all outputs. `multiple` has one network for each "
+            "output. `cascade` has one for each output too, and each network also gets the outputs "
+            "of the networks before it.",
         ),
         "hidden": Key(
             Each(Whole(Span(0, MOST_HIDDEN))),
             0,
-            "hidden nodes; 0 takes as many as the network file has, and training searches "
-            "`training.hidden`",
+            "The number of hidden nodes. 0 means as many as the network file has; training then "
+            "searches the range `training.hidden`.",
         ),
         "weights": Key(
             Each(Text()),
-            meaning="files of the trained networks, `.npz`, `.mat` or `.onnx`, in the order of the "
-            "outputs; `make train` writes them",
+            meaning="The files of the trained networks, `.npz`, `.mat` or `.onnx`, in the order of "
+            "the outputs. `make train` writes them.",
         ),
     },
     name="a section",
 )
 _DISTURBANCE = Number(Span(0, MOST), f"a number from 0 to {MOST:g}")
 _DRIFT = {
-    "gain": Key(_DISTURBANCE, 0.0, "of a sensor's gain, as a part of it"),
-    "offset": Key(_DISTURBANCE, 0.0, "of a sensor's offset, in the unit of the sensor columns"),
+    "gain": Key(
+        _DISTURBANCE, 0.0, "The standard deviation of a sensor's gain, as a part of the gain."
+    ),
+    "offset": Key(
+        _DISTURBANCE,
+        0.0,
+        "The standard deviation of a sensor's offset, in the unit of the sensor columns.",
+    ),
 }
 TRAINING = Table(
     {
         "optimiser": Key(
             Text(("levenberg-marquardt", "scg")),
             "levenberg-marquardt",
-            "or `scg`, the scaled conjugate gradient of the thesis",
+            "The optimiser of each descent: `levenberg-marquardt`, or `scg`, the scaled conjugate "
+            "gradient of the thesis.",
         ),
         "hidden": Key(
             List(
@@ -65,95 +73,110 @@ TRAINING = Table(
                 rising=True,
             ),
             [4, 25],
-            "least and largest number of hidden nodes to search, where `network.hidden` is 0",
+            "The least and the largest number of hidden nodes to search, if `network.hidden` is 0.",
         ),
         "seed": Key(
-            Whole(Span(0)), 1, "splits the rows, starts the weights and draws noise and drift"
+            Whole(Span(0)),
+            1,
+            "The seed of all random choices: the split of the rows, the first weights, noise and "
+            "drift.",
         ),
         "restarts": Key(
-            Whole(Span(above=0, most=100_000)), 8, "random starts for each number of hidden nodes"
+            Whole(Span(above=0, most=100_000)),
+            8,
+            "How many random starts are tried for each number of hidden nodes.",
         ),
         "weight_decay": Key(
-            Number(Span(0)), 1e-4, "keeps weights small, and with them Q_j and Y_i", "1e-4"
+            Number(Span(0)),
+            1e-4,
+            "A penalty on large weights. It keeps the weights small, and with them Q_j and Y_i.",
+            "1e-4",
         ),
         "steps": Key(
             Whole(Span(above=0, most=1_000_000)),
             200,
-            "most evaluations of each descent; there are two per candidate, one where the "
-            "activation is tanh itself",
+            "The most evaluations of a descent. A candidate takes two descents, or one if the "
+            "activation is tanh itself.",
         ),
         "patience": Key(
             Whole(Span(above=0)),
             40,
-            "a descent ends early when so many points in a row, each with less training error than "
-            "any before, have not lowered the validation error",
+            "When a descent ends early: after so many points in a row that each have less training "
+            "error than any point before, and have not lowered the validation error.",
         ),
         "earlier_outputs": Key(
             Text(("bit-true", "float")),
             "bit-true",
-            "what a network of a cascade trains on: the outputs of the networks before it as the "
-            "hardware gives them (`bit-true`, the thesis' cascade B) or in floating point "
-            "(`float`, cascade A)",
+            "Which outputs of earlier networks a network of a cascade is trained on: those of the "
+            "hardware (`bit-true`, cascade B of the thesis) or those in floating point (`float`, "
+            "cascade A).",
         ),
         "split": Key(
             Text(("random", "blocks", "groups")),
             "random",
-            "which rows are held out: `random` ones, `blocks` of neighbours, or whole `groups`, "
-            "see [which rows are held out](#which-rows-are-held-out)",
+            "Which rows are held out: `random` rows, `blocks` of neighbours, or whole `groups`. "
+            "See [which rows are held out](#which-rows-are-held-out).",
         ),
         "split_by": Key(
             List(Text(), "columns, each once", "a list of texts", least=0, once=True),
             [],
-            "columns of `data.file`: rows with the same values in them are a group, and no block "
-            "reaches over a change of one; needed for `groups`",
+            "Columns of the CSV file. Rows with the same values in these columns are a group, and "
+            "no block continues where one of the values changes. `groups` needs this key.",
         ),
-        "block_rows": Key(Whole(Span(above=0)), 5, "rows of a block, about"),
+        "block_rows": Key(Whole(Span(above=0)), 5, "About how many rows a block has."),
         "refit": Key(
             Flag(),
             False,
-            "after the search the chosen network is [trained "
-            "on](#trained-on-after-the-search), with all rows",
+            "With `true` the training of the chosen network [continues after the "
+            "search](#trained-on-after-the-search), with all rows.",
         ),
         "digits": Key(
             Alternatives((Whole(), Text((FEWEST,), said=f"a whole number or {FEWEST!r}"))),
             0,
-            "signed digits that all weights of a network may have together, biases not counted, or "
-            f'`"{FEWEST}"`: [weights of few digits](#weights-of-few-digits). At least one '
-            "more than the network has outputs; 0 leaves the weights as they are. For `exact` "
-            "precision",
+            "How many signed digits all weights of a network may have together; biases do not "
+            f'count. It must exceed the number of outputs of the network; `"{FEWEST}"` finds the '
+            "least. 0 leaves the weights as they are. The precision must be `exact`. See [weights "
+            "of few digits](#weights-of-few-digits).",
         ),
         "digits_tolerance": Key(
             Number(Span(0)),
             DIGITS_TOLERANCE,
-            f'of `"{FEWEST}"` alone: what the error of an output may grow by on the validation '
-            "rows, as a part of it",
+            f'Only with `"{FEWEST}"`. By which part of itself the error of an output may grow on '
+            "the validation rows.",
         ),
         "noise": Key(
             _DISTURBANCE,
             0.0,
-            "standard deviation of the noise that is expected on every reading, in the unit of the "
-            "sensor columns, with or without `data.scale`; see [what the sensors are expected to "
-            "do](#what-the-sensors-are-expected-to-do)",
+            "The standard deviation of the noise that is expected on every reading. Its unit is "
+            "that of the sensor columns, with or without `data.scale`. See [what the sensors are "
+            "expected to do](#what-the-sensors-are-expected-to-do).",
         ),
         "drift": Key(
             Table(_DRIFT, noun=""),
             {},
-            "`{ gain = 0.01, offset = 0.005 }`, each 0 to 100 and 0 where it is left out: standard "
-            "deviations of what a sensor's gain, as a part of it, and its offset, in the unit of "
-            "the sensor columns, will be off",
+            "How far the sensors are expected to drift, such as `{ gain = 0.01, offset = 0.005 }`: "
+            "the standard deviation of a sensor's gain, as a part of the gain, and that of its "
+            "offset, in the unit of the sensor columns. Each is from 0 to 100, and 0 if it is left "
+            "out.",
         ),
     },
     name="a section",
 )
 SCENE = Table(
     {
-        "data": Key(DATA, {}, "which recordings, sensors and outputs"),
-        "network": Key(NETWORK, {}, "how many networks, of which size, and where they are"),
-        "hardware": Key(HARDWARE, {}, "in which form of hardware"),
-        "training": Key(TRAINING, {}, "how the networks are trained"),
-        "front_end": Key(FRONT_END, None, "how the sensors are read; without it from a stream"),
-        "visualisation": Key(VISUALISATION, None, "a profile of the load beside the outputs"),
-        "uart": Key(UART, None, "a serial line to a computer"),
+        "data": Key(DATA, {}, "Which recordings, sensors and outputs the scene has."),
+        "network": Key(
+            NETWORK, {}, "How many networks there are, of which size, and in which files."
+        ),
+        "hardware": Key(HARDWARE, {}, "In which form of hardware the networks are built."),
+        "training": Key(TRAINING, {}, "How the networks are trained."),
+        "front_end": Key(
+            FRONT_END,
+            None,
+            "How the sensors are read. Without this section samples arrive as a stream.",
+        ),
+        "visualisation": Key(VISUALISATION, None, "Adds a profile of the load to the outputs."),
+        "uart": Key(UART, None, "Adds a serial line to a computer."),
     },
     noun="section ",
 )

@@ -16,8 +16,8 @@ UART = Table(
         "baud": Key(
             Whole(),
             1_000_000,
-            "bits a second; 4 clocks a bit or more, and within 2 % of `clock_mhz` over a whole "
-            "number",
+            "The number of bits per second. A bit must take 4 clocks or more, and the rate must be "
+            "within 2 % of `clock_mhz` divided by a whole number.",
         )
     },
     name="a section",

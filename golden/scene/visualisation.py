@@ -21,24 +21,35 @@ ANALOGUE = ("pulse_density",)
 VISUALISATION = Table(
     {
         **{
-            name: Key(Text(), name, f"which output is the {name}; the four are different ones")
+            name: Key(Text(), name, f"Which output is the {name}. The four outputs must differ.")
             for name in RESULTS
         },
-        "start": Key(Number(), 0.0, "first position of the ramp; -1 or more"),
-        "stop": Key(Number(), 0.8, "last position; a whole number of steps above `start`, below 1"),
-        "step": Key(Number(), 0.05, "above half an LSB, 2^-14; 1023 points at most"),
+        "start": Key(Number(), 0.0, "The first position of the ramp. It must be -1 or more."),
+        "stop": Key(
+            Number(),
+            0.8,
+            "The last position of the ramp. It must lie a whole number of steps above `start`, and "
+            "below 1.",
+        ),
+        "step": Key(
+            Number(),
+            0.05,
+            "The distance of two positions. It must be larger than half an LSB, 2^-14, and the "
+            "ramp can have 1023 points at most.",
+        ),
         "shape_threshold": Key(
             Number(Span(-1, below=1)),
             SHAPE_THRESHOLD,
-            "shapes above it are drawn as triangles, others as rectangles",
+            "A load whose shape is above this value is drawn as a triangle, any other as a "
+            "rectangle.",
         ),
         "analogue": Key(
             Text(ANALOGUE),
             "",
-            "`pulse_density`: two bits, `dac_x` and `dac_y`, whose density of ones is a point of "
-            "the profile, for a low pass each and the x-y input of an oscilloscope "
-            "([pulse_density](blocks/pulse_density.md)); with a section [uart](#uart) "
-            "alone",
+            "How the profile leaves for an oscilloscope. `pulse_density` adds two bits, `dac_x` "
+            "and `dac_y`, whose density of ones gives the point of the profile. Each bit needs a "
+            "low pass in front of the x-y input ([pulse_density](blocks/pulse_density.md)). It "
+            "needs a section [uart](#uart).",
         ),
     },
     name="a section",

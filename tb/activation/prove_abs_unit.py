@@ -1,4 +1,4 @@
-"""What is proved of abs_unit, whatever drives it."""
+"""Proved properties of abs_unit, whatever drives it."""
 
 from tb.sign_off.watch import pipeline
 

@@ -1,9 +1,9 @@
-"""What is proved of bipartite, whatever drives it."""
+"""Proved properties of bipartite, whatever drives it."""
 
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import ago, pipeline
 
-# The last register of the valid flag too early, and one without reset.
+# In one copy the valid flag skips its last register, in the other a register has no reset.
 LATE = (
     (r"out_valid <= (\w+)\[\(3 - 1\)\]", r"out_valid <= \1[1]"),
     (r"(delay\d+_taps\[2\]) <= 0;", ""),
@@ -12,7 +12,7 @@ EARLY_SIGN = (r"(\w+)negative_late <= [^;]+", r"\1negative_late <= \1negative")
 
 
 def sign(activation, node="", refuted_by=EARLY_SIGN):
-    """The sign of one node, whatever the tables hold."""
+    """The property that the sign of a node is right, whatever the tables hold."""
     number = node.strip("_") or "0"
     tables = "memories" if activation.memory == "block_ram" else "logic"
     inside = f"node{number}_from_{tables}{number}"

@@ -1,4 +1,4 @@
-"""What is proved of comparator_bank, whatever drives it."""
+"""Proved properties of comparator_bank, whatever drives it."""
 
 from tb.sign_off.watch import pipeline
 

@@ -1,4 +1,4 @@
-"""What is proved of grad_eqn, whatever drives it."""
+"""Proved properties of grad_eqn, whatever drives it."""
 
 from tb.sign_off.watch import pipeline
 

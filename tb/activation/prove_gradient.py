@@ -1,4 +1,4 @@
-"""What is proved of gradient, whatever drives it."""
+"""Proved properties of gradient, whatever drives it."""
 
 from tb.sign_off.watch import pipeline
 

@@ -1,4 +1,4 @@
-"""What is proved of gradient_parallel, whatever drives it."""
+"""Proved properties of gradient_parallel, whatever drives it."""
 
 from tb.sign_off.watch import pipeline
 

@@ -1,4 +1,4 @@
-"""What is proved of i_memory, at every address."""
+"""Proved properties of i_memory, at every address."""
 
 from tb.sign_off.watch import read_only
 

@@ -1,4 +1,4 @@
-"""What is proved of lut, whatever drives it."""
+"""Proved properties of lut, whatever drives it."""
 
 from tb.sign_off.watch import pipeline
 

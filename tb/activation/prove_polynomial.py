@@ -1,4 +1,4 @@
-"""What is proved of polynomial, whatever drives it."""
+"""Proved properties of polynomial, whatever drives it."""
 
 from tb.sign_off.watch import pipeline
 

@@ -1,4 +1,4 @@
-"""What is proved of precise, whatever drives it."""
+"""Proved properties of precise, whatever drives it."""
 
 from tb.sign_off.watch import pipeline
 

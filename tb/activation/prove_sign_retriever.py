@@ -1,4 +1,4 @@
-"""What is proved of sign_retriever, whatever drives it."""
+"""Proved properties of sign_retriever, whatever drives it."""
 
 from tb.sign_off.watch import pipeline
 

@@ -1,9 +1,9 @@
 """abs_unit against its twin.
 
-Sweeps: every code of a 14-bit input; of a wider one a random code of each of 16384 strata, and
-the neighbourhood of zero and of both ends.
-Drives: back to back, then in random order with gaps and resets; besides, back to back, what it sees
-while the recorded frames run through the design.
+Sweeps: every code of a 14-bit input; of a wider input, a random code from each of 16384 equal parts
+of its range, and the neighbourhood of zero and of both ends.
+Drives: the inputs back to back, then in random order with gaps and resets; then, back to back, the
+inputs that the block gets while the recorded frames run through the design.
 Checks: magnitude and sign bit for bit, and the clock in which each result appears.
 Does not prove: the wide input exhaustively (the twin is checked on all of it in tests/).
 """
@@ -11,7 +11,7 @@ Does not prove: the wide input exhaustively (the twin is checked on all of it in
 import cocotb
 
 from tb.common.bench import Bench
-from tb.common.recorded import check_recorded
+from tb.common.recorded_frames import check_recorded
 from tb.common.small import PARTS
 from tb.common.stimulus import all_codes
 from tb.common.stream import SIGNED, UNSIGNED, check_gaps_and_resets, check_stream

@@ -1,10 +1,10 @@
 """bipartite against its twin.
 
-Sweeps: a random code of each of 16384 strata of the input, or every code of a narrow one; every
-bit of every word of both tables that changes the result of any code; two codes on either side of
-2, 4, 8, zero and both ends.
-Drives: back to back, then in random order with gaps and resets.
-Checks: the activation bit for bit, and its clock.
+Sweeps: a random code from each of 16384 equal parts of the input's range, or every code of a narrow
+input; for each bit of every word of both tables, a code of either sign whose result it changes; two
+codes on either side of 2, 4, 8, zero and both ends.
+Drives: the inputs back to back, then in random order with gaps and resets.
+Checks: the activation bit for bit, and the clock in which it appears.
 Does not prove: how close the tables are to tanh (tests/test_bipartite.py, over all codes).
 """
 

@@ -1,7 +1,7 @@
 """bipartite_pair against its twin.
 
-Sweeps: at either node what tb_bipartite sweeps, in another order.
-Drives: back to back, then in random order with gaps and resets.
+Sweeps: the codes of tb_bipartite at both nodes, in different orders.
+Drives: the inputs back to back, then in random order with gaps and resets.
 Checks: both activations bit for bit, and their clock.
 Does not prove: how close the tables are to tanh (tests/test_bipartite.py, over all codes).
 """

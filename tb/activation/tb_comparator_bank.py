@@ -1,9 +1,9 @@
 """comparator_bank against its twin.
 
-Sweeps: every magnitude of 13 bits; of a wider one a random one of each of 16384 strata, and two
-codes on either side of every threshold.
-Drives: back to back, then in random order with gaps and resets; besides, back to back, what it sees
-while the recorded frames run through the design.
+Sweeps: every magnitude of 13 bits; of a wider input, a random one from each of 16384 equal parts of
+its range, and two codes on either side of every threshold.
+Drives: the inputs back to back, then in random order with gaps and resets; then, back to back, the
+inputs that the block gets while the recorded frames run through the design.
 Checks: address and forwarded magnitude bit for bit, and the clock of each result.
 Does not prove: that the thresholds are the right ones (tests/test_segments.py does).
 """
@@ -13,7 +13,7 @@ import numpy as np
 
 from golden.fixed import Fix
 from tb.common.bench import Bench
-from tb.common.recorded import check_recorded
+from tb.common.recorded_frames import check_recorded
 from tb.common.small import PARTS, both_precisions
 from tb.common.stimulus import all_codes
 from tb.common.stream import UNSIGNED, check_gaps_and_resets, check_stream

@@ -1,8 +1,8 @@
 """g_memory against its twin.
 
 Sweeps: every address that the port can carry, also beyond the last word.
-Drives: each address once, then 200 in random order; then those that it sees while the recorded
-frames run through the design.
+Drives: each address once, then 200 addresses in random order, then those that the block gets while
+the recorded frames run through the design.
 Checks: the word bit for bit, in the same clock.
 Does not prove: that the contents are the right ones (tests/test_segments.py does).
 """
@@ -11,7 +11,7 @@ import cocotb
 
 from tb.common.bench import Bench
 from tb.common.memory import check_memory
-from tb.common.recorded import recorded
+from tb.common.recorded_frames import recorded_inputs
 from tb.common.small import PARTS
 
 CASES = PARTS
@@ -23,4 +23,4 @@ FAULTS = [
 @cocotb.test()
 async def every_address(dut):
     bench = Bench(dut)
-    await check_memory(bench, *recorded(bench))
+    await check_memory(bench, *recorded_inputs(bench))

@@ -1,11 +1,11 @@
 """grad_eqn against its twin.
 
-Sweeps: for every segment of the neuron 1000 random magnitudes of the segment and its two ends, and
-magnitudes on either side of 100 places where the result changes.
-Drives: back to back, then in random order with gaps and resets; besides, back to back, what it sees
-while the recorded frames run through the design.
-Checks: the result bit for bit, and its clock.
-Does not prove: combinations of magnitude and constants that no segment of the scene can meet.
+Sweeps: for every segment of the neuron, its two ends and 1000 random magnitudes within it; and
+magnitudes on either side of 100 places at which the result changes.
+Drives: the inputs back to back, then in random order with gaps and resets; then, back to back, the
+inputs that the block gets while the recorded frames run through the design.
+Checks: the result bit for bit, and the clock in which it appears.
+Does not prove: combinations of a magnitude and constants that occur in no segment of the scene.
 """
 
 import cocotb
@@ -13,7 +13,7 @@ import numpy as np
 
 from golden.activation.gradient import Gradient
 from tb.common.bench import Bench
-from tb.common.recorded import check_recorded
+from tb.common.recorded_frames import check_recorded
 from tb.common.small import PARTS
 from tb.common.stream import UNSIGNED, check_gaps_and_resets, check_stream
 
@@ -29,7 +29,7 @@ STEPS = 100
 
 
 def operands(bench):
-    """Magnitudes of each segment with the constants of that segment."""
+    """Magnitudes of each segment, with the constants of the segment."""
     table = bench.around(Gradient)[0].table
     ends = [-1, *table.thresholds, (1 << bench.twin.mag_width) - 1]
     columns = {name: [] for name in INPUTS}

@@ -1,17 +1,18 @@
 """gradient, assembled, against its twin.
 
-Sweeps: every code of a 14-bit input; of a wider one a random code of each of 16384 strata; two
-codes on either side of every threshold, of zero and of both ends, with either sign.
-Drives: back to back, then in random order with gaps and resets; besides, back to back, what it sees
-while the recorded frames run through the design.
-Checks: the activation bit for bit, and its clock.
+Sweeps: every code of a 14-bit input; of a wider input, a random code from each of 16384 equal parts
+of its range; two codes on either side of every threshold, of zero and of both ends, with either
+sign.
+Drives: the inputs back to back, then in random order with gaps and resets; then, back to back, the
+inputs that the block gets while the recorded frames run through the design.
+Checks: the activation bit for bit, and the clock in which it appears.
 Does not prove: how close the scheme is to tanh (tests/test_gradient.py measures that).
 """
 
 import cocotb
 
 from tb.common.bench import Bench
-from tb.common.recorded import check_recorded
+from tb.common.recorded_frames import check_recorded
 from tb.common.small import FOLDED
 from tb.common.stimulus import all_codes
 from tb.common.stream import SIGNED, check_gaps_and_resets, check_stream

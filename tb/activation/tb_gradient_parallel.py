@@ -1,9 +1,10 @@
 """gradient_parallel against its twin.
 
-Sweeps: every code of a 14-bit input; of a wider one a random code of each of 16384 strata; two
-codes on either side of every threshold, of zero and of both ends, with either sign.
-Drives: back to back, then in random order with gaps and resets.
-Checks: the activation bit for bit, and its clock.
+Sweeps: every code of a 14-bit input; of a wider input, a random code from each of 16384 equal parts
+of its range; two codes on either side of every threshold, of zero and of both ends, with either
+sign.
+Drives: the inputs back to back, then in random order with gaps and resets.
+Checks: the activation bit for bit, and the clock in which it appears.
 Does not prove: how close the scheme is to tanh (tests/test_schemes.py measures that).
 """
 

@@ -1,10 +1,11 @@
 """pade against its twin.
 
-Sweeps: every code of a 14-bit input; of a wider one a random code of each of 16384 strata; two
-codes on either side of the gate, of zero and of both ends, with either sign.
-Drives: as close as the block takes codes, then in random order with gaps and resets, then closer.
-Checks: the activation bit for bit, and its clock; that a result stays until the next; that a code
-followed too closely has none.
+Sweeps: every code of a 14-bit input; of a wider input, a random code from each of 16384 equal parts
+of its range; two codes on either side of the gate, of zero and of both ends, with either sign.
+Drives: codes as close as the block takes them, then in random order with gaps and resets, then
+closer than the block takes them.
+Checks: the activation bit for bit, and the clock in which it appears; that a result stays until the
+next one; that a code which is followed too soon has no result.
 Does not prove: how close the scheme is to tanh (tests/test_schemes.py measures that).
 """
 
@@ -27,7 +28,7 @@ FAULTS = [
 ]
 
 INPUTS, OUTPUTS = {"in_data": SIGNED}, {"out_data": SIGNED}
-# Codes played at a time, so that the recording stays small.
+# How many codes are played at a time, so that the recording stays small.
 CHUNK = 2048
 
 
@@ -64,7 +65,7 @@ async def early_codes(dut):
     drive = spread(bench.rng, items, "in_valid", 0.0, bench.latency + 4, pause)
     recording = await bench.play(drive, ["out_valid", "out_data"])
     entered = recording.rows("in_valid")
-    # A code has a result when the next comes no earlier than the block takes it.
+    # A code has a result if the next code does not come earlier than the block takes it.
     kept = entered[np.diff(entered, append=recording.clocks) >= twin.interval]
     left = recording.rows("out_valid")
     bench.compare("clocks of the results", left, kept + bench.latency)

@@ -1,10 +1,10 @@
 """polynomial against its twin.
 
-Sweeps: every code of a 14-bit input; of a wider one a random code of each of 16384 strata; two
-codes on either side of every threshold, of zero and of both ends, with either sign; the codes whose
-exact result is closest to where the next one begins, with either sign.
-Drives: back to back, then in random order with gaps and resets.
-Checks: the activation bit for bit, and its clock.
+Sweeps: every code of a 14-bit input; of a wider input, a random code from each of 16384 equal parts
+of its range; two codes on either side of every threshold, of zero and of both ends, with either
+sign; the codes whose exact result lies closest to the border of the next result, with either sign.
+Drives: the inputs back to back, then in random order with gaps and resets.
+Checks: the activation bit for bit, and the clock in which it appears.
 Does not prove: how close the scheme is to tanh (tests/test_schemes.py measures that).
 """
 
@@ -30,7 +30,7 @@ FAULTS = [
 ]
 
 INPUTS, OUTPUTS = {"in_data": SIGNED}, {"out_data": SIGNED}
-# Of 57344 magnitudes the closest lie within a two-thousandth of the last bit.
+# The closest of 57344 magnitudes lie within a two-thousandth of the last bit of a border.
 CLOSEST = 32
 
 

@@ -1,9 +1,9 @@
 """precise, assembled, against its twin.
 
-Sweeps: a random code of each of 16384 strata of the 18-bit input; two codes on either side of the
-border of every segment, of zero and of both ends, with either sign.
-Drives: back to back, then in random order with gaps and resets.
-Checks: the activation bit for bit, and its clock.
+Sweeps: a random code from each of 16384 equal parts of the range of the 18-bit input; two codes on
+either side of the border of every segment, of zero and of both ends, with either sign.
+Drives: the inputs back to back, then in random order with gaps and resets.
+Checks: the activation bit for bit, and the clock in which it appears.
 Does not prove: how close the scheme is to tanh (tests/test_precise.py, over all codes).
 """
 

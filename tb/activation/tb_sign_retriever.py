@@ -1,17 +1,17 @@
 """sign_retriever against its twin.
 
 Sweeps: every magnitude of 13 bits with either sign: all 16384 inputs.
-Drives: back to back, then in random order with gaps and resets; besides, back to back, what it sees
-while the recorded frames run through the design.
-Checks: the signed code bit for bit, and its clock.
-Does not prove: other output formats than the scene's.
+Drives: the inputs back to back, then in random order with gaps and resets; then, back to back, the
+inputs that the block gets while the recorded frames run through the design.
+Checks: the signed code bit for bit, and the clock in which it appears.
+Does not prove: that other output formats than that of the scene work.
 """
 
 import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
-from tb.common.recorded import check_recorded
+from tb.common.recorded_frames import check_recorded
 from tb.common.small import PARTS
 from tb.common.stream import SIGNED, UNSIGNED, check_gaps_and_resets, check_stream
 

@@ -1,1 +1,1 @@
-"""Driver, recorder, scoreboard and runner shared by every bench."""
+"""What all benches share: driving, recording, comparing, and running a simulator."""

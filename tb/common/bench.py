@@ -1,9 +1,9 @@
 """What every bench does inside the simulator: play a timeline, record the ports, compare.
 
-A bench prepares one value per clock for every input port, plays them, and gets back what stood on
-the watched ports in every clock. Only then, with arrays in hand, it feeds the recorded inputs to
-the twin and compares. Row t of a recording holds the ports just before the rising edge of clock t:
-an input of row t and a registered output of row t + latency belong together.
+A bench prepares one value per clock for every input port and plays them. It gets back the values
+that the watched ports had in every clock. Only then it feeds the recorded inputs to the twin and
+compares the outputs, as whole arrays. Row t of a recording holds the ports just before the rising
+edge of clock t: an input of row t and a registered output of row t + latency belong together.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Recording:
         self.columns = {name: [row[i] for row in rows] for i, name in enumerate(ports)}
         self.clocks = len(rows)
         self.seconds = seconds
-        # In which rows the bench has looked at a port: what stands elsewhere decides nothing.
+        # The rows in which the bench has read each port. The values in other rows decide nothing.
         self.looked = {name: np.zeros(self.clocks, dtype=bool) for name in ports}
 
     def rows(self, port: str) -> np.ndarray:
@@ -82,7 +82,7 @@ class Recording:
 
 
 class Bench:
-    """One cocotb test: the twin and its latency, a seeded generator and the count."""
+    """One cocotb test: its twin, its random generator, and the count of what it compared."""
 
     def __init__(self, dut):
         self.dut = dut
@@ -99,7 +99,7 @@ class Bench:
         self.facts: dict[str, float] = {}
         self.coverage = Coverage(self.twin)
         self.recordings: list[Recording] = []
-        # By recording: a digest of what was driven, and the rows in which a port was looked at.
+        # For each recording: a digest of what was driven, and the rows in which each port was read.
         self.played: list[tuple[str, dict[str, np.ndarray]]] = []
         self.inputs = {port.name for port in self.twin.ports if port.direction == "in"}
         dut._log.info("rerun: %s", self.configuration["rerun"])
@@ -112,10 +112,10 @@ class Bench:
         return [block for block in around(self.design, self.twin) if isinstance(block, kind)]
 
     async def play(self, drive: dict[str, np.ndarray], watch: list[str]) -> Recording:
-        """Reset the block, play one value per clock on every port of ``drive``, record ``watch``.
+        """Reset the block, drive every port of ``drive`` clock by clock, and record ``watch``.
 
-        The driven ports are recorded too. A reset port that ``drive`` leaves out stays low after
-        the initial reset.
+        The driven ports are recorded too. If ``drive`` leaves out the reset port, it stays low
+        after the initial reset.
         """
         length = len(next(iter(drive.values())))
         columns = {name: [int(v) for v in values] for name, values in drive.items()}
@@ -148,9 +148,9 @@ class Bench:
         return self.watched(Recording(ports, rows, time.perf_counter() - started))
 
     def watched(self, recording: Recording) -> Recording:
-        """Count what stood on the ports, and check what a reset promises of every block.
+        """Count the values of the ports, and check what every block promises after a reset.
 
-        Whoever plays in a way of its own hands its recording through here.
+        A test that does not use ``play`` must pass its recording through here.
         """
         for port, words in recording.columns.items():
             self.coverage.stood(port, words[RESET_CLOCKS:])
@@ -161,10 +161,11 @@ class Bench:
         return recording
 
     def _check_cleared(self, recording: Recording) -> None:
-        """After a reset no flag is high that could only come from before it.
+        """Check that no flag is high after a reset because of an input before the reset.
 
-        A flag follows its cause by the latency at least, an error by one clock. Flags that are
-        data, as the ``last`` of a position that stays, are in ``data_flags`` of the twin.
+        A flag follows its cause by the latency at least, and an error flag by one clock. The twin
+        names in ``data_flags`` the flags that are data and stay, such as the ``last`` of a
+        position.
         """
         resets = recording.resets()
         for port in self.twin.ports:
@@ -189,13 +190,13 @@ class Bench:
         self.coverage.meet(quantity, np.asarray(values))
 
     def visit(self, state: State | str, values: np.ndarray) -> None:
-        """Count the values that a state took: one that the twin names, or one of the timeline."""
+        """Count the values that a state took: a state of the twin, or one of the timeline."""
         if isinstance(state, str):
             state = next(known for known in self.twin.states if known.name == state)
         self.coverage.visit(state, values)
 
     def compare(self, name: str, got: np.ndarray, expected: np.ndarray, **context: np.ndarray):
-        """Bit-exact comparison; a mismatch names everything that is needed to find it."""
+        """Compare bit for bit. A mismatch names everything that is needed to find it."""
         got, expected = np.asarray(got), np.asarray(expected)
         where = f"{self.configuration['entity']}: {name}"
         rerun = f"rerun: {self.configuration['rerun']}"
@@ -215,7 +216,7 @@ class Bench:
         self.compared += len(got)
 
     def finish(self, at_least: int = 1):
-        """Fail when less was compared than the bench promises; hand the count to the runner."""
+        """Fail if fewer results were compared than promised, and hand the count to the runner."""
         entity = self.configuration["entity"]
         assert self.compared >= at_least, (
             f"{entity}: compared {self.compared} results, expected at least {at_least}"
@@ -232,10 +233,10 @@ class Bench:
             write_trace(Path(self.configuration["trace"]), self.recordings)
 
     def _play_digest(self) -> str:
-        """What the test drove, where it looked, and how many results it compared.
+        """A digest of what the test drove, which rows it read, and how many results it compared.
 
-        What stood on the outputs follows from that and from the hardware, so it is left out: both
-        simulators give the same digest, and so does every netlist that does the same.
+        The outputs follow from that and from the hardware, so they are left out. Both simulators
+        give the same digest, and so does every netlist that behaves the same.
         """
         digest = hashlib.sha256(str(self.compared).encode())
         for driven, looked in self.played:
@@ -246,15 +247,16 @@ class Bench:
 
 
 def test_key() -> str:
-    """What stands for the running test, whatever the seed of the run.
+    """A key of the running test that does not depend on the seed of the run.
 
-    cocotb adds a digest of the test's module and name to the seed of the run.
+    cocotb adds a digest of the test's module and name to the seed of the run, so the difference of
+    the two seeds identifies the test.
     """
     return f"{cocotb.RANDOM_SEED - int(os.environ['COCOTB_RANDOM_SEED']):040x}"[:12]
 
 
 def driven_digest(recording: Recording, inputs: set[str]) -> str:
-    """A digest of the words that stood on the inputs, row by row."""
+    """A digest of the values of the inputs, row by row."""
     digest = hashlib.sha256()
     for name in sorted(inputs & recording.columns.keys()):
         words = " ".join(recording.columns[name])
@@ -263,20 +265,21 @@ def driven_digest(recording: Recording, inputs: set[str]) -> str:
 
 
 def write_trace(path: Path, recordings: list[Recording]) -> None:
-    """Append what was recorded, and in which rows the bench has looked at it, one line for each."""
+    """Append one line for each recording: the values, and the rows in which the bench read them."""
     with path.open("a", encoding="utf-8") as handle:
         for one in recordings:
             looked = {name: "".join("01"[int(v)] for v in one.looked[name]) for name in one.columns}
             handle.write(json.dumps({"columns": one.columns, "looked": looked}) + "\n")
 
 
-# The simulator's own handles and callbacks: what cocotb wraps around a value, its wait for a phase
-# in which to write it, and its way from one await to the next take longer than Icarus takes for a
-# clock. Nothing here is written in the step in which it is read, or in which a clock rises.
+# The functions below use the simulator's own handles and callbacks. cocotb wraps an object around
+# each value, waits for a phase in which it may be written, and resumes a coroutine at each await.
+# Together that takes longer than Icarus takes for a clock. It is not needed here, because no value
+# is written in the step in which it is read, or in which a clock rises.
 
 
 class _EachHalf(Timer):
-    """Fires when the generator ends, which is resumed after every half of a clock."""
+    """A trigger that resumes a generator after every half clock and fires when it ends."""
 
     def __init__(self, halves: Iterator[None]):
         super().__init__(5, "ns")
@@ -289,7 +292,7 @@ class _EachHalf(Timer):
         except StopIteration:
             super()._react()
         except Exception as error:
-            # Not lost in the simulator, but raised where it is awaited.
+            # An exception would be lost in the simulator, so ``each_half`` raises it.
             self.failed = error
             super()._react()
         else:
@@ -297,7 +300,7 @@ class _EachHalf(Timer):
 
 
 async def each_half(halves: Iterator[None]) -> None:
-    """Run a generator now and to its end; each of its yields waits for half a clock."""
+    """Run a generator to its end. Each of its yields waits for half a clock."""
     try:
         next(halves)
     except StopIteration:
@@ -309,13 +312,13 @@ async def each_half(halves: Iterator[None]) -> None:
 
 
 def reader(dut, ports: list[str]) -> Callable[[], list[str]]:
-    """What stands on the ports now, each as a string of bits."""
+    """A function that returns the present values of the ports, each as a string of bits."""
     reads = [getattr(dut, name)._handle.get_signal_val_binstr for name in ports]
     return lambda: [read() for read in reads]
 
 
 def writer(dut, port: str) -> Callable[[int], None]:
-    """What drives a port, from now on."""
+    """A function that drives a port with a value from now on."""
     handle = getattr(dut, port)
     deposit = _GPISetAction.DEPOSIT.value
     write_bits, write_word = handle._handle.set_signal_val_binstr, handle._handle.set_signal_val_int
@@ -328,7 +331,7 @@ def writer(dut, port: str) -> Callable[[int], None]:
 
 
 def changed(columns):
-    """For every clock the (port, value) pairs that differ from the clock before."""
+    """For every clock, the (port, value) pairs that differ from the clock before."""
     changes = [[(port, values[0]) for port, values in columns]]
     changes += [[] for _ in columns[0][1][1:]]
     for port, values in columns:

@@ -1,8 +1,8 @@
-"""Cases of a bench: small scenes with random networks, of shapes and weights no shipped scene has.
+"""Cases of a bench: small scenes with random networks, whose shapes no shipped scene has.
 
-A bench names its own as ``CASES``, by the name of the scene; benches that name the same one run on
-the same export. Its ``FAULTS`` are what must turn it red: a pattern in the Verilog of its block in
-the first case, and what to put there.
+A bench names its cases in ``CASES``, by the name of the scene. Benches that name the same case run
+on the same export. The ``FAULTS`` of a bench must make it fail: each is a pattern in the Verilog of
+its block in the first case, and the text that replaces it.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ block_rows = {rows}
 """
 
 
-# For benches: a few steps that diverge near the gate, so that the regression saturates.
+# Options for benches: with so few steps the regression diverges near the gate, and saturates.
 OPTIONS = {"pade": "{ rho = 1.5, iterations = 3 }"}
 LENGTHS = """full_scale = { y1 = 0.9, y2 = 0.9 }
 length_mm = { y1 = 127.0, y2 = 50.8 }
@@ -66,7 +66,7 @@ FRONT_END = "\n[front_end]\n"
 
 
 def random_mlp(shape: tuple[int, int, int], spread: float, seed: int) -> Mlp:
-    """Normal weights: ``spread`` in layer 1, 0.3 in layer 2."""
+    """A network with normal weights, of deviation ``spread`` in layer 1 and 0.3 in layer 2."""
     inputs, hidden, outputs = shape
     rng = np.random.default_rng(seed)
     return Mlp(
@@ -92,11 +92,11 @@ def write_scene(
     hardware: str = "",
     window: Window | None = None,
 ) -> Path:
-    """A scene with random vectors and the given networks; returns its TOML file.
+    """Write a scene with random vectors and the given networks, and return its TOML file.
 
-    ``hardware`` has the keys that are about the design alone. ``sections`` are those that a scene
-    may do without; where there are any, y1 and y2 have lengths. Without a ``window`` the networks
-    take every frame as it is; with one there are ``rows`` behind those that have no whole past.
+    ``hardware`` has the keys that only concern the design. ``sections`` are optional sections of
+    the scene; if there are any, y1 and y2 have lengths. Without a ``window`` the networks take
+    every frame as it is. With one there are ``rows`` frames after those that lack a complete past.
     """
     inputs = len(window.delays) if window else mlps[0].shape[0]
     rows += window.past if window else 0
@@ -137,7 +137,7 @@ def write_scene(
 
 
 def delays_text(window: Window, sensors: list[str]) -> str:
-    """``data.window`` of a scene."""
+    """The text of ``data.window`` of a scene."""
     lines = (f"{s} = {list(d)}" for s, d in zip(sensors, window.delays, strict=True))
     return "{ " + ", ".join(lines) + " }"
 
@@ -146,8 +146,8 @@ def delays_text(window: Window, sensors: list[str]) -> str:
 class Case:
     """A scene of random networks.
 
-    ``spread`` is that of the weights of layer 1. The last hidden node of a single network is
-    without weights, where there is another.
+    ``spread`` is the deviation of the weights of layer 1. If a single network has several hidden
+    nodes, the last of them has no weights.
     """
 
     shapes: list[tuple[int, int, int]]

@@ -1,7 +1,7 @@
-"""What a bench does, as text that only a change of what is done changes.
+"""The code of a bench as a text that changes only if the bench then does something else.
 
-Comments, docstrings and layout are no part of it, and of ``tb`` only what the bench imports is. So
-a change of a page, of the report, or of another bench runs no bench again.
+It leaves out comments, docstrings and layout, and of ``tb`` it holds only what the bench imports.
+So no bench runs again because a page, the report or another bench has changed.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from pathlib import Path
 
 from golden.fingerprint import ROOT, fingerprint, sources
 
-# What these say is in the exported files.
+# The content of these enters the exported files, which have digests of their own.
 ELSEWHERE = ("tb.common.cases", "tb.common.small")
 NAMES = ("CASES", "FAULTS")
 
@@ -37,13 +37,13 @@ def bench_modules(area: str, block: str) -> dict[str, str]:
 
 @cache
 def twins() -> str:
-    """A digest of all of ``golden``: a scene, which every bench loads, finds designs by itself."""
+    """A digest of all of ``golden``, since every bench loads a scene, which may use any twin."""
     return fingerprint([], *(_code(ast.parse(f.read_text("utf-8"))) for f in sources("golden")))
 
 
 @cache
 def _module(name: str) -> tuple[str, list[str]]:
-    """The code of a module of ``tb``, and what it imports; of any other module nothing."""
+    """The code of a module of ``tb``, and what it imports. Other modules give nothing."""
     path = ROOT.joinpath(*name.split(".")).with_suffix(".py")
     if not name.startswith("tb.") or name in ELSEWHERE or not path.exists():
         return "", []
@@ -51,7 +51,7 @@ def _module(name: str) -> tuple[str, list[str]]:
     imported = []
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and node.module:
-            # Of a package, its modules are imported by name.
+            # The names may be modules of a package.
             imported += [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
     return _code(tree), imported
 
@@ -59,8 +59,8 @@ def _module(name: str) -> tuple[str, list[str]]:
 def code_of(path: Path) -> str:
     """The lines of a file without docstrings, imports, empty lines, and comments of whole lines.
 
-    So a module that moves, or whose imports move, is still the same. The lines are taken as they
-    stand: what ``ast.unparse`` makes of them differs between versions of Python.
+    So a module stays the same if it moves, or if its imports move. The lines are kept as they are
+    written, because the output of ``ast.unparse`` differs between versions of Python.
     """
     text = path.read_text(encoding="utf-8")
     lines = text.splitlines()
@@ -74,7 +74,7 @@ def code_of(path: Path) -> str:
 
 
 def _code(tree: ast.Module) -> str:
-    """What is done, and what is not said about it."""
+    """The statements of a module without docstrings, comments, ``CASES`` and ``FAULTS``."""
     kept = [node for node in tree.body if not _named(node)]
     for node in ast.walk(tree):
         if isinstance(node, (ast.Module, ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
@@ -85,7 +85,7 @@ def _code(tree: ast.Module) -> str:
 
 
 def _named(node: ast.stmt) -> bool:
-    """Whether it is what a bench says of its cases and faults."""
+    """Whether a statement assigns the cases or the faults of a bench."""
     return isinstance(node, ast.Assign) and any(
         isinstance(target, ast.Name) and target.id in NAMES for target in node.targets
     )

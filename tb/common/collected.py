@@ -1,4 +1,4 @@
-"""The benches of ``tb``, and the cases and faults that stand in them."""
+"""The benches of ``tb``, and the cases and faults that they name."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ BENCHES = {
     path.stem.removeprefix("tb_"): import_module(f"tb.{path.parent.name}.{path.stem}")
     for path in sorted((ROOT / "tb").glob("*/tb_*.py"))
 }
-# By block: the names of its cases, and its faults.
+# For each block: the names of its cases, and its faults.
 CASES_OF: dict[str, list[str]] = {
     block: list(getattr(bench, "CASES", {})) for block, bench in BENCHES.items()
 }
@@ -24,7 +24,7 @@ FAULTS: dict[str, list[tuple[str, str]]] = {
 
 
 def every_case() -> dict[str, Case]:
-    """All cases by name; two benches that name the same one mean the same."""
+    """All cases by name. If two benches use a name, it must be for the same case."""
     found: dict[str, Case] = {}
     for block, bench in BENCHES.items():
         for name, case in getattr(bench, "CASES", {}).items():

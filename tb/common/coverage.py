@@ -1,4 +1,4 @@
-"""What a bench has driven, counted: sides of borders, values of ports, states."""
+"""Counts what a bench has reached: the sides of borders, the values of ports, and states."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from golden.border import State
 from golden.fixed import Fix
 from golden.port import Port
 
-# Of a port of no more bits every value is counted, of a wider one both ends.
+# Every value of a port with at most so many bits is counted, and both ends of a wider one.
 SMALL = 6
 
-# By kind ("borders", "ports", "states") and name: how often each side or value was met.
+# By kind ("borders", "ports", "states") and name: how often each side or value was reached.
 Counts = dict[str, dict[str, dict[str, int]]]
 
 
@@ -34,7 +34,7 @@ class Coverage:
     Parameters
     ----------
     twin : Block
-        Names what there is to meet.
+        The twin names everything that can be reached.
     """
 
     def __init__(self, twin: Block) -> None:
@@ -53,13 +53,13 @@ class Coverage:
                 add(self.counts, {"borders": {border.name: found}})
 
     def visit(self, state: State, values: np.ndarray) -> None:
-        """Count the values that a state took, with 0 for those that it did not."""
+        """Count the values that a state took. Values that it did not take count 0."""
         met = Counter(np.asarray(values).tolist())
         found = {str(value): met[value] for value in state.values}
         add(self.counts, {"states": {state.name: found}})
 
     def stood(self, port: str, words: Iterable[str]) -> None:
-        """Count the values that stood on a port."""
+        """Count the values of a port."""
         met = Counter(words)
         if port in self.ports:
             codes = {
@@ -75,7 +75,7 @@ def known(word: str) -> bool:
 
 
 def code(word: str, signed: bool) -> int:
-    """What the bits of a port stand for."""
+    """The number that the bits of a port stand for."""
     value = int(word, 2)
     return value - (1 << len(word)) if signed and word[0] == "1" else value
 
@@ -92,10 +92,10 @@ def values_of(port: Port) -> list[int]:
 
 
 def missing(twin: Block, counts: Counts) -> list[str]:
-    """What the twin names and no test met; what it declares unreachable is not missing.
+    """What the twin names and no test reached, without what it declares unreachable.
 
-    Both ends of signed inputs are asked for; those of other wide ports hang on constants and are
-    counted alone.
+    Both ends of signed inputs must be reached. The ends of other wide ports depend on constants, so
+    they are counted but need not be reached.
     """
     found = []
     for border in twin.borders:

@@ -1,4 +1,4 @@
-"""Frames of samples with the controls that CONTROLLER 1 would give the nodes."""
+"""Frames of samples, with the control signals that CONTROLLER 1 would give to the nodes."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from tb.common.stimulus import spread
 
 
 def node_timeline(rng: np.random.Generator, items: dict[str, np.ndarray], gap: float):
-    """Samples of good frames, and what comes with them, with the controls, each in its clock.
+    """Good frames as columns: the samples, what comes with them, and the control signals.
 
     Parameters
     ----------
     items : dict
-        Port name to values, shape (frames, inputs), in the clock of the sample.
+        For each port its values, shape (frames, inputs), which stand in the clock of the sample.
     gap : float
         Probability of an idle clock before each sample.
     """
@@ -30,10 +30,10 @@ def node_timeline(rng: np.random.Generator, items: dict[str, np.ndarray], gap: f
 
 
 def captured_rows(recording: Recording, inputs: int):
-    """Rows of the samples, shape (frames, inputs), and those from which the sums must be held.
+    """The rows of the samples, shape (frames, inputs), and the rows from which sums are held.
 
-    A product enters the accumulator two clocks after its sample; ``capture`` takes the sum that
-    the accumulator holds.
+    A product enters the accumulator two clocks after its sample. ``capture`` takes the sum that the
+    accumulator holds.
     """
     entered = recording.rows("accumulate") - 2
     first = recording.rows("preset") - 2

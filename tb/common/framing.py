@@ -1,4 +1,4 @@
-"""Frames of right and wrong length, and what the twin of CONTROLLER 1 makes of a recording."""
+"""Frames of right and wrong length, and what the twin of CONTROLLER 1 says of a recording."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ LEAST_FRAMES = 30
 
 
 def random_lengths(rng: np.random.Generator, inputs: int, samples: int) -> np.ndarray:
-    """``last`` flags of so many samples and of ``LEAST_FRAMES``, two in three of the right length.
+    """The ``last`` flags of frames, of which two in three have the right length.
 
-    Neither right nor wrong ones are missing, however long frames are.
+    There are at least ``samples`` samples and at least ``LEAST_FRAMES`` frames, so that long frames
+    too come in both kinds.
     """
     last: list[int] = []
     count = 0
@@ -31,7 +32,7 @@ def random_lengths(rng: np.random.Generator, inputs: int, samples: int) -> np.nd
 def scan(
     controller: InputController, recording: Recording, last: str = "in_last"
 ) -> tuple[np.ndarray, FrameScan]:
-    """The clocks of all samples that no reset swallowed, and the twin's decision for each.
+    """The clocks of all samples that do not fall on a reset, and the twin's decision for each.
 
     ``last`` is the port that marks the last sample of a frame. After a reset the twin starts
     afresh, as the hardware does.
@@ -57,9 +58,10 @@ def yielding(
     past: int,
     process: Callable[[np.ndarray], np.ndarray],
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Which good frames yield results, and these: none of the first ``past`` after each reset does.
+    """Which good frames yield results, and these results.
 
-    ``ended`` are the clocks of their last samples; ``process`` is the twin's.
+    The first ``past`` frames after each reset yield none. ``ended`` are the clocks of the last
+    samples of the frames, and ``process`` is that of the twin.
     """
     if not past:
         return np.ones(len(frames), dtype=bool), process(frames)

@@ -1,4 +1,4 @@
-"""Both ends of an AXI4-Stream block: offer elements, take results, record every clock."""
+"""Plays both ends of an AXI4-Stream block: it offers elements, takes results and records."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ async def exchange(
     take: np.ndarray,
     resets: np.ndarray,
 ) -> Recording:
-    """Play one column a clock; the elements go in order, each offered until it is taken.
+    """Play the elements in their order. Each is offered until it is taken.
 
     Parameters
     ----------
     data, last : int arrays
-        The elements. One that a reset meets is lost.
+        The elements. An element that is offered during a reset is lost.
     offer, take : bool arrays
         Whether a new element is offered, and whether results are taken, in each clock.
     resets : bool array
@@ -46,7 +46,7 @@ async def exchange(
             strict=True,
         ):
             offered = (offered or bool(wanted)) and at < len(data)
-            # While nothing is offered another element stands there, which must not matter.
+            # While nothing is offered, the port shows another element, which must have no effect.
             shown = at if offered else (at + 7) % len(data)
             clock(0)
             values = (reset, offered, data[shown], last[shown], ready)
@@ -65,13 +65,13 @@ async def exchange(
 
 
 def transfers(recording: Recording, side: str) -> np.ndarray:
-    """Rows in which ``s`` or ``m`` passes an element."""
+    """The rows in which an element is transferred on side ``s`` or ``m``."""
     ready = recording.rows(f"{side}_axis_tready")
     return np.intersect1d(recording.rows(f"{side}_axis_tvalid"), ready)
 
 
 def check_kept(bench: Bench, recording: Recording) -> None:
-    """A result that is offered stays until it is taken, or a reset comes."""
+    """Check that an offered result stays until it is taken or a reset comes."""
     offered = recording.rows("m_axis_tvalid")
     waits = np.setdiff1d(offered, transfers(recording, "m"))
     waits = np.setdiff1d(waits, recording.resets())

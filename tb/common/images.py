@@ -1,4 +1,4 @@
-"""Images of random networks, for the benches of hardware that is loaded."""
+"""Images of random networks, for the benches of engines that load their program."""
 
 from binascii import crc_hqx
 

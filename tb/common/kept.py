@@ -1,7 +1,7 @@
-"""Results of benches that passed, each kept under a digest of all that enters it.
+"""The results of benches that passed, each kept under a digest of all that it depends on.
 
-That is what is simulated, the bench and the twins (``tb/common/code.py``), the scene's files, the
-seed and the number of frames, and the simulator. Failures are not kept.
+The digest covers the simulated files, the bench and the twins (``tb/common/code.py``), the files of
+the scene, the seed, the number of frames, and the simulator. Failures are not kept.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ FACTS = ("compared", "seconds", "facts")
 
 
 def kept(job: Job) -> Outcome | None:
-    """What the bench found when it passed on what is there now.
+    """The kept result of a bench, if nothing that it depends on has changed.
 
-    All of its tests stand for one of them, too.
+    A result of all tests of a bench also counts as the result of one of them.
     """
     for asked in [job, replace(job, test="")] if job.test else [job]:
         found = read_kept(_path(asked))
@@ -32,7 +32,7 @@ def kept(job: Job) -> Outcome | None:
 
 
 def run_and_keep(job: Job) -> Outcome:
-    """Run a bench, whatever is kept of it."""
+    """Run a bench, even if a result is kept, and keep the new result."""
     path = _path(job)
     outcome = run_job(job)
     if outcome.passed:
@@ -41,7 +41,7 @@ def run_and_keep(job: Job) -> Outcome:
 
 
 def run_kept(job: Job) -> Outcome:
-    """What is kept of a bench, which is run where nothing is."""
+    """The kept result of a bench, which runs if there is none."""
     return kept(job) or run_and_keep(job)
 
 
@@ -54,5 +54,6 @@ def _path(job: Job) -> Path:
 
 @cache
 def _version(simulator: str) -> str:
-    """Asked once: a scene may have hundreds of benches."""
+    """The version of a simulator. It is asked only once, as a scene may have hundreds of "
+    "benches."""
     return version(simulator)

@@ -1,4 +1,4 @@
-"""Images on their way into an engine that can be reloaded, and what it must make of them."""
+"""Loads images into an engine that can be reloaded, and checks what it then computes."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ WATCH = ["out_valid", "out_data", "out_last", "frame_error", "load_ready", "imag
 
 @dataclass(frozen=True)
 class Sent:
-    """Bytes that are offered one after the other.
+    """Bytes that are offered to the loader one after the other.
 
     Attributes
     ----------
     at : int
-        The clock from which on the first of them is offered.
+        The clock from which on the first byte is offered.
     data : bytes
     closed : bool
         Whether the last byte comes with ``load_last``.
     gap : float
-        Probability of a clock without a byte.
+        The probability that no byte is offered in a clock.
     """
 
     at: int
@@ -36,9 +36,9 @@ class Sent:
 
 
 def after_loading(drive: dict[str, np.ndarray], image: bytes) -> dict[str, np.ndarray]:
-    """A timeline with an image before it, and again after each of its resets.
+    """A timeline in which the image is loaded at the start and after each reset.
 
-    While it is loaded the stream is empty.
+    The stream is empty while the image is loaded.
     """
     length = len(drive["in_valid"])
     resets = drive.get("rst", np.zeros(length, dtype=np.int64))
@@ -56,9 +56,9 @@ def after_loading(drive: dict[str, np.ndarray], image: bytes) -> dict[str, np.nd
 
 
 async def exchange(bench: Bench, drive: dict[str, np.ndarray], sent: Sequence[Sent]) -> Recording:
-    """Play one column a clock; bytes go in order, each offered until it is taken.
+    """Play a timeline and send bytes in their order. Each byte is offered until it is taken.
 
-    Bytes that a reset meets are lost.
+    A byte that is offered during a reset is lost.
     """
     dut = bench.dut
     columns = {name: [int(v) for v in column] for name, column in drive.items()}
@@ -86,7 +86,7 @@ async def exchange(bench: Bench, drive: dict[str, np.ndarray], sent: Sequence[Se
             if not offered and at < len(queue) and clock >= queue[at][0]:
                 offered = bench.rng.random() >= queue[at][3]
             if at < len(queue):
-                # While nothing is offered another byte stands there, which must not matter.
+                # While nothing is offered, the port shows another byte, which must have no effect.
                 _, byte, last, _ = queue[at if offered else (at + 7) % len(queue)]
                 data(byte)
                 final(int(last))
@@ -104,12 +104,12 @@ async def exchange(bench: Bench, drive: dict[str, np.ndarray], sent: Sequence[Se
 
 
 def check_loading(bench: Bench, recording: Recording) -> list[int]:
-    """Compare every output with what the twins make of samples and bytes.
+    """Compare every output with what the twins compute from samples and bytes.
 
     Returns
     -------
     list of int
-        Frames that were computed after each image that was found good.
+        For each image that was found good, how many frames were computed with it.
     """
     twin = bench.twin
     rows = np.arange(RESET_CLOCKS, recording.clocks)
@@ -125,7 +125,7 @@ def check_loading(bench: Bench, recording: Recording) -> list[int]:
         for _, before, words in loading.good
     ]
     since = np.array([clock for clock, _, _ in loading.good], dtype=np.int64)
-    # Which image a clock finds; before the first one no frame is taken.
+    # The image that is loaded in each clock. Before the first image no frame is taken.
     place = np.searchsorted(since, np.arange(len(rows))) - 1
     before_last = np.array([0, *(before for _, before, _ in loading.good)])[place + 1]
     last_out = np.isin(rows, recording.rows("out_last"))
@@ -158,7 +158,7 @@ def check_loading(bench: Bench, recording: Recording) -> list[int]:
         last = np.zeros_like(leave)
         last[:, -1] = 1
         results = running.process(frames)
-        # A reset after the last sample, and before an output leaves, stops it.
+        # A reset between the last sample and an output stops this output.
         alive = recording.undisturbed(
             rows[np.repeat(chosen, running.outputs)], rows[0] + leave.ravel() - 1
         )

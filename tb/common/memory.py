@@ -1,4 +1,4 @@
-"""The check that the memories share."""
+"""The check that the benches of all memories use."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from tb.common.bench import RESET_CLOCKS, Bench
 
 
 async def check_memory(bench: Bench, *more: np.ndarray):
-    """Read every address, then random ones, then ``more``.
+    """Read every address, then random ones, then the addresses in ``more``.
 
-    Each word stands ``bench.latency`` clocks later.
+    Each word must appear ``bench.latency`` clocks after its address.
     """
     size = 1 << bench.twin.addr_width
     addresses = np.concatenate([np.arange(size), bench.rng.integers(0, size, 200), *more])

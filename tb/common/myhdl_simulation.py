@@ -1,5 +1,8 @@
-"""A network simulated in MyHDL itself, before any conversion: the third engine beside VHDL and
-Verilog, and the only one that checks the bounds of every signal."""
+"""Simulates a network in MyHDL itself, before any conversion.
+
+This is the third simulation beside those of VHDL and Verilog, and the only one that checks the
+bounds of every signal.
+"""
 
 from __future__ import annotations
 
@@ -14,33 +17,33 @@ from golden.networks.network import Network
 from hdl.common.lookup import hardware
 from hdl.export.elaborate import port_signals
 
-# What one clock brings: the input data, one code or a frame of them, and whether a frame ends.
+# The inputs of one clock: the data, one code or a frame of codes, and whether a frame ends.
 Clock = tuple[Codes, bool] | None
 
 
 def simulate(design: Network, frames: Codes) -> tuple[Codes, float]:
-    """Play frames as close as the design takes them.
+    """Play frames as close together as the design takes them.
 
     Parameters
     ----------
     design : Network
         A network whose ``stream`` is ``serial`` or ``words``.
     frames : Codes
-        Sample codes, shape (frames, inputs). Slots of a cascade behind them carry zeros.
+        Sample codes, shape (frames, inputs). The slots of a cascade after them carry zeros.
 
     Returns
     -------
     results : Codes
         Shape (frames - past, outputs), in the order in which they came out.
     seconds : float
-        What the simulation took, elaboration left out.
+        How long the simulation took, without the elaboration.
 
     Raises
     ------
     InputError
         When a signal leaves its bounds.
     RuntimeError
-        When the design refuses a frame, or gives another number of results.
+        When the design refuses a frame or gives a wrong number of results.
     """
     ports = port_signals(design)
     whole = design.stream == "words"

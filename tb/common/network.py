@@ -1,7 +1,7 @@
-"""The tests that every network passes, whatever its arrangement; a bench imports them.
+"""The tests that every network must pass, whatever its arrangement. Its bench imports them.
 
-A frame of the stream is as long as the twin's controller says: the samples and, in a cascade, slots
-whose contents do not matter, so they are driven at random.
+A frame of the stream is as long as the twin's controller says. It holds the samples and, in a
+cascade, slots whose contents have no effect, so they are driven at random.
 """
 
 import cocotb
@@ -18,22 +18,22 @@ from tb.common.loading import after_loading
 from tb.common.stimulus import corner_frames, extreme_frames, random_resets, spread, with_past
 
 WATCH = ["out_valid", "out_data", "out_last", "frame_error"]
-# About the clocks that a test plays; designs that take hundreds for a frame get fewer frames.
+# About how many clocks a test plays. A design that takes many clocks for a frame gets fewer frames.
 MOST_CLOCKS = 100_000
-# Of recorded frames alone: a quarter of an hour of frames would fill the machine's memory.
+# The same for recorded frames. A recording of a quarter of an hour would fill the memory.
 MOST_RECORDED = 1_000_000
-# Clocks that random frames may take, where they are more than asked for: a hidden sum is seldom so
-# small that its least bit shows.
+# Up to so many clocks, more random frames are played than asked for, because a hidden sum is seldom
+# small enough for its least bit to have an effect.
 MORE_CLOCKS = 5_000
-# Frames that are played with gaps too, random and recorded ones.
+# How many random and how many recorded frames are played with gaps as well.
 MOST_WITH_GAPS = 100
 MOST_RECORDED_WITH_GAPS = 200
-# Bytes of images that are loaded between resets.
+# How many bytes of images are loaded between resets in all.
 MOST_LOADED = 100_000
 
 
 async def check(bench, elements, last, gap, resets=None, pause=0):
-    """Play a stream; expect what the twin makes of the stream that was recorded.
+    """Play a stream, and compare with what the twin computes from the recorded stream.
 
     ``resets`` gives the reset column for a number of clocks.
     """
@@ -58,10 +58,11 @@ async def check(bench, elements, last, gap, resets=None, pause=0):
 
 
 def check_outputs(bench, recording, started, ended, frames):
-    """Compare the outputs with what the twin makes of frames.
+    """Compare the outputs with what the twin computes from the frames.
 
-    ``started`` and ``ended`` are the rows of the first and of the last element of each frame. What
-    is due after the end of the recording is not expected, nor an output without a whole past.
+    ``started`` and ``ended`` are the rows of the first and of the last element of each frame.
+    Outputs after the end of the recording are not expected, nor outputs of frames without a
+    complete past.
     """
     outputs = bench.twin.outputs
     kept, results = yielding(recording, ended, frames, bench.twin.past, bench.twin.process)
@@ -81,7 +82,7 @@ def check_outputs(bench, recording, started, ended, frames):
 
 
 def whole_frames(bench, frames):
-    """The stream of good frames."""
+    """The elements and ``last`` flags of a stream of good frames."""
     slots = bench.twin.input_controller.inputs - frames.shape[1]
     filling = bench.rng.integers(SIGNAL.low, SIGNAL.high + 1, (len(frames), slots))
     elements = np.concatenate([frames, filling], axis=1)
@@ -91,8 +92,10 @@ def whole_frames(bench, frames):
 
 
 def pauses(bench, last, closest=False):
-    """Idle clocks before each element, so that frames are as close as the design takes them, or
-    at random as close or closer.
+    """Idle clocks before each element.
+
+    With ``closest`` the frames are as close as the design takes them. Otherwise each is, at random,
+    as close or closer.
     """
     most = bench.twin.interval - bench.twin.input_controller.inputs
     first = np.roll(last, 1)
@@ -100,9 +103,9 @@ def pauses(bench, last, closest=False):
 
 
 def recorded_frames(bench):
-    """The recorded frames as they are sent, or as many as there are clocks for.
+    """The recorded frames, or as many as there are clocks for.
 
-    To a network inside a frame window the samples that this sends of them.
+    For a network inside a frame window they are the frames that the window sends to it.
     """
     vectors, past = bench.scene.vectors(), bench.twin.past
     frames = np.concatenate(vectors.recordings) if past else vectors.codes
@@ -114,15 +117,15 @@ def random_elements(bench, count):
 
 
 def affordable(bench, frames):
-    """A number of frames, or as many as a quarter of the clocks has room for, and their past."""
+    """How many of ``frames`` frames fit into a quarter of the clocks, and their past."""
     most = max(20, MOST_CLOCKS // 4 // bench.twin.interval)
     return bench.twin.past + min(frames, most)
 
 
 def frames_of_all_lengths(bench, samples):
-    """``last`` flags of as many samples, or as many as there are clocks for.
+    """The ``last`` flags of so many samples, or of as many as there are clocks for.
 
-    Half of the frames may be refused, and some stand between resets: so there is more past.
+    Half of the frames may be refused, and some come between resets, so more past frames are added.
     """
     length = bench.twin.input_controller.inputs
     most = min(samples, length * affordable(bench, samples))
@@ -130,7 +133,7 @@ def frames_of_all_lengths(bench, samples):
 
 
 def driven_to_ends(bench):
-    """Frames that drive every hidden sum to its ends."""
+    """Frames that drive every hidden sum to both of its ends."""
     inputs = bench.twin.core.inputs
     designs = [part for part in walk(bench.twin) if isinstance(part, Design)]
     rows = [row[:inputs] for design in designs for row in hidden_weights(design)]
@@ -145,7 +148,7 @@ def driven_to_ends(bench):
 
 @cocotb.test()
 async def recorded(dut):
-    """All recorded frames as close as the design takes them, then the first ones with gaps."""
+    """Play all recorded frames as close as the design takes them, then the first with gaps."""
     bench = Bench(dut)
     codes, past = recorded_frames(bench), bench.twin.past
     elements, last = whole_frames(bench, codes)
@@ -169,7 +172,7 @@ async def recorded(dut):
 
 @cocotb.test()
 async def corners_and_random(dut):
-    """Corner frames, frames that drive hidden sums to their ends, and random ones."""
+    """Play corner frames, frames that drive hidden sums to their ends, and random frames."""
     bench = Bench(dut)
     inputs = bench.twin.inputs
     most = affordable(bench, bench.frames)
@@ -185,7 +188,7 @@ async def corners_and_random(dut):
 
 @cocotb.test()
 async def wrong_lengths(dut):
-    """Frames too short and too long among good ones."""
+    """Play frames that are too short or too long among good frames."""
     bench = Bench(dut)
     for gap in (0.0, 0.4):
         last = frames_of_all_lengths(bench, 500)
@@ -197,10 +200,10 @@ async def wrong_lengths(dut):
 
 @cocotb.test()
 async def resets_in_mid_frame(dut):
-    """Resets at random clocks among frames of all lengths."""
+    """Play frames of all lengths with resets at random clocks."""
     bench = Bench(dut)
     last = frames_of_all_lengths(bench, 800)
-    # Room for a past of frames of which half may be refused.
+    # The past needs twice as many frames, because half of them may be refused.
     past = 2 * bench.twin.past * bench.twin.interval
     every = 2 * (bench.twin.input_controller.inputs + bench.twin.output_clocks[-1] + past)
     await check(
@@ -216,12 +219,12 @@ async def resets_in_mid_frame(dut):
 
 @cocotb.test()
 async def reset_at_every_clock(dut):
-    """One frame, a reset a given number of clocks after its first element, and a good frame.
+    """Play a frame, a reset so many clocks after its first element, and then a good frame.
 
-    A reset at each clock of a frame; of a long one at its beginning, its end, and in between at
-    random; of one with a past at a quarter as many. Either frame follows those that it needs as its
-    past.
-    Where an image must be loaded after each, fewer, lest it take minutes.
+    This is done for each clock of a frame. In a long frame the resets are at its beginning, at its
+    end, and at random between them. With past frames there are a quarter as many resets, and each
+    of the two frames follows those that it needs as its past. If an image must be loaded after each
+    reset, there are fewer, as the test would take minutes.
     """
     bench = Bench(dut)
     twin = bench.twin
@@ -230,7 +233,7 @@ async def reset_at_every_clock(dut):
     before = twin.past * twin.interval
     most = min(span, max(3, MOST_CLOCKS // (2 * (span + before))))
     if twin.past:
-        # The bench of frame_window resets at every clock of the frames in front of the network.
+        # The bench of frame_window has a reset at every clock of the frames before the network.
         most = max(3, most // 4)
     if twin.image:
         most = max(3, min(most, MOST_LOADED // len(twin.image)))
@@ -248,7 +251,8 @@ async def reset_at_every_clock(dut):
     def resets(clocks):
         column = np.zeros(clocks, dtype=np.int64)
         for k, t in enumerate(at):
-            # Of 2 k and 2 k + 1 frames with their past, the first is met.
+            # The reset falls on frame 2 k, with its past before it; frame 2 k + 1 is the good
+            # frame.
             column[2 * k * (apart + length + before) + apart + before + t] = 1
         return column
 

@@ -1,4 +1,4 @@
-"""When the points of a profile come, and the check that they are the right ones."""
+"""When the points of a profile appear, and the check that they are right."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from tb.common.bench import Bench, Recording
 
 
 def ramps(recording: Recording, entered: np.ndarray, latency: int, points: int):
-    """For every point that must come: the number of its frame, its own number, its row.
+    """For every point that must appear: the number of its frame, its own number, and its row.
 
     Parameters
     ----------
     entered : int array
-        Rows in which the results of a frame enter.
+        The rows in which the results of a frame enter.
     latency : int
-        Clocks from results to the first point, and from point to point.
+        The clocks from the results to the first point, and from each point to the next.
     points : int
-        Points of a ramp.
+        The number of points of a ramp.
     """
     resets = set(recording.resets().tolist())
     frame_at = {int(row): number for number, row in enumerate(entered)}
@@ -32,7 +32,8 @@ def ramps(recording: Recording, entered: np.ndarray, latency: int, points: int):
             waiting, free = None, 0
             continue
         if waiting is not None and row >= free:
-            # The clock after that in which the results entered, or after the last point.
+            # A ramp starts in the clock after the results entered, or after the last point before
+            # it.
             rows = row - 1 + latency * np.arange(1, points + 1)
             found += [(waiting, number, int(at)) for number, at in enumerate(rows)]
             waiting, free = None, int(rows[-1]) + 1
@@ -55,16 +56,16 @@ def check_profile(
     Parameters
     ----------
     entered, frames : int arrays
-        Rows in which results enter, and the results.
+        The rows in which results enter, and the results.
     latency : int
-        Of load_profile.
+        The latency of load_profile.
     profile : callable
-        From frames to positions and heights.
+        A function from frames to positions and heights.
 
     Returns
     -------
     int array
-        Numbers of the frames that were drawn, once for each point.
+        The numbers of the frames that were drawn, once for each point.
     """
     positions, heights = profile(frames)
     frame, number, rows = ramps(recording, entered, latency, len(positions))
@@ -73,7 +74,7 @@ def check_profile(
     last = rows[number == len(positions) - 1]
     bench.compare(f"clocks of {prefix}_last", recording.rows(f"{prefix}_last"), last)
     expected = {"x": positions[number], "y": heights[frame, number]}
-    # A point that a reset meets in its last clock is not valid, but changes the data.
+    # A point with a reset in its last clock is not valid, but it changes the data.
     stays = np.flatnonzero(recording.undisturbed(rows[:-1], rows[1:]))
     for name, codes in expected.items():
         port = f"{prefix}_{name}"

@@ -1,4 +1,4 @@
-"""Checks of what a readout shows beside the stream: held outputs and the profile."""
+"""Checks of what a readout shows besides its stream: the held outputs and the profile."""
 
 from __future__ import annotations
 
@@ -18,9 +18,10 @@ def ports(readout) -> list[str]:
 
 
 def frames_out(bench: Bench, recording: Recording) -> tuple[np.ndarray, np.ndarray]:
-    """Whole frames on the output, which other checks compare: their last rows and their codes.
+    """The complete frames on the output stream: their last rows and their codes.
 
-    A frame that ends with the recording is left out: nothing is seen after it.
+    Other checks compare these. A frame that ends with the recording is left out, because nothing is
+    recorded after it.
     """
     ends = recording.rows("out_last")
     ends = ends[ends < recording.clocks - 1]
@@ -30,15 +31,15 @@ def frames_out(bench: Bench, recording: Recording) -> tuple[np.ndarray, np.ndarr
 
 
 def check_held(bench: Bench, recording: Recording) -> None:
-    """Each output of a frame is held from the clock after its last until the next of its kind."""
+    """Check that each output is held, from the end of its frame to the next output of its kind."""
     ends, codes = frames_out(bench, recording)
     rows = recording.rows("out_valid")
-    # The first of a frame, or after a reset, is output 0.
+    # The first output of a frame, or the first after a reset, is output 0.
     marks = np.sort(np.concatenate([[-1], recording.rows("out_last"), recording.resets()]))
     before = marks[np.searchsorted(marks, rows) - 1]
     kind = np.arange(len(rows)) - np.searchsorted(rows, before, side="right")
     for i in range(bench.twin.outputs):
-        # What comes in the clock of a reset is held too; none of these benches ends in one.
+        # An output in the clock of a reset is held too. None of these benches ends in a reset.
         starts = np.append(rows[kind == i], recording.clocks - 1)
         until = starts[np.searchsorted(starts, ends, side="right")]
         for when, at in (("first", ends + 1), ("until the next", until)):
@@ -47,9 +48,10 @@ def check_held(bench: Bench, recording: Recording) -> None:
 
 
 def extremes(bench: Bench, readout, times: int) -> np.ndarray:
-    """Of many random frames those with the highest and the deepest profile, and their past.
+    """Of many random frames, those with the highest and the deepest profile, and their past.
 
-    Each so many ``times``: of those that come during a ramp only the last is drawn.
+    Each frame is repeated ``times`` times, because of the frames that come during a ramp only the
+    last is drawn.
     """
     codes = bench.rng.integers(SIGNAL.low, SIGNAL.high + 1, (4096, readout.inputs))
     _, heights = readout.profile(readout.process(codes))
@@ -58,7 +60,7 @@ def extremes(bench: Bench, readout, times: int) -> np.ndarray:
 
 
 def check_drawn(bench: Bench, recording: Recording, readout) -> np.ndarray:
-    """The profile of every frame of outputs; see ``check_profile`` for what comes back."""
+    """Check the profile of every frame of outputs, and return what ``check_profile`` returns."""
     ends, results = frames_out(bench, recording)
     kept = recording.undisturbed(ends, ends)
     latency = readout.load_profile.latency

@@ -1,9 +1,9 @@
-"""What the benches of a scene found, each kept until anything that it depends on changes.
+"""The results of the benches of a scene. Each is kept until something that it depends on changes.
 
-A bench's result is kept when it ends (``tb/common/kept.py``), so that what was interrupted goes on
-where it stopped.
-Of entities of one block that differ in constants alone, one is simulated by itself and the others
-within the networks that they are parts of, unless all are asked for.
+The result of a bench is kept as soon as the bench ends (``tb/common/kept.py``), so an interrupted
+run goes on where it stopped. If entities of one block differ only in their constants, one of them
+has a simulation of its own. The others are simulated as parts of their networks, unless all are
+asked for.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from tb.common.tools import SIMULATORS, language
 
 
 def chosen(planned: list[Job], full: bool = False) -> list[Job]:
-    """Under each simulator every network and one entity of each other block; all with ``full``.
+    """For each simulator, every network and one entity of each other block; all with ``full``.
 
-    That one is the first of ``planned``. What is around networks, as a cascade or an instrument,
-    plays the recorded frames alone: its parts are simulated whole, and each of its clocks takes as
-    long as theirs together.
+    The entity of a block is the first in ``planned``. A block around networks, such as a cascade or
+    an instrument, plays only the recorded frames: its networks have complete simulations of their
+    own, and a clock of the block takes as long as a clock of all of them together.
     """
     if full or not planned:
         return planned
@@ -51,7 +51,7 @@ def chosen(planned: list[Job], full: bool = False) -> list[Job]:
 
 
 def left_texts(results: dict[str, Any]) -> list[str]:
-    """What became of the entities, and of the tests, that are not chosen."""
+    """Sentences about the entities and the tests that are not chosen."""
     texts = []
     if results["left"]:
         texts.append(
@@ -67,9 +67,9 @@ def left_texts(results: dict[str, Any]) -> list[str]:
 
 
 def stored_results(scene: Scene) -> dict[str, Any] | None:
-    """What the benches found, of all entities or else of those that are chosen.
+    """The kept results of all entities, or else of the chosen ones.
 
-    None where not all of these have passed on what would be exported now.
+    None if one of the chosen has not passed on what would be exported now.
     """
     if not all(is_current(scene, BUILD / scene.name / language(s)) for s in SIMULATORS):
         return None
@@ -83,7 +83,7 @@ def stored_results(scene: Scene) -> dict[str, Any] | None:
 
 
 def simulate(scene: Scene, full: bool = False) -> dict[str, Any]:
-    """Run the benches that are chosen, but for those that have passed and are unchanged since."""
+    """Run the chosen benches, except those that have passed and have not changed since."""
     with stage(f"{scene.name}: exporting VHDL and Verilog, and compiling"):
         planned = plan(scene, SIMULATORS)
         asked = chosen(planned, full)
@@ -92,7 +92,7 @@ def simulate(scene: Scene, full: bool = False) -> dict[str, Any]:
     with Progress(f"{scene.name}: simulating", len(missing), "benches") as progress:
 
         def listen(outcome: Outcome) -> None:
-            """Only failures get lines of their own."""
+            """Print a line for each failure."""
             if not outcome.passed:
                 tell(outcome, progress.say)
             progress.step()
@@ -123,7 +123,7 @@ def _results(
 
 
 def _by_block(outcomes: list[Outcome]) -> dict[str, Any]:
-    """Entities and values compared, per block and simulator."""
+    """The numbers of entities and of compared values, for each block and simulator."""
     table: dict[str, Any] = defaultdict(lambda: {s: [0, 0] for s in SIMULATORS})
     for outcome in outcomes:
         cell = table[outcome.job.block][outcome.job.simulator]

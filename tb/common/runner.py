@@ -1,7 +1,7 @@
 """Runs benches: exports the scene, builds, simulates, and counts what was compared.
 
-Each bench runs on the exported files themselves, with the entity under test as top, in a build
-folder and a simulator of its own.
+Each bench runs on the exported files themselves, with the entity under test as top. It has a build
+folder and a simulator process of its own.
 """
 
 from __future__ import annotations
@@ -34,17 +34,16 @@ from tb.common.tools import SIMULATORS, check_simulator, language
 from tb.common.where import check_block
 
 SEED = 1
-# Random frames that the bench of a network plays.
+# How many random frames the bench of a network plays.
 FRAMES = 100
 
 
 @dataclass(frozen=True)
 class Job:
-    """One entity under one simulator; all tests of its bench, or the one named ``test``.
+    """The bench of one entity under one simulator, with all of its tests or the one named ``test``.
 
-    It runs on the exported files, or on what ``form`` names: the cells of a family that these were
-    mapped to, say.
-    With ``trace`` the bench writes down what it drove, saw and looked at.
+    It runs on the exported files, or on the form of them that ``form`` names, such as the cells of
+    a family. With ``trace`` the bench writes what it drove, what it recorded, and what it read.
     """
 
     scene: Scene
@@ -63,32 +62,32 @@ class Job:
 
     @property
     def folder(self) -> Path:
-        """Where it is built and logged."""
+        """The folder of its build and its log."""
         return self.build / self.scene.name / "sim" / self.runs_on / self.entity
 
     @property
     def runs_on(self) -> str:
-        """The form, or the simulator on whose exported files it runs."""
+        """The form, or else the simulator whose exported files are used."""
         return self.form or self.simulator
 
     @property
     def hdl_folder(self) -> Path:
-        """The files that it runs on."""
+        """The folder of the simulated files."""
         return self.build / self.scene.name / (self.form or language(self.simulator))
 
     @property
     def result_file(self) -> Path:
-        """Where each test of the bench writes what it compared."""
+        """The file in which each test of the bench notes what it compared."""
         return self.folder / "compared.jsonl"
 
     @property
     def trace_file(self) -> Path:
-        """Where the bench writes its trace."""
+        """The file of the trace."""
         return self.folder / "trace.jsonl"
 
     @property
     def library(self) -> Path:
-        """Where GHDL has compiled them, once for all jobs."""
+        """The library into which GHDL has compiled the files, once for all jobs."""
         return library(self.scene, self.build)
 
     @property
@@ -99,7 +98,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a job."""
+    """The result of a job."""
 
     job: Job
     passed: bool
@@ -121,7 +120,7 @@ class Outcome:
 
 
 def tell(outcome: Outcome, say: Callable[[str], None]) -> None:
-    """One line per finished bench, and what went wrong."""
+    """Print one line for a finished bench, and what went wrong."""
     job = outcome.job
     verdict = "pass" if outcome.passed else "FAIL"
     say(
@@ -133,7 +132,7 @@ def tell(outcome: Outcome, say: Callable[[str], None]) -> None:
 
 
 def ready_scene(name: str) -> Scene:
-    """The scene of that name, once simulators and recorded vectors are known to be there.
+    """The scene of that name, after a check that simulators and recorded vectors exist.
 
     Raises
     ------
@@ -159,26 +158,26 @@ def export(scene: Scene, tongue: str, build: Path = BUILD) -> None:
     command += ["--build", str(build.resolve())]
     result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     if result.returncode == 2:
-        # In front of the message may stand warnings.
+        # There may be warnings before the message.
         raise InputError(re.split("^error: ", result.stderr, maxsplit=1, flags=re.M)[-1].strip())
     if result.returncode:
         raise RuntimeError(f"{shlex.join(command)}\n{result.stderr}")
 
 
 def library(scene: Scene, build: Path = BUILD) -> Path:
-    """Where the scene's exported VHDL is compiled."""
+    """The folder into which the exported VHDL of a scene is compiled."""
     return build / scene.name / "sim" / "ghdl" / "library"
 
 
 def compile_vhdl(scene: Scene, build: Path = BUILD) -> None:
-    """Compile the scene's exported VHDL, once for the benches of all its entities."""
+    """Compile the exported VHDL of a scene, once for the benches of all its entities."""
     folder = build / scene.name / language("ghdl")
     with replace_folder(library(scene, build)) as temporary:
         analyse([folder / name for name in (folder / ORDER).read_text().split()], temporary)
 
 
 def prepare(scene: Scene, simulator: str, build: Path = BUILD) -> None:
-    """Export what a simulator reads."""
+    """Export the language that a simulator reads, and compile it if it is VHDL."""
     export(scene, language(simulator), build)
     if simulator == "ghdl":
         compile_vhdl(scene, build)
@@ -193,7 +192,7 @@ def plan(
     build: Path = BUILD,
     frames: int = FRAMES,
 ) -> list[Job]:
-    """Export what is needed and list the jobs: every entity of ``block``, or of every block.
+    """Export what is needed, and list the jobs for every entity of ``block`` or of all blocks.
 
     Raises
     ------
@@ -222,9 +221,9 @@ def jobs(
     build: Path = BUILD,
     frames: int = FRAMES,
 ) -> list[Job]:
-    """Every entity of a scene that is exported into ``build``, the largest first.
+    """The jobs of every entity of a scene that is exported into ``build``, the largest first.
 
-    So the last one to finish is a small one.
+    So the last job to finish is a short one.
     """
     parts = {part.entity: part for part in walk(scene.twin())}
     folder = build / scene.name / language(simulator)
@@ -280,16 +279,16 @@ def run_job(job: Job) -> Outcome:
         job.folder.resolve() / "build",
         job.waves,
     )
-    # An inherited variable would change what the bench does.
+    # An inherited variable could change what the bench does.
     environment = {k: v for k, v in os.environ.items() if not k.startswith(("COCOTB", "TACTUS"))}
     environment |= {
         CONFIGURATION: json.dumps(configuration),
         "COCOTB_RANDOM_SEED": str(job.seed),
         "COCOTB_TEST_FILTER": f"\\.{job.test}$" if job.test else "",
         "PYTHONPATH": str(ROOT),
-        # One failed test is enough to know.
+        # One failed test decides the result.
         "COCOTB_MAX_FAILURES": "1",
-        # One thread: two simulations share two cores.
+        # numpy gets one thread, because as many simulations run as there are cores.
         "OPENBLAS_NUM_THREADS": "1",
     }
     started = time.perf_counter()
@@ -301,16 +300,17 @@ def run_job(job: Job) -> Outcome:
 
 
 def read_outcome(job: Job, sound: bool, seconds: float) -> Outcome:
-    """What the tests of a bench have written down; ``sound`` is whether the simulator ended well.
+    """The result that the tests of a bench have written; ``sound`` says that the simulator
+    succeeded.
 
-    A run that compared nothing proves nothing, whatever its tests say.
+    A run that compared nothing has failed, whatever its tests say.
     """
     result = job.result_file
     written = result.read_text(encoding="utf-8") if result.exists() else ""
     lines = [json.loads(line) for line in written.splitlines()]
     compared = sum(line.pop("compared") for line in lines)
     coverage: Counts = {}
-    # By test: a digest of what it drove, where it looked and how much it compared.
+    # For each test: a digest of what it drove, what it read and how much it compared.
     played: dict[str, str] = {}
     for line in lines:
         add(coverage, line.pop("coverage"))
@@ -322,7 +322,7 @@ def read_outcome(job: Job, sound: bool, seconds: float) -> Outcome:
 
 
 def _covered(job: Job, coverage: Counts) -> bool:
-    """Whether the tests of a bench met all that the twin names; what they did not is logged."""
+    """Whether the tests reached everything that the twin names; the log gets what they missed."""
     lacking = missing(job.twin, coverage)
     with (job.folder / "log.txt").open("a", encoding="utf-8") as log:
         log.writelines(f"Error: {job.entity}: not driven: {what}\n" for what in lacking)
@@ -339,7 +339,7 @@ def run_jobs(
     at_once: int | None = None,
     work: Callable[[Job], Outcome] = run_job,
 ) -> list[Outcome]:
-    """Run all jobs, as many at a time as there are cores; ``tell`` hears of each as it ends."""
+    """Run all jobs, as many at a time as there are cores, and call ``tell`` after each."""
     outcomes = []
     with ThreadPoolExecutor(at_once or os.cpu_count() or 1) as pool:
         for outcome in pool.map(work, jobs):

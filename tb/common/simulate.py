@@ -1,4 +1,4 @@
-"""A bench in its simulator: cocotb-test builds an exported entity and runs cocotb inside."""
+"""Runs a bench in its simulator: cocotb-test builds an exported entity and starts cocotb in it."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ from cocotb_tools import config
 
 from golden.input_error import InputError
 
-# Twice as fast as GHDL's default; where it is not installed, Debian's ghdl takes what is.
+# This backend of GHDL is twice as fast as the default. Without it, Debian's ghdl takes another.
 BACKEND = os.environ.get("GHDL_BACKEND", "llvm")
 VHDL = "--std=93"
-# Most of a simulation is numeric_std, which comes compiled: optimising what uses it takes longer
-# than it saves.
+# A simulation spends most of its time in numeric_std, which is already compiled. Optimising the
+# code that uses it takes longer than it saves.
 QUICK = "-O0"
-# Signals are undefined until reset; numeric_std warns of each at time 0.
+# Signals are undefined before the reset, and numeric_std would warn of each of them at time 0.
 QUIET_AT_0 = "--ieee-asserts=disable-at-0"
 TIMESCALE = "1ns/1ps"
 
@@ -42,13 +42,13 @@ class Run:
     Attributes
     ----------
     simulator, entity, module : str
-        ``module`` is the bench.
+        ``module`` is that of the bench.
     sources : tuple of Path
-        In compile order; for Icarus, which builds every entity from its own.
+        The files in compile order, for Icarus, which compiles every entity from its own sources.
     library : Path
-        Where ``analyse`` has put all entities, for GHDL.
+        The library with all entities, for GHDL; ``analyse`` has filled it.
     folder : Path
-        Where it is built and run.
+        The folder of the build and the run.
     waves : bool
     """
 
@@ -63,7 +63,7 @@ class Run:
 
 @cache
 def machine() -> dict[str, str]:
-    """What cocotb needs to find this Python from inside a simulator."""
+    """The variables by which cocotb finds this Python from inside a simulator."""
     python = find_libpython.find_libpython()
     if python is None:
         raise InputError("no libpython: run: sudo apt-get install libpython3-dev")
@@ -71,7 +71,7 @@ def machine() -> dict[str, str]:
         "GPI_USERS": f"{python};{config.pygpi_entry_point()}",
         "PYGPI_PYTHON_BIN": sys.executable,
         "GHDL_BACKEND": BACKEND,
-        # pytest's rewriting of every module takes longer than most benches.
+        # If pytest rewrote every module, that would take longer than most benches.
         "COCOTB_REWRITE_ASSERTION_FILES": "",
     }
 
@@ -82,7 +82,7 @@ def analyse(sources: Iterable[Path], library: Path) -> None:
     Raises
     ------
     InputError
-        With what GHDL says of a file.
+        When GHDL refuses a file, with its message.
     """
     files = [str(source.resolve()) for source in sources]
     result = subprocess.run(
@@ -97,19 +97,19 @@ def analyse(sources: Iterable[Path], library: Path) -> None:
         raise InputError(result.stderr.strip())
 
 
-# One simulator is set up at a time: each setup changes what the whole process shares.
+# Only one simulator is set up at a time, because each setup changes settings of the process.
 SETTING_UP = threading.Lock()
 
 
 @contextmanager
 def process_unchanged() -> Iterator[None]:
-    """Logging, warnings and signals stay as they are, which cocotb-test sets up for its own use.
+    """Restore the logging, warnings and signal handlers that cocotb-test changes for its own use.
 
-    Meanwhile the environment lacks ``WAVES``, which cocotb-test takes for a number even where it is
-    told whether to write waves.
+    In the meantime ``WAVES`` is not in the environment, because cocotb-test reads it as a number
+    even if it has been told whether to write waves.
     """
     log = logging.getLogger("cocotb")
-    # logging.basicConfig adds nothing where a handler is.
+    # logging.basicConfig adds no handler if there is one.
     placeholder = logging.NullHandler()
     with SETTING_UP, warnings.catch_warnings():
         level = log.level
@@ -134,15 +134,15 @@ class BenchSimulator(cocotb_test.simulator.Simulator):
     Parameters
     ----------
     log : Path
-        What the simulator prints is written there, and nothing to the terminal.
+        The file for what the simulator prints. Nothing goes to the terminal.
     **arguments
-        Those of cocotb-test. ``extra_env`` is the whole environment of the run,
-        but for what cocotb itself needs: nothing else is inherited.
+        The arguments of cocotb-test. ``extra_env`` and what cocotb itself needs are the whole
+        environment of the run: nothing else is inherited.
 
     Raises
     ------
     SystemExit
-        By ``run``, when it cannot be built, when it ends early, or when its tests did not pass.
+        From ``run``, if the build fails, the run ends early, or a test did not pass.
     """
 
     def __init__(self, log: Path, **arguments: Any) -> None:
@@ -152,11 +152,11 @@ class BenchSimulator(cocotb_test.simulator.Simulator):
 
     @property
     def results(self) -> Path:
-        """Where cocotb writes what became of each test."""
+        """The file in which cocotb writes the result of each test."""
         return Path(self.work_dir) / "results.xml"
 
     def set_env(self) -> None:
-        """Add to the given environment what cocotb needs."""
+        """Add the variables that cocotb needs to the given environment."""
         self.env |= machine() | {
             "COCOTB_TOPLEVEL": self.toplevel_module,
             "COCOTB_TEST_MODULES": self.module,
@@ -165,7 +165,7 @@ class BenchSimulator(cocotb_test.simulator.Simulator):
         }
 
     def execute(self, cmds: list[list[str]]) -> None:
-        """Run one command after the other, up to the first that fails."""
+        """Run the commands one after the other, up to the first that fails."""
         with self.log.open("w") as log:
             for command in cmds:
                 ended = subprocess.run(
@@ -181,7 +181,7 @@ class BenchSimulator(cocotb_test.simulator.Simulator):
                     raise SystemExit(f"{command[0]} ended with {ended.returncode}: see {self.log}")
 
     def run(self) -> str:
-        """Build and simulate; the results file."""
+        """Build and simulate, and return the results file."""
         self.set_env()
         self.execute(self.build_command())
         if not self.results.is_file() or not passed(self.results):
@@ -194,29 +194,29 @@ class Icarus(BenchSimulator, cocotb_test.simulator.Icarus):
 
 
 class Ghdl(BenchSimulator, cocotb_test.simulator.Ghdl):
-    """GHDL on a library that ``analyse`` has filled.
+    """GHDL, which takes an entity from a library that ``analyse`` has filled.
 
     Parameters
     ----------
     entity : str
-        In that library.
+        The entity in that library.
     library : Path
     **arguments
-        Those of ``BenchSimulator``, without sources.
+        The arguments of ``BenchSimulator``, without sources.
     """
 
     def __init__(self, entity: str, library: Path, **arguments: Any) -> None:
         super().__init__(
             toplevel=f"work.{entity}",
             toplevel_lang="vhdl",
-            # No list: cocotb-test would compile its files once more for each entity.
+            # The list is empty, because cocotb-test would compile the files again for each entity.
             vhdl_sources={},
             compile_args=[VHDL, f"--workdir={library}"],
             **arguments,
         )
 
     def build_command(self) -> list[list[str]]:
-        """What links the entity, and what simulates it."""
+        """The commands that link the entity and simulate it."""
         link = ["ghdl", "-e", *self.compile_args, self.toplevel_module]
         return [link, *super().build_command()]
 
@@ -225,7 +225,7 @@ SIMULATORS = {"ghdl": Ghdl, "icarus": Icarus}
 
 
 def simulate(run: Run, environment: dict[str, str], log: Path) -> bool:
-    """Build and simulate; whether every test of the bench ran and passed."""
+    """Build and simulate, and return whether every test of the bench ran and passed."""
     arguments = {
         "module": run.module,
         "sim_build": run.folder,

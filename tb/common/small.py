@@ -1,6 +1,7 @@
-"""Cases that several benches run: the least shapes, odd ones, and weights that reach the rails.
+"""Cases that several benches share: smallest and odd shapes, and weights that reach the rails.
 
-``rails`` comes first: its sums and its activation are driven to every end, so that faults show.
+``rails`` comes first. It drives its sums and its activation to every end, so that faults have an
+effect there.
 """
 
 from __future__ import annotations
@@ -13,8 +14,8 @@ from tb.common.cases import FRONT_END, VISUALISATION, Case
 
 RAILS = Case([(3, 4, 3)], "exact", spread=20.0, seed=2)
 LEAST = Case([(1, 1, 1)], "exact")
-# Least shapes, more outputs than inputs (the spacing counter), one output, odd adder trees, Q_j of
-# several hundred.
+# These have the smallest shapes, more outputs than inputs (which needs the spacing counter), one
+# output, odd adder trees, and Q_j of several hundred.
 FOLDED = {
     "rails": RAILS,
     "least": LEAST,
@@ -24,7 +25,7 @@ FOLDED = {
     "huge": replace(LEAST, shapes=[(4, 3, 2)], precision="thesis", spread=100.0),
     "huge-exact": replace(LEAST, shapes=[(4, 3, 2)], spread=100.0),
 }
-# For a block inside a folded network: either precision.
+# For a block inside a folded network, in both precisions.
 PARTS = {name: FOLDED[name] for name in ("rails", "wide-thesis")}
 
 PARALLEL = {
@@ -37,8 +38,8 @@ PARALLEL = {
     "precise-parallel": Case([(2, 3, 2)], "exact", activation="precise", design="parallel"),
 }
 
-# Sums that leave their formats, one sensor, few levels between registers, rows without a weight,
-# an odd number of hidden nodes, and tables in LUTs.
+# These have sums that leave their formats, one sensor, few levels of adders between registers, rows
+# without a weight, an odd number of hidden nodes, and tables in LUTs.
 ADDER_GRAPH = Case([(3, 4, 3)], "exact", activation="bipartite", design="adder_graph", seed=2)
 ADDER_GRAPHS = {
     "rails-graph": replace(ADDER_GRAPH, spread=20.0),
@@ -53,17 +54,17 @@ ADDER_GRAPHS = {
     ),
 }
 
-# Networks that need more clocks from frame to frame than they see elements.
+# Networks that need more clocks from frame to frame than a frame has elements.
 SLOW = Case([(2, 1, 1), (3, 1, 1)], "exact", activation="pade", arrangement="cascade", spread=2.0)
 SLOWER = "{ rho = 1.5, iterations = 11 }"
-# Networks whose depth differs, so that results wait for each other, and more of them than samples.
+# Networks of different depth, so that results wait for each other, and more networks than samples.
 CASCADES = {
     "chain": Case([(2, 3, 1), (3, 3, 1), (4, 3, 1)], "exact", arrangement="cascade", seed=0),
     "least-cascade": Case([(1, 1, 1), (2, 2, 1)], "exact", arrangement="cascade"),
     "deep-cascade": Case(
         [(2, 1, 1), (3, 9, 1), (4, 2, 1), (5, 5, 1)], "thesis", arrangement="cascade"
     ),
-    # As many clocks as a frame has elements, and more.
+    # One case needs as many clocks as a frame has elements, the other more.
     "slow-cascade": SLOW,
     "slower-cascade": replace(SLOW, options=SLOWER),
 }
@@ -73,7 +74,7 @@ MULTIPLES = {
     "wide-multiple": Case([(2, 9, 1), (2, 1, 1), (2, 4, 1)], "exact", arrangement="multiple"),
 }
 
-# A short ramp: every fault costs all tests of its bench.
+# The ramp is short, because all tests of a bench run for each fault.
 DRAWN = {
     "drawn": Case(
         [(2, 3, 4)],
@@ -83,8 +84,8 @@ DRAWN = {
     ),
 }
 PROFILES = DRAWN | {"profile": Case([(4, 3, 4)], "exact", sections=VISUALISATION)}
-# With samples of past frames; of a cascade, outputs in another order, one of which is not drawn; a
-# ramp that starts below 0; a gain that is no whole number.
+# These have samples of past frames; a cascade whose outputs are in another order, one of them not
+# drawn; a ramp that starts below 0; and a gain that is not a whole number.
 OTHER_PROFILES = PROFILES | {
     "drawn-past": Case(
         [(4, 2, 4)],
@@ -118,9 +119,9 @@ INSTRUMENTS = DRAWN | {
         arrangement="cascade",
         sections=f"{VISUALISATION}{FRONT_END}counter_width = 10\n",
     ),
-    # No profile; the narrowest counter, one clock after the address is there.
+    # This has no profile and the narrowest counter, which takes a code one clock after its address.
     "least-instrument": Case([(3, 2, 3)], "exact", sections=f"{FRONT_END}counter_width = 3\n"),
-    # Scans that do not follow each other at once, of 71 clocks 16, and samples of earlier ones.
+    # Scans of 16 clocks start every 71 clocks, and samples of earlier scans are used.
     "past-instrument": Case(
         [(3, 2, 3)],
         "exact",
@@ -129,7 +130,7 @@ INSTRUMENTS = DRAWN | {
         sections=f"{FRONT_END}counter_width = 4\nrate_hz = 900000\n",
         window=Window(((0, 2), (1,))),
     ),
-    # The least scan that leaves the engine its clocks.
+    # The shortest scan that leaves the engine enough clocks.
     "engine-instrument": Case(
         [(3, 2, 3)],
         "exact",
@@ -140,8 +141,8 @@ INSTRUMENTS = DRAWN | {
     "one-sensor": Case([(1, 2, 4)], "thesis", sections=f"{FRONT_END}counter_width = 4\n"),
 }
 
-# One hardware for every arrangement; weights that take several steps, one sensor, and more outputs
-# than samples.
+# The same hardware in every arrangement, with weights that take several steps, one sensor, and more
+# outputs than samples.
 ENGINE = Case([(3, 4, 3)], "exact", activation="precise", design="engine", spread=20.0, seed=2)
 ENGINES = {
     "rails-engine": ENGINE,
@@ -158,10 +159,10 @@ ENGINES = {
     "three-engine": replace(
         ENGINE, shapes=[(2, 4, 1), (2, 3, 1), (2, 2, 1)], arrangement="multiple", spread=1.0
     ),
-    # Sums that reach few segments of a finer table.
+    # The sums reach few segments of a finer table.
     "fine-engine": replace(ENGINE, shapes=[(2, 3, 2)], spread=0.5, hardware="segment_width = 7"),
 }
-# The same hardware, whatever its image.
+# Hardware that does not depend on its image.
 RELOADED = {
     "rails-reload": replace(ENGINE, hardware="reload = true"),
     "deep-reload": replace(
@@ -169,8 +170,8 @@ RELOADED = {
         hardware='reload = true\npipeline = "deep"\nprogram_words = 1024\noperand_words = 256',
     ),
 }
-# For a block inside an engine: every segment of the table, few of a finer one, and registers behind
-# the memories.
+# For a block inside an engine: the sums reach every segment of the table, or few of a finer one, or
+# there are registers behind the memories.
 ENGINE_PARTS = {name: ENGINES[name] for name in ("rails-engine", "fine-engine", "deep-engine")}
 SERIAL = 'multiplier = "serial"\n'
 SERIAL_ENGINES = {
@@ -193,12 +194,12 @@ def both_precisions(activation: str) -> dict[str, Case]:
 
 
 def rails(activation: str) -> dict[str, Case]:
-    """An activation behind sums that reach their ends."""
+    """An activation after sums that reach their ends."""
     return {f"rails-{activation}": replace(RAILS, activation=activation)}
 
 
 BLOCK_RAM = '{ coefficients = "block_ram" }'
-# Each form of the coefficients with few and with all of its segments.
+# Each place of the coefficients, with few and with all of the segments.
 PRECISE = {
     "logic": Case([(2, 3, 2)], "exact", activation="precise", spread=0.5),
     "logic-huge": Case([(2, 2, 1)], "exact", activation="precise", spread=100.0),
@@ -208,9 +209,9 @@ PRECISE = {
     ),
 }
 
-# Networks with a past: of each sensor other delays; one sample of one sensor, and not its newest; a
-# long past; slots behind the samples; frames that come no faster than they are sent; networks side
-# by side; no multiplier.
+# Networks with past samples: with other delays for each sensor; with one sample of one sensor,
+# which is not its newest; with a long past; with slots after the samples; with frames that come no
+# faster than the window sends them; with networks side by side; and without a multiplier.
 WINDOW = Window(((0, 1, 3), (0,), (2, 5)))
 PAST = Case([(6, 2, 2)], "exact", activation="precise", design="engine", window=WINDOW)
 WINDOWS = {
@@ -233,7 +234,7 @@ WINDOWS = {
     "serial-past": replace(PAST, hardware=SERIAL),
 }
 
-# A pair of nodes and one beside it: a q wider than 18 bits, one below 2, and tables in LUTs.
+# A pair of nodes and a single one, with a q wider than 18 bits, a q below 2, and tables in LUTs.
 BIPARTITE = {
     "bipartite-rails": replace(ADDER_GRAPH, shapes=[(2, 3, 2)], spread=20.0),
     "bipartite-low": replace(ADDER_GRAPH, shapes=[(2, 3, 2)], spread=0.3),
@@ -241,9 +242,9 @@ BIPARTITE = {
         ADDER_GRAPH, shapes=[(2, 3, 2)], spread=20.0, options='{ memory = "logic" }'
     ),
 }
-# Converters that are bought. Of 12 bits with the code again, a clock of sclk two of the hardware's,
-# which is slow enough that it needs no divider, and slots; of 16 bits, rounded, a scan with a turn
-# and a pause that pass idle; in two's complement.
+# Real converters. The first has 12 bits and repeats the code; sclk takes two clocks of the
+# hardware, which is slow enough to need no divider; and there are slots. The second has 16 bits,
+# which are rounded, and a scan with an idle turn and a pause. The third sends two's complement.
 CONVERTER = Case(
     [(2, 2, 1), (3, 1, 1), (4, 1, 1)],
     "exact",
@@ -271,8 +272,8 @@ CONVERTERS = {
         "counter_width = 8\n",
     ),
 }
-# With a serial line. An engine that can be reloaded, a short ramp as codes and as pulse density; no
-# reload and no profile, slots, a number of clocks in a bit that has no half.
+# With a serial line. The first has an engine that can be reloaded, and a short ramp as codes and as
+# pulse density. The second has no reload, no profile, slots, and an odd number of clocks in a bit.
 _LINE = f'{FRONT_END}converter = "mcp3208-5v"\ncounter_width = 8\n\n[uart]\n'
 _DRAWN = f'{VISUALISATION}stop = 0.9\nstep = 0.3\nanalogue = "pulse_density"\n{_LINE}'
 UART = replace(
@@ -286,11 +287,11 @@ UART = replace(
 )
 PLAIN_UART = replace(CONVERTER, sections=f"{CONVERTER.sections}\n[uart]\nbaud = 571_000\n")
 UARTS = {"uart": UART, "plain-uart": PLAIN_UART}
-# Of the whole top: the same, whose image takes thousands of clocks; without one; with room for
-# other images.
+# For the whole top: the first case, whose image takes thousands of clocks; one without an image;
+# one with room for other images; and the second case.
 UART_INSTRUMENTS = {
     "reload-uart": UART,
-    # Of weights whose profiles are high and deep.
+    # With these weights the profiles are high and deep.
     "drawn-uart": replace(UART, hardware="clock_mhz = 4.0", spread=4.0, seed=15),
     "wide-uart": replace(
         UART,

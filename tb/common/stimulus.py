@@ -12,16 +12,17 @@ from golden.window import Window
 
 EXHAUSTIVE_WIDTH = 14
 STRATA = 16384
-# More clocks than any counter of a stream block runs for.
+# More clocks than the counter of any stream block counts.
 LONG_IDLE = 150
 LONG_IDLES = 3
 
 
 def all_codes(fmt: Fix, borders: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Every code of a format up to 14 bits; of a wider one a random code of each of 16384 strata.
+    """Every code of a format of up to 14 bits; of a wider one, a random code of each of 16384
+    strata.
 
-    The neighbourhood of every border, of zero and of both ends is always there, and so are the
-    codes that differ from it in one bit: a comparison that ignores a bit is found out.
+    The neighbourhood of every border, of zero and of both ends is always included. So are the codes
+    that differ from these in one bit, which reveal a comparison that ignores a bit.
     """
     if fmt.width <= EXHAUSTIVE_WIDTH:
         codes = np.arange(fmt.low, fmt.high + 1)
@@ -43,22 +44,22 @@ def spread(
     tail: int,
     pause: np.ndarray | int = 0,
 ) -> dict[str, np.ndarray]:
-    """Items in order, one per clock at most, with idle clocks between them.
+    """The items in their order, at most one in a clock, with idle clocks between them.
 
     Parameters
     ----------
     items : dict
-        Port name to values, all of one length.
+        For each port its values, all of one length.
     valid : str
-        The port that is high where an item stands.
+        The port that is high in the clocks of items.
     gap : float
-        Probability of an idle clock before each item. Idle clocks carry values of other items, so
-        that a block that ignores ``valid`` is found out. Where there are gaps, a few are longer
-        than any counter runs.
+        The probability of an idle clock before each item. In idle clocks the ports carry values of
+        other items, which reveals a block that ignores ``valid``. If there are gaps, a few of them
+        are longer than any counter counts.
     tail : int
-        Idle clocks at the end, or more: a counter that runs on is found out.
+        The least number of idle clocks at the end, which reveal a counter that does not stop.
     pause : int array or int
-        Idle clocks before each item on top of the random ones.
+        The number of further idle clocks before each item.
     """
     count = len(next(iter(items.values())))
     idle = rng.geometric(1 - gap, count) - 1 + pause
@@ -77,7 +78,7 @@ def spread(
 
 
 def random_resets(rng: np.random.Generator, length: int, every: int) -> np.ndarray:
-    """A reset of one to three clocks about every ``every`` clocks."""
+    """Resets of one to three clocks, on average one in ``every`` clocks."""
     column = np.zeros(length, dtype=np.int64)
     for start in np.flatnonzero(rng.random(length) < 1 / every):
         column[start : start + rng.integers(1, 4)] = 1
@@ -87,13 +88,13 @@ def random_resets(rng: np.random.Generator, length: int, every: int) -> np.ndarr
 def random_runs(
     rng: np.random.Generator, length: int, longest: int, every: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Runs of up to ``longest`` clocks, and the clocks of ``finish``, one in ``every``."""
+    """Runs of up to ``longest`` clocks, and clocks of ``finish``, one in ``every``."""
     run = np.repeat(rng.integers(0, 2, length), rng.integers(1, longest + 1, length))[:length]
     return run, rng.random(length) < 1 / every
 
 
 def look_ups(rng: np.random.Generator, addresses: int, length: int) -> dict[str, np.ndarray]:
-    """Every address of a table once, then random ones, two of three of which are asked for."""
+    """Every address of a table once, then random ones; two of three of these are asked for."""
     look_up = rng.random(length) < 2 / 3
     segment = rng.integers(0, addresses, length)
     segment[:addresses], look_up[:addresses] = np.arange(addresses), True
@@ -101,7 +102,7 @@ def look_ups(rng: np.random.Generator, addresses: int, length: int) -> dict[str,
 
 
 def corner_frames(fmt: Fix, inputs: int) -> np.ndarray:
-    """Rails, alternating rails, zeros, and each sensor alone at a rail."""
+    """Frames of rails, of alternating rails, of zeros, and of one sensor at a rail."""
     low, high = fmt.low, fmt.high
     alternating = np.where(np.arange(inputs) % 2, low, high)
     frames = [np.full(inputs, c) for c in (low, high, 0, -1, 1, low + 1)]
@@ -115,7 +116,7 @@ def corner_frames(fmt: Fix, inputs: int) -> np.ndarray:
 
 
 def extreme_frames(fmt: Fix, weights: np.ndarray) -> np.ndarray:
-    """For each row of weights the two frames that drive its sum to its ends."""
+    """For each row of weights, the two frames that drive its sum to its ends."""
     rows = np.asarray(weights)
     upper = np.where(rows > 0, fmt.high, fmt.low)
     return np.concatenate([upper, np.where(rows > 0, fmt.low, fmt.high)])
@@ -128,7 +129,7 @@ def border_frames(
     biases: Sequence[int],
     factors: Sequence[int] | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Frames whose exact sums are those about which the results of a layer saturate.
+    """Frames whose exact sums lie just at the borders where results of a layer saturate.
 
     Returns
     -------
@@ -143,7 +144,7 @@ def border_frames(
         for border in layer.borders_of("sum", row, bias, factor):
             if border.unreachable:
                 continue
-            # Those that the twin has found; then others.
+            # First the samples that the twin has found, then others.
             found += list(layer.beside(row, bias, border.at))
             of_row += [number] * 2
             for target, above in (
@@ -161,9 +162,10 @@ def border_frames(
 
 
 def with_past(window: Window, rows: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Frames in the order of time, of which a network takes ``rows``, shape (rows, taps).
+    """Frames in the order of time, from which a network takes ``rows``, shape (rows, taps).
 
-    One row after the other, each with a past of its own; samples that it does not take are random.
+    Each row has a past of its own, and they follow one another. Samples that are not taken are
+    random.
     """
     frames = rng.choice(rows.ravel(), (len(rows), window.past + 1, len(window.delays)))
     for column, tap in enumerate(window.taps):
@@ -179,15 +181,16 @@ def rounding_frames(
     factors: Sequence[int] | None = None,
     count: int = 20,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Frames whose exact sums are the last that round to a result, or the first of the next.
+    """Frames whose exact sums are the last that round to one result, or the first to round to the
+    next.
 
-    A sum that is wrong in its least bit is wrong in its result there, and hardly anywhere else. The
-    results are at random, and those that differ in one bit from the largest or the least.
+    There an error in the least bit of a sum changes the result, and hardly anywhere else. The
+    results are random ones, and those that differ in one bit from the largest or the least.
 
     Parameters
     ----------
     count : int
-        Random results for each row of weights.
+        The number of random results for each row of weights.
 
     Returns
     -------

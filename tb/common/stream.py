@@ -1,4 +1,4 @@
-"""The check that every block with ``in_valid`` and ``out_valid`` shares."""
+"""The check that the benches of all blocks with ``in_valid`` and ``out_valid`` use."""
 
 from __future__ import annotations
 
@@ -24,26 +24,26 @@ async def check_stream(
     interval: int = 1,
     pause: np.ndarray | None = None,
 ):
-    """Play ``items``, feed what stood on the input ports to ``twin``, compare all outputs.
+    """Play ``items``, feed the recorded inputs to ``twin``, and compare all outputs.
 
     Parameters
     ----------
     items : dict
-        Values of the input ports, without ``in_valid``.
+        The values of the input ports, without ``in_valid``.
     inputs, outputs : dict
-        Port name to SIGNED or UNSIGNED.
+        For each port SIGNED or UNSIGNED.
     twin : callable
-        From the recorded inputs, in the order of ``inputs``, to the outputs in the order of
-        ``outputs``.
+        A function from the recorded inputs, in the order of ``inputs``, to the outputs, in the
+        order of ``outputs``.
     gap : float
-        Probability of an idle clock before each item.
+        The probability of an idle clock before each item.
     resets : bool or int array
-        Reset now and then, or in these clocks: an item whose way through the block meets a reset
-        must vanish.
+        Whether there are random resets, or the clocks of the resets. An item must vanish if a reset
+        comes while it is in the block.
     interval : int
-        Least clocks from one item to the next; one that is followed earlier must vanish.
+        The least clocks from one item to the next. An item that is followed earlier must vanish.
     pause : int array, optional
-        Idle clocks before each item; as many as ``interval`` asks for by default.
+        Idle clocks before each item. The default is as many as ``interval`` demands.
     """
     tail = bench.latency + 4
     idle = interval - 1 if pause is None else pause
@@ -84,16 +84,16 @@ async def check_gaps_and_resets(
     twin: Callable,
     interval: int = 1,
 ):
-    """2000 of the items in random order, with idle clocks and resets between them.
+    """Play 2000 of the items in random order, with idle clocks and resets between them.
 
-    Then a reset at each clock of an item's way.
+    Then play items with a reset at each clock of their way through the block.
     """
     order = bench.rng.integers(0, len(next(iter(items.values()))), 2000)
     chosen = {name: values[order] for name, values in items.items()}
     await check_stream(
         bench, chosen, inputs, outputs, twin, gap=0.3, resets=True, interval=interval
     )
-    # An item, a reset so many clocks after it, and in the next clock another item.
+    # An item is followed by a reset so many clocks later, and by another item in the next clock.
     every = np.arange(bench.latency + 1)
     pairs = {name: values[: 2 * len(every)] for name, values in chosen.items()}
     room = bench.latency + interval
@@ -113,7 +113,7 @@ async def check_early(
     twin: Callable,
     interval: int,
 ):
-    """1000 of the items in random order, one in three closer to the one before than allowed."""
+    """Play 1000 of the items in random order, one in three closer to the last than allowed."""
     order = bench.rng.integers(0, len(next(iter(items.values()))), 1000)
     chosen = {name: values[order] for name, values in items.items()}
     close = bench.rng.integers(0, interval - 1, 1000)

@@ -1,4 +1,4 @@
-"""The simulators: what each needs and which language it reads."""
+"""The simulators: which package each needs, and which language each reads."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SIMULATORS = {"ghdl": ("ghdl", "ghdl-llvm", "vhdl"), "icarus": ("iverilog", "ive
 
 
 def check_simulator(name: str) -> None:
-    """Refuse an unknown simulator, or one that is not installed, with what to do about it.
+    """Refuse an unknown simulator, or one that is not installed, and say what to do.
 
     Raises
     ------
@@ -39,7 +39,7 @@ def language(name: str) -> str:
 
 
 def version(name: str) -> str:
-    """First line that the simulator prints about itself."""
+    """The first line that the simulator prints about itself."""
     flag = "--version" if name == "ghdl" else "-V"
     result = subprocess.run(
         [SIMULATORS[name][0], flag], capture_output=True, text=True, check=False
@@ -48,7 +48,7 @@ def version(name: str) -> str:
 
 
 def simulator_versions() -> dict[str, str]:
-    """The version number of each simulator by name, ``none`` where it is not installed."""
+    """The version number of each simulator by name, or ``none`` if it is not installed."""
     return {
         name: _number(version(name)) if shutil.which(program) else "none"
         for name, (program, *_) in SIMULATORS.items()

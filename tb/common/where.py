@@ -1,7 +1,7 @@
-"""Where the benches of a block run: in the scene that is named, or where the block is found.
+"""Where the benches of a block run: in the named scene, or in one that contains the block.
 
-Without a scene a block is looked for in the default scenes, then in the other shipped ones, then in
-the cases of its bench.
+Without a scene, a block is searched first in the default scenes, then in the other shipped scenes,
+then in the cases of its bench.
 """
 
 from __future__ import annotations
@@ -22,31 +22,31 @@ TB = Path(__file__).parents[1]
 
 @dataclass(frozen=True)
 class Place:
-    """A scene in which benches run, and a line that says why; empty of a scene that was named."""
+    """A scene in which benches run, and a line that says why, empty if the user named the scene."""
 
     scene: Scene
     why: str = ""
 
 
 def block_names() -> list[str]:
-    """Every block: what has a bench."""
+    """The names of all blocks, which are those with a bench."""
     return sorted(path.stem.removeprefix("tb_") for path in TB.glob("*/tb_*.py"))
 
 
 def blocks_in(scene: Scene) -> set[str]:
-    """The blocks of a scene."""
+    """The names of the blocks of a scene."""
     return {part.block for part in walk(scene.twin())}
 
 
 def places(scene: str | None, block: str | None, build: Path = BUILD) -> list[Place]:
-    """Where benches run, of one block or of all: in the scene that is named, or in several.
+    """Where the benches of one block or of all blocks run: in the named scene, or in several.
 
     The scene of a case is written below ``build``.
 
     Raises
     ------
     InputError
-        For a block that there is not, that the named scene does not contain, or that neither a
+        For a block that does not exist, that the named scene does not contain, or that neither a
         shipped scene nor a case of its bench contains.
         See ``load_scene``.
     """
@@ -80,7 +80,7 @@ def places(scene: str | None, block: str | None, build: Path = BUILD) -> list[Pl
 
 
 def check_block(scene: Scene, block: str | None) -> None:
-    """Refuse a block that a scene does not contain, and say which does.
+    """Refuse a block that a scene does not contain, and name a scene that does.
 
     Raises
     ------
@@ -122,5 +122,5 @@ def _others() -> Iterator[str]:
 
 @cache
 def _blocks_in(name: str) -> set[str]:
-    """Of a shipped scene, which does not change while a command runs."""
+    """The blocks of a shipped scene, which does not change while a command runs."""
     return blocks_in(load_scene(name))

@@ -1,1 +1,1 @@
-"""cocotb benches: layers."""
+"""cocotb benches: engine."""

@@ -1,4 +1,4 @@
-"""What is proved of frame_check, whatever comes on its stream and whenever results are ready."""
+"""Proved properties of frame_check, whatever comes on its stream and whenever results are ready."""
 
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import COMPUTED, MISPLACED, ago, operands

@@ -1,4 +1,4 @@
-"""What is proved of frame_guard, whatever comes on its stream and whenever images are loaded."""
+"""Proved properties of frame_guard, whatever comes on its stream and whenever images are loaded."""
 
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import COMPUTED, MISPLACED, ago, operands

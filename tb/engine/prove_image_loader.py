@@ -1,7 +1,6 @@
-"""What is proved of image_loader, whatever bytes come.
+"""Proved properties of image_loader, for any bytes.
 
-Words are counted here as the whole count of the header names them, and the check is computed bit by
-bit.
+Here all bits of the count in the header are used, and the check is computed bit by bit.
 """
 
 from golden.engine.image import LAST_ADDR, WORD_BYTES
@@ -59,7 +58,7 @@ def properties(twin):
         "failed == image_failed",
         "place == part",
         f"part <= {last_part} && count <= 1000",
-        # The header, the words, the check, and too much.
+        # The states are the header, the words, the check, and bytes that are too many.
         "count != 0 || (!headed && !ended)",
         f"!inside || (headed && !ended && addr == ((words - count) & {(1 << addr) - 1}))",
         "count == 0 || !room || count != words + 1 || (headed && ended)",

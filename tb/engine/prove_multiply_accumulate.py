@@ -1,4 +1,4 @@
-"""What is proved of multiply_accumulate, whatever operands and coefficients are."""
+"""Proved properties of multiply_accumulate, for all operands and coefficients."""
 
 from golden.engine.formats import DROPPED, OUTPUT_SHIFT, WIDTH
 from golden.engine.operand_memory import WORD
@@ -10,7 +10,7 @@ def properties(twin):
     half = 1 << (DROPPED - 1)
     half_output = half << OUTPUT_SHIFT
     least, largest = WORD.low * WORD.high, WORD.low * WORD.low
-    # As many products as surely fit, whatever they are.
+    # A sum of so many products always fits, whatever they are.
     low, high = -1 << (twin.acc_width - 1), (1 << (twin.acc_width - 1)) - 1
     most = min((high - half_output) // largest, -low // -least)
     in_range = f"($signed(product) >= 64'sd0 + {least} && $signed(product) <= 64'sd{largest})"

@@ -1,4 +1,4 @@
-"""What is proved of operand_memory, whatever is written and read."""
+"""Proved properties of operand_memory, whatever is written and read."""
 
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import pipe

@@ -1,4 +1,4 @@
-"""What is proved of operand_select, for every word and kind."""
+"""Proved properties of operand_select, for every word and kind."""
 
 from golden.engine.formats import DROPPED
 from golden.engine.graph import Kind

@@ -1,4 +1,4 @@
-"""What is proved of plane_select, for every word, plane and kind."""
+"""Proved properties of plane_select, for every word, plane and kind."""
 
 from golden.engine.graph import Kind
 from golden.engine.replay import SIGN

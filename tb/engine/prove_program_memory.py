@@ -1,4 +1,4 @@
-"""What is proved of program_memory, whatever steers it."""
+"""Proved properties of program_memory, whatever controls it."""
 
 from golden.engine.program import WORD_WIDTH
 from tb.sign_off.properties import Property
@@ -45,7 +45,7 @@ def properties(twin):
 
 
 def counted(twin, words):
-    """The counter of a memory through which a program steps."""
+    """The properties of the counter that steps through a program."""
     return Property(
         name="counter",
         sentence=f"The counter stands at {twin.begin}, the program's first word, after a reset, "

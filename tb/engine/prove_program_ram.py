@@ -1,6 +1,7 @@
-"""What is proved of program_ram, whatever steers it.
+"""Proved properties of program_ram, whatever controls it.
 
-The contents of its words are left to the bench: for so large a memory z3 gave no answer in minutes.
+The contents of the words are left to the bench, because z3 gives no answer within minutes for so
+large a memory.
 """
 
 from tb.engine.prove_program_memory import counted

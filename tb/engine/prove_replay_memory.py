@@ -1,4 +1,4 @@
-"""What is proved of replay_memory, whatever steers it."""
+"""Proved properties of replay_memory, whatever controls it."""
 
 from golden.engine.formats import SAMPLE_SHIFT, WIDTH
 from golden.engine.program import WORD_WIDTH

@@ -1,4 +1,4 @@
-"""What is proved of round_saturate, for every sum and sample."""
+"""Proved properties of round_saturate, for every sum and sample."""
 
 from golden.engine.formats import DROPPED, SAMPLE_SHIFT
 from golden.engine.operand_memory import WORD

@@ -1,4 +1,4 @@
-"""What is proved of serial_accumulate, whatever coefficients and planes are."""
+"""Proved properties of serial_accumulate, for all coefficients and planes."""
 
 from golden.engine.formats import WIDTH
 from golden.engine.operand_memory import WORD
@@ -11,7 +11,7 @@ def properties(twin):
     high = (1 << (twin.acc_width - 1)) - 1
 
     def reach(words, planes=WIDTH + 1):
-        """The largest magnitude behind the doubling of a plane, of so many words in each before."""
+        """The largest magnitude after the doubling of a plane, with so many words in each plane."""
         total = 0
         for plane in range(planes):
             total = 2 * (total + (plane > 0) * words * -WORD.low) + 1

@@ -1,4 +1,4 @@
-"""What is proved of table_address, for every sum."""
+"""Proved properties of table_address, for every sum."""
 
 from tb.sign_off.properties import Property
 

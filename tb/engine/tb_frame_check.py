@@ -1,12 +1,13 @@
 """frame_check against its twin.
 
 Sweeps: 1000 samples in frames of the right length, shorter and longer ones, mixed at random.
-Drives: frames far enough apart, closer than they are computed, each clock about the first that is
-late enough, with gaps, and with resets at random clocks. After each good frame ``finish`` comes in
-its clock; ``store`` is high at random while a frame is computed.
-Checks: start, run, write, its address and frame_error in their clocks, and that none of the flags
-is high in any other clock.
-Does not prove: a finish while no frame is computed, which the program rules out.
+Drives: frames that are far enough apart, frames that come before the last one is computed, frames
+in each clock around the first that is late enough, frames with gaps, and frames with resets at
+random clocks. After each good frame ``finish`` comes when the engine would give it; ``store`` is
+high at random while a frame is computed.
+Checks: that start, run, write with its address, and frame_error come in their clocks, and that no
+flag is high in any other clock.
+Does not prove: that a finish while no frame is computed does no harm; the program rules it out.
 """
 
 import cocotb
@@ -27,13 +28,14 @@ FAULTS = [
 ]
 
 SAMPLES = 1000
-# Clocks by which a frame comes later than just too early.
+# By how many clocks a frame comes later than the last clock that is too early.
 ABOUT = range(-2, 3)
 
 
 def computed(twin, drive):
-    """The clocks of ``finish``, ``busy`` clocks after a good frame as in the engine, and those
-    in which a frame is computed.
+    """The clocks of ``finish``, and those in which a frame is computed.
+
+    As in the engine, ``finish`` comes ``busy`` clocks after a good frame.
     """
     length = len(drive["in_valid"])
     flags, running = np.zeros(length, dtype=np.int64), np.zeros(length, dtype=bool)
@@ -52,7 +54,7 @@ def computed(twin, drive):
 
 
 def openings(rows, last, done):
-    """The clocks of the last sample of each good frame, and of the sample that opens the next."""
+    """The clocks of the last sample of each good frame, and of the first sample after it."""
     ends = rows[done]
     opening = rows[1:][last[:-1]]
     good = np.append(-1, ends)[np.searchsorted(ends, opening)]
@@ -60,15 +62,15 @@ def openings(rows, last, done):
 
 
 def timeline(bench, gap, apart, resets):
-    """Frames with their clocks; ``apart`` is the most idle clocks before each."""
+    """Frames and their clocks, with at most ``apart`` idle clocks before each frame."""
     twin, rng = bench.twin, bench.rng
     last = random_lengths(rng, twin.inputs, SAMPLES)
     (border,) = twin.borders
-    # Of four frames one comes about as early as it may.
+    # One of four frames comes about as early as is allowed.
     about = border.at - 1 + rng.integers(-2, 3, len(last))
     idle = np.where(rng.random(len(last)) < 1 / 4, about, rng.integers(0, apart + 1, len(last)))
-    # And at the beginning good ones do: however long frames are, each such distance is there. One
-    # that comes too early is refused, so that the next follows no good one.
+    # So do good frames at the beginning, so that each such distance occurs however long frames are.
+    # A frame that comes too early is refused, so the next frame does not follow a good one.
     good = np.tile(np.arange(twin.inputs) == twin.inputs - 1, 2 * len(ABOUT)).astype(np.int64)
     last = np.concatenate([good, last])
     first = np.zeros((2 * len(ABOUT), twin.inputs), dtype=np.int64)
@@ -79,7 +81,7 @@ def timeline(bench, gap, apart, resets):
     every = 3 * (twin.busy + twin.inputs)
     drive["rst"] = random_resets(rng, length, every) if resets else np.zeros(length, dtype=np.int64)
     drive["finish"], running = computed(twin, drive)
-    # In turns some results, and so many that the counter goes around.
+    # Some frames store a few results, others so many that the counter wraps around.
     density = np.where(np.arange(length) // (4 * twin.busy) % 2, 0.95, 1 / 3)
     drive["store"] = running & (rng.random(length) < density)
     return drive
@@ -94,15 +96,15 @@ async def check(bench, gap, apart, resets):
     bench.visit("dropping", ~frames.accept)
     bench.visit("samples before", frames.addr[frames.accept & ~frames.error])
     ends = rows[frames.done]
-    # Of samples with no reset between.
+    # These are the distances of samples without a reset between them.
     good, opening = openings(rows, np.isin(rows, recording.rows("in_last")), frames.done)
     near = recording.undisturbed(good, opening)
     bench.meet("clocks from a good frame to the next sample", (opening - good)[near])
-    # A frame is computed up to ``finish``, or to a reset, or to the end of the recording.
+    # A frame is computed until ``finish``, a reset, or the end of the recording.
     stops = np.sort(np.concatenate([recording.resets(), [recording.clocks - 1]]))
     until = np.minimum(ends + twin.busy, stops[np.searchsorted(stops, ends)])
     begin = ends + twin.pipeline.run
-    # It is not registered, so it may be high in the clock of a reset too.
+    # The flag is not registered, so it may be high in the clock of a reset.
     started, expected = (
         np.setdiff1d(found, recording.resets()) for found in (recording.rows("start"), begin - 1)
     )
@@ -114,7 +116,7 @@ async def check(bench, gap, apart, resets):
     stored = np.intersect1d(recording.rows("store"), running)
     span = 1 << twin.addr_width
     counts = np.concatenate([np.arange(np.isin(run, stored).sum()) for run in runs])
-    # ``finish`` puts the counter back, so what is stored with it goes where nothing is kept.
+    # ``finish`` resets the counter, so what is stored in the same clock goes to an unused place.
     with_finish = np.isin(stored, recording.rows("finish"))
     results = np.where(with_finish, span - 1, (twin.inputs + counts) % span)
     sources = np.concatenate([rows[frames.accept], stored])

@@ -1,12 +1,13 @@
 """frame_guard against its twin.
 
-Sweeps: 1500 samples or more in frames of the right length, shorter and longer ones, mixed at
-random, while the right length changes: one sample, few, and up to as many as the memory has words.
-Drives: frames closer than they are computed and further apart, with gaps; halts of random length
-at random clocks in which no frame is computed; results at random clocks in which one is; ``finish``
-after a random time; then resets at random clocks.
-Checks: every output in every clock, ``write_addr`` where something is written.
-Does not prove: a halt while a frame is computed, which ``image_loader`` rules out.
+Sweeps: at least 1500 samples in a random mixture of frames of the right length, shorter and longer
+ones. The right length changes: it is one sample, a few samples, and up to as many as the memory has
+words.
+Drives: frames that come before the last one is computed and frames further apart, with gaps; halts
+of random length at random clocks in which no frame is computed; results at random clocks in which a
+frame is computed; ``finish`` after a random time; then resets at random clocks.
+Checks: every output in every clock, and ``write_addr`` in the clocks in which something is written.
+Does not prove: what a halt does while a frame is computed; ``image_loader`` rules it out.
 """
 
 import time
@@ -36,9 +37,9 @@ OUTPUTS = ("start", "run", "busy", "write", "write_addr", "frame_error")
 
 
 async def play(bench, drive, halts, lengths):
-    """Play columns; halt where ``halts`` asks for it and no frame is computed.
+    """Play columns, and halt in the clocks of ``halts`` in which no frame is computed.
 
-    ``finish`` comes when the frame has been computed for the next of ``lengths`` clocks.
+    ``finish`` ends each frame after as many clocks as the next of ``lengths`` says.
     """
     ports = [*INPUTS, *OUTPUTS]
     read = reader(bench.dut, ports)
@@ -50,7 +51,7 @@ async def play(bench, drive, halts, lengths):
     def halves() -> Iterator[None]:
         since = number = 0
         for clock in range(-RESET_CLOCKS, len(halts)):
-            # What a clock changed stands already.
+            # The outputs already have the values that the last rising edge gave them.
             run, busy = asked()
             for name, column in columns.items():
                 writes[name](column[clock] if clock >= 0 else int(name == "rst"))
@@ -74,7 +75,7 @@ async def play(bench, drive, halts, lengths):
 async def check(bench, gap, resets):
     twin, rng = bench.twin, bench.rng
     words = 1 << twin.addr_width
-    # Every bit of the counter and of its end; a change in mid-frame is one that a halt covers.
+    # Every bit of the counter and of its end is used. A halt covers each change in mid-frame.
     half = int(rng.integers(words // 4, words // 2))
     parts = []
     for samples in (1, int(rng.integers(3, 7)), 2, half, 8, words - 1):
@@ -83,7 +84,7 @@ async def check(bench, gap, resets):
         one = spread(rng, {"in_last": last}, "in_valid", gap, tail=40, pause=pause)
         count = len(one["in_valid"])
         one["before_last"] = np.full(count, (samples - 2) % words)
-        # Rare enough that long frames become whole.
+        # Resets are rare enough that long frames are completed.
         rate = 1 / max(30, 6 * samples)
         one["halts"] = np.repeat(rng.random(count) < rate, rng.integers(1, 9, count))[:count]
         one["halts"][-15:] = True
@@ -98,7 +99,7 @@ async def check(bench, gap, resets):
 
     rows = np.arange(RESET_CLOCKS, recording.clocks)
     guarded = twin.process(*(recording.unsigned(name, rows) for name in INPUTS))
-    # In the clock of a reset ``start`` does not matter: the counter stands.
+    # In the clock of a reset ``start`` has no effect, because the counter is reset.
     alive = np.setdiff1d(rows, recording.resets())
     got = recording.unsigned("start", alive)
     bench.compare("start", got, guarded.start[alive - rows[0]].astype(np.int64), clock=alive)

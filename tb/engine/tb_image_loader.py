@@ -1,15 +1,17 @@
 """image_loader against its twin.
 
-Sweeps: images of random words: of one word, of a few, and of as many as the memory holds; cut at
-each of their last bytes and at random, with bytes behind, with one bit changed, for other hardware;
-wrong ones whose check is computed to match: headers that name more words than the memory has, words
-that are missing, a word too many; and wrong bytes of the check that fit each other.
-Drives: good and wrong images in random order, bytes with gaps and without, ``busy`` at random: a
-byte stands until it is taken; then the same with resets at random clocks.
+Sweeps: images of random words: of one word, of a few, and of as many as the memory holds. Some
+images are cut, at each of their last bytes or at random; some have further bytes, one changed bit,
+or are for other hardware. Some are wrong although their check matches: the header names more words
+than the memory has, a word is missing, or there is a word too many. In some the first byte of the
+check is wrong and the last byte fits it.
+Drives: good and wrong images in random order, their bytes with and without gaps, and ``busy`` at
+random clocks, so that a byte stays on the ports until it is taken; then the same with resets at
+random clocks.
 Checks: load_ready, halt and image_error in every clock; each word, its address and its clock; the
-samples of a frame while frames may come; that every image which is whole is found good, and no
+number of samples of a frame while frames may come; that every complete image is found good, and no
 other.
-Does not prove: that every change of an image is found; no check of 16 bits can.
+Does not prove: that every change of an image is found, which no check of 16 bits can do.
 """
 
 import cocotb
@@ -43,36 +45,36 @@ FAULTS = [
 
 
 def random_image(bench, words):
-    """An image of random words."""
+    """An image of so many random words."""
     sizes, rng = bench.around(Engine)[0].loaded.sizes, bench.rng
     inputs = int(rng.integers(1, sizes.operand_words))
     return Image(sizes, inputs, tuple(rng.integers(0, 1 << WORD_WIDTH, words).tolist()))
 
 
 def matching(bench, words):
-    """Images of so many words that are wrong, though their check or a part of it is right."""
+    """Wrong images of so many words, whose check, or a part of it, is right all the same."""
     sizes = bench.around(Engine)[0].loaded.sizes
     most, image = sizes.program_words, random_image(bench, words).to_bytes()
     sent = image[:-CHECK_BYTES]
-    # One word more than the memory has; more by the memory's size; and more by each power of two.
-    # The low bits of the larger counts name just the words that come.
+    # The header names one word more than the memory has, or more by the size of the memory, or more
+    # by a power of two. The low bits of the larger counts are those of the words that come.
     found = [naming(sizes, image, count) for count in (most + 1, most + words)]
     found += [naming(sizes, image, words + (1 << bit)) for bit in range(LAST_ADDR[1])]
-    # What follows the header that does not fit is a good image, but for its place.
+    # A good image follows a header that does not fit, so it is in the wrong place.
     found.append(with_check(sizes, found[0][:WORD_BYTES] + sent))
     return found + fitting_checks(sizes, image, words)
 
 
 def streams(bench):
-    """Bytes of images, and whether each is whole."""
+    """The bytes of images, and whether each image is good."""
     rng = bench.rng
     sizes = bench.around(Engine)[0].loaded.sizes
     whole = [random_image(bench, words).to_bytes() for words in (1, 2, 3, 10, 25, 1)]
     image = whole[3]
     cuts = [1, 4, 5, 6, *range(len(image) - 6, len(image)), *rng.integers(1, len(image), 5)]
     wrong = [image[:count] for count in cuts]
-    # The check of an image followed by zeros is zero, as that of the image is. The last is as long
-    # as a word behind the image, and then another image of one word.
+    # The check of an image with its check is zero, and stays zero if zeros follow. The last of
+    # these has as many bytes as a word after the image, and then another image of one word.
     wrong += [image + bytes(count) for count in range(1, 18)]
     for place in [*range(1, 6), *rng.integers(6, len(image), 20)]:
         changed = bytearray(image)
@@ -88,7 +90,7 @@ def streams(bench):
 
 
 def offered(bench, sent):
-    """One column a clock; a byte stands on the ports until ``busy`` is low."""
+    """The columns of the ports: a byte stays on them until ``busy`` is low."""
     rng = bench.rng
     rows = []
     for data in sent:
@@ -106,7 +108,7 @@ def offered(bench, sent):
 
 
 async def check(bench, drive):
-    """Compare every port with the twin's; return how many images were good."""
+    """Compare every port with the twin, and return how many images were good."""
     ports = ["load_ready", "halt", "write", "write_addr", "word", "before_last", "image_error"]
     recording = await bench.play(drive, ports)
     rows = np.arange(RESET_CLOCKS, recording.clocks)

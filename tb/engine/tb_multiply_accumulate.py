@@ -1,11 +1,12 @@
 """multiply_accumulate against its twin.
 
-Sweeps: 8000 products in sums of one to twelve, operands and coefficients at random, a third of them
-corners: both ends and their neighbours, 0, 1 and -1.
-Drives: a product every clock; the coefficient from the program, from either half of the table's
-word, or from both, which no program does.
-Checks: the sum after each product bit for bit, in its clock, also where it leaves its bits.
-Does not prove: every product.
+Sweeps: 8000 products in sums of one to twelve products. Operands and coefficients are random; a
+third of them are corners: both ends and their neighbours, 0, 1 and -1.
+Drives: a product every clock. The coefficient comes from the program, from either half of the
+table's word, or from both, which no program does.
+Checks: the sum after each product bit for bit, and the clock in which it appears, even if the sum
+overflows.
+Does not prove: that every possible product is right.
 """
 
 import cocotb
@@ -26,18 +27,18 @@ FAULTS = [
 
 CORNERS = [WORD.low, WORD.low + 1, -1, 0, 1, WORD.high - 1, WORD.high]
 PRODUCTS = 8000
-# The flags of a sum's start belong to a product that is two clocks on its way.
+# The flag that starts a sum belongs to a product that entered two clocks before.
 ON_ITS_WAY = 2
 
 
 def words(rng):
-    """Signed codes, a third of them corners."""
+    """Random signed codes, a third of which are corners."""
     random = rng.integers(WORD.low, WORD.high + 1, PRODUCTS)
     return np.where(rng.random(PRODUCTS) < 1 / 3, rng.choice(CORNERS, PRODUCTS), random)
 
 
 def timeline(rng, latency):
-    """A sum starts with the first product; from then on with one of six."""
+    """The columns of the ports. A sum starts with the first product, and then with one of six."""
     mask = (1 << WIDTH) - 1
     weight, intercept, slope = (words(rng) & mask for _ in range(3))
     source = rng.integers(0, 5, PRODUCTS)
@@ -45,7 +46,7 @@ def timeline(rng, latency):
     first = rng.random(PRODUCTS) < 1 / 6
     first[0] = True
     of_output = first & (rng.random(PRODUCTS) < 1 / 2)
-    # Products that only fill the pipeline.
+    # These products only fill the pipeline.
     end = np.zeros(latency, dtype=np.int64)
     begin, more = np.split(end, [ON_ITS_WAY])
     return {

@@ -1,10 +1,10 @@
 """operand_memory against its twin.
 
 Sweeps: every address; then 4000 random writes and reads.
-Drives: two in three clocks write; one in three reads the address that is written. Without ``write``
-other data stand on the ports.
-Checks: each word bit for bit, in its clock; a word that is read while it is written is the one
-before.
+Drives: writes in two of three clocks, and reads of the written address in one of three. Without
+``write`` the ports carry other data.
+Checks: each word bit for bit, and the clock in which it appears; that a word which is read while it
+is written has its old value.
 Does not prove: what a word is before it is written.
 """
 
@@ -50,7 +50,7 @@ async def writes_and_reads(dut):
     expected = bench.twin.process(write, write_addr, recording.signed("data", rows), read_addr)
     bench.visit(State("address written", range(size)), write_addr[write == 1])
     bench.visit(State("address read", range(size)), read_addr)
-    # While every address is written for the first time nothing is known yet.
+    # The words are unknown while every address is written for the first time.
     known = slice(size, None)
     got = recording.signed("word", rows[known] + bench.latency)
     bench.compare("word", got, expected[known], clock=rows[known], read_addr=read_addr[known])

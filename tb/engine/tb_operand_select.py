@@ -1,10 +1,11 @@
 """operand_select against its twin.
 
-Sweeps: every kind with a random code of each of 16384 strata, with the neighbourhood of 0, of both
-ends and of the borders and the middles of the first segments on either side of 0, and at random.
+Sweeps: every kind with a random code from each of 16384 equal parts of the range; with the codes
+around 0, around both ends, and around the borders and the middles of the first segments on either
+side of 0; and with random codes.
 Drives: a word and a kind every clock.
-Checks: the operand bit for bit, in its clock.
-Does not prove: every pair of a word and a kind.
+Checks: the operand bit for bit, and the clock in which it appears.
+Does not prove: that every pair of a word and a kind is right.
 """
 
 import cocotb

@@ -1,10 +1,10 @@
 """plane_select against its twin.
 
-Sweeps: every kind in every plane with 200 words, both ends, 0, 1, -1, every single bit and every
-one missing among them.
+Sweeps: every kind in every plane with 200 words. Among these are both ends, 0, 1, -1, the words
+with one bit set, and the words with one bit cleared.
 Drives: one combination a clock, in random order.
-Checks: ``take_weight`` and ``look_up``, and ``subtract`` wherever something is added.
-Does not prove: more than one bit of ``plane``, which the program never has.
+Checks: ``take_weight`` and ``look_up``, and ``subtract`` in the clocks in which something is added.
+Does not prove: what happens with more than one bit of ``plane``, which the program never has.
 """
 
 import cocotb

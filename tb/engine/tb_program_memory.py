@@ -1,11 +1,11 @@
 """program_memory against its twin.
 
-Sweeps: every word of the program and behind it, and every segment's address that the port can
-carry.
+Sweeps: every word of the program and the words after it, and the address of every segment that the
+port can carry.
 Drives: the counter once around the memory; then runs of random length with ``finish`` at random
-clocks, also together with ``run``; then resets. The table's port carries a random segment in every
-clock, and asks in two of three.
-Checks: both words bit for bit, in their clocks, unless a reset cuts them on their way.
+clocks, also together with ``run``; then resets. The port of the table carries a random segment in
+every clock, and a word is requested in two of three clocks.
+Checks: both words bit for bit and their clocks, unless a reset comes while they are on their way.
 Does not prove: that the program is the right one (tests/test_engine.py does).
 """
 
@@ -34,7 +34,7 @@ async def check(bench, start, run, finish, resets):
         drive["rst"] = random_resets(rng, length, every=40)
     recording = await bench.play(drive, ["word", "table_word"])
 
-    # From the last clock of the initial reset on the counter stands.
+    # The counter is at its first word from the last clock of the initial reset on.
     rows = np.arange(RESET_CLOCKS, recording.clocks - twin.look_up_latency)
     flags = [recording.unsigned(name, rows) for name in ("start", "run", "finish", "rst")]
     bench.visit("counter", twin.counter(*flags))
@@ -44,14 +44,14 @@ async def check(bench, start, run, finish, resets):
         "table_word": (twin.look_up_latency, twin.look_up(*seen)),
     }
     for name, (clocks, expected) in columns.items():
-        # What a reset cuts on its way is not valid.
+        # A word is not valid if a reset comes while it is on its way.
         whole = recording.undisturbed(rows, rows + clocks - 1)
         got = recording.unsigned(name, rows[whole] + clocks)
         bench.compare(name, got, expected[whole], clock=rows[whole])
 
 
 def random_steps(rng, length):
-    """A start in one of 20 clocks, and runs."""
+    """Random runs, and a start in one of 20 clocks."""
     return rng.random(length) < 1 / 20, *random_runs(rng, length, longest=60, every=20)
 
 

@@ -1,14 +1,15 @@
 """program_ram against its twin.
 
-Sweeps: every word of the memory, written and read by the counter; every segment's address that the
-port can carry.
-Drives: random words into every address in random order, the counter once around the memory; then
-runs of random length with ``finish`` and writes at random clocks; then resets, between which the
-words around the program's first one are written, and read, most often. The table's port carries a
-random segment in every clock, and asks in two of three.
-Checks: both words bit for bit, in their clocks, in the clocks of writes too, unless a reset cuts
-them on their way.
-Does not prove: what is read where nothing was written since the last reset, which is undefined.
+Sweeps: every word of the memory, which is written and then read by the counter; the address of
+every segment that the port can carry.
+Drives: random words into every address in random order, and the counter once around the memory;
+then runs of random length with ``finish`` and writes at random clocks; then resets, between which
+the words around the first word of the program are written and read most often. The port of the
+table carries a random segment in every clock, and a word is requested in two of three clocks.
+Checks: both words bit for bit and their clocks, also in clocks of writes, unless a reset comes
+while they are on their way.
+Does not prove: what is read from a word that has not been written since the last reset; it is
+undefined.
 """
 
 import cocotb
@@ -29,12 +30,12 @@ FAULTS = [
 ]
 
 
-# With resets: so many words on either side of the program's first one.
+# With resets, so many words on either side of the first word of the program are used.
 NEAR = 16
 
 
 async def check(bench, run, finish, write, resets):
-    """Write every word, then play; compare what is read of words that were written."""
+    """Write every word, then play, and compare what is read from words that were written."""
     twin, rng = bench.twin, bench.rng
     words = 1 << twin.addr_width
     length = words + len(run)
@@ -59,7 +60,7 @@ async def check(bench, run, finish, write, resets):
         drive["rst"] = np.concatenate([before, random_resets(rng, len(run), every=100)])
     recording = await bench.play(drive, ["word", "table_word"])
 
-    # From the last clock of the initial reset on the counter stands.
+    # The counter is at its first word from the last clock of the initial reset on.
     rows = np.arange(RESET_CLOCKS, recording.clocks - twin.look_up_latency)
     names = (
         "start",
@@ -77,14 +78,14 @@ async def check(bench, run, finish, write, resets):
     bench.visit("counter", twin.counter(*(flags[n] for n in ("start", "run", "finish", "rst"))))
     latencies = {"word": twin.latency, "table_word": twin.look_up_latency}
     for (name, clocks), expected in zip(latencies.items(), twin.process(*read), strict=True):
-        # What a reset cuts on its way is not valid.
+        # A word is not valid if a reset comes while it is on its way.
         known = (expected >= 0) & recording.undisturbed(rows, rows + clocks - 1)
         got = recording.unsigned(name, rows[known] + clocks)
         bench.compare(name, got, expected[known], clock=rows[known])
 
 
 def random_writes(rng, length, every):
-    """Runs, and a write in one of so many clocks."""
+    """Random runs, and a write in one of ``every`` clocks."""
     return *random_runs(rng, length, longest=60, every=20), rng.random(length) < 1 / every
 
 

@@ -1,12 +1,12 @@
 """replay_memory against its twin.
 
-Sweeps: every pass over every neuron of the program, the word behind it, and every address of the
-table that the port can carry.
-Drives: one run from the first word to beyond the last and around the memory; then runs of random
-length with ``finish`` at random clocks, also together with ``run``; then resets. The table's port
-carries a random address in every clock, and asks in two of three.
-Checks: word, plane, first and the table's word bit for bit, in their clocks; of the clock after a
-reset, in which nothing has been read yet, the plane alone.
+Sweeps: every pass over every neuron of the program, the word after the program, and every address
+of the table that the port can carry.
+Drives: one run from the first word to beyond the last one and around the memory; then runs of
+random length with ``finish`` at random clocks, also together with ``run``; then resets. The port of
+the table carries a random address in every clock, and a word is requested in two of three clocks.
+Checks: word, plane, first and the word of the table bit for bit, and their clocks. In the clock
+after a reset nothing has been read yet, so only the plane is checked.
 Does not prove: that the program is the right one (the bench of the engine does).
 """
 
@@ -39,12 +39,12 @@ async def check(bench, run, finish, resets):
         drive["rst"] = random_resets(rng, length, every=200)
     recording = await bench.play(drive, ["word", "plane", "first", "table_word"])
 
-    # After the initial reset the program begins.
+    # The program begins after the initial reset.
     rows = np.arange(RESET_CLOCKS, recording.clocks - bench.latency)
     flags = [recording.unsigned(name, rows) for name in ("run", "finish", "rst")]
     for name, values in zip(("place", "plane"), twin.places(*flags)[:2], strict=True):
         bench.visit(name, values)
-    # What is read in a clock of reset, the initial ones too, is not valid; the plane is reset.
+    # A word that is read in a clock of a reset is not valid, and the plane is then reset.
     read = recording.undisturbed(rows - 1, rows - 1) & (rows > RESET_CLOCKS)
     every = np.ones(len(rows), dtype=bool)
     compared = {"word": read, "plane": every, "first": read}
@@ -60,7 +60,8 @@ async def check(bench, run, finish, resets):
 @cocotb.test()
 async def whole_program(dut):
     bench = Bench(dut)
-    # On behind the program, where no word ends a pass, and through the table to the program again.
+    # The counter runs past the program, where no word ends a pass, and through the table to the
+    # beginning of the program.
     length = bench.around(Engine)[0].output_clocks[-1] + 2 * len(bench.twin.contents)
     await check(bench, np.ones(length), np.zeros(length), resets=False)
     bench.finish(at_least=length)

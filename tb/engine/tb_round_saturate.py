@@ -1,10 +1,10 @@
 """round_saturate against its twin.
 
 Sweeps: every sample; sums at and around both ends of the sum and of the word, around zero, around
-the places where the result changes, at every power of two, and 4000 random ones of every size.
-Drives: a sum and a sample every clock, while a frame is computed and while none is, in turns.
-Checks: the word bit for bit, in its clock.
-Does not prove: every sum.
+the places at which the result changes, at every power of two, and 4000 random sums of every size.
+Drives: a sum and a sample every clock, alternately while a frame is computed and while none is.
+Checks: the word bit for bit, and the clock in which it appears.
+Does not prove: that every sum is right.
 """
 
 import cocotb
@@ -27,7 +27,7 @@ FAULTS = [
 
 
 def sums(bench):
-    """Codes of the sum that no result should hide."""
+    """Codes of the sum for which an error shows in the result."""
     fmt = Fix(bench.twin.acc_width, 0)
     steps = bench.rng.integers(WORD.low, WORD.high + 1, 1000)
     marks = np.concatenate([[WORD.low, WORD.high, WORD.high + 1, 0, 1, -1], steps]) << DROPPED

@@ -1,11 +1,13 @@
 """serial_accumulate against its twin.
 
-Sweeps: 8000 words with coefficients at random, a third of them corners: both ends and their
+Sweeps: 8000 words with random coefficients, a third of which are corners: both ends and their
 neighbours, 0, 1 and -1.
-Drives: a word every clock in random planes, the first of a pass in one of three; the coefficient
-from the program, from the table, or from both, which no program does; sums of outputs and others.
-Checks: the sum after each word bit for bit, in its clock, also where it leaves its bits.
-Does not prove: every coefficient.
+Drives: a word in every clock, in random planes; one in three words is the first of a pass. The
+coefficient comes from the program, from the table, or from both, which no program does. Some sums
+are those of outputs.
+Checks: the sum after each word bit for bit, and the clock in which it appears, even if the sum
+overflows.
+Does not prove: that every coefficient is right.
 """
 
 import cocotb
@@ -32,16 +34,16 @@ WORDS = 8000
 
 
 def words(rng):
-    """Codes as bits, a third of them corners."""
+    """Random codes as bits, a third of which are corners."""
     random = rng.integers(WORD.low, WORD.high + 1, WORDS)
     codes = np.where(rng.random(WORDS) < 1 / 3, rng.choice(CORNERS, WORDS), random)
     return codes & ((1 << WIDTH) - 1)
 
 
 def timeline(rng):
-    """The first word clears; a table's word comes one clock after the others."""
+    """The columns of the ports. The first word clears; words of the table come a clock later."""
     plane = rng.integers(0, CLEAR + 1, WORDS)
-    # A pass that clears is rare, so that sums grow.
+    # Passes that clear the sum are rare, so that sums grow.
     plane = np.where((plane == CLEAR) & (rng.random(WORDS) < 2 / 3), 0, plane)
     plane[0] = CLEAR
     source = rng.integers(0, 5, WORDS)

@@ -1,8 +1,8 @@
 """table_address against its twin.
 
-Sweeps: every one of the 2^18 codes of a hidden sum; of a table whose end no sum reaches four codes
-of every segment, both ends among them.
-Drives: in order.
+Sweeps: all 2^18 codes of a hidden sum. If no sum reaches the end of the table, four codes of every
+segment, with both of its ends among them.
+Drives: the codes in their order.
 Checks: the segment's address, in its clock.
 Does not prove: that the table holds the right words (tests/test_tanh_table.py does).
 """
@@ -29,7 +29,7 @@ async def segments(dut):
         width = bench.twin.segment_width
         within = codes & ((1 << width) - 1)
         codes = codes[np.isin(within, [0, 1, (1 << width) - 2, (1 << width) - 1])]
-    # In pieces, so that a fault is found before the end.
+    # The codes are played in pieces, so that a fault is found before the end.
     for piece in np.array_split(codes, 8):
         drive = {"q": np.concatenate([piece, piece[: bench.latency]])}
         recording = await bench.play(drive, ["addr"])

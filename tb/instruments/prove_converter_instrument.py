@@ -1,4 +1,4 @@
-"""What is proved of converter_instrument: that its frames are those that its network takes."""
+"""Proved properties of converter_instrument: its frames are those that its network takes."""
 
 from tb.sign_off.properties import Property
 

@@ -1,4 +1,4 @@
-"""What is proved of instrument: that its scans are frames that its network takes."""
+"""Proved properties of instrument: its scans are frames that its network takes."""
 
 from tb.sign_off.properties import Property
 
@@ -10,7 +10,7 @@ def properties(twin):
     judge = f"u_readout_0.u_{network.entity}_0.u_input_controller_0"
     at = " || ".join(f"clock_of_scan == {n}" for n in taken)
     arrived = " + ".join(f"(clock_of_scan > {n + 1})" for n in taken)
-    # Clocks since the last sample of the scan before was judged.
+    # This counts the clocks since the last sample of the previous scan was judged.
     since = f"((clock_of_scan + {clocks - taken[-1] - 2}) % {clocks})"
     return [
         Property(

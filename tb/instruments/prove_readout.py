@@ -1,4 +1,4 @@
-"""What is proved of readout, whatever its network gives."""
+"""Proved properties of readout, whatever its network gives."""
 
 from golden.precision import SIGNAL
 from tb.sign_off.properties import Property

@@ -1,7 +1,7 @@
-"""What is proved of uart_instrument: what its parts do together, whatever line and converter do.
+"""Proved properties of uart_instrument: how its parts work together, for any line and converter.
 
-First with an engine that takes images, then, in a case with neither that nor a profile, as
-converter_instrument.
+The first properties are of an engine that takes images. The others are those of
+converter_instrument, in a case without such an engine and without a profile.
 """
 
 from golden.link.uart_transmitter import BYTE_BITS
@@ -17,7 +17,7 @@ def properties(twin):
     if not twin.reload:
         return prove_converter_instrument.properties(twin)
     engine = f"u_readout_0.u_{twin.core.entity}_0"
-    return [no_half_image(engine), room(twin, engine), told(), rests(twin)]
+    return [no_half_image(engine), room(twin, engine), what_packets_tell(), rests(twin)]
 
 
 def no_half_image(engine):
@@ -33,7 +33,7 @@ def no_half_image(engine):
                 ended <= !rst && (load_valid && load_ready ? load_last : ended);
         """,
         helps=(f"!{loader}.whole || ended", f"{engine}.busy == {engine}.run"),
-        # Whatever program the memory holds, and whatever the check of an image is.
+        # The program in the memory and the check of an image may be anything.
         free=(
             *("valid", "last", "heard_valid", "heard"),
             *(f"{engine}.word", f"{loader}.good"),
@@ -62,7 +62,7 @@ def room(twin, engine):
             f"!{engine}.start || {RECEIVER}.queue0_stored == 0",
             f"{RECEIVER}.queue0_stored < {depth}",
         ),
-        # And the clocks that a frame takes.
+        # The frame itself takes these clocks as well.
         watch=since("since_put", f"{RECEIVER}.put", apart)
         + f"""
             reg [15:0] computing = 0;
@@ -80,7 +80,7 @@ def room(twin, engine):
             f"!{engine}.busy || {RECEIVER}.queue0_stored == 0 "
             f"|| ({RECEIVER}.queue0_stored - 1) * {apart} + since_put <= computing + 1",
         ),
-        # Whatever is computed, and whenever an image is good.
+        # Any result may be computed, and an image may be good in any clock.
         free=(
             *("valid", "last", f"{RECEIVER}.put", f"{RECEIVER}.entering"),
             *(f"{engine}.word", f"{engine}.u_image_loader_0.whole"),
@@ -94,7 +94,7 @@ def room(twin, engine):
     )
 
 
-def told():
+def what_packets_tell():
     streams = ("sample_valid valid", "sample_data data", "sample_last last")
     streams += ("result_valid out_valid", "result_data out_data", "result_last out_last")
     streams += ("frame_error broken", "image_error unsound", "line_error wrong")
@@ -158,7 +158,7 @@ def rests(twin):
             f"!{SENDER}.sending || left_one || age >= {patience}",
             f"{TRANSMITTER}.left == 0 || left_one || age > {patience}",
             f"{TRANSMITTER}.left != 0 || {TRANSMITTER}.tick == 0",
-            # Ones come up behind the bits that are left.
+            # Ones are shifted in behind the bits that are left.
             f"{TRANSMITTER}.left <= {BYTE_BITS}",
             f"&({TRANSMITTER}.line | ~({ones} << {TRANSMITTER}.left))",
         ),

@@ -1,13 +1,13 @@
 """converter_instrument against its twin: from the sensors' voltages to everything that is shown.
 
-Sweeps: recorded frames, then random ones; as many scans as 1500 clocks hold, four at least.
-Drives: what the part on the wires sends of these voltages; transfers that no converter can have
+Sweeps: recorded frames, then random ones: as many scans as fit into 1500 clocks, but at least four.
+Drives: the wires, as the converter answers for these voltages; transfers that no converter can have
 sent; resets.
-Checks: outputs, held outputs and every point of the profile bit for bit in their clocks;
-``converter_error`` in every clock; every limit of the part's timing.
-Does not prove: each bit that tells of a converter, and the wires in every clock
-(tb_converter_reader drives and checks them); frames of wrong lengths, which the reader does not
-make (tb_readout drives them).
+Checks: outputs, held outputs and every point of the profile bit for bit and in their clocks;
+``converter_error`` in every clock; every limit of the converter's timing.
+Does not prove: that each bit which shows the presence of a converter is checked, and what the wires
+do in every clock (tb_converter_reader does); what frames of wrong lengths do, which the reader does
+not make (tb_readout drives them).
 """
 
 import cocotb
@@ -37,7 +37,7 @@ def scans_that_fit(bench):
 
 
 async def check(bench, frames, column, fault=lambda number: None):
-    """Play frames of voltages, one a scan; returns the recording and the frames that were sent."""
+    """Play voltages, one frame in each scan, and return the recording and the sent frames."""
     twin, shown = bench.twin, bench.twin.readout
     reader = twin.converter_reader
     part = Converter(reader.part.name, reader.clock_mhz, bench.rng).sheet
@@ -56,7 +56,7 @@ async def check(bench, frames, column, fault=lambda number: None):
     bits = recording.unsigned("miso", read.ravel()).reshape(read.shape)
     right = reader.received(bits)[1].all(axis=1)
     starts, ends = timeline.starts[right], read[right, -1, -1]
-    # After a reset the transfers of a scan are of two frames, or of one.
+    # If a reset comes in a scan, its transfers may belong to one frame or to two.
     of = np.array([[used[numbers[int(row) + 1]] for row in scan[:, 0]] for scan in read[right]])
     seen = frames[of, np.arange(reader.inputs)]
     check_outputs(bench, recording, starts, ends, seen)
@@ -68,7 +68,7 @@ async def check(bench, frames, column, fault=lambda number: None):
 
 
 def column_for(bench, scans):
-    """Clocks for as many scans, and for what the last of them yields."""
+    """Columns for so many scans, and for the outputs of the last of them."""
     twin = bench.twin
     return np.zeros(
         scans * twin.interval + twin.output_clocks[-1] + twin.outputs + 5, dtype=np.int64
@@ -77,11 +77,11 @@ def column_for(bench, scans):
 
 @cocotb.test()
 async def recorded(dut):
-    """Recorded frames; counts the clocks."""
+    """Play recorded frames and count the clocks of a frame."""
     bench = Bench(dut)
     frames, past = recorded_frames(bench)[: scans_that_fit(bench)], bench.twin.past
     recording, seen = await check(bench, frames, column_for(bench, len(frames)))
-    # The clocks behind may hold another scan.
+    # The clocks at the end may hold another scan.
     bench.compare("frames", seen[: len(frames)], frames)
     bench.facts = {
         "frames": len(frames),
@@ -96,7 +96,7 @@ async def recorded(dut):
 
 @cocotb.test()
 async def random_faults_and_resets(dut):
-    """Random voltages; a wrong transfer in a third of the scans; then resets in mid scan."""
+    """Play random voltages with a wrong transfer in a third of the scans, then with resets."""
     bench = Bench(dut)
     twin, scans = bench.twin, scans_that_fit(bench)
     inputs = twin.inputs
@@ -110,7 +110,7 @@ async def random_faults_and_resets(dut):
     column = column_for(bench, scans)
     await check(bench, frames, column, faults.get)
     resets = random_resets(bench.rng, len(column), 3 * twin.interval)
-    # A whole scan follows the last of them.
+    # A complete scan follows the last reset.
     resets[-twin.interval - twin.output_clocks[-1] - twin.outputs - 5 :] = 0
     await check(bench, frames, resets)
     bench.finish(at_least=twin.outputs)

@@ -1,13 +1,14 @@
 """instrument against its twin: from the converter's codes to everything that is shown.
 
-Sweeps: recorded frames, then random codes in every clock; as many scans as ten thousand clocks
-hold, which with a counter of 12 bits are two; of many random frames those with the greatest and the
-least height.
-Drives: the code of the selected sensor in the clocks in which it is taken, random codes in all
-others; random codes with resets.
-Checks: the address; outputs, held outputs and every point of the profile bit for bit in their
-clocks.
-Does not prove: frames of wrong lengths, which the sequencer does not make (tb_readout drives them).
+Sweeps: recorded frames, then random codes in every clock: as many scans as fit into ten thousand
+clocks, which are two with a counter of 12 bits; and, of many random frames, those with the greatest
+and the least height.
+Drives: the code of the selected sensor in the clocks in which it is taken, and random codes in all
+other clocks; then random codes with resets.
+Checks: the address, and outputs, held outputs and every point of the profile bit for bit and in
+their clocks.
+Does not prove: what frames of wrong lengths do, which the sequencer does not make (tb_readout
+drives them).
 """
 
 import cocotb
@@ -34,21 +35,21 @@ def scans_that_fit(bench):
 
 
 def random_codes(bench, clocks):
-    """Of eight codes one is an end."""
+    """Random codes, of which one in eight is an end of the range."""
     fmt, rng = bench.twin.scan_sequencer.fmt, bench.rng
     codes = rng.integers(fmt.low, fmt.high + 1, clocks)
     return np.where(rng.random(clocks) < 1 / 8, rng.choice([fmt.low, fmt.high], clocks), codes)
 
 
 async def check(bench, codes, resets=None):
-    """Play the converter's codes; returns the recording and the frames that were taken."""
+    """Play the codes of the converter, and return the recording and the frames."""
     scan, shown = bench.twin.scan_sequencer, bench.twin.readout
     drawing = shown.load_profile.interval if shown.load_profile else 0
     tail = random_codes(bench, bench.twin.output_clocks[-1] + bench.twin.outputs + 2 * drawing + 5)
     drive = {"adc": np.concatenate([codes, tail])}
     if resets:
         drive["rst"] = random_resets(bench.rng, len(drive["adc"]), resets)
-        # A whole scan follows the last of them.
+        # A complete scan follows the last reset.
         drive["rst"][-scan.scan_clocks - len(tail) :] = 0
     recording = await bench.play(drive, WATCH + readout.ports(shown))
 
@@ -60,7 +61,8 @@ async def check(bench, codes, resets=None):
     starts = ends - final
     taken = starts[:, np.newaxis] + scan.sample_clocks[: scan.inputs]
     frames = recording.signed("adc", taken.ravel()).reshape(taken.shape)
-    # One clock later than the slot begins; in the first after a reset it is that of before.
+    # The address changes one clock after the slot begins. In the first clock after a reset it is
+    # still the old one.
     steady = np.flatnonzero(
         np.isin(rows - 1, marks, invert=True) & np.isin(rows, marks, invert=True)
     )
@@ -75,7 +77,7 @@ async def check(bench, codes, resets=None):
 
 
 def codes_of(bench, frames):
-    """Frames with each code on the converter when it is taken, random ones in all other clocks."""
+    """The codes of the converter: those of the frames when they are taken, else random ones."""
     scan = bench.twin.scan_sequencer
     codes = random_codes(bench, len(frames) * scan.scan_clocks)
     at = np.arange(len(frames))[:, np.newaxis] * scan.scan_clocks + scan.sample_clocks
@@ -85,11 +87,11 @@ def codes_of(bench, frames):
 
 @cocotb.test()
 async def recorded(dut):
-    """Recorded frames, each code on the converter when it is taken; counts the clocks."""
+    """Play recorded frames and count the clocks of a frame."""
     bench = Bench(dut)
     frames, past = recorded_frames(bench)[: scans_that_fit(bench)], bench.twin.past
     recording, seen = await check(bench, codes_of(bench, frames))
-    # The tail may hold another scan.
+    # The clocks at the end may hold another scan.
     bench.compare("frames", seen[: len(frames)], frames)
     bench.facts = {
         "frames": len(frames),
@@ -104,7 +106,7 @@ async def recorded(dut):
 
 @cocotb.test()
 async def highest_and_deepest(dut):
-    """The profiles that reach furthest."""
+    """Play the frames with the highest and the deepest profile."""
     bench = Bench(dut)
     shown = bench.twin.readout
     if not shown.load_profile:
@@ -116,7 +118,7 @@ async def highest_and_deepest(dut):
 
 @cocotb.test()
 async def random_and_resets(dut):
-    """Random codes; resets, some of them in mid scan."""
+    """Play random codes with resets, some of them in mid-scan."""
     bench = Bench(dut)
     scan = bench.twin.interval
     await check(

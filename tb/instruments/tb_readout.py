@@ -1,15 +1,16 @@
 """readout against its twin: the stream of the network, what is held, and what is drawn.
 
-Sweeps: all recorded frames, corner frames, frames that drive every hidden sum to its ends, and
-random ones; recorded and random ones for the held outputs and the profile, and of many random ones
-those with the greatest and the least height.
-Drives: frames as close as the network takes them, with gaps, of wrong lengths, with resets; for the
-profile at all distances, so that many results come while a ramp is being drawn; where the engine
-inside can be reloaded, its image first and after each reset, and a wrong image between good ones.
-Checks: outputs, ``frame_error``, held outputs and every point of the profile bit for bit in their
-clocks.
-Does not prove: the profile's extremes, nor, behind a network that needs about as long for a frame
-as the profile for a ramp, that of two results during a ramp the latest is drawn (tb_load_profile
+Sweeps: all recorded frames, corner frames, frames that drive every hidden sum to both of its ends,
+and random frames. For the held outputs and the profile there are recorded and random frames, and of
+many random frames those with the greatest and the least height.
+Drives: frames as close as the network takes them, with gaps, of wrong lengths, and with resets. For
+the profile they come at all distances, so that many results come while a ramp is being drawn. If
+the engine inside can be reloaded, its image comes first and after each reset, and a wrong image
+comes between good ones.
+Checks: outputs, ``frame_error``, held outputs and every point of the profile bit for bit and in
+their clocks.
+Does not prove: the extremes of the profile; and, if the network needs about as long for a frame as
+the profile for a ramp, that the latest of two results during a ramp is drawn (tb_load_profile
 drives the block by itself).
 """
 
@@ -57,15 +58,15 @@ async def check(bench, frames, resets=None):
     elements, last = whole_frames(bench, frames)
     length = len(elements) // len(frames)
     pause = np.zeros((len(frames), length), dtype=np.int64)
-    # Many come during a ramp, others when the readout is at rest.
+    # Many frames come during a ramp, others when no ramp is drawn.
     longest = max(twin.interval + 1, drawing * 4 // 3)
     pause[:, 0] = bench.rng.integers(twin.interval, longest, len(frames))
     shortest = twin.interval + length
-    # At the shortest distance each ramp ends later after its result than the one before. A result
-    # is overtaken once that adds up to a ramp; behind a slower network none ever is.
+    # At the shortest distance of frames, the ramps fall behind the results a little more each time.
+    # A result is skipped once the delay adds up to a ramp. Behind a slower network none is skipped.
     overtaken = len(frames) * (drawing - shortest) > 2 * drawing
     if overtaken and 2 * shortest >= drawing:
-        # Too few of random distances would be short enough.
+        # Too few random distances would be short enough.
         pause[:, 0] = twin.interval
     items = {"in_data": elements, "in_last": last}
     tail = twin.output_clocks[-1] + 2 * drawing + 9
@@ -84,7 +85,7 @@ async def check(bench, frames, resets=None):
 
 @cocotb.test()
 async def shown(dut):
-    """Held outputs and profiles."""
+    """Play frames and compare held outputs and profiles."""
     bench = Bench(dut)
     random = random_elements(bench, 16 * bench.twin.inputs).reshape(16, -1)
     frames = [recorded_frames(bench)[:16], random]
@@ -104,7 +105,7 @@ async def shown_and_resets(dut):
 
 @cocotb.test()
 async def images(dut):
-    """A wrong image between good ones: the ports are those of the engine inside."""
+    """Load a wrong image between good ones, through the ports of the engine inside."""
     bench = Bench(dut)
     whole = bench.twin
     if not whole.image:

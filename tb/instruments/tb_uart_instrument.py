@@ -1,20 +1,20 @@
 """uart_instrument against its twin: from the sensors' voltages to the bits on the line.
 
-Sweeps: recorded frames, then random ones. Where the engine can be reloaded: its own image, and in a
-memory of 1024 words images of other numbers of samples and outputs, and of a program longer than a
-scan. Where the profile is given slowly, of many random frames those with the highest and the
-deepest one, each until every point was given; where an image comes in less than 50000 clocks, one
-whose outputs reach as far as there are codes.
-Drives: what the part on the wires sends of these voltages; transfers that no converter can have
-sent; on the line noise, bytes without a stop bit, a cut image and whole ones, while frames are
-computed; resets in all of it, in the clock in which a profile ends and, where none is followed by
-an image, in the next.
-Checks: ``tx`` in every clock, and that a receiver hears the twin's packets; outputs, held outputs
-and every point of the profile bit for bit in their clocks; the bits of its pulse density in every
-clock, and that each point was given; ``converter_error`` in every clock; every limit of the part's
-timing.
-Does not prove: each bit that tells of a converter (tb_converter_reader drives them); bytes at every
-speed (tb_uart_receiver does).
+Sweeps: recorded frames, then random ones. If the engine can be reloaded: its own image and, if the
+memory has 1024 words, images with other numbers of samples and outputs, and one whose program is
+longer than a scan. If the profile is shown slowly: of many random frames those with the highest and
+the deepest profile, each until every point was shown. If an image takes less than 50000 clocks: one
+whose outputs cover the whole range of codes.
+Drives: the wires, as the converter answers for these voltages; transfers that no converter can have
+sent; on the line noise, bytes without a stop bit, a cut image and complete images, while frames are
+computed. Resets come in all of this, in the clock in which a profile ends and, if no image follows
+a reset, in the clock after it.
+Checks: ``tx`` in every clock, and that a receiver reads the packets of the twin; outputs, held
+outputs and every point of the profile bit for bit and in their clocks; the bits of the pulse
+density in every clock, and that each point was shown; ``converter_error`` in every clock; every
+limit of the converter's timing.
+Does not prove: that each bit which shows the presence of a converter is checked
+(tb_converter_reader does); that bytes of every speed are received (tb_uart_receiver does).
 """
 
 from dataclasses import replace
@@ -53,16 +53,16 @@ FAULTS = [
     (r"\.in_ready\((\w+)\)", ".in_ready()"),
 ]
 
-# Scans that are played with all that the line brings, and behind an image.
+# How many scans are played with traffic on the line, and after an image.
 SCANS = 12
-# Of a memory with this room other images than its own are loaded, which takes long.
+# Other images than its own are loaded into a memory of this size, which takes long.
 ROOMY = 1024
-# An image that takes more clocks on the line is not loaded to draw far.
+# An image that takes more clocks on the line is not loaded for its far-reaching profiles.
 SHORT = 50_000
 
 
 def noise_and_images(bench, images):
-    """Levels of ``rx``: images one after another, with what is none before each."""
+    """Levels of ``rx``: images one after another, with noise and wrong bytes before each."""
     twin, rng = bench.twin, bench.rng
     bit, levels = twin.divisor, [np.ones(30, dtype=np.int64)]
 
@@ -87,12 +87,13 @@ def noise_and_images(bench, images):
 
 
 async def answered(bench, reader, resets, rx, watch, convert, fault):
-    """Play the block once with the part's answers to the wires, which are the same in each scan."""
+    """Play the block once, with the answers of the converter, which sees the same wires each "
+    "scan."""
     scan = reader.scan_clocks
     short = np.zeros(2 * scan, dtype=np.int64)
     drive = {"miso": short, "rst": short} | ({} if rx is None else {"rx": 1 - short})
     asked = await bench.play(drive, PINS)
-    # The wires of the second scan, which other ones repeat.
+    # These are the wires of the second scan, which all later scans repeat.
     rows = np.arange(RESET_CLOCKS + scan, asked.clocks)
     tile = {name: np.array([int(b == "1") for b in asked.columns[name]])[rows] for name in PINS}
     marks = np.concatenate([np.ones(RESET_CLOCKS, dtype=bool), np.asarray(resets) == 1])
@@ -114,7 +115,7 @@ async def answered(bench, reader, resets, rx, watch, convert, fault):
 
 
 def samples_of(bench, recording, timeline, frames_of):
-    """Columns of the stream into the network: valid, data, last; and the frames that it brings."""
+    """The columns valid, data and last of the stream into the network, and its frames."""
     reader = bench.twin.converter_reader
     count = recording.clocks - RESET_CLOCKS
     read = timeline.starts[:, np.newaxis, np.newaxis] + reader.read_clocks
@@ -136,10 +137,10 @@ def samples_of(bench, recording, timeline, frames_of):
 
 
 def loaded(bench, recording, valid, last, ends):
-    """What the twins make of ``rx`` and of frames: flags, and by good image the frames that it has.
+    """What the twins compute from ``rx`` and the frames: flags, and the frames of each good image.
 
-    That the loader waits while a frame is computed, and that no frame is taken while it loads, is a
-    ring: it is gone around until nothing changes.
+    The loader waits while a frame is computed, and no frame is taken while it loads. As each
+    depends on the other, both are computed again until nothing changes.
     """
     twin, rows = bench.twin, np.arange(RESET_CLOCKS, recording.clocks)
     clears = recording.unsigned("rst", rows)
@@ -167,7 +168,7 @@ def loaded(bench, recording, valid, last, ends):
         for _, before, words in loading.good
     ]
     done = np.flatnonzero(guarded.done)
-    # By image the numbers of the frames that it is given.
+    # For each image the numbers of the frames that are computed with it.
     runs = [
         (engine.running(image), np.flatnonzero(np.isin(ends, done[place[done] == number])))
         for number, image in enumerate(images)
@@ -181,10 +182,10 @@ def loaded(bench, recording, valid, last, ends):
 
 
 def check_results(bench, recording, runs, frames, ends):
-    """Outputs, ``out_last`` and their clocks; gives the columns of the stream."""
+    """Check outputs, ``out_last`` and their clocks, and return the columns of the stream."""
     due = [np.empty((0, 3), dtype=np.int64)]
     for network, numbers in runs:
-        # Of another number of samples there are none, and these would be of the wrong shape.
+        # A frame with another number of samples has no results, and would have the wrong shape.
         if not len(numbers):
             continue
         leave = ends[numbers, np.newaxis] + RESET_CLOCKS + np.array(network.output_clocks)
@@ -209,7 +210,7 @@ def check_results(bench, recording, runs, frames, ends):
 
 
 def check_shown(bench, recording, result):
-    """Held outputs at the end of each frame, and the profile of every one."""
+    """Check the held outputs at the end of each frame, and the profile of every frame."""
     twin, shown = bench.twin, bench.twin.readout
     held = np.zeros((recording.clocks, twin.outputs), dtype=np.int64)
     known, place, words = np.zeros(recording.clocks, dtype=bool), 0, [None] * twin.outputs
@@ -244,7 +245,7 @@ def check_shown(bench, recording, result):
 
 
 def check_line(bench, recording, columns):
-    """The bits of ``tx``, and what a receiver hears of them; gives the packets."""
+    """Check the bits of ``tx`` and what a receiver reads from them, and return the packets."""
     twin, rows = bench.twin, np.arange(RESET_CLOCKS, recording.clocks)
     clears = recording.unsigned("rst", rows)
     sending = twin.packet_sender.process(columns, clears, twin.uart_transmitter.interval)
@@ -260,7 +261,7 @@ def check_line(bench, recording, columns):
 
 
 async def check(bench, frames, resets, rx=None, fault=lambda number: None):
-    """Play voltages, one frame a scan; compares everything that is shown."""
+    """Play voltages, one frame in each scan, and compare everything that is shown."""
     twin, shown = bench.twin, bench.twin.readout
     reader = twin.converter_reader
     codes = Converter(reader.part.name, reader.clock_mhz, bench.rng).sheet.ideal(frames)
@@ -305,7 +306,7 @@ async def check(bench, frames, resets, rx=None, fault=lambda number: None):
 
 @cocotb.test()
 async def recorded(dut):
-    """Recorded frames while the image comes, and behind it; counts the clocks."""
+    """Play recorded frames while the image is loaded and after it, and count the clocks."""
     bench = Bench(dut)
     twin = bench.twin
     frames = recorded_frames(bench)[:SCANS]
@@ -321,7 +322,7 @@ async def recorded(dut):
     if rx is not None:
         told = {name for frame in sending.frames for name in frame.flags}
         assert told == {"frame_error", "image_error", "line_error"}, f"got the flags {told}"
-    # Another scan begins before the samples of this one have left.
+    # The next scan begins before the samples of this scan have left.
     last_bit = ends[runs[0][1][0]] + RESET_CLOCKS - twin.burst
     started = timeline.starts[timeline.starts < last_bit][-1]
     bench.facts = {
@@ -335,7 +336,7 @@ async def recorded(dut):
 
 @cocotb.test()
 async def random_faults_and_resets(dut):
-    """Random voltages, a wrong transfer in a third of the scans, resets in mid scan and packet."""
+    """Play random voltages with wrong transfers, and with resets in mid-scan and mid-packet."""
     bench = Bench(dut)
     twin, rng = bench.twin, bench.rng
     scans = 2 * SCANS
@@ -346,7 +347,7 @@ async def random_faults_and_resets(dut):
         int(scan * twin.inputs + rng.integers(0, twin.inputs)): int(rng.integers(0, 2))
         for scan in range(1, 2 * scans, 3)
     }
-    # So many in a row that a packet tells of them.
+    # So many wrong transfers come in a row that a packet reports them.
     row = np.arange(scans // 3, scans // 3 + 2 + 2 * twin.packet_scans)
     faults |= dict.fromkeys((row * twin.inputs).tolist(), 1)
     length = scans * twin.interval
@@ -363,7 +364,7 @@ async def random_faults_and_resets(dut):
 
 
 def far_reaching(twin):
-    """An image whose load, width and shape have either sign, and whose position is on the ramp."""
+    """An image whose load, width and shape take either sign, with the position on the ramp."""
     w1, b1 = np.zeros((3, twin.inputs)), np.zeros(3)
     w1[:, :2] = (3, 0), (0, 3), (3, 3)
     w2, b2 = np.full((twin.outputs, 3), 0.3), np.zeros(twin.outputs)
@@ -381,9 +382,9 @@ def far_reaching(twin):
 
 
 def until_a_profile_ends(twin, network, packet, profiles):
-    """Levels of ``rx`` with a packet, and clocks from a reset until a profile ends behind it.
+    """Levels of ``rx`` with a packet, and the clocks from a reset until a profile after it ends.
 
-    The packet has come in mid scan, so that there is no doubt about the first frame behind it.
+    The packet ends in mid-scan, so that it is certain which frame is the first after it.
     """
     reader, drawing = twin.converter_reader, twin.readout.load_profile
     bits = [np.repeat(bits_of(byte), twin.divisor) for byte in packet]
@@ -391,7 +392,7 @@ def until_a_profile_ends(twin, network, packet, profiles):
     if packet:
         idle = (twin.interval // 2 - len(levels)) % twin.interval
         levels = np.concatenate([np.ones(idle, dtype=np.int64), levels])
-    # Where a profile takes longer than a scan the first one is drawn for sure.
+    # If a profile takes longer than a scan, it is certain that the first one is drawn.
     before = len(levels) // twin.interval + twin.past
     before += profiles - 1 if drawing.interval <= twin.interval else 0
     last_sample = reader.read_clocks[-1, -1] + reader.latency + reader.slots - 1
@@ -401,7 +402,7 @@ def until_a_profile_ends(twin, network, packet, profiles):
 
 @cocotb.test()
 async def drawn_slowly(dut):
-    """The profiles that reach furthest, each point of them, and resets where a profile ends."""
+    """Draw every point of the highest and the deepest profile, with resets when a profile ends."""
     bench = Bench(dut)
     twin, shown = bench.twin, bench.twin.readout
     if not twin.analogue or len(twin.image) * BYTE_BITS * twin.divisor > SHORT:
@@ -413,7 +414,7 @@ async def drawn_slowly(dut):
     ends = readout.extremes(bench, replace(shown, network=network), times=points + 1)
     random = bench.rng.integers(-8192, 8192, (2 * points, twin.inputs))
     frames = np.concatenate([ends, random])
-    # Clocks from the end of a profile to a reset: each is followed by an image, which takes long.
+    # The clocks from the end of a profile to a reset. An image follows each, which takes long.
     after = (0,) if twin.image else (0, 1)
     rx, resets = [], []
     for n, late in enumerate(after):
@@ -441,7 +442,7 @@ async def drawn_slowly(dut):
 
 @cocotb.test()
 async def other_images(dut):
-    """Of other numbers of samples and outputs, and of a program that takes longer than a scan."""
+    """Load images with other numbers of samples and outputs, and one longer than a scan."""
     bench = Bench(dut)
     twin = bench.twin
     if not twin.image or twin.core.loaded.sizes.program_words < ROOMY:

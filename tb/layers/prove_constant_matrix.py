@@ -1,4 +1,4 @@
-"""What is proved of constant_matrix, for all samples: that no sum of its graph leaves its width."""
+"""Proved properties of constant_matrix, for all samples: no sum of its graph overflows."""
 
 from golden.layers.shift_add import Constant, Input, Sum
 from tb.sign_off.properties import Property
@@ -12,11 +12,11 @@ class Signals:
     Attributes
     ----------
     there : dict
-        By node and clock.
+        For each node and clock, the signal that holds the node then.
     late : dict
-        By signal that is one a clock later, that.
+        For each delayed signal, the signal that holds the same value a clock earlier.
     results : list of str
-        Numbers of the rows in the clock before their results.
+        The signals that hold the rows in the clock before the results.
     """
 
     def __init__(self, twin):
@@ -55,7 +55,7 @@ class Signals:
 
 
 def apart(graph):
-    """The sums in lists: none is in that of an operand."""
+    """The sums, divided into lists so that no list holds both a sum and its operand."""
     lists = {}
     for place, node in enumerate(graph.nodes):
         if isinstance(node, Sum):
@@ -65,7 +65,7 @@ def apart(graph):
 
 
 def wrong(twin, signals, places):
-    """Copies in which the sum that can be the largest is turned, or has two bits fewer."""
+    """Copies in which the largest possible sum is inverted, or has two bits fewer."""
     reaches = twin.graph.reaches
     largest = max(places, key=lambda place: reaches[place].most - reaches[place].least)
     total = signals.there[largest, twin.clocks[largest]]
@@ -76,7 +76,7 @@ def wrong(twin, signals, places):
 
 
 def sums(twin, signals, places, number):
-    """That each of some sums is right if its operands are, which may be anything."""
+    """The property that each of some sums is right if its operands, which may be anything, are."""
     graph = twin.graph
     ends = [end for reach in graph.reaches for end in (reach.least, reach.most)]
     width = max(abs(end) for end in ends).bit_length() + 4
@@ -114,7 +114,7 @@ def sums(twin, signals, places, number):
         own = right(place, signals.there[place, clock], f"exact_{place}")
         states.append(f"!({' && '.join(given)}) || ({own})")
     own = {signals.there[place, twin.clocks[place]] for place in places}
-    # The last bits of an add_above are its operand's: freeing it would free those.
+    # The last bits of an add_above are those of its operand, so freeing it would free them too.
     kept = ("in_data", "add_above")
     return Property(
         name=f"sums {number}",
@@ -132,7 +132,7 @@ def sums(twin, signals, places, number):
 
 
 def results(twin, signals):
-    """That each result is its row's number, and that numbers are kept from clock to clock."""
+    """The property that each result is that of its row, and that delayed signals keep values."""
     fmt, graph = twin.out_fmt, twin.graph
     watch, states = [BEGUN], []
     for number, (row, signal) in enumerate(zip(graph.rows, signals.results, strict=True)):

@@ -1,9 +1,9 @@
-"""What is proved of input_controller, whatever drives it."""
+"""Proved properties of input_controller, whatever drives it."""
 
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import ago, frames
 
-# Frames whose least distance is more than their length.
+# A case in which the least distance of frames is more than their length.
 ALSO = ("drawn",)
 
 

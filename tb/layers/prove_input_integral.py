@@ -1,8 +1,8 @@
-"""What is proved of input_integral, whatever the samples are."""
+"""Proved properties of input_integral, for all samples."""
 
 from tb.sign_off.properties import Property
 
-# Products that are cut.
+# A case in which products are truncated.
 ALSO = ("wide-thesis",)
 
 
@@ -16,7 +16,7 @@ def properties(twin):
         return f"({whole} >= 64'sd0 + ({least}) && {whole} <= 64'sd0 + ({most}))"
 
     def reach(node, samples):
-        """The least and the largest sum of bias and so many samples."""
+        """The least and the largest sum of the bias and so many samples."""
         start = twin.biases[node] << twin.bias_shift
         terms = [
             sorted((weight * x) >> twin.product_shift for x in (low, high))
@@ -24,7 +24,7 @@ def properties(twin):
         ]
         return tuple(start + sum(term[end] for term in terms) for end in (0, 1))
 
-    # The position of a sample one clock later, beside its operands, and two, beside its product.
+    # The position of a sample, one clock later beside its operands and two beside its product.
     watch = f"""
         reg [1:0] clocks = 0;
         reg [{twin.addr_width - 1}:0] at_1, at_2;

@@ -1,13 +1,12 @@
-"""What is proved of input_node, whatever samples and weights are.
+"""Proved properties of input_node, for all samples and weights.
 
-That no sum of a layer needs more bits than it has is proved of input_integral, which knows the
-weights.
+That no sum of a layer overflows is proved of input_integral, which knows the weights.
 """
 
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import exact_sum, pipe
 
-# Products that are cut.
+# A case in which products are truncated.
 ALSO = ("wide-thesis",)
 
 
@@ -98,7 +97,7 @@ def properties(twin):
             refuted_by=(
                 (r"if \(capture\)", "if (1)"),
                 (r"out_data <= result", "out_data <= -result"),
-                # A sum of as many bits as the result is neither rounded nor saturated.
+                # A sum with as many bits as the result is neither rounded nor saturated.
                 *(borders if twin.acc_width > twin.out_fmt.width else ()),
             ),
             clocks=3,

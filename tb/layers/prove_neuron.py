@@ -1,10 +1,10 @@
-"""What is proved of neuron, for every frame: a hidden neuron, which has no factor."""
+"""Proved properties of neuron, for every frame of a hidden neuron, which has no factor."""
 
 from golden.layers.weighted_sum import tree_depth
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import pipe
 
-# Products that are not cut, sums that are rounded.
+# A case in which products are exact and sums are rounded.
 ALSO = ("wide-parallel",)
 
 
@@ -12,7 +12,7 @@ def properties(twin):
     low, high = twin.out_fmt.low, twin.out_fmt.high
     half = (1 << twin.out_shift) >> 1
     width = twin.in_fmt.width
-    # A weight of 0 has no multiplier; one stays.
+    # A weight of 0 has no multiplier, but at least one multiplier stays.
     weights = [(k, w) for k, w in enumerate(twin.weights) if w] or [(0, twin.weights[0])]
     depth = tree_depth(len(twin.weights) + 1)
     products = {

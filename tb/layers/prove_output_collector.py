@@ -1,4 +1,4 @@
-"""What is proved of output_collector, whatever drives it."""
+"""Proved properties of output_collector, whatever drives it."""
 
 from tb.sign_off.properties import Property
 
@@ -23,7 +23,7 @@ def properties(twin):
     )
     helps = [f"left <= {outputs}", "remaining == left", "left == 0 || first == chosen"]
     for n in range(1, outputs):
-        # Word n stands n places behind the first, nearer with each that has left.
+        # Word n is n places behind the first, and one place nearer with each word that has left.
         for place in range(1, n + 1):
             helps.append(f"left != {outputs - n + place} || words_{place} == word_{n}")
     return [

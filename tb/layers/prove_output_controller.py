@@ -1,4 +1,4 @@
-"""What is proved of output_controller, whatever drives it."""
+"""Proved properties of output_controller, whatever drives it."""
 
 from tb.sign_off.properties import Property
 

@@ -1,4 +1,4 @@
-"""What is proved of output_integral, whatever drives it."""
+"""Proved properties of output_integral, whatever drives it."""
 
 from tb.sign_off.properties import Property
 from tb.sign_off.tree import tree
@@ -21,11 +21,11 @@ def properties(twin):
 
 
 def no_overflow(twin):
-    """Products stay within the limits that the twin gives for them, and so do their sums."""
+    """The property that products and their sums stay within the bounds of the twin."""
     low, high = twin.in_fmt.low, twin.in_fmt.high
     terms = [*(f"weigh{n}_term" for n in range(twin.hidden)), "bias"]
     registers = tree(terms, "total")
-    # A row reaches the products two clocks later, and a level of the tree every clock from there.
+    # A row reaches the products after two clocks, and one more level of the adder tree per clock.
     clocks = 2 + registers[-1].clock
     rows = [f"reg [{twin.addr_width - 1}:0] row_{n};" for n in range(1, clocks + 1)]
     rows += [
@@ -42,7 +42,7 @@ def no_overflow(twin):
         return sorted((twin.weights[row][term] * r) >> twin.product_shift for r in (low, high))
 
     def within(name, members, clock):
-        """Whatever the row was, the signal is a sum of terms of that row."""
+        """The condition that a signal is within the bounds of a sum of these terms of its row."""
         bounds = [
             (sum(ends(t, row)[0] for t in members), sum(ends(t, row)[1] for t in members))
             for row in range(twin.outputs)

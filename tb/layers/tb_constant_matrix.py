@@ -1,9 +1,10 @@
 """constant_matrix, all sums of a layer, against its twin.
 
-Sweeps: corner frames (rails, alternating rails, zeros, one sample alone), the frames that drive
-each sum to its ends and to either side of where it saturates, and 1000 random frames.
+Sweeps: corner frames (rails, alternating rails, zeros, one sample at a rail), the frames that drive
+each sum to both of its ends and to either side of the borders at which it saturates, and 1000
+random frames.
 Drives: a frame every clock.
-Checks: every result bit for bit, and its clock.
+Checks: every result bit for bit, and the clock in which it appears.
 Does not prove: anything about valid flags or reset; the block has neither.
 """
 
@@ -25,7 +26,7 @@ RANDOM = 1000
 
 
 def border_frames(twin):
-    """Frames whose results are those about which a row saturates."""
+    """Frames whose sums lie at the borders at which a row saturates."""
     found = [
         twin.beside(int(border.quantity.removeprefix("result ")), border.at)
         for border in twin.borders
@@ -35,7 +36,7 @@ def border_frames(twin):
 
 
 def stimuli(bench):
-    """Frames, as the twin takes them."""
+    """The frames that are played, as the twin takes them."""
     twin, rng, fmt = bench.twin, bench.rng, bench.twin.in_fmt
     random = rng.integers(fmt.low, fmt.high + 1, (RANDOM + bench.latency, twin.inputs))
     ends = extreme_frames(fmt, twin.weights)
@@ -51,7 +52,7 @@ async def frames(dut):
     ports = [f"in_data_{k}" for k in range(twin.inputs)]
     results = [f"out_data_{i}" for i in range(len(twin.weights))]
     recording = await bench.play(dict(zip(ports, driven.T, strict=True)), results)
-    # From the first row after the initial ones; by then constants are in their registers.
+    # The initial rows are skipped, so that constants are in their registers.
     at = np.arange(recording.clocks - len(driven), recording.clocks - latency)
     seen = np.stack([recording.signed(port, at) for port in ports], axis=-1)
     for quantity, values in twin.quantities(seen).items():

@@ -1,11 +1,11 @@
 """input_controller against its twin.
 
 Sweeps: 4000 samples in frames of the right length, shorter and longer ones, mixed at random.
-Drives: back to back and with gaps; then the same with resets at random clocks; besides, the
+Drives: the samples back to back and with gaps; then the same with resets at random clocks; then the
 recorded frames as close as the design takes them.
-Checks: address, accumulate, preset, capture, valid and frame_error, each in its clock, and that
-none of them is high in any other clock.
-Does not prove: frames longer than three times the right length.
+Checks: that address, accumulate, preset, capture, valid and frame_error come in their clocks, and
+that none of the flags is high in any other clock.
+Does not prove: what frames longer than three times the right length do.
 """
 
 import cocotb
@@ -13,7 +13,7 @@ import numpy as np
 
 from tb.common.bench import Bench
 from tb.common.framing import random_lengths, scan
-from tb.common.recorded import recorded_frames
+from tb.common.recorded_frames import recorded_frames
 from tb.common.small import FOLDED, both_precisions
 from tb.common.stimulus import random_resets, spread
 
@@ -40,14 +40,14 @@ async def check(bench, gap, resets):
 
 
 async def check_frames(bench, drive):
-    """Play samples; compare every output, and return what the twin decides."""
+    """Play samples, compare every output, and return the decisions of the twin."""
     recording = await bench.play(drive, OUTPUTS)
     rows, frames = scan(bench.twin, recording)
     accepted = rows[frames.accept]
     position, dropping = (state.name for state in bench.twin.states)
     bench.visit(position, frames.addr[frames.accept])
     bench.visit(dropping, ~frames.accept)
-    # From a good frame to the end of the next that is whole, with no reset between.
+    # From a good frame to the end of the next complete frame, without a reset between them.
     whole = rows[(frames.addr == bench.twin.inputs - 1) & np.isin(rows, recording.rows("in_last"))]
     good = rows[frames.done]
     before = np.append(0, good)[np.searchsorted(good, whole)]
@@ -57,7 +57,7 @@ async def check_frames(bench, drive):
     done = rows[frames.done]
     addr = recording.unsigned("addr", accepted)
     bench.compare("addr", addr, frames.addr[frames.accept], clock=accepted)
-    # A reset in row t clears the flags that would rise in row t + 1 and after.
+    # A reset in row t clears the flags that would rise in row t + 1 or later.
     for port, cause, delay in [
         ("accumulate", accepted, 2),
         ("preset", opening, 2),
@@ -77,7 +77,7 @@ async def back_to_back(dut):
 
 @cocotb.test()
 async def recorded(dut):
-    """The recorded frames, as close as the design takes them."""
+    """Play the recorded frames as close as the design takes them."""
     bench = Bench(dut)
     inputs, count = bench.twin.inputs, len(recorded_frames(bench, most=RECORDED))
     place = np.tile(np.arange(inputs), count)
@@ -87,7 +87,7 @@ async def recorded(dut):
     frames = await check_frames(bench, drive)
     bench.facts["recorded"] = int(frames.done.sum())
     assert frames.done.sum() == count, "a recorded frame was refused"
-    # The address of each sample; the flags of each frame.
+    # The address of each sample and the flags of each frame are compared.
     bench.finish(at_least=count * (inputs + 2))
 
 

@@ -1,16 +1,18 @@
 """input_node against its twin.
 
-Sweeps: with the weights of every node that the design has, corner frames (rails, alternating rails,
-zeros, one sensor alone), the frames that drive the sum to its ends, and frames on either side of
-where it saturates, and where it rounds to another result, and the recorded frames, as they come to
-the layer; 500 random frames, each with weights and
-a bias of its own; each end of a weight and of the bias alone. With weights whose sums are just all
-that the accumulator holds, as many samples as that takes, the same borders and both ends.
-Drives: samples and weights with the controls as CONTROLLER 1 makes them, back to back and with
-gaps; a bias only where ``preset`` asks for it, and something else in other clocks.
-Checks: the held sum of every frame bit for bit, from the clock after ``capture`` to the next one.
-Does not prove: controls in an order that CONTROLLER 1 never makes; weights with which samples could
-bring a sum out of the accumulator.
+Sweeps: with the weights of every node of the design: corner frames (rails, alternating rails,
+zeros, one sensor at a rail), the frames that drive the sum to both of its ends, frames on either
+side of the borders at which it saturates or rounds to another result, and the recorded frames as
+they reach the layer. Then 500 random frames, each with weights and a bias of its own; and each end
+of a single weight and of the bias alone. With weights whose sums just fill the accumulator there
+are as many samples as that takes, the same borders, and both ends.
+Drives: samples and weights with the control signals of CONTROLLER 1, back to back and with gaps.
+The bias is on its port only in clocks of ``preset``; in other clocks the port carries another
+value.
+Checks: the held sum of every frame bit for bit, from the clock after ``capture`` to the next
+``capture``.
+Does not prove: what control signals do in an order that CONTROLLER 1 never makes; what weights do
+with which a sum could overflow the accumulator.
 """
 
 import cocotb
@@ -19,7 +21,7 @@ import numpy as np
 from golden.layers.input_integral import InputIntegral
 from tb.common.bench import Bench
 from tb.common.frames import captured_rows, node_timeline
-from tb.common.recorded import recorded
+from tb.common.recorded_frames import recorded_inputs
 from tb.common.small import PARTS
 from tb.common.stimulus import border_frames, corner_frames, extreme_frames, rounding_frames
 
@@ -34,12 +36,12 @@ FAULTS = [
     (r"kept < \(-131072\)", "kept < (-131073)"),
 ]
 RANDOM = 500
-# Sums of recorded frames, each with the weights of each node.
+# At most so many sums of recorded frames are compared, over all nodes of a layer.
 RECORDED = 1000
 
 
 def random_coefficients(bench, inputs):
-    """Weights and biases of any magnitude that the block is specified for."""
+    """Weights and biases of every magnitude that the block must handle."""
     twin, rng = bench.twin, bench.rng
     fmt = twin.coeff_fmt
     weights = rng.integers(fmt.low, fmt.high + 1, (RANDOM, inputs))
@@ -51,7 +53,7 @@ def random_coefficients(bench, inputs):
 
 
 def end_coefficients(bench, inputs):
-    """Frames with a weight or the bias alone, at either end, where the accumulator holds it."""
+    """Frames with one weight or the bias alone, at each end that the accumulator can hold."""
     twin, fmt = bench.twin, bench.twin.coeff_fmt
     weights, biases = [], []
     for end in (fmt.low, fmt.high):
@@ -67,7 +69,7 @@ def end_coefficients(bench, inputs):
 
 
 def marked(bench, rows, biases, count):
-    """Frames about which the sums of rows saturate or round to another result."""
+    """Frames at the borders at which sums of rows saturate or round to another result."""
     pairs = [
         border_frames(bench.rng, bench.twin, rows, biases),
         rounding_frames(bench.rng, bench.twin, rows, biases, count=count),
@@ -77,7 +79,7 @@ def marked(bench, rows, biases, count):
 
 
 def of_layer(bench, layer):
-    """Frames of as many samples as a layer takes, and the weights and bias of each."""
+    """Frames with as many samples as a layer takes, and the weights and bias of each frame."""
     fmt, inputs = bench.twin.in_fmt, layer.inputs
     coefficients = random_coefficients(bench, inputs)
     parts = [(bench.rng.integers(fmt.low, fmt.high + 1, (RANDOM, inputs)), *coefficients)]
@@ -85,7 +87,7 @@ def of_layer(bench, layer):
         frames = np.concatenate([corner_frames(fmt, inputs), extreme_frames(fmt, [row])])
         count = len(frames)
         parts.append((frames, np.tile(row, (count, 1)), np.full(count, bias)))
-    (recordings,) = recorded(bench, layer, most=max(1, RECORDED // layer.hidden))
+    (recordings,) = recorded_inputs(bench, layer, most=max(1, RECORDED // layer.hidden))
     node = np.repeat(np.arange(layer.hidden), len(recordings))
     rows, biases = np.array(layer.weights)[node], np.array(layer.biases)[node]
     parts.append((np.tile(recordings, (layer.hidden, 1)), rows, biases))
@@ -95,16 +97,16 @@ def of_layer(bench, layer):
 
 
 def widest(twin, above):
-    """Weights and a bias whose sums end where the accumulator does, above or below.
+    """Weights and a bias whose largest or least sum is just the end of the accumulator.
 
-    Half of the way is the bias, where it reaches that far. One weight is 1 and one no larger than
-    the steps between which it leaves nothing out, so that every sum up to the end is reached.
+    The bias makes up half of it, if a bias can be that large. One weight is 1 and another is no
+    larger than the magnitude of the least sample, so that every sum up to the end occurs.
     """
     fmt, most = twin.coeff_fmt, 1 << (twin.acc_width - 1)
     room = most - 1 if above else most
     bias = min(fmt.high, room >> twin.bias_shift >> 1)
     room -= bias << twin.bias_shift
-    # What is left in weights that the least sample takes to the end.
+    # The weights with which the least sample reaches the end.
     left = room // (-twin.in_fmt.low >> twin.product_shift)
     sizes = []
     for size in (1, -twin.in_fmt.low):
@@ -114,13 +116,13 @@ def widest(twin, above):
         sizes.append(min(left, fmt.high))
         left -= sizes[-1]
     row, bias = np.array(sizes) * (-1 if above else 1), bias if above else -bias
-    # A weight of the other sign, of which the largest sample is the last bit short of the end.
+    # The largest sample with a weight of the other sign is one bit short of the end.
     longer = np.append(row, 1 if above else -1)
     return (longer if twin.holds(longer, bias) else row), bias
 
 
 def whole_range(bench):
-    """Frames up to the ends of the accumulator, of as many samples as that takes."""
+    """Frames whose sums reach the ends of the accumulator, with as many samples as that takes."""
     twin, half = bench.twin, 1 << (bench.twin.acc_width - 1)
     found = []
     for above in (False, True):
@@ -144,7 +146,7 @@ def joined(parts):
 
 
 def stimuli(bench):
-    """Frames, and the weights and bias of each; all frames of a part have as many samples."""
+    """Frames with their weights and biases. The frames of a part have equally many samples."""
     return [
         *(of_layer(bench, layer) for layer in bench.around(InputIntegral)),
         whole_range(bench),
@@ -172,7 +174,7 @@ async def frames(dut):
             starts = recording.signed("bias", recording.rows("preset"))
             expected = bench.twin.process(seen, factors, starts)
             bench.meet("sum", bench.twin.exact(seen, factors, starts))
-            # The first clock of every sum, and the last one before the next sum.
+            # Each sum is compared in its first clock and in the last clock before the next sum.
             for rows in (held, np.append(held[1:] - 1, recording.clocks - 1)):
                 got = recording.signed("out_data", rows)
                 bench.compare("out_data", got, expected, frame=seen)

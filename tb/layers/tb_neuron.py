@@ -1,9 +1,10 @@
 """neuron against its twin.
 
-Sweeps: corner frames (rails, alternating rails, zeros, one sample alone), the frames that drive
-the sum to its ends and to either side of where it saturates, and 1000 random frames.
+Sweeps: corner frames (rails, alternating rails, zeros, one sample at a rail), the frames that drive
+the sum to both of its ends and to either side of the borders at which it saturates, and 1000 random
+frames.
 Drives: a frame every clock.
-Checks: every result bit for bit, and its clock.
+Checks: every result bit for bit, and the clock in which it appears.
 Does not prove: anything about valid flags or reset; the block has neither.
 """
 
@@ -20,13 +21,13 @@ FAULTS = [
     (r"word <= (\S+);", "word <= 0;"),
     (r"wide \* (\d+)", r"wide * (\1 + 64)"),
     (r"scale0_wide \* (\d+)", r"scale0_wide * (\1 + 1)"),
-    # Sums that are multiples of 5.
+    # The sums of this case are multiples of 5.
     (r"data_late < \(-8192\)", "data_late < (-8195)"),
 ]
 
 
 def stimuli(bench):
-    """Frames, as the twin takes them."""
+    """The frames that are played, as the twin takes them."""
     twin = bench.twin
     fmt, inputs = twin.in_fmt, len(twin.weights)
     random = bench.rng.integers(fmt.low, fmt.high + 1, (1000 + bench.latency, inputs))
@@ -43,7 +44,7 @@ async def frames(dut):
     ((driven,),) = stimuli(bench)
     ports = [f"in_data_{k}" for k in range(len(twin.weights))]
     recording = await bench.play(dict(zip(ports, driven.T, strict=True)), ["out_data"])
-    # From the first row after the initial ones; by then the bias is in its register.
+    # The initial rows are skipped, so that the bias is in its register.
     rows = np.arange(recording.clocks - len(driven), recording.clocks - latency)
     seen = np.stack([recording.signed(port, rows) for port in ports], axis=-1)
     bench.meet("sum", twin.exact(seen))

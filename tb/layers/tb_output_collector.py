@@ -1,10 +1,11 @@
 """output_collector against its twin.
 
 Sweeps: 1000 frames of random results with the rails among them.
-Drives: frames as close as the outputs allow and with random distances, other words on the ports in
-every other clock; then with resets at random clocks, which end a frame.
+Drives: frames as close as the outputs allow and at random distances, with other words on the ports
+in all other clocks; then the same with resets at random clocks, which end a frame.
 Checks: data, valid and last in every clock.
-Does not prove: a frame that comes while another is still leaving, which the networks rule out.
+Does not prove: what a frame does that comes while another is still leaving; the networks rule it
+out.
 """
 
 import cocotb

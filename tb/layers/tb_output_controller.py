@@ -1,12 +1,12 @@
 """output_controller against its twin.
 
 Sweeps: 500 frames.
-Drives: one ``in_valid`` per frame, as close as the outputs allow and with random distances; then
-with resets at random clocks, which end a frame; besides, as the recorded frames bring them, as
-close as the design takes those.
+Drives: one ``in_valid`` for each frame, as close as the outputs allow and at random distances; then
+with resets at random clocks, which end a frame; then as it comes when recorded frames are sent as
+close as the design takes them.
 Checks: address, valid and last in every clock.
-Does not prove: an ``in_valid`` while rows are still being stepped through, which CONTROLLER 1
-prevents.
+Does not prove: what an ``in_valid`` does while the block still steps through rows; CONTROLLER 1
+prevents it.
 """
 
 import cocotb
@@ -14,7 +14,7 @@ import numpy as np
 
 from golden.border import State
 from tb.common.bench import Bench
-from tb.common.recorded import recorded_frames
+from tb.common.recorded_frames import recorded_frames
 from tb.common.small import FOLDED
 from tb.common.stimulus import LONG_IDLE, random_resets
 
@@ -38,7 +38,7 @@ async def check(bench, gap, resets):
     drive = {"in_valid": valid}
     if resets:
         drive["rst"] = random_resets(bench.rng, len(valid), every=40)
-        # Nothing enters during a reset: the flag that would drive it is cleared.
+        # No frame enters during a reset, because the flag that drives ``in_valid`` is cleared.
         drive["in_valid"] = valid & ~drive["rst"] & 1
     await check_frames(bench, drive, resets)
     bench.finish(at_least=500)
@@ -49,7 +49,7 @@ async def check_frames(bench, drive, resets=False):
     recording = await bench.play(drive, ["addr", "out_valid", "out_last"])
     entered = recording.rows("in_valid")
     rows = entered[:, np.newaxis] + np.arange(outputs)
-    # Row t + 1 follows row t unless a reset falls on row t.
+    # Row t + 1 follows row t, unless there is a reset in row t.
     alive = recording.undisturbed(np.repeat(entered, outputs), (rows - 1).ravel())
     expected_rows = rows.ravel()[alive]
     addr = bench.twin.process(len(entered)).ravel()[alive]
@@ -69,14 +69,14 @@ async def back_to_back(dut):
 
 @cocotb.test()
 async def recorded(dut):
-    """The recorded frames, as close as the design takes them."""
+    """Play the recorded frames as close as the design takes them."""
     bench = Bench(dut)
     count, interval = len(recorded_frames(bench, most=RECORDED)), bench.design.core.interval
     valid = np.zeros(count * interval + LONG_IDLE, dtype=np.int64)
     valid[1 + interval * np.arange(count)] = 1
     await check_frames(bench, {"in_valid": valid})
     bench.facts["recorded"] = count
-    # The address and the clock of each row, and the clock of each last one.
+    # The address and the clock of each row are compared, and the clock of each ``last``.
     bench.finish(at_least=count * (2 * bench.twin.outputs + 1))
 
 

@@ -1,19 +1,19 @@
 """output_integral against its twin.
 
-Sweeps: corner frames of activations (rails, alternating rails, zeros, one node alone), those
-that drive each sum to its ends and to either side of where it saturates, and 1000 random ones,
-each with every output row.
-Drives: rows as CONTROLLER 2 makes them, back to back, then with gaps and resets; besides, back
-to back, what it sees while the recorded frames run through the design.
-Checks: every output and its ``last`` bit for bit, and its clock.
-Does not prove: a row address beyond the last output.
+Sweeps: corner frames of activations (rails, alternating rails, zeros, one node at a rail), frames
+that drive each sum to both of its ends and to either side of the borders at which it saturates, and
+1000 random frames, each with every output row.
+Drives: rows as CONTROLLER 2 makes them, back to back, then with gaps and resets; then, back to
+back, the inputs that the block gets while the recorded frames run through the design.
+Checks: every output and its ``last`` bit for bit, and the clock in which they appear.
+Does not prove: what a row address beyond the last output does.
 """
 
 import cocotb
 import numpy as np
 
 from tb.common.bench import Bench
-from tb.common.recorded import check_recorded, recorded
+from tb.common.recorded_frames import check_recorded, recorded_inputs
 from tb.common.small import FOLDED
 from tb.common.stimulus import border_frames, corner_frames, extreme_frames, rounding_frames
 from tb.common.stream import SIGNED, UNSIGNED, check_stream
@@ -33,7 +33,7 @@ OUTPUTS = {"out_data": SIGNED, "out_last": UNSIGNED}
 
 
 def rows_of(twin, frames):
-    """Each output row, its ``last``, and the activations, for every frame of these."""
+    """Each output row with its ``last`` and the activations, for every frame."""
     rows = np.tile(np.arange(twin.outputs), len(frames))
     last = (rows == twin.outputs - 1).astype(np.int64)
     return rows, last, *np.repeat(frames, twin.outputs, axis=0).T
@@ -60,7 +60,7 @@ async def check(bench, operands, gap, resets):
 
 
 def stimuli(bench, count=1000):
-    """Rows and activations, as the block takes them; ``count`` random frames."""
+    """Rows and activations, as the block takes them, with ``count`` random frames among them."""
     fmt = bench.twin.in_fmt
     random = bench.rng.integers(fmt.low, fmt.high + 1, (count, bench.twin.hidden))
     ends = extreme_frames(fmt, bench.twin.weights)
@@ -81,7 +81,7 @@ async def back_to_back(dut):
 @cocotb.test()
 async def what_recorded_frames_bring(dut):
     bench = Bench(dut)
-    (frames,) = recorded(bench)
+    (frames,) = recorded_inputs(bench)
     operands = rows_of(bench.twin, frames)
     await check_recorded(bench, ports_in(bench.twin), OUTPUTS, expected(bench.twin), operands)
 

@@ -1,4 +1,4 @@
-"""What is proved of image_receiver, whatever bytes come."""
+"""Proved properties of image_receiver, for any bytes."""
 
 from golden.link.packets import IMAGE, SYNC, kind_byte
 from tb.sign_off.properties import Property
@@ -58,7 +58,7 @@ def properties(twin):
                 "left == 0 || length == left",
                 "!half_known || length[7:0] == upper",
             ),
-            # As long as it has been idle: the property below tells.
+            # The property below says how long the line has been idle.
             free=("idle",),
             reached=("put",),
             refuted_by=(
@@ -91,7 +91,7 @@ def properties(twin):
             name="distance of bytes",
             sentence="Bytes that go to the engine are at least as far apart as those that come.",
             states=("!put || since_put >= apart",),
-            # From any distance on.
+            # The distance may begin with any value.
             watch="reg [15:0] apart; always @(posedge clk) apart <= apart;"
             + since("since_in", "in_valid", "apart")
             + since("since_put", "put", "apart"),
@@ -153,5 +153,5 @@ def properties(twin):
 
 
 def names(depth):
-    """The words of the queue, as the Verilog calls them."""
+    """The names of the words of the queue in the Verilog."""
     return ["queue0_first", *(f"queue0_queue_place{n}_following" for n in range(depth - 1))]

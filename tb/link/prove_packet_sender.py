@@ -1,4 +1,4 @@
-"""What is proved of packet_sender, whatever comes and whenever the line takes a byte."""
+"""Proved properties of packet_sender, whatever comes and whenever the line takes a byte."""
 
 from golden.link.packets import CHECK_BYTES, CHECK_PRESET, FRAME, SYNC, kind_byte
 from golden.precision import SIGNAL
@@ -23,7 +23,7 @@ def properties(twin):
 
 
 def left_of(twin):
-    """Verilog that counts the bytes of a packet that have not been taken, and what helps."""
+    """Verilog that counts the bytes of a packet that are still to be taken."""
     size = twin.layout.packet_bytes
     watch = f"""
         reg [{size.bit_length() - 1}:0] left = 0;
@@ -53,7 +53,7 @@ def follow_each_other(twin):
         ),
         watch=watch,
         helps=helps,
-        # Whenever one begins: that is told below.
+        # A packet may begin in any clock here. When it begins is a property below.
         free=("complete", "waited"),
         reached=("left == 1",),
         refuted_by=(
@@ -181,7 +181,7 @@ def begin(twin):
 
 
 def tell(twin):
-    """Of any one byte, by its number, that it is what it must be."""
+    """The property that a byte with any chosen number in the packet has the right value."""
     codes, kept, watch = [], [], ""
     left, helps = left_of(twin)
     slots = (("sample", twin.inputs), ("result", twin.outputs))

@@ -1,4 +1,4 @@
-"""What is proved of uart_receiver, whatever the line does."""
+"""Proved properties of uart_receiver, whatever the line does."""
 
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import since

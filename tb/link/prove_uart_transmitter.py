@@ -1,4 +1,4 @@
-"""What is proved of uart_transmitter."""
+"""Proved properties of uart_transmitter."""
 
 from golden.link.uart_transmitter import BYTE_BITS
 from tb.sign_off.properties import Property

@@ -1,13 +1,13 @@
 """image_receiver against its twin.
 
 Sweeps: images of 1 to 600 random bytes, and of tens of thousands; packets of another version or
-kind, of kinds that differ in one bit, of length 0, and cut at each of their places; bytes that
-begin no packet, with many SYNC among them.
-Drives: bytes at random clocks and back to back; an engine that waits while as many bytes come as
-are kept; a line that falls idle; resets.
-Checks: ``load_valid``, the byte and ``load_last`` in every clock; that every image that was sent
-whole arrives, byte by byte.
-Does not prove: more bytes while the engine waits than it can wait for.
+kind, of kinds that differ in one bit, of length 0, and packets cut at each of their places; bytes
+that begin no packet, among them many SYNC bytes.
+Drives: bytes at random clocks and back to back; an engine that takes no byte until as many have
+come as the block can keep; a line that becomes idle; resets.
+Checks: ``load_valid``, the byte and ``load_last`` in every clock; that every image which was sent
+completely arrives, byte by byte.
+Does not prove: what happens if more bytes come than the block can keep while the engine takes none.
 """
 
 import cocotb
@@ -36,9 +36,9 @@ WATCH = ["load_valid", "load_data", "load_last"]
 
 
 def timeline(bench, packets):
-    """Bytes and whether they are taken; each packet is data, its spacing, and idle clocks behind.
+    """The columns of bytes. A packet is its data, their spacing, and the idle clocks after it.
 
-    With a spacing of 0 its first bytes come back to back while none is taken.
+    With a spacing of 0 the first bytes come back to back, while the engine takes none.
     """
     twin, rng = bench.twin, bench.rng
     valid, data, ready = [], [], []
@@ -50,7 +50,7 @@ def timeline(bench, packets):
 
     for sent, spacing, idle in packets:
         for place, byte in enumerate(sent):
-            # The first bytes of an image stand behind four of its head.
+            # The first bytes of an image come after the four bytes of its head.
             holds = spacing == 0 and place < 4 + twin.depth
             valid.append(1)
             data.append(byte)
@@ -67,7 +67,7 @@ def timeline(bench, packets):
 
 
 async def check(bench, drive):
-    """Compare every clock; gives the bytes that left, and which of them were last."""
+    """Compare every clock, and return the bytes that left and which of them were last."""
     recording = await bench.play(drive, WATCH)
     rows = np.arange(RESET_CLOCKS, recording.clocks)
     names = ("in_valid", "in_data", "load_ready", "rst")
@@ -87,7 +87,7 @@ async def check(bench, drive):
 
 
 def idle_ends(valid, clears, clocks):
-    """The clocks in which a line has been idle for so long."""
+    """The clocks in which the line has been idle for just ``clocks`` clocks."""
     found, idle = np.zeros(len(valid), dtype=bool), 0
     for t, (comes, cleared) in enumerate(zip(valid, clears, strict=True)):
         found[t] = not (comes or cleared) and idle == clocks - 1
@@ -101,7 +101,7 @@ def whole_packet(rng, most):
 
 @cocotb.test()
 async def images_among_others(dut):
-    """Images, and between them what is none; of cut ones a byte 0 comes last."""
+    """Play images, and between them other bytes. After a cut image comes a last byte 0."""
     bench = Bench(dut)
     twin, rng = bench.twin, bench.rng
     idle = twin.idle_clocks + 10
@@ -118,22 +118,22 @@ async def images_among_others(dut):
         send(bytes([SYNC, other, 0, 3, 1, 2, 3]), 2)
     for bit in range(8):
         send(bytes([SYNC, kind_byte(IMAGE) ^ 1 << bit, 0, 3, 1, 2, 3]), 2)
-    # Behind a length of 0, what begins a packet is another SYNC.
+    # After a length of 0, a packet begins with another SYNC.
     send(bytes([SYNC, kind_byte(IMAGE), 0, 0, kind_byte(IMAGE), 0, 3, 1, 2, 3]), 2)
     for size in (1, 2, 3, 255, 256, 257, 600):
         image = rng.integers(0, 256, size).astype(np.uint8).tobytes()
-        # A head behind another SYNC is a head.
+        # A head after a further SYNC is a valid head.
         send(bytes([SYNC]) * (size % 2) + image_packet(image), 3 * (size < 5), image)
     for cut in (1, 2, 3, 4, 5, 30):
         packet = image_packet(rng.integers(1, 256, 60).astype(np.uint8).tobytes())[:cut]
         send(packet, 4, packet[4:] + b"\0" if cut > 3 else None, behind=idle)
         image = rng.integers(0, 256, 2 * twin.depth).astype(np.uint8).tobytes()
         send(image_packet(image), 0 if cut % 2 else 5, image, behind=idle if cut == 30 else 0)
-    # Images that wait, whose last byte comes to each place.
+    # Images wait in the queue, so that the last byte gets to each of its places.
     for size in range(1, twin.depth + 1):
         image = rng.integers(0, 256, size).astype(np.uint8).tobytes()
         send(image_packet(image), 0, image, behind=8 * twin.depth)
-    # Each bit of the length is 1 in one of these and 0 in the other.
+    # Each bit of the length is 1 in one of these lengths and 0 in the other.
     for size in (LONG, MOST_IMAGE ^ LONG):
         image = rng.integers(0, 256, size).astype(np.uint8).tobytes()
         send(image_packet(image), 0, image)

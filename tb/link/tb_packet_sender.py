@@ -1,12 +1,12 @@
 """packet_sender against its twin.
 
-Sweeps: codes at random and both ends; frames of the right length, shorter and longer.
+Sweeps: random codes and both ends; frames of the right length, and shorter and longer ones.
 Drives: samples, outputs, points of a profile and flags at random clocks, often and seldom; a line
-that takes bytes at once, slowly and not at all; more packets than their number counts; resets in
-each byte of a packet.
-Checks: ``out_valid`` and the byte in every clock; that the bytes are packets that a computer reads,
-with numbers in order.
-Does not prove: more than a few hundred frames; the count of them has 16 bits.
+that takes bytes at once, slowly, or not at all; so many packets that their number wraps around;
+resets in each byte of a packet.
+Checks: ``out_valid`` and the byte in every clock; that a computer reads the bytes as packets, and
+their numbers in order.
+Does not prove: that more than a few hundred frames are counted right; their count has 16 bits.
 """
 
 import cocotb
@@ -60,7 +60,7 @@ def frames_of(rng, length, right, chance):
 
 
 def drive_for(bench, length, chance, ready):
-    """One column a clock for every input."""
+    """The columns of every input."""
     twin, rng = bench.twin, bench.rng
     drive = {}
     for name, size in (("sample", twin.inputs), ("result", twin.outputs)):
@@ -78,7 +78,7 @@ def drive_for(bench, length, chance, ready):
         drive |= {"profile_valid": valid, "profile_x": x, "profile_last": last.astype(np.int64)}
         drive["profile_y"] = rng.permutation(x)
     flags = ["converter_error", *(["frame_error", "image_error", "line_error"] * twin.reload)]
-    # Seldom enough that packets without a new frame follow a refused one.
+    # Frames are rare enough that packets without a new frame follow a refused frame.
     flagged = max(chance, 0.02) / 8
     for name in flags:
         drive[name] = (rng.random(length) < flagged).astype(np.int64)
@@ -87,7 +87,7 @@ def drive_for(bench, length, chance, ready):
 
 
 async def check(bench, drive):
-    """Compare every clock; gives the bytes that were taken, and the twin's view."""
+    """Compare every clock, and return the bytes that were taken and what the twin says."""
     recording = await bench.play(drive, ["out_valid", "out_data"])
     rows = np.arange(RESET_CLOCKS, recording.clocks)
     signed = [port.name for port in bench.twin.ports if port.signed]
@@ -104,7 +104,7 @@ async def check(bench, drive):
 
 
 def read(bench, recording, rows, seen, expected):
-    """The bytes are those packets, as a computer reads them."""
+    """Check that a computer reads the bytes as the expected packets."""
     layout = bench.twin.layout
     taken = np.intersect1d(recording.rows("out_valid"), rows[seen["out_ready"] == 1])
     data = bytes(recording.unsigned("out_data", taken).tolist())
@@ -124,7 +124,7 @@ def read(bench, recording, rows, seen, expected):
 
 @cocotb.test()
 async def packets(dut):
-    """Of frames that come often and seldom, on a fast line and on a slow one."""
+    """Play frames that come often and seldom, on a fast line and on a slow one."""
     bench = Bench(dut)
     size = bench.twin.layout.packet_bytes
     for packets_due, chance, ready in ((260, 0.5, 1.0), (10, 0.3, 0.1), (12, 0.002, 1.0)):
@@ -136,7 +136,7 @@ async def packets(dut):
 
 
 def ahead(bench, drive, at):
-    """Where packets begin in the clocks after a reset."""
+    """The clocks in which packets begin after a reset."""
     some = slice(at, at + 4 * bench.twin.layout.packet_bytes)
     return bench.twin.process(
         {n: c[some] for n, c in drive.items()}, 0 * drive["out_ready"][some]
@@ -145,11 +145,11 @@ def ahead(bench, drive, at):
 
 @cocotb.test()
 async def resets(dut):
-    """One in each byte of a packet, in random order."""
+    """Play resets, one in each byte of a packet, in random order."""
     bench = Bench(dut)
     state, rng = bench.twin.states[0], bench.rng
     drive = drive_for(bench, 12 * len(state.values) * (len(state.values) + 8), 0.5, 1.0)
-    # Where packets begin hangs on the resets before them: one after the other is placed.
+    # A reset moves the packets after it, so the resets are placed one after the other.
     column = np.zeros(len(drive["out_ready"]), dtype=np.int64)
     at = 0
     for byte in [*rng.permutation(len(state.values)), *rng.permutation(len(state.values))]:

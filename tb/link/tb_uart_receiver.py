@@ -1,13 +1,14 @@
 """uart_receiver against its twin.
 
 Sweeps: every byte.
-Drives: bytes on a line whose bits are up to 2 % shorter or longer, at any part of a clock, back to
-back and with pauses; bytes without a stop bit, a line that stays 0, falls too short for a start
-bit, and two falls within half a bit; noise; resets in each bit; a UART of cocotbext-uart that
-sends.
-Checks: byte, ``out_valid`` and ``line_error`` in every clock; that every byte that was sent right
-arrives.
-Does not prove: what two registers are for, a line that changes while the clock rises.
+Drives: bytes on a line whose bits are up to 2 % too short or too long and begin at any part of a
+clock, back to back and with pauses; bytes without a stop bit; a line that stays 0; low pulses that
+are too short for a start bit, and two falling edges within half a bit; noise; resets in each bit;
+and the bytes that a UART of cocotbext-uart sends.
+Checks: the byte, ``out_valid`` and ``line_error`` in every clock; that every byte which was sent
+correctly arrives.
+Does not prove: that the block works if the line changes while the clock rises; two registers are
+there for this.
 """
 
 import cocotb
@@ -36,7 +37,8 @@ CLOCK_NS = 10
 
 
 def wire(bench, stretches):
-    """The line for levels and how many bits they last, in clocks of ``bit``."""
+    """The levels of the line, for levels and the number of bits of ``bit`` clocks that each "
+    "lasts."""
     edges = np.cumsum([0.0, *(length for _, length in stretches)]) + bench.rng.random()
     clocks = np.arange(int(edges[-1]) + 3 * bench.twin.interval)
     place = np.searchsorted(edges, clocks, side="right") - 1
@@ -45,7 +47,7 @@ def wire(bench, stretches):
 
 
 def stretches_of(bench, sent, off, pause):
-    """Levels and clocks of bytes whose bits are ``off`` times as long as they should be."""
+    """The levels and durations of bytes whose bits are ``off`` times as long as they should be."""
     bit = bench.twin.divisor * off
     found = [(1, 3.0)]
     for byte in sent:
@@ -56,7 +58,7 @@ def stretches_of(bench, sent, off, pause):
 
 
 async def check(bench, line, resets=None):
-    """Play a line, compare every clock, and give the bytes that came."""
+    """Play a line, compare every clock, and return the received bytes."""
     drive = {"rx": line}
     if resets is not None:
         drive["rst"] = resets
@@ -73,7 +75,7 @@ async def check(bench, line, resets=None):
 
 @cocotb.test()
 async def every_byte(dut):
-    """Exact and off by 2 %; each byte arrives."""
+    """Bits of exact length and off by 2 %: each byte arrives."""
     bench = Bench(dut)
     for off, pause in ((1.0, 0.0), (0.98, 0.0), (1.02, 0.3)):
         sent = bench.rng.permutation(256)[: 256 if off == 1.0 else 100]
@@ -84,7 +86,7 @@ async def every_byte(dut):
 
 @cocotb.test()
 async def noise(dut):
-    """No stop bit, a line that stays 0, falls that are too short, and levels at random."""
+    """Bytes without a stop bit, a line that stays 0, short low pulses, and random levels."""
     bench = Bench(dut)
     twin, rng = bench.twin, bench.rng
     found, sent = [(1, 3.0)], []
@@ -104,7 +106,7 @@ async def noise(dut):
     assert len(recording.rows("line_error")), "no byte was without a stop bit"
     random = [(int(rng.integers(0, 2)), float(rng.integers(1, 12))) for _ in range(600)]
     await check(bench, wire(bench, random))
-    # Half a bit after the first of two falls the line is 0: the byte begins with the first.
+    # The line is 0 half a bit after the first of two falling edges, so the byte begins there.
     twice = [(1, 3.0)]
     for byte in rng.integers(0, 256, 20).tolist():
         twice += [(0, 1.0), (1, twin.divisor // 2 - 1.0)]
@@ -121,7 +123,7 @@ async def resets(dut):
     sent = rng.integers(0, 256, 60).tolist()
     line = wire(bench, stretches_of(bench, sent, 1.0, 0.1))
     await check(bench, line, random_resets(rng, len(line), 2 * twin.interval))
-    # One byte after another, each cut in the next of its bits.
+    # One byte after another is cut by a reset, each in the next of its bits.
     cut, at = np.zeros(0, dtype=np.int64), []
     pieces = []
     for bit in twin.states[0].values:

@@ -1,10 +1,11 @@
 """uart_transmitter against its twin.
 
 Sweeps: every byte.
-Drives: bytes as they are taken, then at random clocks; resets at random, in each bit, and in each
-clock of one before a pause; a UART of cocotbext-uart that listens.
-Checks: ``tx`` and ``in_ready`` in every clock; that the UART hears every byte.
-Does not prove: a computer whose clock is off (tb_uart_receiver drives a line that is).
+Drives: bytes as soon as they are taken, then at random clocks; resets at random, in each bit, and
+in each clock of a bit before a pause; and a UART of cocotbext-uart that listens.
+Checks: ``tx`` and ``in_ready`` in every clock; that the UART receives every byte.
+Does not prove: that a computer with an inexact clock reads the line (tb_uart_receiver drives such a
+line).
 """
 
 import cocotb
@@ -67,13 +68,14 @@ async def gaps_and_resets(dut):
     await check(bench, valid)
     resets = random_resets(bench.rng, length, bench.twin.interval)
     await check(bench, valid, resets)
-    # A byte is taken in the clock after a reset; the next reset falls into another of its bits.
+    # A byte is taken in the clock after each reset, and the next reset falls into another bit of
+    # it.
     into = bench.rng.integers(0, bench.twin.divisor, BYTE_BITS)
     at = np.cumsum(2 + np.arange(BYTE_BITS) * bench.twin.divisor + into)
     resets = np.zeros(at[-1] + 5, dtype=np.int64)
     resets[at] = 1
     await check(bench, np.ones_like(resets), resets)
-    # A reset in each clock of a bit, with no byte behind it.
+    # A reset comes in each clock of a bit, with no byte after it.
     into = np.arange(bench.twin.divisor)
     taken = 3 * bench.twin.interval * into
     valid, resets = np.zeros((2, taken[-1] + 3 * bench.twin.interval), dtype=np.int64)
@@ -84,7 +86,7 @@ async def gaps_and_resets(dut):
 
 @cocotb.test()
 async def a_uart_listens(dut):
-    """Every byte, in random order and with random pauses."""
+    """Send every byte, in random order and with random pauses."""
     bench = Bench(dut)
     dut.in_valid.value, dut.rst.value = 0, 1
     cocotb.start_soon(Clock(dut.clk, CLOCK_NS, unit="ns").start(start_high=False))

@@ -1,4 +1,4 @@
-"""What is proved of adder_graph, whatever comes on its ports."""
+"""Proved properties of adder_graph, whatever comes on its ports."""
 
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import pipeline

@@ -1,15 +1,15 @@
-"""What is proved of axis_network, whatever either side does.
+"""Proved properties of axis_network, whatever either side does.
 
-The network inside is cut off: its results may come in any clock and be anything, as long as there
-are no more of them than good frames have been sent. That is proved of hybrid by itself, in its own
-cases, and not of cascade. Networks with a past, and those that take no sample while they compute,
-are none of these cases.
+The network inside is cut off. Its results may have any value and come in any clock, as long as
+there are no more results than good frames have been sent. This condition is proved of hybrid, in
+its own cases, but not of cascade. The cases here hold no networks with past samples, and none that
+take no sample while they compute.
 """
 
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import ago, frames
 
-# A least distance of frames, without slots and with them.
+# Cases with a least distance of frames, without slots and with them.
 ALSO = ("axis", "slow-axis-cascade")
 
 
@@ -18,7 +18,7 @@ def properties(twin):
     under_way = twin.frames_under_way
     room = under_way * outputs
     cut = ("result_valid", "result", "frame_error")
-    # Outputs that the network still owes for the frames it has been sent.
+    # This counts the outputs that are still to come for the frames that the network got.
     owed = f"""
         reg [15:0] owed = 0;
         always @(posedge clk)
@@ -33,7 +33,7 @@ def properties(twin):
     counted = (
         f"credit0_used <= {under_way}",
         f"place < {outputs}",
-        # Every credit stands for its outputs: still owed, in the memory, or fetched.
+        # The outputs of every credit are still to come, in the memory, or fetched.
         f"credit0_used * {outputs} == owed + fifo0_stored + place",
         f"fifo0_read_addr < {room} && fifo0_write_addr < {room} && fifo0_stored <= {room}",
         f"fifo0_write_addr + {room} * (fifo0_read_addr + fifo0_stored >= {room}) "
@@ -78,7 +78,7 @@ def properties(twin):
                 (r"credit0_used == (\d+)", r"credit0_used == \1 + 1"),
                 (r"credit0_used \+ 1", "credit0_used - 1"),
             ),
-            # One frame more than may be.
+            # This admits one frame more than there is room for.
             clocks=under_way * twin.interval + 4,
         ),
         Property(
@@ -130,7 +130,7 @@ def properties(twin):
                 f"!m_axis_tvalid || m_axis_tlast == (number == {outputs - 1})",
             ),
             assumes=network,
-            # One word of all, whichever: how many must leave before it.
+            # For any one word this counts how many words must leave before it.
             watch=owed
             + f"""
                 (* anyseq *) reg pick;

@@ -1,7 +1,7 @@
-"""What is proved of cascade, whatever comes on its stream.
+"""Proved properties of cascade, whatever comes on its stream.
 
-Nothing is proved of its outputs: they depend on the judges of all its parts, each later than the
-one before, and no induction over few clocks covers these.
+Nothing is proved of its outputs. They depend on the frame checks of all parts, each of which comes
+later than the one before, and no induction over few clocks covers that.
 """
 
 from tb.sign_off.watch import network

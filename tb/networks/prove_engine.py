@@ -1,12 +1,12 @@
-"""What is proved of engine: with a program that can be loaded, and with one that is built in.
+"""Proved properties of engine, with a loaded and with a built-in program.
 
-What the data paths compute does not matter: a program has no branches, so its clocks are the same
-for every frame.
+The proofs do not cover what the data paths compute. A program has no branches, so its clocks are
+the same for every frame.
 """
 
 from tb.sign_off.properties import Property
 
-# A program that is built in; the first case is one that is loaded.
+# This case has a built-in program. The first case has one that is loaded.
 ALSO = ("rails-engine",)
 
 
@@ -15,7 +15,7 @@ def properties(twin):
 
 
 def loaded():
-    """Of an engine that takes images, whatever they hold."""
+    """The properties of an engine that takes images, whatever these hold."""
     return [
         Property(
             name="no half image",
@@ -27,7 +27,7 @@ def loaded():
                 "!(start || run) || !(halt || put || u_image_loader_0.accept)",
             ),
             helps=("busy == run",),
-            # Whatever program the memory holds, and whatever the check of an image is.
+            # The program in the memory and the check of an image may be anything.
             free=("word", "u_image_loader_0.check"),
             reached=("start",),
             refuted_by=(
@@ -41,12 +41,12 @@ def loaded():
 
 
 def built_in(twin):
-    """Of an engine whose program is known: it has no branches, so every clock of it is."""
+    """The properties of an engine with a known program, of which every clock is known too."""
     program, inputs = twin.program, twin.inputs
     at = program.pipeline
     begin, words = len(program.table), len(program.words)
     stores = [n + at.mark for n, step in enumerate(program.instructions) if step.store]
-    # Of a clock after the last sample: operands that the memory holds by then.
+    # For each clock after the last sample: the operands that the memory holds by then.
     written = [
         inputs - (clock < 2) + sum(n + 4 <= clock for n in stores) for clock in range(twin.busy + 2)
     ]
@@ -149,7 +149,7 @@ def built_in(twin):
                 *helps,
                 "since < 2 || operands == held",
                 "since == 0 || u_frame_check_0.addr + 1 == held_next",
-                # Samples are written one clock after they are taken.
+                # A sample is written one clock after it is taken.
                 "since != 0 || place == 0 || write || operands == place",
                 "since != 0 || place == 0 || !write || write_addr == place - 1",
                 "since != 0 || place < 2 || !write || operands == place - 1",

@@ -1,9 +1,9 @@
-"""What is proved of hybrid, whatever comes on its stream."""
+"""Proved properties of hybrid, whatever comes on its stream."""
 
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import network
 
-# Frames whose least distance is more than their length.
+# A case in which the least distance of frames is more than their length.
 ALSO = ("drawn",)
 
 

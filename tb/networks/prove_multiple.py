@@ -1,9 +1,9 @@
-"""What is proved of multiple, whatever comes on its stream."""
+"""Proved properties of multiple, whatever comes on its stream."""
 
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import ago, frames, network
 
-# Frames whose least distance is more than their length.
+# A case in which the least distance of frames is more than their length.
 ALSO = ("wide-multiple",)
 
 

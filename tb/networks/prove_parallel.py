@@ -1,9 +1,9 @@
-"""What is proved of parallel, whatever comes on its ports."""
+"""Proved properties of parallel, whatever comes on its ports."""
 
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import ago, frames
 
-# An activation that takes a frame only every few clocks.
+# A case whose activation takes a frame only every few clocks.
 ALSO = ("pade-parallel",)
 
 
@@ -15,7 +15,7 @@ def properties(twin):
         f"{controller}.count == 0 && !{controller}.dropping",
         f"closed == {f'{controller}.remaining' if spacing else '0'}",
     ]
-    # All samples come at once: a frame is whole in the clock of in_valid.
+    # All samples come at once, so a frame is complete in the clock of in_valid.
     watch = frames(1, spacing).replace("in_last", "in_valid")
     no_result = "A frame that comes too early yields none." if spacing else "No frame is refused."
     return [

@@ -1,11 +1,11 @@
-"""What is proved of windowed, whatever comes on its stream.
+"""Proved properties of windowed, whatever comes on its stream.
 
-What its network makes of a frame is proved of the network.
+What the network computes is proved of the network itself.
 """
 
 from tb.sensing.prove_frame_window import window
 
-# Another network, with slots behind the samples.
+# A case with another network, and with slots after the samples.
 ALSO = ("chain-past",)
 
 

@@ -1,12 +1,12 @@
 """adder_graph, every sum a graph of shifted adds, against its twin.
 
-Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one
-sensor alone); frames that drive each hidden sum to its ends; 400 random frames.
-Drives: a frame every clock, with random gaps, with resets among them, and with one reset at each
-clock of a frame's way.
-Checks: every output bit for bit in its clock, that nothing comes out in any other clock, and that
-``frame_error`` stays low. Measures the clocks of a frame.
-Does not prove: anything about the accuracy of the network (the report of `make demo` does).
+Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one sensor
+at a rail); frames that drive each hidden sum to both of its ends; 400 random frames.
+Drives: frames in every clock, with random gaps, with resets among them, and with one reset at each
+clock of a frame's way through the design.
+Checks: every output bit for bit in its clock, that no output comes in any other clock, and that
+``frame_error`` stays low. The bench also measures the clocks of a frame.
+Does not prove: how accurate the network is (the report of `make demo` shows that).
 """
 
 import cocotb
@@ -31,7 +31,7 @@ def ports(name, count):
 
 
 async def check(bench, frames, gap, pause=0, resets=None):
-    """Play frames; expect what the twin makes of the frames that were recorded.
+    """Play frames, and compare with what the twin computes from the recorded frames.
 
     ``resets`` gives the reset column for a number of clocks.
     """
@@ -61,7 +61,7 @@ def random_frames(bench, count):
 
 @cocotb.test()
 async def recorded(dut):
-    """All recorded frames back to back, then with gaps; counts the clocks."""
+    """Play all recorded frames back to back, then with gaps, and count the clocks of a frame."""
     bench = Bench(dut)
     codes = bench.scene.vectors().codes
     recording, entered = await check(bench, codes, gap=0.0)
@@ -77,7 +77,7 @@ async def recorded(dut):
 
 @cocotb.test()
 async def corners_and_random(dut):
-    """Corner frames, frames that drive hidden sums to their ends, and random ones."""
+    """Play corner frames, frames that drive hidden sums to their ends, and random frames."""
     bench = Bench(dut)
     ends = extreme_frames(SIGNAL, hidden_weights(bench.twin))
     corners = corner_frames(SIGNAL, bench.twin.inputs)
@@ -89,7 +89,7 @@ async def corners_and_random(dut):
 
 @cocotb.test()
 async def resets_among_frames(dut):
-    """Resets at random clocks among frames at any distance."""
+    """Play frames at any distance, with resets at random clocks."""
     bench = Bench(dut)
     every = 2 * (1 + bench.latency)
     await check(
@@ -103,14 +103,14 @@ async def resets_among_frames(dut):
 
 @cocotb.test()
 async def reset_at_every_clock(dut):
-    """One frame, a reset a given number of clocks after it, and a good frame."""
+    """Play a frame, a reset so many clocks after it, and then a good frame."""
     bench = Bench(dut)
     span = bench.latency + 2
 
     def resets(clocks):
         column = np.zeros(clocks, dtype=np.int64)
         for t in range(span):
-            # Frame 2 t enters at this clock, frame 2 t + 1 a span and a clock later.
+            # Frame 2 t enters in this clock, and frame 2 t + 1 a span and one clock later.
             column[2 * t * (span + 1) + span + t] = 1
         return column
 

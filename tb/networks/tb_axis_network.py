@@ -1,13 +1,14 @@
 """axis_network, a network behind AXI4-Stream, against its twin.
 
-Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one
-sensor alone); random frames, with random bits above the sample; frames too short and too long
-among good ones.
-Drives: as fast as it takes them; with random pauses on either side and on both; with the output
-blocked until nothing more enters; with resets at random; and with the AXI4-Stream source and sink
-of cocotbext-axi, which pause at random.
+Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one sensor
+at a rail); random frames with random bits above the sample; frames that are too short or too long
+among good frames.
+Drives: elements as fast as the block takes them; with random pauses on either side and on both;
+with the output blocked until nothing more enters; with random resets; and from the AXI4-Stream
+source to the sink of cocotbext-axi, which pause at random.
 Checks: every transfer, its ``tlast`` and ``frame_error`` bit for bit; that no frame is lost or
-mixed; that what is offered stays until it is taken. Measures the clocks of a frame.
+mixed with another; that an offered result stays until it is taken. The bench also measures the
+clocks of a frame.
 Does not prove: anything about the network inside, which has a bench of its own.
 """
 
@@ -61,13 +62,14 @@ FAULTS = [
 
 
 async def check(bench, data, last, offer=1.0, take=1.0, blocked=0, resets=0):
-    """Play elements; expect what the twin makes of the transfers that were recorded.
+    """Play elements, and compare with what the twin computes from the recorded transfers.
 
-    ``offer`` and ``take`` are the probabilities in a clock, ``blocked`` the clocks at the start in
-    which nothing is taken, ``resets`` the clocks between resets, or 0.
+    ``offer`` and ``take`` are the probabilities that an element is offered or taken in a clock. In
+    the first ``blocked`` clocks nothing is taken. ``resets`` is the number of clocks between
+    resets, or 0 for none.
     """
     twin, rng = bench.twin, bench.rng
-    # The memory holds the frames of a latency and one more; they leave one output a clock.
+    # The memory holds the frames of a latency and one more, and one output leaves per clock.
     under_way = (twin.output_clocks[-1] + 1) // twin.interval + 1
     tail = 2 * twin.output_clocks[-1] + under_way * twin.outputs + 8
     frames = np.count_nonzero(last) + 1
@@ -85,7 +87,7 @@ async def check(bench, data, last, offer=1.0, take=1.0, blocked=0, resets=0):
     entered, left = transfers(recording, "s"), transfers(recording, "m")
     entered = np.setdiff1d(entered, recording.resets())
     ends = np.append(recording.resets(), recording.clocks)
-    # What leaves in the clock of a reset belongs to the time before it.
+    # An output in the clock of a reset belongs to the time before the reset.
     epochs = np.searchsorted(ends, entered), np.searchsorted(ends, left)
     errors = []
     for epoch in np.unique(np.concatenate(epochs)):
@@ -106,14 +108,14 @@ async def check(bench, data, last, offer=1.0, take=1.0, blocked=0, resets=0):
 
 
 def whole(frames):
-    """Good frames as elements."""
+    """The elements and ``last`` flags of good frames."""
     last = np.zeros(frames.shape, dtype=np.int64)
     last[:, -1] = 1
     return frames.ravel(), last.ravel()
 
 
 def random_data(bench, count):
-    """Of eight codes one is an end."""
+    """Random codes, of which one in eight is an end of the range."""
     codes = bench.rng.integers(TDATA.low, TDATA.high + 1, count)
     ends = bench.rng.choice([TDATA.low, TDATA.high], count)
     return np.where(bench.rng.random(count) < 1 / 8, ends, codes)
@@ -125,13 +127,13 @@ def random_frames(bench, count):
 
 @cocotb.test()
 async def recorded(dut):
-    """All recorded frames as fast as they go, then with pauses; counts the clocks."""
+    """Play all recorded frames as fast as possible, then with pauses, and count the clocks."""
     bench = Bench(dut)
     codes, past = recorded_frames(bench), bench.twin.past
     recording, entered, left = await check(bench, *whole(codes))
     inputs, outputs = bench.twin.inputs, bench.twin.outputs
     last_in, first_out = entered[inputs - 1 :: inputs], left[::outputs]
-    # The first frames fill the memory's credit, those after it show what is sustained.
+    # The first frames use up the credit of the memory. Later frames show the sustained rate.
     bench.facts = {
         "frames": len(codes),
         "seconds": recording.seconds,
@@ -146,7 +148,7 @@ async def recorded(dut):
 
 @cocotb.test()
 async def corners_and_random(dut):
-    """Corner frames and random ones, with pauses on either side and on both."""
+    """Play corner frames and random frames, with pauses on either side and on both."""
     bench = Bench(dut)
     corners = corner_frames(SIGNAL, bench.twin.inputs)
     frames = np.concatenate([corners, random_frames(bench, 40)])
@@ -157,7 +159,7 @@ async def corners_and_random(dut):
 
 @cocotb.test()
 async def blocked(dut):
-    """Nothing is taken until nothing more enters; then everything is there."""
+    """Take nothing until no more elements enter, and then check that no frame is lost."""
     bench = Bench(dut)
     # More frames than fit: each takes an interval, and as many are under way as that allows.
     count = 2 * (bench.twin.output_clocks[-1] + 1) // bench.twin.interval + 4
@@ -173,7 +175,7 @@ async def blocked(dut):
 
 @cocotb.test()
 async def wrong_lengths(dut):
-    """Frames too short and too long among good ones."""
+    """Play frames that are too short or too long among good frames."""
     bench = Bench(dut)
     for offer, take in ((1.0, 1.0), (0.6, 0.4)):
         last = random_lengths(bench.rng, bench.twin.inputs, 300)
@@ -183,7 +185,7 @@ async def wrong_lengths(dut):
 
 @cocotb.test()
 async def resets(dut):
-    """Resets at random clocks among frames of all lengths."""
+    """Play frames of all lengths with resets at random clocks."""
     bench = Bench(dut)
     last = random_lengths(bench.rng, bench.twin.inputs, 600)
     every = 2 * (bench.twin.inputs + bench.twin.output_clocks[-1])
@@ -192,20 +194,20 @@ async def resets(dut):
 
 
 def pauses(rng, probability):
-    """Endless: paused or not, for some clocks each."""
+    """An endless sequence that says, for each clock, whether to pause."""
     while True:
         yield from [bool(rng.random() < probability)] * int(rng.integers(1, 9))
 
 
 @cocotb.test()
 async def axi_models(dut):
-    """The source and the sink of cocotbext-axi, each pausing at random."""
+    """Play frames from the source to the sink of cocotbext-axi, which pause at random."""
     bench = Bench(dut)
     dut.clk.value = 0
     dut.rst.value = 1
     await Timer(1, "ns")
     Clock(dut.clk, 10, unit="ns").start(start_high=False)
-    # One lane, so that an element of a frame is a code.
+    # There is one byte lane, so that each element of a frame is one code.
     ends = [
         model(AxiStreamBus.from_prefix(dut, prefix), dut.clk, byte_lanes=1)
         for model, prefix in ((AxiStreamSource, "s_axis"), (AxiStreamSink, "m_axis"))
@@ -222,7 +224,7 @@ async def axi_models(dut):
         frames = np.split(data, np.flatnonzero(last)[:-1] + 1)
         for frame in frames:
             source.send_nowait(AxiStreamFrame([int(code) for code in frame]))
-        # No reset is between them: frames of one are the past of those of the next.
+        # There is no reset between the parts, so the frames of one are the past of the next.
         played = [np.concatenate(both) for both in zip(played, (data, last), strict=True)]
         results, _, _ = bench.twin.process_stream(*played)
         for expected in results.reshape(-1, bench.twin.outputs)[came:]:

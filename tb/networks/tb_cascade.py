@@ -1,14 +1,14 @@
 """cascade, networks one after the other, against its twin.
 
-Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one
-sensor alone); frames that drive each hidden sum to its ends; 100 random frames; frames too short
-and too long among good ones.
-Drives: as close as the design takes frames, with random gaps, closer than it takes them, with
-resets in mid-frame, and with one reset at each clock of a frame, of a long one at many. The slots
-for earlier outputs carry random codes.
-Checks: every output, ``out_last`` and ``frame_error`` bit for bit in its clock, and that nothing
-comes out in any other clock. Measures the clocks of a frame.
-Does not prove: anything about the accuracy of the network (the report of `make demo` does).
+Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one sensor
+at a rail); frames that drive each hidden sum to both of its ends; 100 random frames; frames that
+are too short or too long among good frames.
+Drives: frames as close as the design takes them, with random gaps, closer than it takes them, with
+resets in mid-frame, and with one reset at each clock of a frame, or at many clocks of a long frame.
+The slots of the stream for earlier outputs carry random codes.
+Checks: every output, ``out_last`` and ``frame_error`` bit for bit in its clock, and that no output
+comes in any other clock. The bench also measures the clocks of a frame.
+Does not prove: how accurate the network is (the report of `make demo` shows that).
 """
 
 from tb.common.network import (

@@ -1,18 +1,18 @@
 """engine, a whole scene on one multiplier or on none, against its twin.
 
-Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one
-sensor alone); frames that drive each hidden sum to its ends; 100 random frames; frames too short
-and too long among good ones. Where it can be reloaded: its own image, those of shipped scenes and
-of other numbers of samples; images that are cut, too long, changed in one bit, for other hardware,
-or without an end; wrong ones whose check matches, wholly or in part.
-Drives: as close as the design takes frames, with random gaps, closer than it takes them, with
-resets in mid-frame, and with one reset at each clock of a frame, of a long one at many. Where it
-can be reloaded: images before, between and in the middle of frames, bytes with gaps, resets in
-mid-load.
-Checks: every output, ``out_last`` and ``frame_error`` bit for bit in its clock, and that nothing
-comes out in any other clock; ``load_ready`` and ``image_error`` too. The twin executes the words
-that were loaded. Measures the clocks of a frame.
-Does not prove: anything about the accuracy of the network (the report of `make demo` does).
+Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one sensor
+at a rail); frames that drive each hidden sum to both of its ends; 100 random frames; frames that
+are too short or too long among good frames. If the engine can be reloaded: its own image, images of
+shipped scenes and images with other numbers of samples; images that are cut, too long, changed in
+one bit, for other hardware, or without an end; wrong images whose check matches, wholly or in part.
+Drives: frames as close as the design takes them, with random gaps, closer than it takes them, with
+resets in mid-frame, and with one reset at each clock of a frame, or at many clocks of a long frame.
+If the engine can be reloaded: images before, between and in the middle of frames, bytes with gaps,
+and resets while an image is loaded.
+Checks: every output, ``out_last`` and ``frame_error`` bit for bit in its clock, and that no output
+comes in any other clock; ``load_ready`` and ``image_error`` too. The twin executes the loaded
+words. The bench also measures the clocks of a frame.
+Does not prove: how accurate the network is (the report of `make demo` shows that).
 """
 
 import cocotb
@@ -36,7 +36,7 @@ from tb.common.network import (
 from tb.common.small import ENGINES, RELOADED, SERIAL_ENGINES
 from tb.common.stimulus import random_resets, spread
 
-# Without a multiplier the sum is another; what stands around it is the same.
+# Without a multiplier the block of the sum is another one. All other blocks are the same.
 SERIAL = {n: SERIAL_ENGINES[n] for n in ("rails-serial", "least-serial", "chain-serial")}
 CASES = RELOADED | ENGINES | SERIAL
 FAULTS = [
@@ -45,7 +45,7 @@ FAULTS = [
     (r"(?s)(frame_guard u_frame_guard_0 .*?\.halt)\(halt\)", r"\1(1'b0)"),
     (r"\.busy\(busy\)", ".busy(1'b0)"),
 ]
-# Other arrangements, and another number of samples.
+# These have other arrangements, and another number of samples.
 SCENES = ("digit-single", "digit-multiple", "swing-single")
 
 __all__ = [
@@ -58,7 +58,7 @@ __all__ = [
 
 
 def frames_of(bench, frames, after):
-    """A timeline of frames as close as the twin takes them, ``after`` clocks from its begin."""
+    """A timeline of frames as close as the twin takes them, which starts after ``after`` clocks."""
     count, inputs = frames.shape
     pause = np.zeros((count, inputs), dtype=np.int64)
     pause[:, 0] = bench.twin.interval - inputs
@@ -71,7 +71,7 @@ def frames_of(bench, frames, after):
 
 
 def traffic(bench, samples, most):
-    """Frames of the right length, and some shorter and longer, up to ``most`` clocks apart."""
+    """Frames of the right length and some shorter and longer ones, up to ``most`` clocks apart."""
     twin, rng = bench.twin, bench.rng
     last = random_lengths(rng, twin.inputs, samples)
     data = rng.integers(SIGNAL.low, SIGNAL.high + 1, samples if len(last) < samples else len(last))
@@ -81,11 +81,12 @@ def traffic(bench, samples, most):
 
 
 def wrong_images(rng, sizes, image):
-    """Byte streams that are not the image: each must be refused."""
+    """Byte streams that differ from the image. Each must be refused."""
     cuts = [1, 4, 5, 6, len(image) // 2, len(image) - 2, len(image) - 1]
     wrong = [image[:count] for count in cuts]
     wrong += [image + bytes(count) for count in (1, 2, 3, 5, 7)]
-    # The header's fields, a word, the last word to come, and the check.
+    # The changed bytes are in the fields of the header, in a word, in the last word and in the
+    # check.
     for place in (1, 2, 3, 4, len(image) // 2, len(image) - 3, len(image) - 2, len(image) - 1):
         changed = bytearray(image)
         changed[place] ^= 1 << rng.integers(0, 8)
@@ -96,7 +97,7 @@ def wrong_images(rng, sizes, image):
 
 @cocotb.test()
 async def images_one_after_the_other(dut):
-    """Its own image and those of shipped scenes, each with its recorded frames."""
+    """Load the own image and those of shipped scenes, and play the recorded frames of each."""
     bench = Bench(dut)
     if not bench.twin.image:
         return
@@ -114,7 +115,8 @@ async def images_one_after_the_other(dut):
 
 @cocotb.test()
 async def other_numbers_of_samples(dut):
-    """Each bit of the number that the image names is 1 in one of two and 0 in the other."""
+    """Load two images, so that each bit of their number of samples is 1 in one and 0 in the "
+    "other."""
     bench = Bench(dut)
     if not bench.twin.image:
         return
@@ -134,7 +136,7 @@ async def other_numbers_of_samples(dut):
 
 @cocotb.test()
 async def wrong_images_among_good_ones(dut):
-    """No frame is taken from the first byte of an image on that is not good."""
+    """Check that no frame is taken from the first byte of a wrong image on."""
     bench = Bench(dut)
     if not bench.twin.image:
         return
@@ -157,7 +159,7 @@ async def wrong_images_among_good_ones(dut):
 
 @cocotb.test()
 async def frames_while_loading(dut):
-    """Images in the middle of frames and of their computation, of two scenes in turn."""
+    """Load images of two scenes in turn, in the middle of frames and of their computation."""
     bench = Bench(dut)
     if not bench.twin.image:
         return
@@ -177,7 +179,7 @@ async def frames_while_loading(dut):
 
 @cocotb.test()
 async def resets_while_loading(dut):
-    """Resets at random clocks, also in mid-load; each forgets the image."""
+    """Play resets at random clocks, also during loading. Each reset discards the image."""
     bench = Bench(dut)
     if not bench.twin.image:
         return

@@ -1,13 +1,14 @@
 """multiple, networks side by side, against its twin.
 
-Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one
-sensor alone); frames that drive each hidden sum to its ends; 100 random frames; of many those with
-the least and the largest output of each network; frames too short and too long among good ones.
-Drives: as close as the design takes frames, with random gaps, closer than it takes them, with
+Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one sensor
+at a rail); frames that drive each hidden sum to both of its ends; 100 random frames; of many random
+frames, those with the least and the largest output of each network; frames that are too short or
+too long among good frames.
+Drives: frames as close as the design takes them, with random gaps, closer than it takes them, with
 resets in mid-frame, and with one reset at each clock of a frame.
-Checks: every output, ``out_last`` and ``frame_error`` bit for bit in its clock, and that nothing
-comes out in any other clock. Measures the clocks of a frame.
-Does not prove: anything about the accuracy of the network (the report of `make demo` does).
+Checks: every output, ``out_last`` and ``frame_error`` bit for bit in its clock, and that no output
+comes in any other clock. The bench also measures the clocks of a frame.
+Does not prove: how accurate the network is (the report of `make demo` shows that).
 """
 
 import cocotb
@@ -34,7 +35,8 @@ FAULTS = [
     (r"aligned_2 <= result_2", "aligned_2 <= aligned_0"),
 ]
 
-# Of how many frames the least and the largest outputs are played, and how many of either.
+# How many frames are searched for the least and the largest outputs, and how many of each are
+# played.
 MANY, ENDS = 1 << 16, 4
 
 __all__ = [
@@ -48,7 +50,7 @@ __all__ = [
 
 @cocotb.test()
 async def ends_of_outputs(dut):
-    """An output whose sign seldom changes does so here, if it can."""
+    """Play the least and the largest outputs, so that each output changes its sign if it can."""
     bench = Bench(dut)
     frames = random_elements(bench, MANY * bench.twin.inputs).reshape(MANY, -1)
     at_rail = bench.rng.random(frames.shape) < 0.5

@@ -1,12 +1,12 @@
 """parallel, every multiplication at once, against its twin.
 
-Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one
-sensor alone); frames that drive each hidden sum to its ends; 400 random frames.
-Drives: as close as the design takes frames, with random gaps, closer than it takes them, with
-resets among them, and with one reset at each clock of a frame's way.
-Checks: every output and ``frame_error`` bit for bit in its clock, and that nothing comes out in any
-other clock. Measures the clocks of a frame.
-Does not prove: anything about the accuracy of the network (the report of `make demo` does).
+Sweeps: all recorded frames of the scene; corner frames (rails, alternating rails, zeros, one sensor
+at a rail); frames that drive each hidden sum to both of its ends; 400 random frames.
+Drives: frames as close as the design takes them, with random gaps, closer than it takes them, with
+resets among them, and with one reset at each clock of a frame's way through the design.
+Checks: every output and ``frame_error`` bit for bit in its clock, and that no output comes in any
+other clock. The bench also measures the clocks of a frame.
+Does not prove: how accurate the network is (the report of `make demo` shows that).
 """
 
 import cocotb
@@ -32,7 +32,7 @@ def ports(name, count):
 
 
 async def check(bench, frames, gap, pause, resets=None):
-    """Play frames; expect what the twin makes of the frames that were recorded.
+    """Play frames, and compare with what the twin computes from the recorded frames.
 
     ``resets`` gives the reset column for a number of clocks.
     """
@@ -44,7 +44,7 @@ async def check(bench, frames, gap, pause, resets=None):
         drive["rst"] = resets(len(drive["in_valid"]))
     recording = await bench.play(drive, ["out_valid", *outputs, "frame_error"])
 
-    # A frame is one element and the last of its frame.
+    # The element that holds a frame is also the last of the frame.
     rows, judged = scan(twin.input_controller, recording, last="in_valid")
     entered = rows[judged.done]
     seen = np.stack([recording.signed(port, entered) for port in sensors], axis=-1)
@@ -64,7 +64,7 @@ def random_frames(bench, count):
 
 @cocotb.test()
 async def recorded(dut):
-    """All recorded frames as close as the design takes them, then with gaps; counts the clocks."""
+    """Play all recorded frames, closest first, then with gaps, and count the clocks of a frame."""
     bench = Bench(dut)
     codes = bench.scene.vectors().codes
     pause = bench.twin.interval - 1
@@ -82,7 +82,7 @@ async def recorded(dut):
 
 @cocotb.test()
 async def corners_and_random(dut):
-    """Corner frames, frames that drive hidden sums to their ends, and random ones."""
+    """Play corner frames, frames that drive hidden sums to their ends, and random frames."""
     bench = Bench(dut)
     ends = extreme_frames(SIGNAL, [neuron.weights for neuron in bench.twin.hidden_neurons])
     corners = corner_frames(SIGNAL, bench.twin.inputs)
@@ -94,7 +94,7 @@ async def corners_and_random(dut):
 
 @cocotb.test()
 async def too_close(dut):
-    """Frames closer than the design takes them, where it does not take one every clock."""
+    """Play frames closer than the design takes them, if it does not take one every clock."""
     bench = Bench(dut)
     pause = bench.rng.integers(0, bench.twin.interval + 1, 400)
     _, _, errors = await check(bench, random_frames(bench, 400), gap=0.0, pause=pause)
@@ -104,7 +104,7 @@ async def too_close(dut):
 
 @cocotb.test()
 async def resets_among_frames(dut):
-    """Resets at random clocks among frames at any distance."""
+    """Play frames at any distance, with resets at random clocks."""
     bench = Bench(dut)
     pause = bench.rng.integers(0, bench.twin.interval + 1, 600)
     every = 2 * (bench.twin.interval + bench.latency)
@@ -120,14 +120,14 @@ async def resets_among_frames(dut):
 
 @cocotb.test()
 async def reset_at_every_clock(dut):
-    """One frame, a reset a given number of clocks after it, and a good frame."""
+    """Play a frame, a reset so many clocks after it, and then a good frame."""
     bench = Bench(dut)
     span = max(bench.latency + 2, bench.twin.interval)
 
     def resets(clocks):
         column = np.zeros(clocks, dtype=np.int64)
         for t in range(span):
-            # Frame 2 t enters at this clock, frame 2 t + 1 a span and a clock later.
+            # Frame 2 t enters in this clock, and frame 2 t + 1 a span and one clock later.
             column[2 * t * (span + 1) + span + t] = 1
         return column
 

@@ -1,1 +1,1 @@
-"""``make report``: what a scene is, how far off, what it costs, and how that was found."""
+"""``make report``: what a scene is, its errors, its costs, and how these were measured."""

@@ -1,8 +1,8 @@
-"""``make report``: one HTML file about a scene, with every plot as SVG and number as CSV and JSON.
+"""``make report``: writes one HTML file about a scene, with all plots as SVG and tables as CSV.
 
-``build/<scene>/report.html`` opens without a network; ``build/<scene>/report`` beside it holds the
-plots, a CSV for each table, and report.json with all of them. What has not changed since the last
-report is not measured again.
+``build/<scene>/report.html`` opens without a network connection. ``build/<scene>/report`` beside it
+holds the plots, a CSV for each table, and report.json with all tables. What has not changed since
+the last report is not measured again.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
-"""The default scenes beside each other and beside what the thesis prints.
+"""The table that compares the default scenes with each other and with the printed thesis.
 
-Same sensors, same outputs: what was built, that it is reproduced, and what it takes today. Cells
-are those that ``make synth`` recorded, so nothing is synthesised for the table.
+The scenes have the same sensors and outputs. The table shows what the thesis built, that it is
+reproduced here, and what the same task takes today. The cells are those that ``make synth``
+recorded, so nothing is synthesised for the table.
 """
 
 from __future__ import annotations
@@ -18,10 +19,10 @@ from hdl.synth.budget import budget_path, read_budget
 from tb.report.measure.clocks import clocks_per_frame
 
 FAMILY = "xc2v"
-# The same networks as digit, with the scan and the profile that the thesis has around its own.
+# This scene has the networks of digit, with a scan and a profile as in the thesis.
 WHOLE = "digit-instrument"
 KINDS = ("LUT", "multiplier", "flip-flop", "block RAM")
-# What the thesis prints of a kind of cell: percent of its device.
+# For each kind of cell, the percentage of its device that the thesis prints.
 SHARES = {"LUT": ("luts_percent", "luts4"), "multiplier": ("mult18x18_percent", "mult18x18")}
 NONE = "-"
 WIDTH = 27
@@ -32,20 +33,21 @@ Row = tuple[str, ...]
 def side_by_side(
     scenes: Sequence[Scene], results: Mapping[str, dict[str, Any]] | None = None
 ) -> list[str]:
-    """The lines of the table and of what must be known about it.
+    """The lines of the table, and of the notes below it.
 
     Parameters
     ----------
     scenes : sequence of Scene
-        With the same sensors, outputs and reference.
+        Scenes with the same sensors, outputs and reference.
     results : mapping, optional
-        What the benches of each scene found, by its name. Then clocks are those that were
-        simulated, and there is a line of what was compared; else they are those of the twins.
+        The results of the benches, by the name of the scene. With them the clocks are the simulated
+        ones, and there is a line about what was compared. Without them the clocks are those of the
+        twins.
 
     Raises
     ------
     InputError
-        When scenes have other sensors, outputs or references than the first.
+        When a scene has other sensors, outputs or references than the first.
     """
     first = scenes[0]
     for scene in scenes:
@@ -106,7 +108,7 @@ def _around(scene: Scene) -> str:
 
 
 def _errors(scenes: Sequence[Scene]) -> list[Row]:
-    """Bit-true errors in percent, beside those that the thesis simulated."""
+    """The bit-true errors in percent, beside those of the simulation in the thesis."""
     first = scenes[0]
     printed = thesis_figures(first.reference, len(first.outputs), first.path)
     head = f"{'mean':>5} {'largest':>8} {'held out':>9}"
@@ -123,7 +125,7 @@ def _errors(scenes: Sequence[Scene]) -> list[Row]:
 
 
 def _clocks(scenes: Sequence[Scene], results: Mapping[str, dict[str, Any]] | None) -> list[Row]:
-    """A frame's clocks, and those from one frame to the next, also in microseconds."""
+    """The clocks of a frame and from one frame to the next, also in microseconds."""
     frames, behind, between = [], [], []
     for scene in scenes:
         design = scene.twin()
@@ -144,7 +146,8 @@ def _clocks(scenes: Sequence[Scene], results: Mapping[str, dict[str, Any]] | Non
 
 
 def _cells(scenes: Sequence[Scene]) -> list[Row]:
-    """Recorded cells of the whole, and of the networks in it; percent of the thesis' device."""
+    """The recorded cells of the scene and of its networks, and their share of the thesis' "
+    "device."""
     device, printed = thesis_table("board"), thesis_table(scenes[0].reference)
     rows: list[Row] = []
     cells = [read_budget(budget_path(scene.path))[FAMILY] for scene in scenes]
@@ -168,7 +171,7 @@ def _share(count: int, of: int) -> str:
 
 
 def _compared(scenes: Sequence[Scene], results: Mapping[str, dict[str, Any]]) -> Row:
-    """That it is reproduced: what both simulators compared with the twins."""
+    """What both simulators compared with the twins, which shows that the thesis is reproduced."""
     cells = []
     for scene in scenes:
         found = results[scene.name]
@@ -178,7 +181,7 @@ def _compared(scenes: Sequence[Scene], results: Mapping[str, dict[str, Any]]) ->
 
 
 def _notes(scenes: Sequence[Scene]) -> list[str]:
-    """What the figures are of."""
+    """The notes that say what the figures refer to."""
     device = thesis_table("board")["device"]
     held_out = [f"for {scene.name} {_seen(scene)}" for scene in scenes]
     notes = [
@@ -199,7 +202,7 @@ def _notes(scenes: Sequence[Scene]) -> list[str]:
 
 
 def _seen(scene: Scene) -> str:
-    """How the networks came to have seen frames or not."""
+    """Which frames the networks have seen in training."""
     after = "frames held back before the networks were trained again on all"
     return after if scene.training.refit else "the test frames"
 

@@ -1,4 +1,4 @@
-"""What is proved of converter_reader."""
+"""Proved properties of converter_reader."""
 
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import ago, results
@@ -6,7 +6,7 @@ from tb.sign_off.watch import ago, results
 
 def properties(twin):
     part, half, turn = twin.part, twin.half_clocks, twin.slot_clocks
-    # In a turn: the first clock in which the wires are at work, and that of the verdict.
+    # The first clock of a turn in which the wires are active, and the clock of the verdict.
     first = twin.begin_clock + 2
     verdict = first + 2 * part.clocks * half
     least = part.high_clocks(twin.clock)

@@ -1,9 +1,9 @@
-"""What is proved of frame_window, whatever comes on its stream."""
+"""Proved properties of frame_window, whatever comes on its stream."""
 
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import ago, frames, results
 
-# No least distance, and slots behind the samples.
+# A case without a least distance of frames, and with slots after the samples.
 ALSO = ("chain-past",)
 
 
@@ -12,17 +12,17 @@ def properties(twin):
 
 
 def window(twin, part, out, wrong=(), lost=()):
-    """What is proved of a frame window, by itself or inside a network.
+    """The properties of a frame window, by itself or inside a network.
 
     Parameters
     ----------
     twin : FrameWindow
     part : str
-        Stands before the names of its signals: "", or its instance and a point.
+        The prefix of its signals: "", or the name of its instance and a point.
     out : str
-        How the names of the stream begin to which it gives elements.
+        The prefix of the names of its output stream.
     wrong, lost : tuple
-        Broken copies beside those of the block: of frame_error, and of the stream behind it.
+        Further broken copies, for the property of frame_error and for that of the output stream.
     """
     sensors, spacing, elements = twin.sensors, twin.spacing, twin.elements
     late, past, interval = twin.latency, twin.past, twin.interval
@@ -108,7 +108,7 @@ def window(twin, part, out, wrong=(), lost=()):
                 + ago("was_yielding", yields, 1)
                 + ago("good_ago", f"({good} && known == {past})", 1),
                 helps=(f"known == {part}past_whole0_known", f"known <= {past}"),
-                # Whatever the judge of frames says.
+                # The frame check may say anything here.
                 free=(good,),
                 reached=("was_yielding",),
                 refuted_by=(

@@ -1,4 +1,4 @@
-"""What is proved of scan_sequencer."""
+"""Proved properties of scan_sequencer."""
 
 from tb.sign_off.properties import Property
 

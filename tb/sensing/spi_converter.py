@@ -1,8 +1,8 @@
-"""Converters as their data sheets draw them, to answer a block and to judge its timing.
+"""Models of converters, made from their data sheets, which answer a block and judge its timing.
 
-Nothing here knows what the block or its twin hold a part for: limits, commands and codes are those
-of the timing diagrams. A model looks at whole columns of the wires, row by row as they were
-recorded, and gives the column of ``miso`` that the part would have sent.
+The models are independent of the block and its twin: limits, commands and codes are taken from the
+timing diagrams. A model reads the recorded columns of the wires as a whole, and gives the column of
+``miso`` that the converter would have sent.
 """
 
 from __future__ import annotations
@@ -16,14 +16,15 @@ import numpy as np
 
 from golden.sensing.converter_parts import PULL_UP_NS
 
-# What the converter lets go of.
+# The converter does not drive the wire.
 RELEASED = 1
 
 
 def mcp3208(asked: list[int]) -> tuple[int, list[int | str]]:
-    """The channel, and what is sent after the fall of ``cs_n`` and after each fall of ``sclk``.
+    """The channel, and the bits after the fall of ``cs_n`` and after each fall of ``sclk``.
 
-    Start bit, single-ended, D2, D1, D0; a clock to settle, a null bit, B11 to B0, B1 to B11, zeros.
+    The command is a start bit, single-ended, D2, D1, D0. Then follow a clock to settle, a null bit,
+    B11 to B0, B1 to B11, and zeros.
     """
     start = asked.index(1)
     single, *channel = asked[start + 1 : start + 5]
@@ -35,9 +36,9 @@ def mcp3208(asked: list[int]) -> tuple[int, list[int | str]]:
 
 
 def ads8344(asked: list[int]) -> tuple[int, list[int | str]]:
-    """As ``mcp3208``: start, A2, A1, A0, nothing, SGL/DIF, PD1, PD0; busy, B15 to B0, zeros.
+    """The same for this part: start, A2, A1, A0, an unused bit, SGL/DIF, PD1, PD0; busy, B15 to B0.
 
-    The multiplexer's address is that of a pair of channels and which of the pair.
+    Zeros follow. The address of the multiplexer names a pair of channels, and which of the two.
     """
     start = asked.index(1)
     address, (single, *power) = asked[start + 1 : start + 4], asked[start + 5 : start + 8]
@@ -50,10 +51,10 @@ def ads8344(asked: list[int]) -> tuple[int, list[int | str]]:
 
 @dataclass(frozen=True)
 class Sheet:
-    """A part's timing, in nanoseconds, and its codes.
+    """The timing of a converter, in nanoseconds, and its codes.
 
-    ``ideal`` gives the code for a sensor's voltage of -1 to 1 V behind the analogue front end that
-    the part asks for, as a code of Fix(14,13): half a step of the part away at most.
+    ``ideal`` gives the code for a sensor's voltage of -1 to 1 V after the analogue front end that
+    the converter needs. As a code of Fix(14,13) it is at most half a step of the converter off.
     """
 
     diagram: Callable[[list[int]], tuple[int, list[int | str]]]
@@ -72,14 +73,15 @@ class Sheet:
     signed: bool
 
     def ideal(self, voltages: np.ndarray) -> np.ndarray:
-        """Codes: of 0 V to the reference, or about the common voltage."""
+        """The codes for voltages, from 0 V to the reference or around the common voltage."""
         places = 1 << self.bits
         steps = (2 * (voltages + 8192) * places + 16384) // 32768
         steps = np.minimum(steps, places - 1)
         return (steps + places // 2) % places if self.signed else steps
 
 
-# Microchip DS21298E at 2.7 V and at 5 V; Texas Instruments SBAS139E and SBAS177 at 2.7 V.
+# The values are from Microchip DS21298E at 2.7 V and at 5 V, and from Texas Instruments SBAS139E
+# and SBAS177 at 2.7 V.
 _MCP3208 = {
     "diagram": mcp3208,
     "bits": 12,
@@ -120,10 +122,10 @@ SHEETS = {
 
 @dataclass(frozen=True)
 class Transfer:
-    """One transfer: where it stands, what was asked, what was sent.
+    """One transfer: its rows, what was asked, and what was sent.
 
-    ``rows`` are those in which ``cs_n`` is low; ``falls`` those from which ``sclk`` is low again.
-    ``cut`` is whether a reset ended it.
+    In ``rows`` ``cs_n`` is low. At each of ``falls`` ``sclk`` becomes low again. ``cut`` says
+    whether a reset ended the transfer.
     """
 
     rows: range
@@ -134,15 +136,15 @@ class Transfer:
 
 
 class Converter:
-    """A part on the wires of a recording.
+    """A converter on the wires of a recording.
 
     Parameters
     ----------
     part : str
     clock_mhz : float
-        Of the block; a row is one clock.
+        The clock of the block. A row is one clock.
     rng : numpy Generator
-        For what stands on the wire while nothing is promised.
+        Gives the values of the wire while the data sheet promises none.
     """
 
     def __init__(self, part: str, clock_mhz: float, rng: np.random.Generator):
@@ -159,26 +161,26 @@ class Converter:
         convert: Callable[[int, int], int],
         fault: Callable[[int], dict[int, int] | int | None] = lambda number: None,
     ) -> tuple[np.ndarray, list[Transfer]]:
-        """The column of ``miso``, and the transfers; refuses a timing that the sheet forbids.
+        """The column of ``miso``, and the transfers. A timing that the data sheet forbids fails.
 
         Parameters
         ----------
         wires : dict
-            Columns of ``cs_n``, ``sclk`` and ``mosi``.
+            The columns of ``cs_n``, ``sclk`` and ``mosi``.
         resets : array of bool
-            A column: what a reset cuts keeps to no limit but that of ``cs_n`` high.
+            A column. A transfer that a reset cuts only has to keep the limit of ``cs_n`` high.
         first : int
             The first row in which the wires are defined.
         convert : callable
-            The code of a channel, for the number of the transfer.
+            Gives the code of a channel for the number of the transfer.
         fault : callable
-            For the number of a transfer what is wrong with it: 0 or 1 for a wire that is stuck from
-            before the transfer on; or for bits, counted as the falls of ``sclk`` before them, which
-            of them to turn over (1 is the bit of the first clock, 0 the line before the transfer).
+            Gives, for the number of a transfer, what is wrong with it: 0 or 1 for a wire that is
+            stuck from before the transfer on, or the bits to invert. A bit is counted by the falls
+            of ``sclk`` before it: 1 is the bit of the first clock, 0 the line before the transfer.
         """
         sheet, selected = self.sheet, wires["cs_n"]
         length = len(selected)
-        # Nobody drives: the pull-up, at first on its way.
+        # Nobody drives the wire, so the pull-up raises it, which takes some time at first.
         miso = np.full(length, RELEASED)
         changes = np.flatnonzero(np.diff(selected[first:])) + first + 1
         falls = changes[selected[changes] == 0]
@@ -237,16 +239,16 @@ class Converter:
         return Transfer(rows, [rows.start + int(d) for d in downs], channel, code, cut)
 
     def _loose(self, miso: np.ndarray, row: int, time: int, stop: int | None = None) -> None:
-        """Anything may stand on the wire until so long after the edge that row ``row`` shows.
+        """Put random values on the wire for a time after the edge that row ``row`` shows.
 
-        That edge comes at the end of the row before; what stands at the end of a row counts.
+        The edge comes at the end of the row before. The value at the end of a row counts.
         """
         rows = -int(-Fraction(time) / self.row_ns // 1) - 1
         end = min(len(miso) if stop is None else stop, row + max(0, rows))
         miso[row:end] = self.rng.integers(0, 2, max(0, end - row))
 
     def _turn(self, miso: np.ndarray, transfer: Transfer, wrong: dict[int, int]) -> None:
-        """Turn bits over, where they are read."""
+        """Invert bits in the rows in which they are read."""
         for bit in wrong:
             row = transfer.rows.start - 1 if bit == 0 else transfer.falls[bit - 1] - 1
             miso[row] ^= 1

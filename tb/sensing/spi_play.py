@@ -1,4 +1,4 @@
-"""Plays a block with a converter on its wires, and looks at what it tells of it."""
+"""Plays a block with a converter on its wires, and checks how it reports the converter."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ class Timeline:
         self.count = self.since % reader.scan_clocks
         starts = rows[self.count == 0]
         ends = starts + reader.read_clocks[-1, -1]
-        # Scans whose last bit is in the recording and in front of every reset.
+        # The scans whose last bit is in the recording, and before any reset.
         kept = (ends < recording.clocks - 2) & ~np.isin(starts, self.marks)
         self.starts = starts[kept][recording.undisturbed(starts[kept], ends[kept])]
 
 
 async def listen(bench, reader, resets, watch, convert, fault=lambda number: None):
-    """Play the block twice: for what it asks, and for what it makes of the answers.
+    """Play the block twice, to learn what it asks, and then with the answers.
 
     ``resets`` is a column; ``convert`` and ``fault`` are those of ``Converter.answer``.
     """
@@ -44,14 +44,14 @@ async def listen(bench, reader, resets, watch, convert, fault=lambda number: Non
     for name in PINS:
         rows = every if name != "mosi" else every[columns["cs_n"][every] == 0]
         both = ([one.columns[name][t] for t in rows] for one in (asked, recording))
-        assert len({tuple(bits) for bits in both}) == 1, f"{name} hangs on what is answered"
+        assert len({tuple(bits) for bits in both}) == 1, f"{name} depends on the answers"
     return recording, transfers
 
 
 def check_error(bench, reader, recording, timeline):
-    """``converter_error`` in every clock; gives the clocks in which something leaves beside it.
+    """Check ``converter_error`` in every clock, and return those in which outputs leave with it.
 
-    Of a reader those are none. A network behind it may send then what it makes of an earlier scan.
+    A reader has no such clocks. A network after it may then send the outputs of an earlier scan.
     """
     read = reader.read_clocks
     ended = timeline.rows[np.isin(timeline.count, read[:, -1])]
@@ -60,7 +60,7 @@ def check_error(bench, reader, recording, timeline):
     turns = np.searchsorted(read[:, -1], timeline.count[ended - RESET_CLOCKS])
     at = ended[:, np.newaxis] - read[turns, -1:] + read[turns]
     _, right = reader.received(recording.unsigned("miso", at.ravel()).reshape(at.shape))
-    # From which row on the flag is what; a transfer shows two clocks after its last bit.
+    # The rows from which on the flag has a value, which is two clocks after the last bit.
     changes, spoilt = {int(row) + 1: None for row in timeline.marks}, False
     told = dict(zip((ended + 2).tolist(), zip(turns, right, strict=True), strict=True))
     rows, levels, up = [0], [0], 0

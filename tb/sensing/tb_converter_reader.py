@@ -1,13 +1,14 @@
 """converter_reader against its twin, with a model of the part on its wires.
 
-Sweeps: codes at random, both ends and those about the one from which on samples saturate; recorded
-voltages of the sensors; each bit that tells of a converter, wrong in each turn; a reset in each bit
-of a transfer, about the end of a wrong one, and while a frame leaves.
-Drives: what the part would send for what the block has asked, and until that is promised anything.
-Checks: ``cs_n`` and ``sclk`` in every clock, the channels that are asked for, every limit of the
-part's timing; samples, ``out_last`` and their clocks; ``converter_error`` in every clock, and that
-nothing leaves while it is up.
-Does not prove: that a part keeps to its data sheet, or the wires' delays.
+Sweeps: random codes, both ends, and the codes around the first for which a sample saturates;
+recorded voltages of the sensors; each bit that shows the presence of a converter, wrong in each
+turn; a reset in each bit of a transfer, around the end of a wrong one, and while a frame leaves.
+Drives: the answer of the converter to what the block has asked, and anything until the data sheet
+promises an answer.
+Checks: ``cs_n`` and ``sclk`` in every clock, the requested channels, every limit of the converter's
+timing; samples, ``out_last`` and their clocks; ``converter_error`` in every clock, and that no
+sample leaves while it is high.
+Does not prove: that a converter keeps to its data sheet, and what the delays of the wires do.
 """
 
 import cocotb
@@ -45,12 +46,12 @@ FAULTS = [
 ]
 
 WATCH = [*PINS, "out_valid", "out_data", "out_last", "converter_error"]
-# Scans of a test, or as many as these clocks hold.
+# How many scans a test plays, if they fit into so many clocks.
 SCANS, MOST_CLOCKS = 20, 10_000
 
 
 def check_pins(bench, recording, timeline):
-    """``cs_n`` and ``sclk`` as the twin's clocks say."""
+    """Check ``cs_n`` and ``sclk`` in the clocks that the twin states."""
     twin = bench.twin
     reset = np.isin(timeline.rows - 1, timeline.marks)
     turn, clock = timeline.count // twin.slot_clocks, timeline.count % twin.slot_clocks
@@ -64,7 +65,7 @@ def check_pins(bench, recording, timeline):
 
 
 def check_frames(bench, recording, timeline, transfers):
-    """Samples and their clocks, and which transfers were right; gives the codes of whole scans."""
+    """Check samples, their clocks and the right transfers, and return the codes of whole scans."""
     twin = bench.twin
     read = timeline.starts[:, np.newaxis, np.newaxis] + twin.read_clocks
     bits = recording.unsigned("miso", read.ravel()).reshape(read.shape)
@@ -87,7 +88,7 @@ def check_frames(bench, recording, timeline, transfers):
     kept = recording.signed("out_data", left[stays + 1] - 1)
     bench.compare("kept data", kept, got[stays], clock=left[stays])
 
-    # Every transfer of a whole scan was of its channel, and what came is what was sent.
+    # Every transfer of a complete scan was of its channel, and the code is the one that was sent.
     sent = {transfer.rows.start: transfer for transfer in transfers}
     first = read[:, :, 0] + 1
     asked = np.array([[sent[int(row)].channel for row in scan] for scan in first]).reshape(-1)
@@ -114,7 +115,7 @@ def scans_that_fit(bench):
 
 
 def random_codes(bench, count):
-    """Of four codes one is an end or about a border of the rounding."""
+    """Random codes; one in four is an end of the range or near a border of the rounding."""
     top = 1 << bench.twin.part.bits
     marks = np.concatenate([np.arange(-6, 2), top // 2 + np.arange(-6, 2)]) % top
     codes = bench.rng.integers(0, top, count)
@@ -123,11 +124,11 @@ def random_codes(bench, count):
 
 @cocotb.test()
 async def codes(dut):
-    """Random codes; what the converter sends is what arrives."""
+    """Play random codes, and check that the sent codes arrive."""
     bench = Bench(dut)
     twin, scans = bench.twin, scans_that_fit(bench)
     drawn = random_codes(bench, (scans + 2) * twin.inputs)
-    # Few scans bring few codes: the first two are those beside the border.
+    # Few scans bring few codes, so the first two codes are those at the border.
     every = np.arange(1 << twin.part.bits)
     for border in twin.borders:
         exact = twin.quantities(every)[border.quantity]
@@ -140,7 +141,7 @@ async def codes(dut):
 
 @cocotb.test()
 async def voltages(dut):
-    """Recorded voltages behind the analogue front end; samples are what the network was given."""
+    """Play recorded voltages, and check that the samples are those that the networks know."""
     bench = Bench(dut)
     twin = bench.twin
     recorded = np.concatenate(bench.scene.vectors().recordings)
@@ -165,9 +166,10 @@ async def voltages(dut):
 
 @cocotb.test()
 async def missing_and_stuck(dut):
-    """A line that nobody drives, or that is stuck; then each single bit that tells, in each turn.
+    """Play a line that nobody drives or that is stuck, then single wrong bits in each turn.
 
-    Scans in between go right, so that the flag falls.
+    Each of these bits shows the presence of a converter. Good scans come between them, so that the
+    flag falls.
     """
     bench = Bench(dut)
     twin, part = bench.twin, bench.twin.part
@@ -192,7 +194,7 @@ async def missing_and_stuck(dut):
         lambda channel, number: int(drawn[number % len(drawn)]),
         fault=faults.get,
     )
-    # The mirror of the middle bit is itself.
+    # The middle bit is its own mirror image.
     harmless = sum(1 for one in faults.values() if one == {part.last: 1})
     expected = len([n for n in faults if n < right.size]) - harmless
     middle = np.array([int((~right).sum())])
@@ -202,7 +204,7 @@ async def missing_and_stuck(dut):
 
 @cocotb.test()
 async def resets(dut):
-    """Resets at random, then one in each bit of a transfer."""
+    """Play resets at random, then one reset in each bit of a transfer."""
     bench = Bench(dut)
     twin, part = bench.twin, bench.twin.part
     drawn = random_codes(bench, 4000)

@@ -1,14 +1,14 @@
 """frame_window against its twin.
 
-Sweeps: random frames and corner frames (rails, alternating rails, zeros, one sensor alone), three
-times as many as the ring holds, or once; frames of all lengths, one in three of them wrong; a reset
-at each clock of a frame and of what is sent after it.
-Drives: frames as close as the network takes them, closer, also by each power of two of clocks, with
-gaps, and with resets at random clocks.
+Sweeps: random frames and corner frames (rails, alternating rails, zeros, one sensor at a rail),
+three times as many as the ring holds, or just as many if that takes long; frames of all lengths,
+one in three of them wrong; a reset at each clock of a frame and of what is sent after it.
+Drives: frames as close as the network takes them, closer by random numbers and by each power of two
+of clocks, with gaps, and with resets at random clocks.
 Checks: every sample that leaves, ``out_last`` and ``frame_error`` bit for bit in their clocks, and
-that nothing leaves in any other clock: not before the past is whole, of no wrong frame, and none of
-its samples later.
-Does not prove: what stands in the slots behind the samples, which does not matter.
+that no sample leaves in any other clock: none before the past is complete, none of a wrong frame,
+and none of its samples as the past of later frames.
+Does not prove: what is in the slots after the samples, which has no effect.
 """
 
 import cocotb
@@ -33,12 +33,12 @@ FAULTS = [
 ]
 
 
-# About the clocks that a test plays.
+# About how many clocks a test plays.
 MOST_CLOCKS = 20_000
 
 
 async def check(bench, data, last, gap=0.0, pause=0, resets=None):
-    """Play samples; ``resets`` gives the reset column for a number of clocks."""
+    """Play samples and compare; ``resets`` gives the reset column for a number of clocks."""
     twin = bench.twin
     items = {"in_data": data, "in_last": last}
     tail = twin.latency + twin.elements + 3
@@ -67,7 +67,7 @@ async def check(bench, data, last, gap=0.0, pause=0, resets=None):
 
 
 def whole(frames):
-    """Good frames as samples."""
+    """The samples and ``last`` flags of good frames."""
     last = np.zeros(frames.shape, dtype=np.int64)
     last[:, -1] = 1
     return frames.ravel(), last.ravel()
@@ -83,19 +83,19 @@ def random_frames(bench, count):
 
 
 def enough(bench):
-    """Frames that fill the ring three times, or once where that takes long, behind a whole past."""
+    """How many frames fill the ring three times, or once if that takes long, after a past."""
     once = bench.twin.words // bench.twin.sensors
     return bench.twin.past + 3 + min(3 * once, max(once, MOST_CLOCKS // bench.twin.interval))
 
 
 def closest(bench):
-    """Idle clocks before a frame, with which frames are as close as may be."""
+    """The idle clocks before a frame with which frames are as close as allowed."""
     return bench.twin.interval - bench.twin.sensors
 
 
 @cocotb.test()
 async def frames_in_time(dut):
-    """Rails and random codes in the past, as close as may be and with gaps."""
+    """Play rails and random codes in the past, as close as allowed and with gaps."""
     bench = Bench(dut)
     twin = bench.twin
     count = enough(bench)
@@ -110,12 +110,12 @@ async def frames_in_time(dut):
 
 @cocotb.test()
 async def wrong_frames(dut):
-    """Frames too short, too long and too close, none of which enters the past."""
+    """Play frames that are too short, too long or too close. None of them enters the past."""
     bench = Bench(dut)
     twin = bench.twin
     for gap in (0.0, 0.3):
         last = random_lengths(bench.rng, twin.sensors, 2 * twin.sensors * enough(bench))
-        # Of the right length, and yet too close, in one of four.
+        # One frame in four has the right length but is too close.
         close = bench.rng.integers(0, closest(bench) + 1, len(last))
         near = bench.rng.random(len(last)) < 0.25
         pause = np.roll(last, 1) * np.where(near, close, closest(bench))
@@ -127,7 +127,7 @@ async def wrong_frames(dut):
 
 @cocotb.test()
 async def too_early(dut):
-    """Good frames, each with another behind it that comes 1, 2, 4, ... clocks too early."""
+    """Play good frames, each followed by one that comes 1, 2, 4, ... clocks too early."""
     bench = Bench(dut)
     twin = bench.twin
     early = 2 ** np.arange(closest(bench).bit_length())
@@ -145,7 +145,7 @@ async def too_early(dut):
 
 @cocotb.test()
 async def resets(dut):
-    """Resets at random clocks: the past begins anew."""
+    """Play resets at random clocks, after which the past begins anew."""
     bench = Bench(dut)
     twin = bench.twin
     last = random_lengths(bench.rng, twin.sensors, 9 * twin.sensors * (twin.past + 9))
@@ -164,9 +164,9 @@ async def resets(dut):
 
 @cocotb.test()
 async def reset_at_every_clock(dut):
-    """A whole past, a reset at some clock of the frame or of what is sent, and a whole past again.
+    """Play a complete past, a reset in a clock of the frame or of what is sent, and a past again.
 
-    At every clock; of a long past at as many as there are clocks for.
+    This is done for every clock, or with a long past for as many as there is time for.
     """
     bench = Bench(dut)
     twin = bench.twin

@@ -1,13 +1,13 @@
 """scan_sequencer against its twin.
 
-Sweeps: three whole scans, every clock of them, or of long ones as many as 400000
-clocks hold; another random code on the converter in each.
-Drives: scans from the first reset on; then resets at random clocks; then one in each clock about
-that in which a code is taken.
-Checks: the address in every clock; samples, ``out_last`` and the clocks in which they stand; that
-a sample stays until the next.
-Does not prove: that an analogue multiplexer has settled when the code is taken; the end of a scan
-of more than 400000 clocks.
+Sweeps: every clock of three complete scans, or of as many as fit into 400000 clocks; in each clock
+the converter shows another random code.
+Drives: scans from the first reset on; then resets at random clocks; then one reset in each clock
+around the one in which a code is taken.
+Checks: the address in every clock; samples, ``out_last`` and their clocks; that a sample stays
+until the next one.
+Does not prove: that an analogue multiplexer has settled when the code is taken; what happens at the
+end of a scan of more than 400000 clocks.
 """
 
 import cocotb
@@ -31,17 +31,17 @@ FAULTS = [
     (r"out_last <= 0;", "out_last <= take && slot == 1;"),
 ]
 
-# Clocks from that in which a code is taken to a reset.
+# The clocks from the one in which a code is taken to a reset.
 ABOUT = range(-2, 4)
 MOST_CLOCKS = 400_000
 WATCH = ["address", "out_valid", "out_data", "out_last"]
 
 
 async def check(bench, clocks, resets=None):
-    """Play clocks with a column of resets."""
+    """Play so many clocks, with a column of resets, and compare."""
     twin = bench.twin
     codes = bench.rng.integers(twin.fmt.low, twin.fmt.high + 1, clocks)
-    # Both ends among the codes that are taken.
+    # Both ends of the range are among the codes that are taken.
     rails = [twin.fmt.low, twin.fmt.high]
     codes = np.where(bench.rng.random(clocks) < 1 / 4, bench.rng.choice(rails, clocks), codes)
     drive = {"adc": codes}
@@ -49,7 +49,8 @@ async def check(bench, clocks, resets=None):
         drive["rst"] = resets
     recording = await bench.play(drive, WATCH)
 
-    # The scan begins in the clock after a reset; a code taken in that of one is lost.
+    # A scan begins in the clock after a reset. A code that is taken in the clock of a reset is
+    # lost.
     marks = np.concatenate([[RESET_CLOCKS - 1], recording.resets()])
     rows = np.arange(RESET_CLOCKS, recording.clocks)
     since = rows - marks[np.searchsorted(marks, rows) - 1] - 1
@@ -76,7 +77,7 @@ async def check(bench, clocks, resets=None):
 
 @cocotb.test()
 async def scans(dut):
-    """The codes of whole scans, as the twin picks them."""
+    """Play complete scans, and check that the codes are those that the twin takes."""
     bench = Bench(dut)
     twin = bench.twin
     count = min(3, MOST_CLOCKS // twin.scan_clocks)
@@ -91,7 +92,7 @@ async def scans(dut):
 
 @cocotb.test()
 async def resets(dut):
-    """The scan begins again after each reset."""
+    """Play resets, after each of which the scan begins again."""
     bench = Bench(dut)
     scan = bench.twin.scan_clocks
     clocks = min(3 * scan, MOST_CLOCKS) + 200
@@ -101,7 +102,7 @@ async def resets(dut):
 
 @cocotb.test()
 async def resets_about_a_sample(dut):
-    """A reset in each clock about that in which a code is taken, in the first slot and the last."""
+    """Play a reset in each clock around the taking of a code, in the first and the last slot."""
     bench = Bench(dut)
     twin = bench.twin
     at, clock = [], 0

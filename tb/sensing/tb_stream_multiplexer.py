@@ -3,10 +3,10 @@
 Sweeps: 3000 random elements in frames of random length, many shorter than the slot and many longer,
 with the rails among elements and results.
 Drives: results at random clocks, with random gaps between elements, and with resets, each of which
-a result follows.
+is followed by a result.
 Checks: data, valid and last in every clock.
-Does not prove: a slot that comes before any result since the last reset, which the cascade's delays
-rule out.
+Does not prove: what a slot carries before the first result after a reset; the delays of the cascade
+rule it out.
 """
 
 import cocotb
@@ -37,7 +37,7 @@ async def check(bench, gap, resets):
     drive["result_valid"] = (rng.random(length) < 0.2).astype(np.int64)
     drive["result"] = rng.integers(fmt.low, fmt.high + 1, length)
     drive["result"][::97], drive["result"][1::97] = fmt.low, fmt.high
-    # The first clock brings a result, and no element.
+    # The first clock has a result and no element.
     drive = {name: np.concatenate([[0], column]) for name, column in drive.items()}
     drive["result_valid"][0] = 1
     if resets:
@@ -60,7 +60,7 @@ async def check(bench, gap, resets):
             for epoch in np.unique(since)
         ]
     )
-    # Where each frame begins: behind a reset, or the last element of the frame before.
+    # A frame begins after a reset, or after the last element of the frame before.
     new = np.concatenate([[True], ends[:-1] | (np.diff(since) > 0)])
     index = np.arange(len(rows))
     position = index - np.maximum.accumulate(np.where(new, index, 0))

@@ -1,4 +1,4 @@
-"""What is proved of divider, whatever drives it."""
+"""Proved properties of divider, whatever drives it."""
 
 from tb.sign_off.properties import Property
 

@@ -1,4 +1,4 @@
-"""What is proved of exp_interpolator, whatever drives it."""
+"""Proved properties of exp_interpolator, whatever drives it."""
 
 from tb.sign_off.watch import pipeline
 

@@ -1,4 +1,4 @@
-"""What is proved of exp_memory, at every address."""
+"""Proved properties of exp_memory, at every address."""
 
 from tb.sign_off.watch import read_only
 

@@ -1,8 +1,8 @@
-"""What is proved of load_profile, whatever its parts give."""
+"""Proved properties of load_profile, whatever its parts give."""
 
 from tb.sign_off.properties import Property
 
-# By result, where it stands while it is drawn.
+# For each result, the register that holds it while it is drawn.
 DRAWN = {"load": "load", "position": "centre", "width": "width", "shape": "shape"}
 
 

@@ -1,4 +1,4 @@
-"""What is proved of power_fold."""
+"""Proved properties of power_fold."""
 
 from tb.sign_off.properties import Property
 
@@ -46,7 +46,7 @@ def properties(twin):
                     >>> {twin.in_frac - twin.out_frac};
                 wire signed [63:0] whole_first = whole_t > most ? most : whole_t;
             """,
-            # What the multiplier gives takes no part: it holds for every product that fits.
+            # The output of the multiplier is free: the property holds for every product that fits.
             free=("product",),
             refuted_by=(
                 (

@@ -1,4 +1,4 @@
-"""What is proved of pulse_density."""
+"""Proved properties of pulse_density."""
 
 from tb.sign_off.properties import Property
 

@@ -1,4 +1,4 @@
-"""What is proved of ramp, whatever drives it."""
+"""Proved properties of ramp, whatever drives it."""
 
 from tb.sign_off.properties import Property
 from tb.sign_off.watch import pipeline

@@ -1,11 +1,14 @@
 """divider against its twin.
 
-Sweeps: extremes of distance and width with each other, widths of 0 and 1 and of each single bit
-among them; for 400 widths the distances about that where the quotient saturates; 2000 random pairs.
-Drives: as close as the block takes pairs, then in random order with gaps and resets, then closer.
-Checks: the quotient bit for bit, and its clock; that it stays; that a pair which is followed too
-early has none.
-Does not prove: all pairs (tests/test_visualisation.py has random ones against the twin's steps).
+Sweeps: every pair of an extreme distance and an extreme width, with widths of 0, of 1 and of each
+single bit among them; for 400 widths, the distances around the one at which the quotient saturates;
+2000 random pairs.
+Drives: pairs as close as the block takes them, then in random order with gaps and resets, then
+closer than the block takes them.
+Checks: the quotient bit for bit, and the clock in which it appears; that it stays; that a pair
+which is followed too soon has no quotient.
+Does not prove: that all pairs are right (tests/test_visualisation.py compares random ones with the
+steps of the twin).
 """
 
 import cocotb
@@ -27,7 +30,7 @@ FAULTS = [
 
 INPUTS = {"in_distance": UNSIGNED, "in_width": UNSIGNED}
 OUTPUTS = {"out_data": UNSIGNED}
-# Pairs played at a time, so that the recording stays small.
+# How many pairs are played at a time, so that the recording stays small.
 CHUNK = 1024
 
 
@@ -39,11 +42,11 @@ def extremes(bits):
 def pairs(bench):
     twin, rng = bench.twin, bench.rng
     most, widest = (1 << twin.distance_width) - 1, (1 << twin.width_width) - 1
-    # A comparison with 0 that leaves out a bit takes a width of that bit alone for none.
+    # A comparison with 0 that ignores a bit takes a width with only that bit for 0.
     some = np.union1d(extremes(twin.width_width), 1 << np.arange(twin.width_width))
     grid = np.meshgrid(extremes(twin.distance_width), some)
     widths = np.sort(rng.integers(1, widest + 1, 400))
-    # distance * gain / width = 2 ** integer bits: the first quotient that saturates.
+    # The first quotient that saturates has distance * gain / width = 2 ** integer bits.
     border = (widths << (twin.out_width - twin.out_frac + twin.gain_frac)) // twin.gain
     near = border + rng.integers(-1, 3, 400)
     about, at, quotients = twin.about_border
@@ -89,7 +92,7 @@ async def early(dut):
 
 @cocotb.test()
 async def stays(dut):
-    """A quotient stands until ``out_width`` clocks before the next."""
+    """Check that a quotient stays until ``out_width`` clocks before the next one."""
     bench = Bench(dut)
     twin, rng, count = bench.twin, bench.rng, 200
     every = pairs(bench)

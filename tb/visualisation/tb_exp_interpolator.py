@@ -1,11 +1,11 @@
 """exp_interpolator against its twin.
 
 Sweeps: every word of the memory with the least, the largest and two random offsets; 2000 random
-words up to the largest of the memory with random offsets.
-Drives: back to back, then in random order with gaps and resets.
-Checks: the result bit for bit, and its clock.
-Does not prove: anything about words above the largest of the memory, whose result may wrap; how
-close the result is to exp(-x) (tests/test_visualisation.py bounds the profile).
+words up to the largest word of the memory, with random offsets.
+Drives: the inputs back to back, then in random order with gaps and resets.
+Checks: the result bit for bit, and the clock in which it appears.
+Does not prove: anything about words above the largest word of the memory, whose result may wrap;
+how close the result is to exp(-x) (tests/test_visualisation.py bounds the profile).
 """
 
 import cocotb

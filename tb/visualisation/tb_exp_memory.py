@@ -1,8 +1,8 @@
 """exp_memory against its twin.
 
 Sweeps: every address.
-Drives: each address once, then 200 in random order, one a clock.
-Checks: the word bit for bit, and its clock.
+Drives: each address once, then 200 in random order, one in each clock.
+Checks: the word bit for bit, and the clock in which it appears.
 Does not prove: that the contents are the right ones (tests/test_visualisation.py does).
 """
 

@@ -1,14 +1,14 @@
 """load_profile, assembled, against its twin.
 
-Sweeps: what the network of digit-single makes of every third recorded frame;
-widths from the most negative code to the largest, with either shape; positions on the ramp, beside
-it and outside; loads and shapes at their ends and about the threshold; shapes that differ from it
-in one bit; large loads with points far down the slope; random results.
-Drives: each frame in the clock of the last point before; then frames at random distances, so that
-many come while a ramp is being drawn, with and without resets; a reset of one clock at each clock
-of the way to the first point and just behind it.
-Checks: every point bit for bit in its clock; that it stays until the next; that results which come
-during a ramp wait, and the latest of them are drawn.
+Sweeps: the outputs of the network of digit-single for every third recorded frame; widths from the
+most negative code to the largest, with either shape; positions on the ramp, beside it and outside;
+loads and shapes at their ends and around the threshold; shapes that differ from the threshold in
+one bit; large loads with points far down the slope; random results.
+Drives: each frame in the clock of the last point of the frame before; then frames at random
+distances, so that many come while a ramp is being drawn, with and without resets; a reset of one
+clock at each clock from a frame to just after its first point.
+Checks: every point bit for bit and its clock; that it stays until the next point; that results
+which come during a ramp wait, and the latest of them are drawn.
 Does not prove: how close the points are to equation 3.18 (tests/test_visualisation.py bounds it).
 """
 
@@ -34,20 +34,20 @@ FAULTS = [
 
 INPUTS = ["in_load", "in_position", "in_width", "in_shape"]
 OUTPUTS = ["out_valid", "out_x", "out_y", "out_last"]
-# Frames played at a time, so that the recording stays small.
+# How many frames are played at a time, so that the recording stays small.
 CHUNK = 48
-# Exponents between which a fiftieth to a four hundredth is left.
+# Between these exponents a fiftieth to a four hundredth of the load is left.
 FAR, LOST = 4 << POWER_FRAC, 6 << POWER_FRAC
 
 
 def recorded():
-    """Outputs of a network for every third recorded frame; those between differ little."""
+    """The outputs of a network for every third recorded frame. Those between differ little."""
     digit = load_scene("digit-single")
     return digit.twin().process(digit.vectors().codes[::3])
 
 
 def extremes(bench):
-    """Every pair of extremes of two results; the others are a wide load that the ramp meets."""
+    """Every pair of extremes of two results. The other results are a wide load on the ramp."""
     fmt, threshold = bench.twin.fmt, bench.twin.shape_threshold
     positions = bench.twin.ramp.process()
     middle, first, last = (int(positions[n]) for n in (len(positions) // 2, 0, -1))
@@ -68,7 +68,7 @@ def extremes(bench):
 
 
 def one_bit_off(bench):
-    """Shapes that differ in one bit from the last rectangle and from the first triangle."""
+    """Shapes that differ in one bit from the last rectangle or from the first triangle."""
     twin = bench.twin
     fmt, middle = twin.fmt, int(np.median(twin.ramp.process()))
     borders = np.array([twin.shape_threshold, twin.shape_threshold + 1])
@@ -77,9 +77,9 @@ def one_bit_off(bench):
 
 
 def far_down(bench, count):
-    """Of many large loads those with most points of which little is left.
+    """Of many large loads, those with the most points at which little of the load is left.
 
-    A small error of the exponent shows there in one point of ten.
+    There a small error of the exponent shows in one point of ten.
     """
     fmt, power_fold = bench.twin.fmt, bench.twin.power_fold
     frames = bench.rng.integers(0, fmt.high + 1, (4096, 4))
@@ -92,15 +92,15 @@ def far_down(bench, count):
 def random_frames(bench, count):
     fmt = bench.twin.fmt
     frames = bench.rng.integers(fmt.low, fmt.high + 1, (count, 4))
-    # Half of them inside the ramp with a width that shows.
+    # Half of the loads lie within the ramp and have a visible width.
     frames[::2, 1:3] = bench.rng.integers(0, fmt.high + 1, (len(frames[::2]), 2))
     return frames
 
 
 async def check(bench, frames, pause, resets=None):
-    """Play frames; ``pause`` idle clocks before each. Returns the numbers of those drawn.
+    """Play frames with ``pause`` idle clocks before each, and return the numbers of those drawn.
 
-    ``resets``: clocks of a reset, or about every how many clocks one comes at random.
+    ``resets`` holds the clocks of resets, or the average number of clocks between random resets.
     """
     items = dict(zip(INPUTS, frames.T, strict=True))
     ramp = bench.twin.interval
@@ -116,7 +116,7 @@ async def check(bench, frames, pause, resets=None):
     drawn = check_profile(bench, recording, "out", entered, seen, bench.latency, bench.twin.process)
     for name, codes in zip(("load", "position", "width", "shape"), seen[drawn].T, strict=True):
         bench.meet(name, codes)
-    # The points of a frame come in order.
+    # The points of a frame come in their order.
     index = np.arange(len(drawn))
     opens = np.diff(drawn, prepend=-1) != 0
     bench.visit("point", index - np.maximum.accumulate(np.where(opens, index, 0)))
@@ -124,7 +124,7 @@ async def check(bench, frames, pause, resets=None):
 
 
 async def check_each(bench, frames):
-    """Every frame is drawn: the next one comes with the last point."""
+    """Play frames so that the next comes with the last point, and check that each is drawn."""
     ramp = bench.twin.interval
     for start in range(0, len(frames), CHUNK):
         part = frames[start : start + CHUNK]
@@ -148,7 +148,7 @@ async def extremes_and_random(dut):
 
 @cocotb.test()
 async def during_a_ramp(dut):
-    """Frames at all distances, some of them several to a ramp."""
+    """Play frames at all distances, so that sometimes several come during a ramp."""
     bench = Bench(dut)
     ramp = bench.twin.interval
     frames = random_frames(bench, 30)
@@ -156,7 +156,7 @@ async def during_a_ramp(dut):
     pause[::5] = 0
     drawn = await check(bench, frames, pause)
     assert len(set(drawn)) < len(frames), "no frame came too early"
-    # About the last point of a ramp that is not followed by one that waits.
+    # These come around the last point of a ramp after which no result waits.
     for late in range(-3, 4):
         await check(bench, frames[:3], np.array([0, ramp - 1 + late, 2 * ramp]))
     bench.finish(at_least=10 * bench.twin.ramp.points)
@@ -169,7 +169,7 @@ async def resets(dut):
     frames = random_frames(bench, 30)
     for every in (ramp, ramp // 5):
         await check(bench, frames, bench.rng.integers(0, ramp, len(frames)), resets=every)
-    # Far enough apart that what a reset has left over would be seen before the next frame.
+    # The frames are so far apart that a remainder of an earlier frame would show before the next.
     at = np.arange(bench.latency + 3)
     apart = 3 * bench.latency
     await check(

@@ -1,12 +1,13 @@
 """power_fold against its twin.
 
-Sweeps: every P with the extremes of t, with t about 1 and about where its power saturates, and with
-one random t of each of 256 equal parts of the range.
-Drives: as close as the block takes pairs, then in random order with gaps and resets, then closer.
-Checks: the power bit for bit, and its clock, which is the same for every P; that a pair which is
-followed too early has none.
-Does not prove: every t (tests/test_visualisation.py bounds the profile over all that the divider
-gives).
+Sweeps: every P with the extremes of t, with t around 1 and around the value whose power saturates,
+and with one random t of each of 256 equal parts of the range.
+Drives: pairs as close as the block takes them, then in random order with gaps and resets, then
+closer than the block takes them.
+Checks: the power bit for bit, and the clock in which it appears, which is the same for every P;
+that a pair which is followed too soon has no result.
+Does not prove: that every t is right (tests/test_visualisation.py bounds the profile over
+everything that the divider gives).
 """
 
 import cocotb
@@ -28,7 +29,7 @@ FAULTS = [
 INPUTS = {"in_data": UNSIGNED, "in_power": UNSIGNED}
 OUTPUTS = {"out_data": UNSIGNED}
 PARTS = 256
-# Pairs played at a time, so that the recording stays small.
+# How many pairs are played at a time, so that the recording stays small.
 CHUNK = 1024
 
 

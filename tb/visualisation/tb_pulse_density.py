@@ -1,9 +1,9 @@
 """pulse_density against its twin.
 
-Sweeps: codes at random, both ends, and those about the middle.
-Drives: a new code in every clock, then one in about a hundred; resets.
+Sweeps: random codes, both ends, and the codes around the middle.
+Drives: a new code in every clock, then a new code in about one clock of a hundred; resets.
 Checks: the bit in every clock.
-Does not prove: the low pass behind it (tests/test_link.py shows how many ones come).
+Does not prove: what the low pass after it gives (tests/test_link.py shows how many ones come).
 """
 
 import cocotb

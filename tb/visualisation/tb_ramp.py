@@ -1,9 +1,9 @@
 """ramp against its twin.
 
 Sweeps: every position, several times over.
-Drives: back to back, then with gaps, then with resets.
-Checks: position and ``out_last`` bit for bit and their clock; that they stay until the next; that a
-reset leads back to the first.
+Drives: requests for positions back to back, then with gaps, then with resets.
+Checks: position and ``out_last`` bit for bit, and their clock; that they stay until the next
+position; that a reset leads back to the first position.
 Does not prove: that the positions are the nearest codes (tests/test_visualisation.py does).
 """
 
@@ -23,7 +23,7 @@ FAULTS = [
 
 
 async def check(bench, chance, resets=False):
-    """Ask for a position in ``chance`` of the clocks."""
+    """Request a position in ``chance`` of the clocks, and compare."""
     length = 4 * bench.twin.points + 200 + LONG_IDLE
     drive = {"in_valid": (bench.rng.random(length) < chance).astype(np.int64)}
     drive["in_valid"][-LONG_IDLE:] = 0
@@ -40,7 +40,7 @@ async def check(bench, chance, resets=False):
     bench.visit("position", number)
     left = recording.rows("out_valid")
     bench.compare("clocks of the positions", left, asked + bench.latency)
-    # What is asked for in the clock of a reset is not valid, but changes the data.
+    # A position that is requested in the clock of a reset is not valid, but it changes the data.
     stays = np.flatnonzero(recording.undisturbed(left[:-1], left[1:] - 1))
     for rows, n in ((left, np.arange(len(left))), (left[stays + 1] - 1, stays)):
         bench.compare("out_data", recording.signed("out_data", rows), expected[n], number=number[n])
@@ -63,7 +63,7 @@ async def gaps(dut):
 
 @cocotb.test()
 async def resets(dut):
-    """The position after a reset is the first."""
+    """Play resets, after each of which the first position comes."""
     bench = Bench(dut)
     for chance in (1.0, 0.5):
         await check(bench, chance, resets=True)

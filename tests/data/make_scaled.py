@@ -1,8 +1,8 @@
-"""Writes the ONNX files here whose networks were trained on scaled data.
+"""Writes the ONNX files in this folder whose networks were trained on scaled data.
 
-They were written with scikit-learn 1.9.1 and skl2onnx 1.20.0, which tactus does not need:
-``python tests/data/make_scaled.py`` in an environment of their own. Each has beside it samples, in
-raw units, and what scikit-learn itself predicts for them.
+They were written with scikit-learn 1.9.1 and skl2onnx 1.20.0, which tactus does not need, by
+``python tests/data/make_scaled.py`` in a separate environment. Beside each file are samples in raw
+units, and the predictions of scikit-learn for them.
 """
 
 from pathlib import Path
@@ -29,8 +29,10 @@ def pipeline():
 
 
 def unscaled(model: onnx.ModelProto, target: StandardScaler) -> onnx.ModelProto:
-    """The model of a TransformedTargetRegressor, which skl2onnx does not know: that of its
-    regressor, and behind it the inverse of its transformer."""
+    """The model of a TransformedTargetRegressor, which skl2onnx does not support.
+
+    It is the model of its regressor, followed by the inverse of its transformer.
+    """
     graph = model.graph
     graph.initializer.extend(
         numpy_helper.from_array(values.astype(np.float32), name)

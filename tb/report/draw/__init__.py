@@ -1,1 +1,1 @@
-"""Pictures and plots."""
+"""The pictures and plots of the report and of the pages."""

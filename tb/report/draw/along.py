@@ -1,4 +1,4 @@
-"""Errors of several networks along the beam in one picture, and errors for each width."""
+"""Draws errors of several networks along the beam, and errors for each width."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ PLACE, MEAN, LEAST, MOST = "mm from the tip", "mean %", "least %", "largest %"
 
 
 def name_of(arithmetic: str) -> str:
-    """File name of the picture, without suffix."""
+    """The file name of the picture, without its suffix."""
     return f"along_{arithmetic.replace('-', '_').replace(' ', '_')}"
 
 
 def along_beam(table: Table, arithmetic: str) -> str:
-    """A panel for each output: of each network the mean error as a line in a band.
+    """A panel for each output, with a line in a band for each network.
 
-    The band reaches from the least error at a position to the largest.
+    The line is the mean error at a position. The band reaches from the least to the largest.
 
     Parameters
     ----------
     table : Table
-        ``along_beam``.
+        The table ``along_beam``.
     arithmetic : str
-        Which of its rows.
+        Which rows of the table are drawn.
     """
     rows = rows_of(table, arithmetic=arithmetic)
     outputs = list(dict.fromkeys(str(row["output"]) for row in rows))
@@ -61,7 +61,7 @@ def along_beam(table: Table, arithmetic: str) -> str:
 
 
 def along_sentence(table: Table, arithmetic: str) -> str:
-    """Where each output's least mean error is found, and its largest single error."""
+    """A sentence on the least mean error of each output, and its largest single error."""
     least, largest = [], []
     for output in dict.fromkeys(row["output"] for row in rows_of(table, arithmetic=arithmetic)):
         rows = rows_of(table, arithmetic=arithmetic, output=output)
@@ -83,7 +83,7 @@ def along_sentence(table: Table, arithmetic: str) -> str:
 
 
 def widths_plot(table: Table) -> Plot:
-    """Error of the width, in percent of it, against the width."""
+    """The error of the width, in percent of the width, against the width."""
     rows = rows_of(table)
     found = groups(rows, lambda row: str(row["network"]), "width mm", "mean %")
     told = [

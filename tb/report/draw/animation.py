@@ -1,4 +1,4 @@
-"""A recorded load that moves along the beam: what the sensors read and the hardware draws."""
+"""An animation of a load that moves along the beam, with sensor readings and drawn profile."""
 
 from __future__ import annotations
 
@@ -21,26 +21,27 @@ from tb.report.draw.drawing import (
 from tb.report.draw.load import FRAME, Beam, beam
 from tb.report.draw.steps import steps
 
-# Seconds for each position.
+# How many seconds each position is shown.
 STEP = 0.6
 WIDTH, HEIGHT = 360.0, 316.0
 LEFT, RIGHT, TOP, BOTTOM = 38.0, 350.0, 42.0, 190.0
-# The zero of the bars, and the length of a bar of 1.
+# Where the bars start, and how long a bar of 1 is.
 ZERO, REACH = 262.0, 26.0
 TICK_MM, TICK_LOAD = 20, 0.2
 
 
 def animation(scene: Scene, frame: int = FRAME) -> str:
-    """The load of one recorded frame at every position where it was recorded, one after the other.
+    """The load of a recorded frame at every position at which it was recorded, one after the other.
 
-    Each step is a recorded frame; nothing is made up between them. No script: a style moves it.
+    Each step is a recorded frame, without interpolation between them. The animation needs no
+    script: a style sheet moves it.
 
     Parameters
     ----------
     scene : Scene
-        One that has load, position, width and shape among its outputs.
+        A scene with load, position, width and shape among its outputs.
     frame : int
-        Row of the scene's recorded vectors; those with its load, width and shape are shown.
+        Row of the recorded vectors. All rows with the same load, width and shape are shown.
 
     Returns
     -------
@@ -50,7 +51,7 @@ def animation(scene: Scene, frame: int = FRAME) -> str:
     Raises
     ------
     InputError
-        See ``beam``; also for a frame that the vectors do not have.
+        See ``beam``. Also for a frame that the vectors do not have.
     """
     known = beam(scene)
     known.check(frame, scene.path)
@@ -66,7 +67,7 @@ def animation(scene: Scene, frame: int = FRAME) -> str:
 
 
 class _Drawing:
-    """Axes that hold every step, and the steps in them."""
+    """Axes that have room for every step, and the steps in them."""
 
     def __init__(self, known: Beam, steps: Sequence[int]):
         self.known = known
@@ -78,7 +79,7 @@ class _Drawing:
         self.low = min(0.0, float(heights.min()))
 
     def at(self, millimetres: float, load: float) -> Point:
-        """Where a point of the beam stands in the picture."""
+        """The place of a point of the beam in the picture."""
         first, last = self.span
         return (
             LEFT + (RIGHT - LEFT) * (millimetres - first) / (last - first),
@@ -86,7 +87,7 @@ class _Drawing:
         )
 
     def axes(self, sensors: Sequence[str]) -> list[str]:
-        """Everything that stands still."""
+        """Everything that does not move."""
         first, last = self.span
         body = [
             line([(LEFT, 10), (LEFT + 18, 10)], stroke=ACCENT),
@@ -113,7 +114,7 @@ class _Drawing:
         return body
 
     def step(self, frame: int) -> list[str]:
-        """One recorded frame."""
+        """The drawing of one recorded frame."""
         known = self.known
         first, last = self.span
         places, heights = known.true(frame)
@@ -139,7 +140,7 @@ def _columns(count: int) -> list[float]:
 
 
 def _bars(readings: Real) -> list[str]:
-    """A bar up or down for each sensor, with its reading."""
+    """A bar for each sensor, up or down, with the reading."""
     body = []
     for reading, x in zip(readings, _columns(len(readings)), strict=True):
         end = ZERO - REACH * reading

@@ -1,4 +1,4 @@
-"""What the networks of four outputs cost: LUTs against clocks, each with its error."""
+"""Draws the cost of networks with four outputs: LUTs against clocks, with the error of each."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from tb.report.draw.drawing import ACCENT, INK, Point, dot, picture, text
 from tb.report.draw.findings import number, rows_of
 from tb.report.measure.table import Table
 
-# Of the thesis' front end: clocks of a scan, within which its networks are done.
+# The clocks of a scan of the thesis' front end, within which its networks must finish.
 SCAN_CLOCKS = 4096
 WIDTH, ROW, COLUMNS = 400.0, 16.0, (206.0, 276.0, 328.0, 388.0)
 COLOURS = {"engine": ACCENT, "hybrid": INK, "adder_graph": "#1b7a3d", "printed": "#b34700"}
-# Where a letter may stand beside its disc, as parts of the distance that its size asks for.
+# The places of a letter around its disc, as parts of the distance that depends on its size.
 _BESIDE = [(1.0, 0.0), (-1.0, 0.0), (0.0, -1.0), (0.0, 1.0), (0.7, -0.7), (0.7, 0.7)]
 _BESIDE += [(-0.7, -0.7), (-0.7, 0.7), (1.9, 0.0), (-1.9, 0.0), (0.0, -1.9), (0.0, 1.9)]
 
@@ -34,9 +34,10 @@ class Disc:
 
 
 def designs(table: Table) -> list[Disc]:
-    """Networks of four outputs within a scan, and the printed ones; the fewest LUTs first.
+    """The networks of four outputs that finish within a scan, and the printed ones.
 
-    What has a front end is no network alone, and waits for its scan.
+    The network with the fewest LUTs comes first. Scenes with a front end are left out, because they
+    are not networks alone and wait for their scan.
     """
     found = [
         Disc(
@@ -69,7 +70,7 @@ def designs(table: Table) -> list[Disc]:
 
 
 def area(table: Table) -> str:
-    """One disc a design, its radius growing with the error, and below them what they are."""
+    """A disc for each design, which is larger for a larger error, and a legend below."""
     found = designs(table)
     axes = Axes(46, 74, 334, 236, (6, 6000), (80, 12000))
     title = "The same four outputs: area, clocks, error"
@@ -102,7 +103,7 @@ def area(table: Table) -> str:
 
 
 def sentence(table: Table) -> str:
-    """What the picture says."""
+    """A sentence that says what the picture shows."""
     found = designs(table)
     least, most = found[0], max(found, key=lambda design: (design.luts, design.clocks))
     return (
@@ -117,7 +118,7 @@ def _row(y: float, cells: Sequence[str]) -> list[str]:
 
 
 def _beside(places: Sequence[Point], sizes: Sequence[float]) -> list[Point]:
-    """A place for the letter of each disc, away from the other discs and letters."""
+    """A place for the letter of each disc, away from other discs and letters."""
     found: list[Point] = []
     for (x, y), size in zip(places, sizes, strict=True):
         ways = [(x + (size + 8) * dx, y + (size + 8) * dy) for dx, dy in _BESIDE]

@@ -1,4 +1,4 @@
-"""Two logarithmic axes among the drawn pictures, whose bytes hang on no library."""
+"""Two logarithmic axes for pictures whose bytes must not depend on a plotting library."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from tb.report.draw.drawing import FAINT, INK, Point, line, text
 
 @dataclass(frozen=True)
 class Axes:
-    """A frame whose ends are values of both axes.
+    """A frame with the ranges of both axes.
 
     Parameters
     ----------
     left, top, width, height : float
-        The frame within the picture.
+        The place and size of the frame in the picture.
     across, up : tuple of float
-        The lowest and the highest value of each axis, above 0.
+        The lowest and the highest value of each axis. All are above 0.
     """
 
     left: float
@@ -29,14 +29,15 @@ class Axes:
     up: tuple[float, float]
 
     def at(self, x: float, y: float) -> Point:
-        """Where a pair of values stands."""
+        """The place of a pair of values."""
         return (
             self.left + self.width * _part(x, self.across),
             self.top + self.height * (1 - _part(y, self.up)),
         )
 
     def drawn(self, across: str, up: str) -> Iterator[str]:
-        """Grid lines with their numbers, and what the axes are; ``up`` stands above the frame."""
+        """The grid lines with their numbers, and the labels of the axes; ``up`` is above the "
+        "frame."""
         bottom = self.top + self.height
         for value in _steps(self.across):
             x, _ = self.at(value, self.up[0])
@@ -59,7 +60,7 @@ def _part(value: float, ends: tuple[float, float]) -> float:
 
 
 def _steps(ends: tuple[float, float]) -> Iterator[float]:
-    """1, 2 and 5 of every decade between the ends."""
+    """The values 1, 2 and 5 of every decade between the ends."""
     for decade in range(floor(log10(ends[0])), floor(log10(ends[1])) + 1):
         for digit in (1, 2, 5):
             value = float(f"{digit}e{decade}")

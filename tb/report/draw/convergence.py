@@ -1,4 +1,4 @@
-"""Training against validation error on the way down, from the table ``convergence``."""
+"""Draws the training and the validation error during training, from table ``convergence``."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ TRAINING, VALIDATION = "training %", "validation %"
 
 
 def convergence_plot(table: Table) -> Plot:
-    """Both errors of each network against the evaluations."""
+    """Both errors of each network against the number of evaluations."""
     found: dict[str, list[tuple[float, float]]] = {}
     told = []
     for network in dict.fromkeys(row["network"] for row in rows_of(table)):

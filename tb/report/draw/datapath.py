@@ -1,4 +1,4 @@
-"""The hardware of a scene as a block diagram, drawn from its design."""
+"""Draws the hardware of a scene as a block diagram, from its design."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from tb.report.draw.drawing import picture
 from tb.report.draw.layout import Part, arrow, column, labelled, row, side_by_side
 
 MARGIN = 8.0
-# Parts of which nothing but their number is told stand in columns of this many.
+# Parts that only show their number are arranged in columns of this many.
 STACK = 3
 
 
 def datapath(scene: Scene) -> str:
-    """Every block of the scene's design, with how many there are, its formats and its latency.
+    """Every block of the scene's design, with its count, its formats and its latency.
 
-    Blocks of one kind that stand side by side share a box; its tip names their entities. Within a
-    network data flows from left to right, from network to network downwards.
+    Blocks of one kind that work side by side share a box, and its tooltip names their entities.
+    Within a network data flows from left to right, and from network to network it flows down.
 
     Parameters
     ----------
@@ -48,11 +48,11 @@ class _Diagram:
     """Boxes of blocks, with their latencies written into them."""
 
     def __init__(self) -> None:
-        # Entities in the order in which they were placed.
+        # The entities in the order in which they were placed.
         self.placed: list[str] = []
 
     def blocks(self, same: Sequence[Block]) -> Part:
-        """One box for blocks of one kind that do their work side by side."""
+        """One box for blocks of one kind that work side by side."""
         first = same[0]
         self.placed += [block.entity for block in same]
         title = f"{len(same)} × {first.block}" if len(same) > 1 else first.entity
@@ -60,14 +60,14 @@ class _Diagram:
         return labelled(title, self._lines(same), self._inside(same), tip)
 
     def _lines(self, same: Sequence[Block]) -> list[str]:
-        """Clocks, from the least to the most, and the facts that all of the blocks share."""
+        """The range of the clocks, and the facts that all of the blocks share."""
         clocks = sorted({block.latency for block in same})
         words = " to ".join(str(n) for n in dict.fromkeys((clocks[0], clocks[-1])))
         shared = [fact for fact in _facts(same[0]) if all(fact in _facts(b) for b in same)]
         return [f"{words} clock{'' if clocks == [1] else 's'}", *shared]
 
     def _inside(self, same: Sequence[Block]) -> Part | None:
-        """The parts of blocks of one kind; what their flow leaves out stands below it."""
+        """The parts of blocks of one kind. Parts that their flow leaves out are below it."""
         parts = [part for block in same for part in block.parts()]
         if not parts:
             return None
@@ -85,14 +85,14 @@ class _Diagram:
         return column(groups, 8)
 
     def _share(self, same: Sequence[Block], owners: int) -> Part:
-        """Parts of one kind that several blocks own; one for each of them goes without saying."""
+        """Parts of one kind that several blocks own. One part for each block needs no count."""
         if owners == 1 or len(same) != owners:
             return self.blocks(same)
         tip = ", ".join(dict.fromkeys(block.entity for block in same))
         return labelled(same[0].block, self._lines(same), self._inside(same), tip)
 
     def _flow(self, flow: Flow) -> Part:
-        """The steps in their order; what watches them above, or beside the end where they fall."""
+        """The steps in their order. What watches them is above them, or beside the end."""
         parts = [self._step(step, flow.across) for step in flow.steps]
         if flow.across:
             watcher = [self.blocks([flow.watcher])] if flow.watcher else []
@@ -122,7 +122,7 @@ class _Diagram:
 
 
 def _facts(block: Block) -> list[str]:
-    """Formats and sizes of a block, where the design tells them."""
+    """The formats and sizes of a block, if the design states them."""
     lines = []
     taken, given = (getattr(block, name, None) for name in ("in_fmt", "out_fmt"))
     if taken and given:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Sequence
 from html import escape
 
-# A letter's width at size 1: wide enough for the sans-serif fonts that readers have.
+# The width of a letter at size 1, wide enough for the usual sans-serif fonts.
 LETTER = 0.6
 INK, FAINT, ACCENT = "#111", "#999", "#1f5fa8"
 SIZE = 11.0
@@ -15,17 +15,17 @@ Point = tuple[float, float]
 
 
 def number(value: float) -> str:
-    """A coordinate: two decimals, none where they are 0."""
+    """A coordinate with two decimals, or with none if they are 0."""
     return f"{value:.2f}".rstrip("0").rstrip(".")
 
 
 def text_width(words: str, size: float = SIZE) -> float:
-    """About how wide ``words`` are."""
+    """The approximate width of ``words``."""
     return LETTER * size * len(words)
 
 
 def attributes(**values: str | float) -> str:
-    """Attributes with a blank before each; ``_`` stands for ``-``, nothing for an empty text."""
+    """Attributes with a blank before each. ``_`` stands for ``-``, and empty ones are left out."""
     return "".join(
         f' {name.rstrip("_").replace("_", "-")}="'
         f'{escape(value) if isinstance(value, str) else number(value)}"'
@@ -35,7 +35,7 @@ def attributes(**values: str | float) -> str:
 
 
 def text(at: Point, words: str, size: float = SIZE, **values: str | float) -> str:
-    """``words`` with their baseline at ``at``."""
+    """A text whose baseline starts at ``at``."""
     x, y = at
     return f"<text{attributes(x=x, y=y, font_size=size, **values)}>{escape(words)}</text>"
 
@@ -47,7 +47,7 @@ def line(points: Sequence[Point], **values: str | float) -> str:
 
 
 def box(at: Point, size: Point, **values: str | float) -> str:
-    """A rectangle without a fill, ``at`` being its upper left corner."""
+    """A rectangle without a fill, whose upper left corner is ``at``."""
     x, y = at
     width, height = size
     given = {"fill": "none", "stroke": INK} | values
@@ -60,7 +60,7 @@ def dot(at: Point, radius: float, **values: str | float) -> str:
 
 
 def arrow_head(at: Point, direction: Point, colour: str = INK) -> str:
-    """A triangle whose tip is ``at``; ``direction`` is one of the four along the axes."""
+    """A triangle with its tip at ``at``. ``direction`` is one of the four along the axes."""
     (x, y), (dx, dy) = at, direction
     corners = [
         (x, y),
@@ -72,7 +72,7 @@ def arrow_head(at: Point, direction: Point, colour: str = INK) -> str:
 
 
 def group(body: Iterable[str], title: str = "", **values: str | float) -> str:
-    """Elements together; ``title`` is what a pointer that rests on them shows."""
+    """A group of elements. A pointer that rests on them shows ``title``."""
     told = f"<title>{escape(title)}</title>" if title else ""
     return f"<g{attributes(**values)}>{told}{''.join(body)}</g>"
 
@@ -89,17 +89,17 @@ def picture(
     Parameters
     ----------
     title : str
-        What a reader who does not see the picture is told that it is.
+        The description for readers who do not see the picture.
     size : tuple of float
-        Width and height that the coordinates of ``body`` are in.
+        The width and height of the area that the coordinates of ``body`` use.
     body : iterable of str
-        Elements without ids: pictures of several scenes can stand on one page.
+        Elements without ids, because a page may show pictures of several scenes.
     narrowest, widest : float
-        Width in CSS pixels. A page narrower than ``narrowest`` lets it be scrolled sideways.
+        The width in CSS pixels. On a page narrower than ``narrowest`` it scrolls sideways.
     """
     width, height = (number(value) for value in size)
     least = f"min-width:{number(narrowest)}px;" if narrowest else ""
-    # Paper cannot be scrolled.
+    # A printed page cannot be scrolled.
     paper = "<style>@media print{svg{min-width:0!important}}</style>" if narrowest else ""
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" role="img" '
@@ -110,5 +110,5 @@ def picture(
 
 
 def identifier(kind: str, scene: str) -> str:
-    """What begins the ids and the classes of a picture: no other picture of a page has it."""
+    """The prefix of the ids and classes of a picture, which is unique on a page."""
     return re.sub(r"\W", "_", f"{kind}_{scene}")

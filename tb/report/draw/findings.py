@@ -1,4 +1,4 @@
-"""From tables to plots of error against what it costs; each sentence is made from the figures."""
+"""Makes plots of error against cost from tables, and the sentences from their figures."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ Row = dict[str, Cell]
 
 
 def rows_of(table: Table, **where: Cell) -> list[Row]:
-    """The rows as mappings, those that have the values of ``where``; ``_`` stands for a blank.
+    """The rows that have the values of ``where``, as mappings. ``_`` stands for a blank.
 
     Raises
     ------
     ValueError
-        When no row has them, or the table has no such column.
+        When no row has these values, or the table has no such column.
     """
     wanted = {key.replace("_", " "): value for key, value in where.items()}
     rows = [dict(zip(table.columns, row, strict=True)) for row in table.rows]
@@ -44,7 +44,7 @@ def number(row: Row, column: str) -> float:
 def groups(
     rows: list[Row], label: Callable[[Row], str], x: str, y: str
 ) -> dict[str, list[tuple[float, float]]]:
-    """Points (x, y) by label; rows without either are left out."""
+    """The points (x, y) by label. Rows without x or y are left out."""
     found: dict[str, list[tuple[float, float]]] = {}
     for row in rows:
         if row[x] is not None and row[y] is not None:
@@ -53,12 +53,12 @@ def groups(
 
 
 def cheapest(points: Mapping[str, list[tuple[float, float]]], error: float) -> tuple[str, float]:
-    """The group that reaches an error at the least cost, and that cost.
+    """The group that reaches an error at the least cost, and this cost.
 
     Raises
     ------
     ValueError
-        When none reaches it.
+        When no group reaches the error.
     """
     costs = {
         label: min((x for x, y in group if y <= error), default=float("inf"))
@@ -71,8 +71,8 @@ def cheapest(points: Mapping[str, list[tuple[float, float]]], error: float) -> t
 
 
 def activation_plots(table: Table) -> list[Plot]:
-    """Mean and largest error of every activation against clocks and against cells."""
-    # A scheme with the thesis' options stands in the table; the plot has each scheme once.
+    """The mean and the largest error of every activation against clocks and against cells."""
+    # The table also has schemes with the options of the thesis. The plot has each scheme once.
     rows = [
         row
         for row in rows_of(table)
@@ -116,7 +116,7 @@ def _activation_plot(
 
 
 def iterations_plot(tables: Mapping[str, Table], printed: float | None) -> Plot:
-    """Error of the Pade regression against its iterations, for each rho."""
+    """The error of the Pade regression against its iterations, for each rho."""
     rows = rows_of(tables["iterations"], arithmetic="thesis")
     points = groups(rows, lambda row: f"rho {row['rho']:g}", "iterations", "mean %")
     best = {label: min(y for _, y in group) for label, group in points.items()}
@@ -137,7 +137,7 @@ def iterations_plot(tables: Mapping[str, Table], printed: float | None) -> Plot:
 
 
 def network_plots(table: Table) -> list[Plot]:
-    """The worst output of every network on Appendix 2 against clocks and against cells."""
+    """The worst output of every network on Appendix 2, against clocks and against cells."""
     rows = rows_of(table, data="appendix2")
     plots = []
     for x, across in (("clocks a frame", "clocks a frame"), ("LUT", "Virtex-II LUTs")):
@@ -175,7 +175,7 @@ def _form(row: Row) -> str:
 
 
 def training_plots(tables: Mapping[str, Table]) -> list[Plot]:
-    """Validation error against processor time: optimisers, and the two cascades."""
+    """The validation error against processor time, for the optimisers and the two cascades."""
     rows = rows_of(tables["training"])
     single = [row for row in rows if row["output"] == "all"]
     cascades = [row for row in rows if row["output"] != "all"]
@@ -225,7 +225,7 @@ def training_plots(tables: Mapping[str, Table]) -> list[Plot]:
 
 
 def robustness_plot(table: Table) -> Plot:
-    """What it costs as recorded to err less with noise."""
+    """How much a smaller error with noise costs in error as recorded."""
     rows = rows_of(table)
     points = groups(rows, lambda row: str(row["output"]), "as recorded %", "2 mV %")
     noises = [f"{number(row, 'trained for mV'):g}" for row in rows if row["output"] == "load"]
@@ -244,14 +244,14 @@ def robustness_plot(table: Table) -> Plot:
 
 
 def digits_plot(table: Table) -> Plot:
-    """What fewer digits cost in error, and save in LUTs, in designs in which they save any."""
+    """What fewer digits cost in error and save in LUTs, in the designs in which they save any."""
     rows, at = rows_of(table), list(table.columns)
     outputs = at[at.index("digits") + 1 : at.index("deviation")]
     points: dict[str, list[tuple[float, float]]] = {}
     counts: set[int] = set()
     for name in (name for name in at if name.endswith(" LUT")):
         found = [row for row in rows if row[name] is not None]
-        # A hundredth is what any other words in a memory or a multiplexer make.
+        # Other words in a memory or a multiplexer alone change the LUTs by a hundredth.
         if number(found[-1], name) < 0.99 * number(found[0], name):
             counts |= {int(number(row, "digits")) for row in found}
             points[name.removesuffix(" LUT")] = [
@@ -277,7 +277,7 @@ def digits_plot(table: Table) -> Plot:
 
 
 def swing_plots(tables: Mapping[str, Table]) -> list[Plot]:
-    """Integrators of the swing: plain, strongly damped, and just short of upright."""
+    """The integrators of the swing: plain, strongly damped, and started just short of upright."""
     table = tables["swing"]
     plots = []
     for case, name, aim in (
@@ -326,7 +326,7 @@ def damping_plot(tables: Mapping[str, Table]) -> Plot:
 
 
 def bound_plots(tables: Mapping[str, Table]) -> list[Plot]:
-    """Load, position and width along the beam: what can be known, and what the scene reaches."""
+    """The bound and the error of the scene for load, position and width along the beam."""
     table = tables["bound_along"]
     *_, bound, reached, any_load, _ = table.columns
     scene = reached.removesuffix(" %")
@@ -376,7 +376,7 @@ def bound_plots(tables: Mapping[str, Table]) -> list[Plot]:
 
 
 def recalibration_plot(table: Table) -> Plot:
-    """What is left of a drift against the number of known placements."""
+    """The error that is left of a drift, against the number of known placements."""
     before, drifted, *rows = rows_of(table)
     points = groups(
         rows,
@@ -410,14 +410,14 @@ def _along(rows: list[Row], error: str) -> list[tuple[float, float]]:
 
 
 def _mean(rows: list[Row], error: str) -> float:
-    """Over placements."""
+    """The mean over the placements."""
     counts = [number(row, "placements") for row in rows]
     errors = [number(row, error) for row in rows]
     return sum(c * e for c, e in zip(counts, errors, strict=True)) / sum(counts)
 
 
 def plate_plot(tables: Mapping[str, Table]) -> Plot:
-    """The plate's deflection: series and grid."""
+    """The error of the plate's deflection by series and by grid, against work."""
     rows = rows_of(tables["plate"])
     points = groups(rows, lambda row: f"{row['method']}, {row['point']}", "terms, nodes", "error")
     series = rows_of(tables["plate"], method="series")
@@ -439,7 +439,7 @@ def plate_plot(tables: Mapping[str, Table]) -> Plot:
 
 
 def series_plot(tables: Mapping[str, Table]) -> Plot:
-    """Equation 3.17 against terms."""
+    """The error of equation 3.17 against its terms."""
     points = groups(
         rows_of(tables["series"]), lambda row: f"conditions {row['case']}", "terms", "error / d"
     )
@@ -457,24 +457,28 @@ def series_plot(tables: Mapping[str, Table]) -> Plot:
     )
 
 
-def engines_plot(table: Table) -> Plot:
-    """Error against run time of every engine on the same frames."""
+def simulators_plot(table: Table) -> Plot:
+    """Error against run time of every simulator on the same frames."""
     rows = [{**row, "us": 1e6 / number(row, "frames a second")} for row in rows_of(table)]
     error = "mean error %, worst output"
-    points = groups(rows, lambda row: str(row["engine"]), "us", error)
-    bit_true = {number(row, error) for row in rows if not str(row["engine"]).startswith("float")}
+    points = groups(rows, lambda row: str(row["simulator"]), "us", error)
+    bit_true = {number(row, error) for row in rows if not str(row["simulator"]).startswith("float")}
     exact = len(bit_true) == 1
     slowest = max(rows, key=lambda row: number(row, "us"))
     quickest = min(rows, key=lambda row: number(row, "us"))
     ratio = number(slowest, "us") / number(quickest, "us")
     return Plot(
-        "engines",
-        "Engines: error against run time of a frame",
+        "simulators",
+        "Simulators: error against run time of a frame",
         "run time of a frame, microseconds",
         error,
         points,
-        ("All bit-true engines have the same error" if exact else "The bit-true engines differ")
-        + f"; {quickest['engine']} is {ratio:,.0f} times as fast as {slowest['engine']}.",
+        (
+            "All bit-true simulators have the same error"
+            if exact
+            else "The bit-true simulators differ"
+        )
+        + f"; {quickest['simulator']} is {ratio:,.0f} times as fast as {slowest['simulator']}.",
         [table.name],
         joined=False,
         linear="y",

@@ -1,4 +1,4 @@
-"""The packages of the three rooms on their floors, as the contracts in ``pyproject.toml`` say."""
+"""Draws the packages of the three rooms on their floors, from the contracts of import-linter."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ def _height(lines: list[str]) -> float:
 
 
 def picture_of_floors() -> str:
-    """One ``<svg>`` element: a column for each room, a box for each floor.
+    """One ``<svg>`` element with a column for each room and a box for each floor.
 
-    Imports go down within a column, and from a column to those at its left.
+    Imports go down within a column, and from a column to the columns at its left.
     """
     boxes = {
         room: [textwrap.wrap(", ".join(names), LETTERS) for names in floors(room)] for room in ROOMS

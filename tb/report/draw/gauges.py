@@ -1,4 +1,4 @@
-"""Where gauges sit on a beam, and what they let anybody know along it."""
+"""Draws where gauges are on a beam, and the errors that they allow along it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ HEIGHT = 1.6  # inches of a panel
 
 
 def along(placing: Placing, places: Sequence[float]) -> dict[str, list[tuple[float, float]]]:
-    """For each output that counts: position in mm from the root, and the mean bound there."""
+    """For each output of interest, positions in mm from the root and the mean bound there."""
     rig, errors = placing.rig, placing.errors(places)
     at = rig.placements.position
     return {
@@ -29,7 +29,7 @@ def along(placing: Placing, places: Sequence[float]) -> dict[str, list[tuple[flo
 
 
 def gauges(placing: Placing, sets: Mapping[str, Sequence[float]]) -> str:
-    """The beam with the places of its gauges, and below it a panel for each output."""
+    """The beam with the places of its gauges, and a panel for each output below."""
     rig = placing.rig
     with style():
         figure = Figure(

@@ -1,8 +1,8 @@
-"""Boxes in rows and columns, each as large as what it holds.
+"""Arranges boxes in rows and columns. Each box is as large as its content.
 
-A part is drawn from its upper left corner. Where parts stand in a row, the points ``ay`` below
-their upper edges come to one height, so that an arrow between two of them meets both; ``ax`` does
-the same for the parts of a column.
+A part is drawn from its upper left corner. The parts of a row are aligned at the points ``ay``
+below their upper edges, so that an arrow between two parts meets both. ``ax`` does the same for the
+parts of a column.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ PAD, LINE, TITLE, SMALL = 8.0, 13.0, 11.5, 10.0
 
 @dataclass(frozen=True)
 class Part:
-    """What can be placed: its size, where arrows meet it, and how it is drawn."""
+    """Something that can be placed: its size, where arrows meet it, and how it is drawn."""
 
     width: float
     height: float
@@ -37,7 +37,7 @@ class Part:
 def labelled(
     title: str, lines: Sequence[str] = (), content: Part | None = None, tip: str = ""
 ) -> Part:
-    """A box with a title and lines of text, and maybe other parts inside.
+    """A box with a title and lines of text, and possibly other parts inside.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def labelled(
     lines : sequence of str
     content : Part, optional
     tip : str
-        What a pointer that rests on the box shows.
+        The text that is shown when a pointer rests on the box.
     """
     words = max([text_width(title, TITLE), *(text_width(words, SMALL) for words in lines)])
     inner = content.width if content else 0.0
@@ -57,7 +57,7 @@ def labelled(
 
     def draw(at: Point) -> list[str]:
         x, y = at
-        # At the left of a box that may be wider than the page: there it is seen first.
+        # A box may be wider than the page, so the title is at its left, where it is seen first.
         start, anchor = (x + PAD, "start") if content else (x + width / 2, "middle")
         body = [box(at, (width, height), rx=3, stroke_width=0.8 if content else 1.2)]
         body.append(text((start, y + 17), title, TITLE, font_weight="bold", text_anchor=anchor))
@@ -73,7 +73,7 @@ def labelled(
 
 
 def arrow(lines: Sequence[str] = (), across: bool = True, length: float = 18.0) -> Part:
-    """An arrow to the right or down, with what it carries written beside it."""
+    """An arrow to the right or down, with a text beside it."""
     words = max([0.0, *(text_width(words, SMALL) for words in lines)])
     if not across:
         height = max(length, LINE * len(lines) + 6)
@@ -102,7 +102,7 @@ def arrow(lines: Sequence[str] = (), across: bool = True, length: float = 18.0) 
 
 
 def row(parts: Sequence[Part], gap: float = 0.0, main: int | None = None) -> Part:
-    """Parts side by side; arrows from above meet that with the index ``main``."""
+    """Parts side by side. Arrows from above meet the part with the index ``main``."""
     above = max(part.ay for part in parts)
     below = max(part.height - part.ay for part in parts)
     width = sum(part.width for part in parts) + gap * (len(parts) - 1)
@@ -119,7 +119,7 @@ def row(parts: Sequence[Part], gap: float = 0.0, main: int | None = None) -> Par
 
 
 def column(parts: Sequence[Part], gap: float = 0.0, main: int | None = None) -> Part:
-    """Parts below each other; arrows from the side meet that with the index ``main``."""
+    """Parts below each other. Arrows from the side meet the part with the index ``main``."""
     before = max(part.ax for part in parts)
     after = max(part.width - part.ax for part in parts)
     height = sum(part.height for part in parts) + gap * (len(parts) - 1)
@@ -136,7 +136,7 @@ def column(parts: Sequence[Part], gap: float = 0.0, main: int | None = None) -> 
 
 
 def side_by_side(parts: Sequence[Part], gap: float = 14.0) -> Part:
-    """Parts below each other that take the same stream from above and give theirs below."""
+    """Parallel parts below each other, which share the stream from above and the one below."""
     stack = column(parts, gap)
     margin = 22.0
     tops = [sum(part.height + gap for part in parts[:n]) for n in range(len(parts))]

@@ -1,4 +1,4 @@
-"""The load along the beam: what a scene's hardware draws of it, and what was recorded."""
+"""The load along the beam, as the hardware of a scene draws it and as it was recorded."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ from golden.scene.visualisation import RESULTS, VISUALISATION, Visualisation, vi
 from golden.visualisation.functions import power_load
 from golden.visualisation.load_profile import RECTANGLE, TRIANGLE, LoadProfile
 
-# The first recorded frames have the widest load; this one stands in the middle of the ramp.
+# The first recorded frames have the widest load. In this frame it is in the middle of the ramp.
 FRAME = 4
 
 
 @dataclass(frozen=True)
 class Beam:
-    """A scene as its profile sees it.
+    """What the profile of a scene needs.
 
     Attributes
     ----------
     shown : Visualisation
-        That of the scene, or the defaults where it has none.
+        The section of the scene, or its defaults if there is none.
     frames : int64 array, shape (frames, 4)
-        Bit-true load, position, width and shape of every recorded frame.
+        The bit-true load, position, width and shape of every recorded frame.
     targets : float array, shape (frames, 4)
-        The recorded ones.
+        The recorded load, position, width and shape.
     sensors : float array, shape (frames, sensors)
     mm : float
-        Millimetres of a coded position of 1.
+        How many millimetres a coded position of 1 is.
     width_unit : float
-        What a coded width of 1 is in the unit of the position.
+        How much a coded width of 1 is in the unit of the position.
     """
 
     shown: Visualisation
@@ -51,11 +51,11 @@ class Beam:
 
     @property
     def positions(self) -> Real:
-        """Millimetres of the points that the hardware draws."""
+        """The positions of the points that the hardware draws, in millimetres."""
         return self.mm * self.profile.fmt.to_real(self.profile.ramp.process())
 
     def drawn(self, frame: int) -> Real:
-        """The profile of a frame, bit-true, one value a point."""
+        """The bit-true profile of a frame, with one value for each point."""
         return self.profile.fmt.to_real(self.profile.process(self.frames[frame])[1])
 
     def exact(self, frame: int, millimetres: Real) -> Real:
@@ -73,7 +73,7 @@ class Beam:
             raise InputError(f"{path}: frame: got {frame}, expected 0 to {len(self.frames) - 1}")
 
     def true(self, frame: int) -> tuple[Real, Real]:
-        """Corners of the recorded load: millimetres and heights."""
+        """The corners of the recorded load: millimetres and heights."""
         load, centre, width, shape = self.targets[frame]
         half = width * self.width_unit / 2
         left, right = centre - half, centre + half
@@ -86,7 +86,7 @@ class Beam:
 
 
 def has_load(scene: Scene) -> bool:
-    """Whether a scene tells enough to draw the load along the beam, and tells it in signals."""
+    """Whether a scene has all outputs for a profile of the load, and has them as signals."""
     return scene.visualisation is not None or (
         set(RESULTS) <= set(scene.outputs)
         and {"position", "width"} <= scene.length_mm.keys()
@@ -95,12 +95,12 @@ def has_load(scene: Scene) -> bool:
 
 
 def beam(scene: Scene) -> Beam:
-    """The recorded frames of a scene and what its networks make of them.
+    """The recorded frames of a scene and the outputs of its networks for them.
 
     Parameters
     ----------
     scene : Scene
-        One that ``has_load``.
+        A scene for which ``has_load`` is true.
 
     Raises
     ------

@@ -1,9 +1,8 @@
-"""How groups of points look: an activation and a design look the same in every plot.
+"""The look of groups of points, so that an activation or a design looks alike in every plot.
 
-An activation has a colour, and a marker where designs are not told apart; a design has a marker in
-each of its arrangements.
-What is hollow has ``thesis`` precision. Colours differ on a screen, markers in a print without
-colour.
+An activation has a colour, and also a marker if a plot does not distinguish designs. A design has a
+marker for each of its arrangements. Hollow markers show ``thesis`` precision. On a screen the
+colours differ, and in print without colour the markers do.
 """
 
 from __future__ import annotations
@@ -20,14 +19,14 @@ COLOURS = (
     *("#e69f00", "#000000", "#999999", "#8c510a", "#762a83"),
 )
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "d", "<", ">")
-# No marker stands for an activation and for a design.
+# No marker is used both for an activation and for a design.
 ACTIVATION_MARKERS = ("v", "P", "X", "d", "<", ">", "p", "1", "2", "3")
 DESIGN_MARKERS = ("o", "^", "s", "D", "*", "h", "8", "H", "+", "x")
 
 
 @dataclass(frozen=True)
 class Look:
-    """Colour and marker of a group, and whether the marker is filled."""
+    """The colour and the marker of a group, and whether the marker is filled."""
 
     colour: str
     marker: str
@@ -35,19 +34,19 @@ class Look:
 
 
 def nth(index: int) -> Look:
-    """Of groups that are neither activations nor designs, one after the other."""
+    """The look of the group ``index`` among groups that are neither activations nor designs."""
     return Look(COLOURS[index % len(COLOURS)], MARKERS[index % len(MARKERS)])
 
 
 def activation_look(form: str, precision: str) -> Look:
-    """An activation by the name of its form, as ``schemes.forms`` has it."""
+    """The look of an activation, by the name of its form in ``schemes.forms``."""
     place = _place(form, list(forms()))
     marker = ACTIVATION_MARKERS[place % len(ACTIVATION_MARKERS)]
     return Look(nth(place).colour, marker, precision != THESIS.name)
 
 
 def network_look(design: str, arrangement: str, form: str, precision: str) -> Look:
-    """A network: the colour is its activation's, the marker that of design and arrangement."""
+    """The look of a network: the colour of its activation, the marker of design and arrangement."""
     known = [f"{name}, {other}" for name in DESIGNS for other in DESIGNS[name].arrangements]
     place = _place(f"{design}, {arrangement}", known)
     marker = DESIGN_MARKERS[place % len(DESIGN_MARKERS)]

@@ -1,4 +1,4 @@
-"""Every stiff and extreme case as a disc: its figure as a part of its bound, a line a model."""
+"""Draws every stiff and extreme case as a disc, at the part of its bound that it reaches."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from tb.report.measure.stability.margins import Case, cases
 from tb.report.measure.table import Table
 
 WIDTH, TOP, ROW = 560.0, 84.0, 15.0
-# Across: the names, the count of what must be 0, what is far below its bound, the logarithmic axis.
+# From left to right: names, cases that must count 0, cases far below their bound, the log axis.
 NAMES, ZERO, LEFT, RIGHT = 6.0, 164.0, 228.0, 536.0
 LEAST = 1e-6
 REACHED = "#b34700"
 
 
 def margins(table: Table) -> str:
-    """The picture of table ``stability``."""
+    """The picture of table ``stability``, with a line for each model."""
     found = cases(table)
     models = list(dict.fromkeys(case.model for case in found))
     bottom = TOP + ROW * len(models)
@@ -50,7 +50,7 @@ def margins(table: Table) -> str:
 
 
 def sentence(found: list[Case]) -> str:
-    """What the picture says to who does not see it."""
+    """The description for readers who do not see the picture."""
     free = [case for case in found if case.part is not None and not case.reached]
     worst = max(free, key=lambda case: case.part or 0.0)
     return (

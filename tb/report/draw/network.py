@@ -1,4 +1,4 @@
-"""The networks of a scene: what each of them sees, its nodes, and where its outputs go."""
+"""Draws the networks of a scene: their inputs, their nodes, and where their outputs go."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from tb.report.draw.drawing import (
 )
 
 LANE, ROW, NODE, TERMINAL = 8.0, 16.0, 9.0, 14.0
-# From the inputs to the hidden nodes, and from those to the outputs.
+# The distance from the inputs to the hidden nodes, and from these to the outputs.
 SPAN = 62.0
-# Above a network's nodes its heading, below them a line that takes its output back.
+# The room above the nodes for a heading, and below them for a line that takes an output back.
 HEADING, BELOW = 22.0, 22.0
-# More hidden nodes than this are not drawn one by one; their number is written in any case.
+# More hidden nodes than this are not drawn one by one. Their number is always written.
 MOST_NODES = 40
 
 
 @dataclass(frozen=True)
 class Place:
-    """Where the nodes of one network stand."""
+    """The places of the nodes of one network."""
 
     top: float
     inputs: list[Point]
@@ -40,10 +40,10 @@ class Place:
 
 
 def network(scene: Scene) -> str:
-    """Sensors at the left, one row a network, outputs at the right.
+    """The sensors at the left, a row for each network, and the outputs at the right.
 
-    A sensor's line ends in an input for each of its samples that the network takes, the newest
-    frame's first. In a cascade a coloured line takes each output back to the networks behind it.
+    The line of a sensor ends in an input for each sample that the network takes, with the newest
+    first. In a cascade, a coloured line leads each output back to the networks after it.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def network(scene: Scene) -> str:
     sensors = len(scene.sensors)
     fed = scene.outputs[:-1] if scene.arrangement == "cascade" else ()
     names = 4 + max(text_width(name) for name in scene.sensors)
-    # The first sensor's line turns down farthest to the right, so that no two of them cross.
+    # The line of the first sensor turns down farthest to the right, so that no two lines cross.
     lanes = [names + 12 + LANE * n for n in range(sensors)][::-1]
     lanes += [names + 12 + LANE * (sensors + n) for n in range(len(fed))]
     left = max(lanes) + 16
@@ -114,7 +114,7 @@ def _heading(scene: Scene) -> list[str]:
 
 
 def _place(shape: tuple[int, int, int], left: float, top: float) -> Place:
-    """The nodes of a network, in three columns about one middle."""
+    """The nodes of a network, in three columns with a common middle."""
     inputs, hidden, outputs = shape
     heights = [(inputs - 1) * TERMINAL, (min(hidden, MOST_NODES) - 1) * NODE, (outputs - 1) * ROW]
     middle = top + HEADING + max(heights) / 2
@@ -135,7 +135,7 @@ def _nodes(place: Place, hidden: int, names: tuple[str, ...]) -> list[str]:
     """Weights as thin lines, hidden nodes as circles, outputs with their names."""
     nodes = place.hidden
     if hidden > len(nodes):
-        # Three dots stand for the nodes in the middle.
+        # Three dots replace the nodes in the middle.
         middle = len(nodes) // 2
         dots = nodes[middle - 1 : middle + 2]
         nodes = [node for node in nodes if node not in dots]

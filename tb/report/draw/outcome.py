@@ -1,4 +1,4 @@
-"""Pictures of a scene's errors: predicted against true, along the positions, under disturbances."""
+"""Draws the errors of a scene: computed against recorded, along positions, with disturbances."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tb.report.measure.disturbance import BOUND, KINDS, NONE
 from tb.report.measure.outcome import Outcome
 from tb.report.measure.table import Table
 
-# More points make a page heavy and show nothing more.
+# More points make the page large without showing more.
 POINTS = 600
 HEIGHT = 5.4
 
@@ -25,16 +25,16 @@ Points = tuple[tuple[float, float], ...]
 
 @dataclass(frozen=True)
 class Predicted:
-    """One output: computed against recorded, and below it the difference.
+    """One output: the computed against the recorded values, and the difference below.
 
     Parameters
     ----------
     name, title, sentence
         See ``Plot``.
     output : str
-        Of the axes.
+        The name of the output on the axes.
     groups : tuple of (label, points)
-        Recorded and computed value of each row.
+        The recorded and the computed value of each row.
     """
 
     name: str
@@ -114,7 +114,7 @@ def predicted_plots(found: Outcome) -> Iterator[Predicted]:
 
 
 def along_plot(found: Outcome, table: Table) -> Plot:
-    """Mean errors against the position."""
+    """The mean errors against the position."""
     places = [float(str(row[0])) for row in table.rows]
     groups = {
         plain(name): [
@@ -140,7 +140,7 @@ def along_plot(found: Outcome, table: Table) -> Plot:
 
 
 def disturbance_plots(table: Table) -> Iterator[Plot]:
-    """Mean errors, and where they are known their bounds, against noise and drifts."""
+    """The mean errors, and their bounds if known, against noise and drifts."""
     names = [column.removesuffix(" %") for column in table.columns[2:]]
     outputs = [name for name in names if not name.endswith(BOUND)]
     looks = {plain(name): nth(c) for c, name in enumerate(outputs)}

@@ -1,4 +1,4 @@
-"""From the table ``past`` to plots: what past samples, noise and the sampling rate do."""
+"""Plots what past samples, noise and the sampling rate do, from the table ``past``."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ AS_GOOD = 1.1
 
 
 def past_plots(table: Table) -> list[Plot]:
-    """Error against past samples, noise and sampling rate, of networks and of linear estimators."""
+    """The error of networks and linear estimators against past samples, noise and sampling rate."""
     return [
         _plot(
             table,
@@ -56,7 +56,7 @@ def _samples_sentence(table: Table) -> str:
 
 
 def linear_sentence(rows: list[Row]) -> str:
-    """Whether a linear estimator on the same past would do, for each output."""
+    """A sentence that says, for each output, whether a linear estimator would be as good."""
     told = []
     for row in rows:
         network, linear = number(row, NETWORK), min(number(row, FITTED), number(row, WIENER))
@@ -81,7 +81,7 @@ def _noise_sentence(table: Table) -> str:
 def _rate_sentence(table: Table) -> str:
     same, frames = (rows_of(table, varied=f"rate, same {what}") for what in ("times", "frames"))
 
-    def told(rows: list[Row]) -> str:
+    def in_words(rows: list[Row]) -> str:
         return "; ".join(
             f"{a['output']} {number(a, NETWORK):.2g} and {number(b, NETWORK):.2g} %"
             for a, b in zip(rows[:3], rows[-3:], strict=True)
@@ -90,5 +90,5 @@ def _rate_sentence(table: Table) -> str:
     slow, fast = number(same[0], "rate Hz"), number(same[-1], "rate Hz")
     return (
         f"At {slow:g} and {fast:g} frames a second the network errs, with samples of the same "
-        f"times, {told(same)}; with the same numbers of frames, {told(frames)}."
+        f"times, {in_words(same)}; with the same numbers of frames, {in_words(frames)}."
     )

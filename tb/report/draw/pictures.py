@@ -1,4 +1,4 @@
-"""The pictures of a scene, and which of them it has no use for."""
+"""The pictures of a scene, and the reasons why some are not drawn."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from tb.report.draw.profile import profile
 from tb.report.draw.swing import COORDINATES, moves, swing
 from tb.report.draw.swing_animation import swing_animation
 from tb.report.draw.waveforms import waveforms
-from tb.report.measure.recording import record
+from tb.report.measure.simulated_frame import simulate_frame
 from tb.report.page.page import Picture
 
 
 @dataclass(frozen=True)
 class Skipped:
-    """A picture that is not drawn, and why."""
+    """A picture that is not drawn, and the reason."""
 
     title: str
     why: str
 
 
 def draw(scene: Scene) -> dict[str, list[Any]]:
-    """The pictures as the store holds them: those drawn, and title and reason of the others."""
+    """The drawn pictures, and title and reason of the others, as the store holds them."""
     found = list(pictures(scene))
     return {
         "drawn": [vars(part) for part in found if isinstance(part, Picture)],
@@ -39,7 +39,7 @@ def draw(scene: Scene) -> dict[str, list[Any]]:
 
 
 def pictures(scene: Scene) -> Iterator[Picture | Skipped]:
-    """Everything that can be drawn of the scene."""
+    """Every picture that can be drawn of the scene, and those that cannot."""
     design = scene.twin()
     blocks = list(walk(design))
     hidden = sum(mlp.shape[1] for mlp in scene.mlps())
@@ -63,7 +63,7 @@ def pictures(scene: Scene) -> Iterator[Picture | Skipped]:
         yield Skipped(title, "its stream may pause at any clock")
     else:
         text = "The exported Verilog in Icarus; the first recorded frame, codes as real values."
-        drawn = waveforms(record(scene), f"{scene.name}: {title[0].lower()}{title[1:]}")
+        drawn = waveforms(simulate_frame(scene), f"{scene.name}: {title[0].lower()}{title[1:]}")
         yield Picture("waveforms", title, drawn, text, wide=True)
     if has_load(scene):
         yield Picture(

@@ -1,4 +1,4 @@
-"""Matplotlib's figures among the pictures: as accessible, and as wide, as the drawn ones."""
+"""Makes matplotlib's figures as accessible and as wide as the other pictures."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tb.report.draw.svg import svg
 
 
 def plotted(figure: Figure, name: str, title: str) -> str:
-    """A figure as one ``<svg>`` element with a title for readers who do not see it.
+    """A figure as one ``<svg>`` element, with a title for readers who do not see it.
 
     Parameters
     ----------
@@ -20,7 +20,7 @@ def plotted(figure: Figure, name: str, title: str) -> str:
         See ``tb.report.draw.svg.svg``.
     title : str
     """
-    # Two decimals are a hundredth of a point; matplotlib's six make a page heavy.
+    # Two decimals are a hundredth of a point. The six of matplotlib make a page large.
     text = re.sub(r'(?<= d=")[^"]+', _shortened, svg(figure, name))
     end = text.index(">")
     fitting = 'role="img" style="display:block;max-width:100%;height:auto"'

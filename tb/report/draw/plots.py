@@ -1,4 +1,4 @@
-"""Plots of error against what it costs: groups of points on logarithmic axes."""
+"""Plots of error against cost, as groups of points on logarithmic axes."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from tb.report.draw.plot import plotted
 from tb.report.draw.svg import PAGE_INCHES, PLOT_INCHES, style, svg
 
 Points = Sequence[tuple[float, float]]
-# A ratio of the ends of an axis below which powers of ten alone are too few numbers.
+# If the ends of an axis have a smaller ratio, powers of ten alone give too few numbers.
 FEW = 300
-# On a linear axis across: more numbers such as 0.0025 would run into each other.
+# More numbers, such as 0.0025, would overlap on a linear axis across.
 TICKS = 5
 _LINES = ("-", "--", ":", "-.")
 
@@ -29,25 +29,26 @@ class Plot:
     Parameters
     ----------
     name : str
-        File name without suffix; letters, digits and ``_``.
+        The file name without suffix, of letters, digits and ``_``.
     title, across, up : str
-        Heading and axes, with units.
+        The heading and the labels of the axes, with units.
     groups : mapping of str to sequence of (x, y)
-        By label; a value of 0 cannot stand on a logarithmic axis and is drawn at ``floor``.
+        The points by label. A value of 0 has no place on a logarithmic axis and is drawn at
+        ``floor``.
     sentence : str
-        What the figures say.
+        A sentence that the figures support.
     joined : bool
-        Whether the points of a group are joined by a line, in their order.
+        Whether a line joins the points of a group in their order.
     linear : str
-        Axes that are linear: any of "x" and "y"; a linear y begins at 0.
+        The linear axes: any of "x" and "y". A linear y begins at 0.
     levels : mapping of str to float
-        Horizontal lines: what is compared with.
+        Horizontal lines to compare with.
     tables : sequence of str
         The tables that hold every number of the plot.
     looks : mapping of str to Look
-        By label, for activations and networks; other groups look as ``looks.nth`` has it.
+        The looks by label, for activations and networks. Others have those of ``looks.nth``.
     floor : float
-        Where an error of 0 is drawn.
+        The value at which an error of 0 is drawn.
 
     Raises
     ------
@@ -84,7 +85,7 @@ class Plot:
             return svg(figure, self.name)
 
     def fill(self, axes: Axes, labels: Sequence[str]) -> None:
-        """Draw it into axes; a group looks as its place among the labels has it."""
+        """Draw the plot into axes. The look of a group follows from its place among the labels."""
         for label, points in self.groups.items():
             i = labels.index(label)
             look = self.looks.get(label) or nth(i)
@@ -123,18 +124,18 @@ class Plot:
 
 
 def side_by_side(name: str, title: str, plots: Sequence[Plot], columns: int = 4) -> str:
-    """Plots beside each other in one ``<svg>`` element, as wide as a page, with one legend.
+    """Several plots in one ``<svg>`` element, as wide as a page, with one legend.
 
     Parameters
     ----------
     name : str
         See ``tb.report.draw.svg.svg``.
     title : str
-        For readers who do not see the picture.
+        The title for readers who do not see the picture.
     plots : sequence of Plot
-        A label looks alike in all of them.
+        The plots. A label has the same look in all of them.
     columns : int
-        Of the legend.
+        The number of columns of the legend.
     """
     labels = list(dict.fromkeys(label for plot in plots for label in plot.groups))
     with style():
@@ -159,7 +160,7 @@ def side_by_side(name: str, title: str, plots: Sequence[Plot], columns: int = 4)
 
 
 def _label(axis: Axis) -> None:
-    """Numbers at 1, 2 and 5 of every decade where there are few decades."""
+    """Put numbers at 1, 2 and 5 of every decade if there are few decades."""
     low, high = axis.get_view_interval()
     if high / low < FEW:
         axis.set_major_locator(LogLocator(subs=(1, 2, 5)))

@@ -1,4 +1,4 @@
-"""The load profile of one recorded frame."""
+"""Draws the load profile of one recorded frame."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ POINTS = 400
 
 
 def profile(scene: Scene, frame: int = FRAME) -> str:
-    """The bit-true profile, equation 3.18 in real arithmetic, and the load that was recorded.
+    """The bit-true profile, equation 3.18 in real arithmetic, and the recorded load.
 
     Parameters
     ----------
     scene : Scene
-        One that has load, position, width and shape among its outputs; without a section
-        ``[visualisation]`` its defaults stand.
+        A scene with load, position, width and shape among its outputs. If it has no section
+        ``[visualisation]``, the defaults are used.
     frame : int
         Row of the scene's recorded vectors.
 
@@ -33,7 +33,7 @@ def profile(scene: Scene, frame: int = FRAME) -> str:
     Raises
     ------
     InputError
-        See ``beam``; also for a frame that the vectors do not have.
+        See ``beam``. Also for a frame that the vectors do not have.
     """
     known = beam(scene)
     known.check(frame, scene.path)

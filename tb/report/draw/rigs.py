@@ -1,4 +1,4 @@
-"""What the models of the two rigs say where the thesis shows measurements in pictures."""
+"""Draws what the models of the two rigs give, for the pictures of measurements in the thesis."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ from tb.report.draw.svg import style
 
 INCHES = (7.2, 5.6)
 WIDE = (7.2, 3.0)
-# Of the recorded loads: the three narrow ones of section 3.8.2, and the heaviest.
+# These are the three narrow loads of section 3.8.2, and the heaviest of the recorded loads.
 SHOWN_G = (6, 9, 11, 23)
 SECONDS_UNDAMPED, SECONDS_DAMPED = 3.0, 25.0
 
 
 def gauges() -> str:
-    """Recorded readings of each sensor and equation 3.9 fitted to them, as Figures 3.8 to 3.11."""
+    """The readings of each sensor and the fitted equation 3.9, as in Figures 3.8 to 3.11."""
     beam = Beam()
     table = read_table(RECORDED, [*SENSORS, *COLUMNS])
     fitted = fit_sensors(table, beam)
@@ -66,7 +66,7 @@ def gauges() -> str:
 
 
 def gauges_sentence() -> str:
-    """How far the lines are from the markers."""
+    """A sentence on the distance of the lines from the markers."""
     beam = Beam()
     table = read_table(RECORDED, [*SENSORS, *COLUMNS])
     loads = loads_from_codes(table[:, len(SENSORS) :], beam)
@@ -83,18 +83,18 @@ def gauges_sentence() -> str:
 
 @dataclass(frozen=True)
 class Deflections:
-    """Deflections in mm of the beam along its length, and of two points of the plate by load.
+    """The deflections in mm of the beam along its length, and of two points of the plate by load.
 
     Attributes
     ----------
     along : float array, shape (n,)
         mm from the root.
     beams : dict of float to float array
-        By load in g, downwards negative.
+        The deflection for each load in g. Downwards is negative.
     loads : float array, shape (m,)
         kg on the plate.
     plate : dict of str to float array, shape (m,)
-        By the point, in the direction of the load, which stands in the middle.
+        The deflection of each point, in the direction of the load, which is in the middle.
     """
 
     along: Real
@@ -104,7 +104,7 @@ class Deflections:
 
 
 def deflections() -> Deflections:
-    """Equation 3.1 for the loads of Figure 3.2, equation 6.3 for those of Figure 6.4."""
+    """Equation 3.1 for the loads of Figure 3.2, and equation 6.3 for those of Figure 6.4."""
     beam, plate = Beam(), Plate()
     along = np.linspace(0, beam.length, 46)
     grams = thesis_table("beam")["deflection_loads_g"]
@@ -123,7 +123,7 @@ def deflections() -> Deflections:
 
 
 def deflections_drawn(found: Deflections) -> str:
-    """Beam and plate under the loads that the thesis verified them with."""
+    """The beam and the plate under the loads with which the thesis verified them."""
     with style():
         figure = Figure(figsize=WIDE, layout="constrained")
         left, right = figure.subplots(1, 2)
@@ -143,7 +143,7 @@ def deflections_drawn(found: Deflections) -> str:
 
 
 def deflections_sentence(found: Deflections) -> str:
-    """The ends of the lines."""
+    """A sentence on the ends of the lines."""
     tips = ", ".join(f"{-line[-1]:.1f} mm under {g:g} g" for g, line in found.beams.items())
     plate = " and ".join(f"{line[-1]:.2f} mm {point}" for point, line in found.plate.items())
     return (
@@ -154,16 +154,16 @@ def deflections_sentence(found: Deflections) -> str:
 
 @dataclass(frozen=True)
 class Forces:
-    """The swing's forces in N over time: at the bearing and one foot, and at both feet.
+    """The forces of the swing in N over time, at the bearing, at one foot and at both feet.
 
     Attributes
     ----------
     time, horizontal, downward, foot : float arrays, shape (n,)
-        Without damping.
+        The motion without damping.
     damped_time, feet : float arrays, shapes (m,) and (2, m)
-        With it.
+        The motion with damping.
     angle : float array, shape (m,)
-        rad, with damping.
+        The angle in rad, with damping.
     """
 
     time: Real
@@ -176,7 +176,7 @@ class Forces:
 
 
 def forces() -> Forces:
-    """Equations 6.4 and 6.5 from the angle and with the dampings of Figures 6.6 and 6.7."""
+    """Equations 6.4 and 6.5, with the start angle and the damping of Figures 6.6 and 6.7."""
     figures = thesis_table("swing")
     start = math.radians(figures["forces_start_degrees"])
     free, damped = (replace(Swing(), damping=damping) for damping in figures["forces_damping"])
@@ -193,7 +193,7 @@ def forces() -> Forces:
 
 
 def forces_drawn(found: Forces) -> str:
-    """Forces at bearing and feet against time."""
+    """The forces at bearing and feet against time."""
     figures = thesis_table("swing")
     with style():
         figure = Figure(figsize=INCHES, layout="constrained")
@@ -217,7 +217,7 @@ def forces_drawn(found: Forces) -> str:
 
 
 def forces_sentence(found: Forces) -> str:
-    """Ends of the forces, and how alike both sides are half a period apart."""
+    """A sentence on the largest forces, and on how alike both sides are half a period apart."""
     ends = ", ".join(
         f"{name} between {line.min():.0f} and {line.max():.0f} N"
         for name, line in (

@@ -1,4 +1,4 @@
-"""The pictures of docs/error-against-run-time.md: errors against what they cost."""
+"""Draws the pictures of docs/error-against-run-time.md: errors against their cost."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from tb.report.draw.plots import Plot, Points, side_by_side
 from tb.report.draw.svg import PAGE_INCHES, style
 from tb.report.measure.table import Table
 
-# Of the thesis' front end: clocks of a scan, within which its networks are done.
+# The clocks of a scan of the thesis' front end, within which its networks must finish.
 SCAN_CLOCKS = 4096
 PRINTED = {"thesis, single": "digit.hybrid", "thesis, cascade": "digit.cascade_b"}
 WORST = "largest %"
-# The rho with which the regression of Pade is stable up to its gate.
+# With this rho the regression of Pade is stable up to its gate.
 SETTLING = (4, 4.5, 5, 6, 8)
 CASES = {
     "plain": "from 30 degrees",
@@ -44,13 +44,13 @@ _CASCADES = {"cascade A": Look("#000000", "D"), "cascade B": Look("#009e73", "v"
 
 
 def network_rows(table: Table) -> list[Row]:
-    """Networks on the digit within a scan whose cells are recorded, the least error first."""
+    """The networks of the digit within a scan that have recorded cells, least error first."""
     found = [
         row
         for row in rows_of(table, data="appendix2")
         if row["LUT"] is not None and number(row, "clocks a frame") < SCAN_CLOCKS
     ]
-    # Two engines with the same networks err alike, but for the last bits of a sum.
+    # Two engines with the same networks have the same error, except for the last bits of a sum.
     return sorted(found, key=lambda row: (round(number(row, WORST), 6), number(row, "LUT")))
 
 
@@ -61,7 +61,7 @@ def form(row: Row) -> str:
 
 
 def printed_errors() -> dict[str, float]:
-    """The worst output of the networks that the thesis prints, simulated."""
+    """The error of the worst output of the simulated networks that the thesis prints."""
     return {name: max(thesis_table(key)["simulation"]) for name, key in PRINTED.items()}
 
 
@@ -106,7 +106,8 @@ def activation_rows(table: Table) -> list[Row]:
 
 
 def pade(table: Table) -> str:
-    """Mean and largest error of the Pade regression against its iterations, for each rho."""
+    """The mean and the largest error of the Pade regression against its iterations, for each "
+    "rho."""
     rows = [row for row in rows_of(table, arithmetic="exact") if row["rho"] in SETTLING]
     plots = [
         _panel("", "iterations", up, _by(rows, "rho", "iterations", column, "rho "))
@@ -116,7 +117,7 @@ def pade(table: Table) -> str:
 
 
 def training(table: Table) -> str:
-    """Validation error against processor time: the optimisers, and the two cascades."""
+    """The validation error against processor time, for the optimisers and the two cascades."""
     one: list[Row] = []
     many: list[Row] = []
     for row in rows_of(table):
@@ -161,7 +162,7 @@ def swing(table: Table) -> str:
 
 
 def damping(table: Table) -> str:
-    """Run time and error of both default integrators against damping."""
+    """The run time and the error of both default integrators against damping."""
     across = "damping rate, natural frequencies"
     plots = [
         _panel("", across, up, _by(rows_of(table), "method", "rate / natural frequency", column))
@@ -171,7 +172,7 @@ def damping(table: Table) -> str:
 
 
 def plate(table: Table) -> str:
-    """The plate's deflection by series and by grid, against terms and against run time."""
+    """The error of the plate by series and by grid, against terms and against run time."""
 
     def label(row: Row) -> str:
         return f"{row['method']}, {row['point']}"
@@ -198,7 +199,7 @@ def profile(table: Table) -> str:
 
 
 def simulators(table: Table) -> str:
-    """Frames a second of everything that computes the default network, the fastest first."""
+    """The frames per second of everything that computes the default network, fastest first."""
     rows = sorted(rows_of(table), key=lambda row: number(row, "frames a second"))
     rates = [number(row, "frames a second") for row in rows]
     title = "Simulators: frames a second of the same network"
@@ -206,7 +207,7 @@ def simulators(table: Table) -> str:
         width, height = PAGE_INCHES
         figure = Figure(figsize=(width, 0.75 * height), layout="constrained")
         axes = figure.add_subplot()
-        axes.barh([str(row["engine"]) for row in rows], rates, color="#0072b2", height=0.6)
+        axes.barh([str(row["simulator"]) for row in rows], rates, color="#0072b2", height=0.6)
         for place, rate in enumerate(rates):
             axes.annotate(
                 rounded(rate),
@@ -222,7 +223,7 @@ def simulators(table: Table) -> str:
 
 
 def rounded(value: float, digits: int = 2) -> str:
-    """A figure with that many digits, as pages write it: 1,700 or 0.41 or 1.5e-6."""
+    """A figure with so many digits, as pages write it: 1,700 or 0.41 or 1.5e-6."""
     short = f"{value:.{digits}g}"
     if abs(float(short)) >= 10 ** (digits - 1):
         return f"{float(short):,.0f}"
@@ -237,7 +238,7 @@ def _panel(title: str, across: str, up: str, points: Mapping[str, Points], **how
 def _by(
     rows: list[Row], column: str, x: str, y: str, prefix: str = ""
 ) -> dict[str, list[tuple[float, float]]]:
-    """Points (x, y) by what a column holds."""
+    """The points (x, y), grouped by the value of a column."""
     return groups(rows, lambda row: f"{prefix}{row[column]}", x, y)
 
 

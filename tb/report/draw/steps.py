@@ -1,4 +1,4 @@
-"""A picture that moves: steps one after the other, by a style alone."""
+"""Animates a picture: it shows steps one after the other, with a style sheet alone."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from tb.report.draw.drawing import group, identifier, number
 
-# A reader who asks for less motion, and paper, get the step in the middle alone.
+# Paper, and readers who ask for less motion, get only the step in the middle.
 _STYLE = """\
 .{name}-step{{visibility:hidden;animation:{name}-show {total}s step-end infinite}}
 .{name}-still{{visibility:visible}}
@@ -17,14 +17,14 @@ _STYLE = """\
 
 
 def steps(kind: str, scene: str, seconds: float, bodies: Sequence[list[str]]) -> list[str]:
-    """Elements of which one step is seen at a time, again and again.
+    """Elements that show one step at a time, again and again.
 
     Parameters
     ----------
     kind, scene : str
-        Of the picture; see ``identifier``.
+        Those of the picture; see ``identifier``.
     seconds : float
-        For each step.
+        How long each step is shown.
     bodies : sequence of list of str
         The elements of each step.
     """
@@ -33,7 +33,7 @@ def steps(kind: str, scene: str, seconds: float, bodies: Sequence[list[str]]) ->
     body = ["<style>", style, "</style>"]
     for n, step in enumerate(bodies):
         still = f" {name}-still" if n == len(bodies) // 2 else ""
-        # A start in the past: every step runs at once, each at its own point of the cycle.
+        # Each step starts in the past, so that all run at once, each at its own point of the cycle.
         delay = f"animation-delay:{number(seconds * n - total)}s"
         body.append(group(step, class_=f"{name}-step{still}", style=delay))
     return body

@@ -1,4 +1,4 @@
-"""SVG that can stand in a page beside other SVG, the same bytes on every run."""
+"""Makes SVG that can share a page with other SVG, and has the same bytes on every run."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from typing import Any
 import matplotlib
 from matplotlib.figure import Figure
 
-# As wide as a phone shows without shrinking the letters; a desktop sets two side by side.
+# A phone shows this width without shrinking the letters, and a desktop two side by side.
 PLOT_INCHES = (4.6, 3.4)
-# Of plots beside each other in a page of docs.
+# The width of plots that share a row of a page of docs.
 PAGE_INCHES = (9.2, 4.2)
 _STYLE: dict[Any, Any] = {
-    # Without a salt the ids are random; letters stay letters, so that a reader can search them.
+    # Without a salt the ids are random. Letters are kept as text, so that a reader can search them.
     "svg.hashsalt": "tactus",
     "svg.fonttype": "none",
     "font.family": "sans-serif",
@@ -30,19 +30,19 @@ _STYLE: dict[Any, Any] = {
     "lines.linewidth": 1.2,
     "lines.markersize": 4,
 }
-# A letter for the kind, and what matplotlib makes of the content.
+# An id of matplotlib: a letter for the kind, and a digest of the content.
 _MADE = re.compile(r'(?<=id=")[a-z][0-9a-f]{10}(?=")')
 
 
 @contextmanager
 def style() -> Iterator[None]:
-    """Matplotlib's settings of every plot of the report."""
+    """The settings of matplotlib for every plot of the report."""
     with matplotlib.rc_context(_STYLE):
         yield
 
 
 def plain(name: str) -> str:
-    """A name from outside as a label: no part of it is mathematics, and no legend leaves it out."""
+    """A user's name as a label: no part is read as mathematics, and every legend shows it."""
     text = name.replace("$", r"\$")
     return f" {text}" if text.startswith("_") else text
 
@@ -54,7 +54,8 @@ def svg(figure: Figure, name: str) -> str:
     ----------
     figure : Figure
     name : str
-        Put before every id, so that no two pictures of a page share one; letters, digits and ``_``.
+        The prefix of every id, so that no two pictures of a page share an id. It has letters,
+        digits and ``_``.
     """
     buffer = io.StringIO()
     with style():
@@ -64,10 +65,10 @@ def svg(figure: Figure, name: str) -> str:
 
 
 def own_ids(text: str, name: str) -> str:
-    """Put ``name`` before every id of an SVG and before what refers to one.
+    """Put ``name`` before every id of an SVG and before every reference to one.
 
-    Ids that matplotlib makes of the last bits of coordinates, which differ with the processor, are
-    numbered.
+    matplotlib makes ids from the last bits of coordinates, which depend on the processor. These ids
+    are replaced by numbers.
     """
     for n, made in enumerate(dict.fromkeys(_MADE.findall(text))):
         text = text.replace(made, f"{made[0]}{n}")

@@ -1,4 +1,4 @@
-"""The motion of the swing and what the networks make of it, on a run they were not trained on."""
+"""Draws the motion of the swing and the estimates of the networks, on an independent run."""
 
 from __future__ import annotations
 
@@ -20,24 +20,24 @@ from tb.report.draw.svg import PLOT_INCHES, style
 
 RUN = FOLDER.parent / "data" / "swing-test-1.csv"
 COORDINATES = ("x", "y", "z")
-# A few swings: of more nobody could tell estimate and motion apart.
+# A few swings. With more of them, estimate and motion could not be distinguished.
 SECONDS = 10.0
 WITHOUT, WITH = "without past samples", "with past samples"
 
 
 def moves(scene: Scene) -> bool:
-    """Whether a scene's outputs are the motion that ``swing`` draws, from signals."""
+    """Whether the outputs of a scene are the motion that ``swing`` draws, as signals."""
     return set(scene.outputs) == set(scene.length_mm) == set(COORDINATES) and not scene.scale
 
 
 @dataclass(frozen=True)
 class Followed:
-    """A stretch of a run and what a scene's hardware makes of it, in millimetres from code 0.
+    """A stretch of a run and the estimates of a scene's hardware, in millimetres from code 0.
 
     Attributes
     ----------
     time : float array, shape (frames,)
-        Seconds since release.
+        The seconds since release.
     true, estimate : float arrays, shape (frames, 3)
         x, y and z.
     """
@@ -48,7 +48,7 @@ class Followed:
 
 
 def follow(scene: Scene, run: Path, seconds: float) -> Followed:
-    """What the hardware of a scene makes of the first seconds of a run.
+    """The estimates of a scene's hardware for the first seconds of a run.
 
     Raises
     ------
@@ -65,21 +65,21 @@ def follow(scene: Scene, run: Path, seconds: float) -> Followed:
 
 
 def without_past(scene: Scene) -> Scene | None:
-    """The shipped scene of the same arrangement that sees one frame; none for one that does."""
+    """The shipped scene of the same arrangement without past samples; none if this is one."""
     return None if scene.window.plain else load_scene(f"swing-{scene.arrangement}")
 
 
 def swing(scene: Scene, run: Path = RUN) -> str:
-    """True x, y and z against time, the bit-true estimates, and below each the difference.
+    """The true x, y and z against time, the bit-true estimates, and the difference below each.
 
-    Of a scene that sees past samples also the difference of the one that sees none.
+    For a scene with past samples, the difference of the scene without them is drawn too.
 
     Parameters
     ----------
     scene : Scene
-        One whose outputs are x, y and z, in any order, with their lengths in millimetres.
+        A scene whose outputs are x, y and z, in any order, with their lengths in millimetres.
     run : Path
-        A recording in the columns of the scene, at 200 samples per second.
+        A recording with the columns of the scene, at 200 samples per second.
 
     Returns
     -------
@@ -89,7 +89,7 @@ def swing(scene: Scene, run: Path = RUN) -> str:
     Raises
     ------
     InputError
-        See ``read_table`` and ``Scene.twin``; also for a scene of other outputs.
+        See ``read_table`` and ``Scene.twin``. Also for a scene with other outputs.
     """
     if not moves(scene):
         raise InputError(

@@ -1,4 +1,4 @@
-"""The swing as it moves, and where the hardware of a scene takes its mass to be."""
+"""An animation of the swing, with the position of its mass that the hardware estimates."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ from tb.report.draw.drawing import ACCENT, FAINT, INK, Point, dot, line, picture
 from tb.report.draw.steps import steps
 from tb.report.draw.swing import RUN, Followed, follow, without_past
 
-# Seconds that are shown, and of a step: a swing takes about one and a half.
+# The seconds that are shown, and those of a step. A swing takes about one and a half.
 FROM, UNTIL, STEP = 1.0, 5.0, 0.1
 WIDTH, HEIGHT = 360.0, 220.0
-# What a millimetre is: of y and z, and of the wobble x, which is small.
+# The scale of a millimetre, for y and z and for the wobble x, which is small.
 ALONG, ACROSS = 0.52, 9.0
-# Where the mass hangs at rest, and the middle of the view from above.
+# The place of the mass at rest, and the middle of the view from above.
 LEFT, REST, ABOVE = 180.0, 80.0, 170.0
 OTHER = "#c43b3b"
 
 
 def swing_animation(scene: Scene, run: Path = RUN) -> str:
-    """The mass from the side, y and z, and from above, x and y, true and as it was found.
+    """The true and the estimated mass, from the side (y and z) and from above (x and y).
 
-    Each step is a frame of a run that the networks were not trained on. No script: a style moves
-    it.
+    Each step is a frame of a run on which the networks were not trained. The animation needs no
+    script: a style sheet moves it.
 
     Parameters
     ----------
     scene : Scene
-        One that sees past samples of the swing; the scene without them is shown beside it.
+        A scene with past samples of the swing. The scene without them is shown beside it.
     run : Path
         See ``swing``.
 
@@ -44,7 +44,7 @@ def swing_animation(scene: Scene, run: Path = RUN) -> str:
     Raises
     ------
     InputError
-        See ``follow``; also for a scene without a past.
+        See ``follow``. Also for a scene without past samples.
     """
     other = without_past(scene)
     if other is None:
@@ -52,7 +52,7 @@ def swing_animation(scene: Scene, run: Path = RUN) -> str:
     found = follow(scene, run, UNTIL)
     before = follow(other, run, UNTIL)
     shown = [int(np.argmin(np.abs(found.time - t))) for t in np.arange(FROM, UNTIL, STEP)]
-    # Both end at the same frame.
+    # Both estimates end at the same frame.
     skipped = len(before.time) - len(found.time)
     bodies = [_step(found, n, before.estimate[n + skipped]) for n in shown]
     title = f"The mass of the swing in {run.stem}, true and as scene {scene.name} finds it"
@@ -61,17 +61,17 @@ def swing_animation(scene: Scene, run: Path = RUN) -> str:
 
 
 def _side(place: Real) -> Point:
-    """y and z: from the side."""
+    """A place in the view from the side, of y and z."""
     return LEFT + ALONG * float(place[1]), REST - ALONG * float(place[2])
 
 
 def _above(place: Real) -> Point:
-    """y and x: from above."""
+    """A place in the view from above, of y and x."""
     return LEFT + ALONG * float(place[1]), ABOVE - ACROSS / 2 * float(place[0])
 
 
 def _still() -> list[str]:
-    """What does not move."""
+    """Everything that does not move."""
     return [
         dot((12, 12), 5, fill=ACCENT),
         text((24, 16), "true"),
@@ -90,7 +90,7 @@ def _ring(at: Point, colour: str) -> str:
 
 
 def _step(found: Followed, n: int, before: Real) -> list[str]:
-    """One frame."""
+    """The drawing of one frame."""
     true, estimate = found.true[n], found.estimate[n]
     body = [text((WIDTH - 8, 36), f"{found.time[n]:.2f} s", 10, text_anchor="end")]
     for view in (_side, _above):

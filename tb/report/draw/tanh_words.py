@@ -1,4 +1,4 @@
-"""An engine's tanh: its largest error against the words of its table."""
+"""Draws the largest error of an engine's tanh against the number of words of its table."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ SIZE = (400.0, 348.0)
 
 
 def tanh_words(table: Table) -> str:
-    """One line for each width of a segment, its points tables that end later and later.
+    """One line for each width of a segment. Its points are tables that end later and later.
 
-    Filled are those that ``hardware.segment_width`` chooses from.
+    The filled points are the tables that ``hardware.segment_width`` can choose.
     """
     axes = Axes(46, 52, 336, 236, (25, 2000), (0.1, 8))
     body = [text((6, 18), "tanh of an engine, over all codes", 13, font_weight="bold")]
@@ -33,7 +33,7 @@ def tanh_words(table: Table) -> str:
 
 
 def sentence(table: Table) -> str:
-    """What the picture says."""
+    """A sentence that says what the picture shows."""
     told = ", ".join(
         f"{number(row, 'words'):g} words to {number(row, 'largest units'):.3f}"
         for row in rows_of(table, engine="yes")

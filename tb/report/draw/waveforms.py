@@ -1,4 +1,4 @@
-"""What stands on the ports of a design clock by clock, as a timing diagram."""
+"""Draws the values of the ports of a design, clock by clock, as a timing diagram."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from tb.report.draw.drawing import (
     text_width,
 )
 
-# Pixels of a clock: enough for a value, or for one that is turned to stand upright.
+# The pixels of a clock, enough for a value, or for a value that is written upright.
 WIDE, MIDDLE, NARROW, PAGE = 44.0, 20.0, 12.0, 1000.0
 SLANT = 2.5
 FLAG, UPRIGHT, LEVEL = 17.0, 42.0, 22.0
 HEADING, SCALE = 22.0, 20.0
 VALUE = 9.0
-# Keeps the lines of the clocks out of the letters.
+# This background hides the lines of the clocks behind the letters.
 _EDGE: dict[str, str | float] = {"stroke": "#fff", "stroke_width": 4.0, "paint_order": "stroke"}
 
 
@@ -36,14 +36,14 @@ class Row:
     Attributes
     ----------
     owner : str
-        Whose port it is: neighbours with one owner stand together under this heading.
+        Whose port it is. Neighbouring ports with the same owner share this heading.
     name : str
     values : tuple of int or None
-        What stands on it just before the rising edge of each clock; None where it is undefined.
+        The values just before the rising edge of each clock, None if undefined.
     fmt : Fix or None
-        Format of the codes; None for a flag.
+        The format of the codes, or None for a flag.
     valid : str
-        The flag, a port of the same owner, that tells in which clocks the codes count.
+        A flag of the same owner, which says in which clocks the codes count.
     """
 
     owner: str
@@ -54,14 +54,15 @@ class Row:
 
 
 def waveforms(ports: Sequence[Row], title: str) -> str:
-    """One row a port, one column a clock, counted from the first element of the frame.
+    """A timing diagram with a row for each port and a column for each clock.
 
-    Flags are lines; codes are written as real values, where they count.
+    Clocks are counted from the first element of the frame. Flags are lines. Codes are written as
+    real values in the clocks in which they count.
 
     Parameters
     ----------
     ports : sequence of Row
-        Of equally many clocks; clock 0 is the first in which a flag is high.
+        Ports with equally many clocks. Clock 0 is the first in which a flag is high.
     title : str
 
     Returns
@@ -72,8 +73,8 @@ def waveforms(ports: Sequence[Row], title: str) -> str:
     Raises
     ------
     ValueError
-        Without ports, for ports of unequal length, or for one whose ``valid`` is no flag of its
-        owner.
+        Without ports, for ports of unequal length, or if the ``valid`` of a port is not a flag of
+        its owner.
     """
     clocks = {len(port.values) for port in ports}
     if len(clocks) != 1:
@@ -112,7 +113,7 @@ def waveforms(ports: Sequence[Row], title: str) -> str:
 
 
 def _grid(count: int, zero: int, at: Point, bottom: float, pitch: float) -> list[str]:
-    """A line at every fifth clock, or at every clock where there is room, with its number."""
+    """A line with its number at every fifth clock, or at every clock if there is room."""
     x, y = at
     every = 5 if pitch == NARROW else 1
     body = [text((x - 4, y - 4), "clock", 10, text_anchor="end")]
@@ -126,7 +127,7 @@ def _grid(count: int, zero: int, at: Point, bottom: float, pitch: float) -> list
 
 
 def _flag(values: Sequence[int | None], at: Point, pitch: float) -> str:
-    """A line that is high or low, and between the two where the flag is undefined."""
+    """A line that is high or low, or between the two while the flag is undefined."""
     x, y = at
     level = {0: y + FLAG - 2, 1: y + 3, None: y + FLAG / 2}
     points = []
@@ -143,7 +144,7 @@ def _flag(values: Sequence[int | None], at: Point, pitch: float) -> str:
 def _codes(
     port: Row, counts: Sequence[int | None], at: Point, pitch: float, height: float
 ) -> list[str]:
-    """A hexagon with its value in each clock that counts; a line in the others."""
+    """A hexagon with the value in each clock that counts, and a line in the others."""
     x, y = at
     top, middle, bottom = y + 1, y + height / 2, y + height - 1
     body = []

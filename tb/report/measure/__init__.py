@@ -1,1 +1,1 @@
-"""Tables of what is measured."""
+"""The tables of ``make figures``, and how each is measured."""

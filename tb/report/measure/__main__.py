@@ -1,11 +1,11 @@
 """``python -m tb.report.measure [TABLE ...]``: measures, prints and writes every table.
 
-``build/figures`` holds what the last call measured: a CSV a table, and figures.json with all of
-them, the seed and the versions of everything that took part. With ``--record`` those of
-``tb.report.measure.recorded`` are recorded for the report, too. The same versions and seed give the
-same bytes on one machine; on another, figures from floating point differ by what
-``tb.report.measure.spread`` measures. Run times differ from call to call: tables that hold some
-stand in full in times.json, with the machine, and without them in the other files.
+``build/figures`` holds what the last call measured: one CSV for each table, and figures.json with
+all tables, the seed and the versions of everything that took part. With ``--record`` the tables
+that ``tb.report.measure.table_records`` names are also recorded for the report. The same versions
+and seed give the same bytes on one machine; on another machine, figures from floating point differ
+by what ``tb.report.measure.spread`` measures. Run times differ from call to call, so tables that
+hold some stand in full in times.json, with the machine, and without them in the other files.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from golden.folders import BUILD
 from golden.input_error import InputError
 from golden.machine import facts, versions
 from golden.table import suggest
-from tb.report.measure import recorded
+from tb.report.measure import table_records
 from tb.report.measure.registry import ASKED, TABLES
 
 
@@ -62,7 +62,7 @@ def main() -> None:
             data["tables"][name] = again.as_data()
             print("\n".join(table.lines()), end="\n\n", flush=True)
             if arguments.record:
-                print(f"recorded in {recorded.write(table)}")
+                print(f"recorded in {table_records.write(table)}")
         write_json(temporary / "figures.json", data)
         if times:
             write_json(temporary / "times.json", {"machine": facts(), "tables": times})
@@ -70,16 +70,16 @@ def main() -> None:
 
 
 def refuse_others(names: list[str], seed: int) -> None:
-    """Refuse to record what is measured for every report, or with another seed."""
-    kept = (*recorded.RECORDED, *recorded.FOR_PAGES)
+    """Refuse to record tables that every report measures, or tables of another seed."""
+    kept = (*table_records.RECORDED, *table_records.FOR_PAGES)
     others = [name for name in names if name not in kept]
     if others:
         raise InputError(
             f"TABLE={others[0]}: is measured for every report, expected one of "
             f"{', '.join(kept)} with RECORD=1"
         )
-    if seed != recorded.SEED:
-        raise InputError(f"SEED={seed}: expected {recorded.SEED} with RECORD=1")
+    if seed != table_records.SEED:
+        raise InputError(f"SEED={seed}: expected {table_records.SEED} with RECORD=1")
 
 
 if __name__ == "__main__":

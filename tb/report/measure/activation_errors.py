@@ -1,8 +1,9 @@
 """``python -m tb.report.measure.activation_errors``: how far every activation is from tanh.
 
-Question: what does each scheme cost in accuracy, and what does its arithmetic add? Sweep: in the
-precisions that it is made for every input code, of ``thesis`` for several Q, and the same inputs in
-floating point. Reference: numpy's tanh, and beside it what the thesis prints.
+The question is how large the error of each scheme is, and how much its arithmetic adds. Every input
+code is measured in each precision of the scheme, in ``thesis`` precision for several Q, and the
+same inputs in floating point. The reference is numpy's tanh. The figures that the thesis prints
+stand beside the results.
 """
 
 from __future__ import annotations
@@ -35,15 +36,15 @@ from golden.scene import thesis_table
 
 FACTORS = (1, 3, 8, 32, 128, 512)
 THESIS_FACTOR = 3
-# Options with which the thesis measured, where they are not the default; its number of iterations
-# is not printed.
+# The options with which the thesis measured, if they are not the default. It does not print its
+# number of iterations.
 THESIS_OPTIONS: dict[str, dict[str, Any]] = {"pade": {"rho": 4.0, "iterations": 24}}
 PLOTS = ROOT / "docs" / "activations"
 
 
 @dataclass(frozen=True)
 class Row:
-    """One scheme, one arithmetic, one Q.
+    """The errors of one scheme in one arithmetic with one Q.
 
     Attributes
     ----------
@@ -52,12 +53,12 @@ class Row:
     factor : int
         Q.
     mean_percent, mean_percent_thesis : float, or None
-        Equation 4.32 in both readings, see ``ActivationError``; None where the codes do not reach
-        its range.
+        Equation 4.32 in both readings, see ``ActivationError``. None if the codes do not cover its
+        range.
     largest : float
-        The largest error over every code, in units of 2**-13.
+        The largest error over all codes, in units of 2**-13.
     thesis : float, or None
-        What the thesis prints for equation 4.32, at Q = 3.
+        The figure that the thesis prints for equation 4.32, at Q = 3.
     """
 
     scheme: str
@@ -71,13 +72,13 @@ class Row:
 
 
 def thesis_figure(name: str) -> float | None:
-    """The mean error that the thesis prints for a scheme; none for a scheme of our own."""
+    """The mean error that the thesis prints for a scheme, or None for a scheme of our own."""
     figure = thesis_table(f"activation.{name.removesuffix('_parallel')}").get("mean_percent_error")
     return None if figure is None else float(figure)
 
 
 def variants() -> Iterator[tuple[str, str, Scheme]]:
-    """Every form of every scheme and, where they differ, the one with the thesis' options."""
+    """Every form of every scheme and, if they differ, the one with the options of the thesis."""
     for name, scheme in forms().items():
         yield name, "", scheme
         if name in THESIS_OPTIONS:
@@ -86,21 +87,21 @@ def variants() -> Iterator[tuple[str, str, Scheme]]:
 
 
 def built(scheme: Scheme, precision: Precision, factor: int) -> ActivationBlock:
-    """The whole block; that it is not settled everywhere is what is being measured."""
+    """The whole block, without a warning that it is not settled, as that is measured here."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UnsettledWarning)
         return scheme.build(precision, factor, precision.hidden_fmt.high)
 
 
 def measure() -> list[Row]:
-    """All rows, scheme by scheme."""
+    """All rows, one scheme after the other."""
     return [row for variant in variants() for row in measured(*variant)]
 
 
 def measured(
     name: str, options: str, scheme: Scheme, factors: Sequence[int] = FACTORS
 ) -> Iterator[Row]:
-    """The rows of one scheme in its precisions, for each Q where there is one."""
+    """The rows of one scheme in its precisions, for each Q if it is normalised."""
     for precision in scheme.precisions:
         codes = np.arange(precision.hidden_fmt.low, precision.hidden_fmt.high + 1)
         for factor in factors if precision.normalise else (1,):
@@ -137,7 +138,7 @@ def _row(
 
 
 def table(rows: list[Row]) -> list[str]:
-    """What is printed: one line for each scheme and arithmetic."""
+    """The printed lines, one for each scheme and arithmetic."""
     lines = [
         "equation 4.32 in % at Q = 3, and the largest error in units of 2**-13",
         "",
@@ -172,7 +173,7 @@ def table(rows: list[Row]) -> list[str]:
 
 
 def write(rows: list[Row], folder: Path) -> None:
-    """``errors.csv`` and ``errors.json`` in ``folder``."""
+    """Write ``errors.csv`` and ``errors.json`` into ``folder``."""
     records = [asdict(row) for row in rows]
     with (
         replace_file(folder / "errors.csv") as path,
@@ -186,17 +187,17 @@ def write(rows: list[Row], folder: Path) -> None:
 
 
 def plot_file(name: str) -> str:
-    """The file of a form's plot."""
+    """The file name of the plot of a form."""
     return f"{name.replace(' ', '_')}.svg"
 
 
 def plot(name: str, scheme: Scheme, path: Path) -> None:
-    """Error over q as SVG, the same bytes on every run.
+    """Plot the error over q as SVG, with the same bytes on every run.
 
-    All schemes are odd, so q runs from 0. In ``thesis`` precision Q is 8: its steps are as coarse
-    as 2**-10 in q, and it reaches past the end of every scheme.
+    All schemes are odd, so q starts at 0. In ``thesis`` precision Q is 8: the steps of q are
+    2**-10, and q reaches beyond the end of every scheme.
     """
-    # Without a salt the ids in the file are random.
+    # Without a salt, the ids in the file would be random.
     with matplotlib.rc_context({"svg.hashsalt": "tactus", "svg.fonttype": "none"}):
         figure = Figure(figsize=(7, 2.6), layout="constrained")
         axes = figure.add_subplot()

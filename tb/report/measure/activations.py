@@ -1,4 +1,4 @@
-"""Activations: error against clocks, and of Pade against the iterations of its regression."""
+"""The error of activations against clocks, and of Pade against its iterations."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ ITERATIONS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)
 
 
 def activations(_: int) -> Table:
-    """Every scheme in every precision: equation 4.32, the largest error, and clocks."""
+    """Every scheme in every precision, with equation 4.32, the largest error, and the clocks."""
     rows: list[list[Cell]] = []
     for name, options, scheme in variants():
         full = f"{name}, {options}" if options else name
@@ -48,15 +48,16 @@ def activations(_: int) -> Table:
             "interval clocks",
         ],
         rows,
-        "Against tanh: equation 4.32 as printed, and twice that, as the thesis' figures need it; "
-        "the largest error in units of 2^-13 over every input code, |q| to 3 in floating point and "
-        "in thesis precision, to 8 in exact. Latency from a code to its result, interval from "
-        "one code to the next; with fewer iterations pade needs fewer of both.",
+        "Errors against tanh: equation 4.32 as printed, and twice that, which agrees with the "
+        "figures of the thesis. The largest error is in units of 2^-13 over every input code, with "
+        "|q| to 3 in floating point and in thesis precision, and to 8 in exact precision. The "
+        "latency is from a code to its result, and the interval from one code to the next. With "
+        "fewer iterations, pade needs fewer clocks for both.",
     )
 
 
 def iterations(_: int) -> Table:
-    """Error of Pade for more and more iterations, for each rho."""
+    """The error of Pade for more and more iterations, for each rho."""
     rows: list[list[Cell]] = []
     for rho in RHOS:
         stable = stable_below(rho)

@@ -1,9 +1,9 @@
 """``python -m tb.report.measure.adder_chains``: how many adders an ECP5 takes in one clock.
 
-For each number of adders one behind the other: the clock that they reach alone between two
-registers, with the saturation behind them, and as ``adders_per_clock`` of a whole network, in each
-speed grade. Placing and routing takes a quarter of an hour of processor time, so the figures are
-recorded; table ``adder_chains`` of ``make figures`` is the record.
+For each number of adders in a chain and each speed grade, it measures the clock that the chain
+reaches: alone between two registers, with a saturation after it, and as ``adders_per_clock`` of a
+whole network. Placing and routing takes a quarter of an hour of processor time, so the figures are
+recorded. Table ``adder_chains`` of ``make figures`` shows the record.
 
     python -m tb.report.measure.adder_chains --record
 """
@@ -28,14 +28,14 @@ from tb.report.measure.table import Cell, Table, read_csv
 
 SCENE = "digit-fast"
 RECORD = Path(__file__).with_suffix(".csv")
-# Lattice sells an ECP5 in these; a larger number is faster.
+# The speed grades in which Lattice sells an ECP5. A larger number is faster.
 GRADES = (6, 7, 8)
 ADDERS = (1, 2, 3, 4, 5)
-# Networks with so many: of 1 and of 5 there are scenes, which make synth records.
+# Networks with so many adders. Scenes with 1 and with 5 exist, and make synth records them.
 NETWORKS = (2, 3)
-# What the router aims at: more than any chain reaches, and a fifth more than the clock in question.
+# The clock that the router aims at: above that of any chain, or a fifth above the expected one.
 CHAIN_AIM, AIM = 600, 180
-# By placer and router: those of make synth, and those with which so small a thing is fastest.
+# The placer and the router: those of make synth, and those that give small designs most speed.
 USUAL, SMALL = (PLACER, ROUTER), ("heap", "router1")
 COLUMNS = [
     "adders",
@@ -56,8 +56,8 @@ NOTE = (
 def chain(name: str, count: int, width: int, result: int) -> str:
     """Verilog of ``count`` adders of ``width`` bits between registers.
 
-    Operands come from a shift register, and a result of fewer bits is saturated. Yosys is kept
-    from joining adders to one of three operands.
+    The operands come from a shift register. A result with fewer bits is saturated. The code keeps
+    Yosys from joining two adders into one of three operands.
     """
     operands = range(count + 1)
     sums = [f"a0 + a{n}" if n == 1 else f"s{n - 1} + a{n}" for n in operands[1:]]
@@ -74,7 +74,7 @@ def chain(name: str, count: int, width: int, result: int) -> str:
                 for n, text in enumerate(sums, start=1)
             ),
             f"  reg signed [{top}:0] found;",
-            # Registers that nobody reads are left out, with the adders before them.
+            # Yosys removes registers that nothing reads, with the adders before them.
             "  assign sent = ^found;",
             "  always @(posedge clk) begin",
             "    a0 <= {a0, bit};",
@@ -88,7 +88,7 @@ def chain(name: str, count: int, width: int, result: int) -> str:
 
 
 def chains(width: int, results: Sequence[int]) -> str:
-    """Verilog of every chain with every width of the result, each with a clock of its own."""
+    """Verilog with a chain for every length and width of the result, each with its own clock."""
     names = {(n, result): f"chain_{n}_{result}" for n in ADDERS for result in results}
     ports = [*(f"input clk_{name}" for name in names.values()), "input bit"]
     ports.append(f"output [{len(names) - 1}:0] sent")
@@ -108,7 +108,7 @@ def chains(width: int, results: Sequence[int]) -> str:
 def reached(
     verilog: Path, top: str, aim: int, method: tuple[str, str]
 ) -> dict[int, dict[str, float]]:
-    """By grade the frequency of each clock in MHz, by its port."""
+    """For each grade, the frequency in MHz of each clock, by the name of its port."""
 
     def work(folder: Path) -> dict[str, dict[str, float]]:
         (folder / "netlist.json").write_text(json.dumps(mapped(folder, top)), encoding="utf-8")
@@ -121,12 +121,12 @@ def reached(
 
 def _placed(folder: Path, grade: int, aim: int, method: tuple[str, str]) -> dict[str, float]:
     report = place(folder, aim, *method, device=[*DEVICE[:-1], str(grade)])
-    # A port's clock is called $glbnet$<port>$TRELLIS_IO_IN.
+    # nextpnr calls the clock of a port $glbnet$<port>$TRELLIS_IO_IN.
     return {name.split("$")[2]: clock["achieved"] for name, clock in report["fmax"].items()}
 
 
 def alone(width: int, result: int) -> list[list[float]]:
-    """By number of adders the clock in each grade, then those with the result saturated."""
+    """For each number of adders the clock in each grade, without and with saturation."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         text = chains(width, (width, result))
@@ -139,12 +139,12 @@ def alone(width: int, result: int) -> list[list[float]]:
 
 
 def with_adders(scene: Scene, count: int) -> Scene:
-    """The scene with so many adders between registers."""
+    """The scene with ``count`` adders between registers."""
     return replace(scene, design_options={"adders_per_clock": count})
 
 
 def network(scene: Scene) -> list[float]:
-    """The clock that the network reaches in each grade."""
+    """The clock that the network of a scene reaches in each grade."""
     with tempfile.TemporaryDirectory() as name:
         verilog = Path(name) / "verilog"
         export(scene, "verilog", verilog)
@@ -153,7 +153,7 @@ def network(scene: Scene) -> list[float]:
 
 
 def measured() -> list[list[Cell]]:
-    """The rows."""
+    """The rows of the table."""
     scene = load_scene(SCENE)
     design = scene.twin()
     assert isinstance(design, AdderGraph)
@@ -171,7 +171,7 @@ def _tenths(clocks: Sequence[float]) -> list[float]:
 
 
 def adder_chains(_seed: int) -> Table:
-    """The record."""
+    """The recorded table."""
     return Table("adder_chains", *read_csv(RECORD), NOTE)
 
 

@@ -1,4 +1,4 @@
-"""Where the error of an adder graph comes from: one cause after the other."""
+"""The error of an adder graph, split into its causes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SCENES = ("digit-fast", "comparison/digit-fast-full")
 
 
 def adder_errors(seed: int) -> Table:
-    """Mean error of each scene, of recorded and of random frames, for more and more causes."""
+    """The mean error of each scene on recorded and on random frames, with more and more causes."""
     rows: list[list[Cell]] = []
     for name in SCENES:
         scene = load_scene(name)
@@ -34,22 +34,22 @@ def adder_errors(seed: int) -> Table:
         "adder_errors",
         ["scene", "cause", "recorded, 2^-13", "random, 2^-13"],
         rows,
-        "The network in floating point, to which one cause of error after the other is added: mean "
-        "magnitude of the difference, as in one_network.",
+        "The causes of error are added one after the other to the network in floating point. The "
+        "figures are the mean magnitude of the difference, as in one_network.",
     )
 
 
 def stages(design: AdderGraph, frames: Codes) -> Iterator[tuple[str, Real | Codes]]:
-    """Outputs in codes, each with one cause more than the one before."""
+    """The outputs as codes, each time with one cause of error more."""
     first, second = design.first, design.second
     q = exact_sums(first, frames)
 
     def outputs(r: Real | Codes) -> Codes:
-        # Half a step of the output is part of the constants.
+        # The constants contain half a step of the output.
         return np.clip(np.floor(exact_sums(second, r)), second.out_fmt.low, second.out_fmt.high)
 
     def tanh(codes: Real) -> Real:
-        # Without the half step that is part of the constants.
+        # The half step that the constants contain is removed.
         scale = 1 << second.in_fmt.frac
         return np.asarray(scale * np.tanh(codes / (1 << first.out_fmt.frac)) - 0.5)
 
@@ -67,6 +67,6 @@ def stages(design: AdderGraph, frames: Codes) -> Iterator[tuple[str, Real | Code
 
 
 def exact_sums(matrix: ConstantMatrix, values: Real | Codes) -> Real:
-    """The sums of a matrix in units of its results, with nothing cut."""
+    """The exact sums of a matrix, in units of its results."""
     sums = values @ np.array(matrix.weights).T + np.array(matrix.biases)
     return np.asarray(sums / (1 << matrix.out_shift))

@@ -1,7 +1,8 @@
-"""``python -m tb.report.measure.benchmark SCENE``: the speed and the memory of the twin.
+"""``python -m tb.report.measure.benchmark SCENE``: measures the speed and the memory of the twin.
 
-The recorded frames are repeated to one large batch, computed bit-true on one core, and timed beside
-the same network in floating point. Speed depends on the machine; the ratio of the two hardly does.
+The recorded frames are repeated to form one large batch. It is computed bit-true on one core, and
+timed beside the same network in floating point. The speed depends on the machine, and the ratio of
+the two hardly does.
 """
 
 from __future__ import annotations
@@ -55,7 +56,7 @@ def main() -> None:
 
 
 def _peak_megabytes() -> float:
-    """The most memory that this process has held so far."""
+    """The largest memory that this process has used so far."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 

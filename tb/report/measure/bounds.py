@@ -1,4 +1,4 @@
-"""What the sensors of the digit let anybody know, beside what its networks reach."""
+"""The best errors that the sensors of the digit allow, beside those of its networks."""
 
 from __future__ import annotations
 
@@ -44,11 +44,12 @@ class Limits:
     Attributes
     ----------
     bound : float array
-        Infinite where the output is not in the readings.
+        The bound. It is infinite if the readings do not determine the output.
     reached : float array
-        Of the scene, bit-true.
+        The bit-true error of the scene.
     any_load, known_loads : float array
-        Of the best estimator that knows the widths and shapes there are; the loads there are.
+        The errors of the best estimator that knows the existing widths and shapes, and of the best
+        that knows the existing loads.
     """
 
     bound: Real
@@ -57,7 +58,7 @@ class Limits:
     known_loads: Real
 
     def rows(self, output: int, where: NDArray[np.bool_]) -> list[Cell]:
-        """Number of placements and the mean of each error over them."""
+        """The number of placements, and the mean of each error over them."""
         limits = (self.bound, self.reached, self.any_load, self.known_loads)
         means = [float(errors[where, output].mean()) for errors in limits]
         return [int(where.sum()), *(m if np.isfinite(m) else None for m in means)]
@@ -65,7 +66,8 @@ class Limits:
 
 @cache
 def limits(noise: float | None, seed: int) -> Limits:
-    """At one noise of every sensor, V; None: what the fit leaves of each, nothing added."""
+    """The limits at one noise of every sensor in V. With None, the noise is the residual of each "
+    "fit."""
     scene = load_scene(SCENE)
     table = read_table(RECORDED, [*SENSORS, *COLUMNS])
     readings, targets = table[:, : len(SENSORS)], table[:, len(SENSORS) :]
@@ -87,7 +89,7 @@ def limits(noise: float | None, seed: int) -> Limits:
 
 
 def _bound(sensors: Sequence[StrainSensor], targets: Real, sigma: Real, scale: Real) -> Real:
-    """The bound of every output in percent, infinite where the readings do not hold it."""
+    """The bound of every output in percent, or infinity if the readings do not determine it."""
     bound = np.full(targets.shape, np.inf)
     unknown = slice(len(UNKNOWN))
     bound[:, unknown] = least_mean_errors(sensors, targets, sigma, scale[:, unknown])
@@ -95,15 +97,17 @@ def _bound(sensors: Sequence[StrainSensor], targets: Real, sigma: Real, scale: R
 
 
 def bounds_of(scene: Scene, noises: Sequence[float]) -> dict[str, list[float]]:
-    """Mean bounds, in percent, at each noise, of the outputs that a scene's readings hold in every
-    row; none where its sensors are not those of the digit."""
+    """The mean bounds in percent at each noise, of outputs that every row determines.
+
+    There are none if the sensors of the scene are not those of the digit.
+    """
     if scene.data_paths != (RECORDED,) or scene.sensors != SENSORS:
         return {}
     table = read_table(RECORDED, [*SENSORS, *COLUMNS])
     rows = read_recorded(scene).numbers
     sensors, targets = fit_sensors(table, Beam()), table[rows, len(SENSORS) :]
     scale = error_scale(targets, COLUMNS, scene.full_scale)
-    # It grows as the noise does.
+    # The bound is proportional to the noise.
     means = _bound(sensors, targets, np.ones(len(SENSORS)), scale).mean(axis=0)
     return {
         name: [float(noise * mean) for noise in noises]
@@ -146,7 +150,7 @@ _ERRORS = ("bound %", f"{SCENE} %", "any load %", "known loads %")
 
 
 def bound_along(seed: int) -> Table:
-    """The same at one noise against the position of the load."""
+    """The bound and the error of the scene at one noise, against the position of the load."""
     found = limits(ALONG_NOISE, seed)
     targets = read_table(RECORDED, list(COLUMNS))
     rows: list[list[Cell]] = []

@@ -1,4 +1,4 @@
-"""The swing's errors in millimetres beside that of the cameras which measured it."""
+"""The errors of the swing in millimetres, beside those of the cameras that measured it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ ARRANGEMENTS = ("single", "multiple", "cascade")
 
 
 def camera(seed: int) -> Table:
-    """Printed and own errors of each coordinate, as lengths, with the cameras' error as a floor."""
+    """Printed and own errors of each coordinate as lengths, with the error of the cameras."""
     found = motions(seed)
     at = {name: list(found.columns).index(name) for name in found.columns}
     printed = thesis_table("swing")
@@ -39,8 +39,9 @@ def camera(seed: int) -> Table:
             *(f"{name} mm" for name in scenes),
         ],
         rows,
-        "Mean errors as lengths: printed in Table 6.2, ours bit-true, the worse of the runs from "
-        "30 and 25 degrees. Section 6.4.3.1 finds the cameras off by 0.585 mm in the mean; the "
-        "share is of the printed way from end to end. Ours are compared with generated positions, "
-        "which are exact, so the cameras' error is not in them.",
+        "Mean errors as lengths. The printed ones are those of Table 6.2. Ours are bit-true, and "
+        "of the worse of the runs from 30 and 25 degrees. Section 6.4.3.1 finds a mean error of "
+        "0.585 mm for the cameras; its share is of the printed way from end to end. Ours are "
+        "compared with generated positions, which are exact, so they do not contain the cameras' "
+        "error.",
     )

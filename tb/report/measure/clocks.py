@@ -1,4 +1,4 @@
-"""Errors of networks against the clocks that they take for a frame."""
+"""The errors of networks against the clocks that a frame takes."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from tb.report.measure.table import Cell, Table
 
 
 def clocks_per_frame(design: Network) -> int:
-    """Clocks from a frame's first sample, that clock included, to its last output.
+    """The clocks from the first sample of a frame, which counts too, to its last output.
 
-    The elements of a frame come in one a clock, those of a parallel network all at once. An
-    instrument's frame begins with its scan.
+    One element of a frame comes in each clock; for a parallel network all come at once. The frame
+    of an instrument begins with its scan.
     """
     return design.frame_clocks + design.output_clocks[-1]
 
 
 def clocks(_: int) -> Table:
-    """Every shipped scene and those for comparison; the seeds are those of their training."""
+    """Every shipped scene and those for comparison, with the networks as they were trained."""
     rows: list[list[Cell]] = []
     for scene in scenes():
         design = scene.twin()
@@ -62,10 +62,10 @@ def clocks(_: int) -> Table:
             "interval clocks",
         ],
         rows,
-        "The output with the largest error of each scene, bit-true, on all of its recorded "
-        "vectors: the largest mean over the positions (equation 3.15) and the mean. Those of "
-        "appendix2 are percent of the target, or of 0.9 for position and width; those of "
-        "swing-train percent of 1.4, from end to end, without positions, so the two do not "
-        "compare. Clocks from the first sample to the last output, and from one frame to the "
-        "next; thesis and digit-instrument wait for their sensors.",
+        "For each scene, the output with the largest bit-true error on all recorded vectors, with "
+        "the largest mean over the positions (equation 3.15) and the mean. Errors on appendix2 are "
+        "in percent of the target, or of 0.9 for position and width. Errors on swing-train are in "
+        "percent of 1.4, from end to end, without positions, so the two cannot be compared. The "
+        "clocks are those from the first sample to the last output, and from one frame to the "
+        "next. thesis and digit-instrument wait for their sensors.",
     )

@@ -1,4 +1,4 @@
-"""Training against validation error on the way down, as thesis Figure 3.12 shows them."""
+"""The training and the validation error during training, as in Figure 3.12 of the thesis."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from tb.report.measure.table import Cell, Table
 # The network that the thesis shows, and one with more nodes for the same rows and more.
 SCENES = ("digit-parallel", "digit-single")
 EVALUATIONS = 20_000
-# The evaluations at which a descent is looked at: four for each factor of two.
+# The numbers of evaluations at which errors are noted: four for each factor of two.
 LOOKS = frozenset(round(2 ** (n / 4)) for n in range(60))
 
 
 @dataclass
 class Followed(Objective):
-    """An objective that notes both errors of the best point on the training rows.
+    """An objective that notes both errors of the best point on the training rows so far.
 
     Attributes
     ----------
     notes : list of tuples
-        Evaluations, and the root mean square errors of training and of validation rows in percent.
+        The number of evaluations, and the rms errors of training and of validation rows in percent.
     """
 
     evaluations: int = 0
@@ -56,11 +56,12 @@ def _percent(residuals: Real) -> float:
 
 
 def convergence(seed: int) -> Table:
-    """Errors on the way down by the thesis' optimiser; the seed splits and starts."""
+    """The errors during training by the optimiser of the thesis; the seed sets split and starts."""
     rows: list[list[Cell]] = []
     for name in SCENES:
         scene = load_scene(name)
-        # Nothing is stopped early: what comes after the best point is what the figure is about.
+        # Training is not stopped early, because the figure is about the errors after the best
+        # point.
         settings = replace(
             scene.training,
             seed=seed,
@@ -81,7 +82,7 @@ def convergence(seed: int) -> Table:
             return into[-1]
 
         train(task, scene.members[0].hidden, 0, objective)
-        # The first descent is the one on tanh; the second is on the activation of the hardware.
+        # The first descent uses tanh, and the second the activation of the hardware.
         rows += [[scene.describe(), *note] for note in descents[0].notes]
     return Table(
         "convergence",

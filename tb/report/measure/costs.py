@@ -1,4 +1,4 @@
-"""What scenes cost, from the figures that ``make synth`` recorded beside them."""
+"""The costs of scenes, from the figures that ``make synth`` recorded beside them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ COST = ("LUT", "multiplier", "block RAM")
 
 @dataclass(frozen=True)
 class Costs:
-    """What was recorded for one scene.
+    """The recorded costs of one scene.
 
     Attributes
     ----------
@@ -36,9 +36,9 @@ class Costs:
     share : dict
         See ``shares``.
     latency_us, frames_per_second : float
-        At the clock that was reached.
+        The latency and the rate at the clock that was reached.
     current : bool
-        Whether it was recorded for the Verilog that the scene exports now.
+        Whether the record belongs to the Verilog that the scene exports now.
     """
 
     cells: Cells
@@ -50,7 +50,7 @@ class Costs:
 
 
 def costs(scene: Scene, design: Network) -> Costs | None:
-    """The recorded costs of a scene; None where none are recorded."""
+    """The recorded costs of a scene, or None if there are none."""
     if not budget_path(scene.path).is_file() or not timing_path(scene.path).is_file():
         return None
     cells = read_budget(budget_path(scene.path))
@@ -79,13 +79,14 @@ def blocks(scene: Scene, design: Network, found: Costs) -> Table:
         "blocks",
         ["family", "largest entity", "entities", *columns],
         rows,
-        f"Of each block of scene {scene.name} the entity with the most LUTs, with all that it "
-        f"contains, and how many entities there are. Yosys, hierarchy kept; {meaning}.",
+        f"For each block of scene {scene.name}, the entity with the most LUTs, with everything "
+        f"that it contains, and the number of entities. Yosys counted the cells and kept the "
+        f"hierarchy; {meaning}.",
     )
 
 
 def with_activation_cells(table: Table) -> Table:
-    """The table of activations with Virtex-II cells, of those that a recorded scene contains."""
+    """The table of activations, with the Virtex-II cells of those in a recorded scene."""
     found = _activation_cells()
     return _joined(
         table,
@@ -95,7 +96,7 @@ def with_activation_cells(table: Table) -> Table:
 
 
 def with_network_cells(table: Table) -> Table:
-    """The table of clocks with Virtex-II cells in one piece, of those scenes that are recorded."""
+    """The table of clocks, with the Virtex-II cells of recorded scenes without hierarchy."""
     found = {
         scene.name: read_budget(budget_path(scene.path))[FAMILY].get(flat_name(scene.twin().entity))
         for scene in scenes()
@@ -106,7 +107,7 @@ def with_network_cells(table: Table) -> Table:
 
 
 def with_network_times(table: Table) -> Table:
-    """The table of clocks with microseconds: at the thesis' clock, and at the one reached."""
+    """The table of clocks with microseconds, at the clock of the thesis and at the one reached."""
     board = float(thesis_table("board")["clock_mhz"])
     reached = {
         scene.name: read_timing(timing_path(scene.path))[0].clock_mhz
@@ -136,7 +137,7 @@ def _joined(
 
 
 def _activation_cells() -> dict[tuple[str, str], dict[str, int]]:
-    """By block and precision the cells of the entity with the most LUTs."""
+    """For each block and precision, the cells of the entity with the most LUTs."""
     found: dict[tuple[str, str], dict[str, int]] = {}
     for scene in scenes():
         path = budget_path(scene.path)

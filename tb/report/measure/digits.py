@@ -1,14 +1,14 @@
 """``python -m tb.report.measure.digits``: what fewer signed digits cost in error and save in cells.
 
-The network of scene ``digit-single`` with fewer and fewer digits: its error on rows that took no
-part, and the cells of the network that is written, in every design that builds it. The figures are
-recorded, as all of them take an hour of processor time; table ``digits`` of ``make figures`` is the
-record.
+The network of scene ``digit-single`` gets fewer and fewer digits. Measured are its error on
+held-out rows, and the cells of the written network in every design that can build it. The figures
+are recorded, because all of them take an hour of processor time. Table ``digits`` of ``make
+figures`` shows the record.
 
     python -m tb.report.measure.digits --record
     python -m tb.report.measure.digits 245 230 --record
 
-The second measures two counts and leaves the others as recorded.
+The second command measures two counts and leaves the others as they were recorded.
 """
 
 from __future__ import annotations
@@ -37,16 +37,16 @@ from tb.report.measure.table import Cell, Table, read_csv
 SCENE = "digit-single"
 RECORD = Path(__file__).with_suffix(".csv")
 FAMILY = "xc2v"
-# Design and activation.
+# Each design with its activation.
 FORMS = {
     "engine": "precise",
     "hybrid": "precise",
     "parallel": "precise",
     "adder_graph": "bipartite",
 }
-# Digits asked for, 0 for the network as it was trained.
+# The numbers of digits that are asked for. 0 leaves the network as it was trained.
 COUNTS = (0, 400, 320, 280, 260, 245, 230, 215, 200)
-# Folded designs hold weights as words, whatever their digits: two counts will do.
+# Folded designs hold weights as words, which do not depend on the digits, so two counts suffice.
 FOLDED, FOLDED_COUNTS = ("engine", "hybrid"), (0, 245)
 NOTE = (
     "Network 4:16:4 of digit-single with so many signed digits in its weights; the first row is as "
@@ -58,13 +58,13 @@ NOTE = (
 
 
 def columns(scene: Scene) -> list[str]:
-    """The headings, units beside what has one."""
+    """The headings, with their units."""
     designs = [f"{name} LUT" for name in FORMS]
     return ["asked", "digits", *scene.outputs, "deviation", *designs, "parallel multiplier"]
 
 
 def measured(scene: Scene, stages: Stages, count: int) -> list[Cell]:
-    """The row of so many digits; 0 for the network as it was trained."""
+    """The row for ``count`` digits, or for the network as it was trained if it is 0."""
     chosen, tested, written = (m[0] for m in (stages.chosen, stages.tested, stages.written))
     mean, deviation, kept = np.ones(len(scene.outputs)), 0.0, written
     if count:
@@ -97,7 +97,7 @@ def measured(scene: Scene, stages: Stages, count: int) -> list[Cell]:
 
 
 def _errors(stages: Stages, mlp: Mlp) -> Real:
-    """Mean error of each output on the test rows, as recorded."""
+    """The mean error of each output on the test rows, as recorded."""
     task = stages.task([], 0)
     errors: Real = np.abs(signed_errors(task, mlp, task.recorded.take(task.split.test))).mean(
         axis=0
@@ -106,7 +106,7 @@ def _errors(stages: Stages, mlp: Mlp) -> Real:
 
 
 def cells_of(scene: Scene, design: str, mlp: Mlp) -> dict[str, int]:
-    """Cells of a network in one design."""
+    """The cells of a network in one design."""
     with tempfile.TemporaryDirectory() as name:
         path = Path(name) / "few.npz"
         save_network(path, mlp, {})
@@ -121,7 +121,7 @@ def cells_of(scene: Scene, design: str, mlp: Mlp) -> dict[str, int]:
 
 
 def digits(_seed: int) -> Table:
-    """The record."""
+    """The recorded table."""
     return Table("digits", *read_csv(RECORD), NOTE)
 
 
@@ -144,7 +144,7 @@ def main() -> None:
             ", ".join(f"{head} {cell}" for head, cell in zip(heads, row, strict=True)), flush=True
         )
         if arguments.record:
-            # As trained first, then the fewer the later.
+            # The network as trained comes first, then more and more digits are removed.
             found = Table("digits", heads, [rows[asked] for asked in COUNTS if asked in rows], NOTE)
             with replace_file(RECORD) as temporary:
                 found.write_csv(temporary)

@@ -1,4 +1,4 @@
-"""What the sensors do to the errors: noise, drift of their gains, drift of their offsets."""
+"""How noise and drift of the sensors change the errors."""
 
 from __future__ import annotations
 
@@ -10,27 +10,27 @@ from golden.scene_errors import FRAMES, disturbed_errors, full_scale_of
 from tb.report.measure.bounds import bounds_of
 from tb.report.measure.table import Cell, Table
 
-# By the name that ``Disturbance`` has for it: how a reader names it, and its sizes, of noise and
-# offsets as parts of a reading's full scale.
+# For each field of ``Disturbance``: its name for a reader, and its sizes. Those of noise and offset
+# are parts of the full scale of a reading.
 KINDS: dict[str, tuple[str, tuple[float, ...]]] = {
     "noise": ("noise", (0.0005, 0.001, 0.002, 0.004, 0.008)),
     "gain": ("gain drift", (0.002, 0.005, 0.01, 0.02, 0.03)),
     "offset": ("offset drift", (0.001, 0.002, 0.005, 0.01, 0.02)),
 }
 NONE = "as recorded"
-# Behind the name of an output: what its sensors allow.
+# This text after the name of an output marks the bound that its sensors allow.
 BOUND = ", bound"
 MEANING = (
     "Bit-true mean errors in percent on all recorded rows with disturbed readings. Sizes are "
-    "standard deviations: of noise and offsets in the unit of the readings, 0.001 is 1 mV of a "
-    "volt; of gains a part of the reading. Noise differs from reading to reading, "
-    "a drift of gain or offset from sensor to sensor. All rows are drawn so many times that they "
-    f"are {FRAMES:,} frames or more, each with a drift of its own."
+    "standard deviations. Those of noise and offsets are in the unit of the readings, so that "
+    "0.001 is 1 mV of a volt; those of gains are a part of the reading. Noise differs from reading "
+    "to reading, and the drift of gain or offset from sensor to sensor. All rows are drawn "
+    f"repeatedly, until there are {FRAMES:,} frames or more, each with a drift of its own."
 )
 
 
 def disturbances(full_scale: float = 1.0) -> Iterator[tuple[str, float, Disturbance]]:
-    """Every kind and size, at first none, for readings of that full scale."""
+    """Every kind and size of disturbance for a full scale, beginning with none."""
     yield NONE, 0.0, Disturbance()
     for key, (kind, parts) in KINDS.items():
         for part in parts:
@@ -39,7 +39,7 @@ def disturbances(full_scale: float = 1.0) -> Iterator[tuple[str, float, Disturba
 
 
 def disturbed(scene: Scene, seed: int) -> list[list[Cell]]:
-    """Kind, size and the error of every output of a scene."""
+    """The kind, the size and the error of every output of a scene, for each disturbance."""
     return [
         [kind, size, *disturbed_errors(scene, disturbance, seed)]
         for kind, size, disturbance in disturbances(full_scale_of(scene))
@@ -47,10 +47,10 @@ def disturbed(scene: Scene, seed: int) -> list[list[Cell]]:
 
 
 def noise_and_drift(scene: Scene, seed: int) -> Table:
-    """One scene: a row a disturbance, a column an output."""
+    """The table of one scene, with a row for each disturbance and a column for each output."""
     columns = ["disturbance", "size", *(f"{name} %" for name in scene.outputs)]
     rows, note = disturbed(scene, seed), MEANING
-    # Of sensors that have no scale: sizes are their parts.
+    # If the sensors have no common scale, the sizes are parts of each.
     kind, sizes = KINDS["noise"]
     bounds = bounds_of(scene, sizes)
     for name, bound in bounds.items():
@@ -66,7 +66,7 @@ def noise_and_drift(scene: Scene, seed: int) -> Table:
 
 
 def disturbance(seed: int) -> Table:
-    """Every output of every shipped scene: a column a disturbance."""
+    """Every output of every shipped scene, with a column for each disturbance."""
     rows: list[list[Cell]] = []
     for scene in map(load_scene, scene_names()):
         _, _, *errors = zip(*disturbed(scene, seed), strict=True)

@@ -1,4 +1,4 @@
-"""``python -m tb.report.measure.gauges RIG``: where gauges on a beam should sit."""
+"""``python -m tb.report.measure.gauges RIG``: finds the best places of gauges on a beam."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ COUNTS = (3, 4, 6)
 
 
 def sensors(rig: GaugeRig) -> tuple[Table, str]:
-    """The bounds for the places to compare with and for the best found, and their picture."""
+    """The bounds for given places and for the best places, and their picture."""
     placing = Placing(rig)
     sets: dict[str, Sequence[float]] = {COMPARED: rig.compare} if rig.compare else {}
     sets[FOUND] = placing.best()
@@ -37,15 +37,15 @@ def sensors(rig: GaugeRig) -> tuple[Table, str]:
         "sensors",
         ["places", "mm from the root", "output", "mean %", "worst %"],
         rows,
-        f"Least mean errors of {len(rig.percent)} placements: the bound of Cramer and Rao with "
-        "what is known beforehand, that load, position and width lie in their ranges. Best found: "
-        f"the least {rig.objective} over placements and outputs.",
+        f"Least mean errors of {len(rig.percent)} placements. They are the bound of Cramer and Rao "
+        "with the prior knowledge that load, position and width lie in their ranges. 'Best found' "
+        f"has the least {rig.objective} over placements and outputs.",
     )
     return table, gauges(placing, sets)
 
 
 def sentence(table: Table) -> str:
-    """What the best places are worth, where there are some to compare with."""
+    """A sentence on the gain of the best places, if there are others to compare with."""
     means = {(row[0], row[2]): float(str(row[3])) for row in table.rows}
     outputs = list(dict.fromkeys(str(row[2]) for row in table.rows))
     told = [
@@ -59,7 +59,7 @@ def sentence(table: Table) -> str:
 
 
 def gauge_places(_: int) -> Table:
-    """Few and many gauges on the digit's beam."""
+    """The bounds for few and for many gauges on the beam of the digit."""
     rig = load_rig(RIG)
     rows: list[list[Cell]] = []
     cases = [("thesis", rig, list(rig.compare))]
@@ -76,9 +76,10 @@ def gauge_places(_: int) -> Table:
         "gauge_places",
         ["places", "gauges", "load cell", "mm from the root", *(f"{n} %" for n in OUTPUTS)],
         rows,
-        f"Rig {RIG}: least mean errors over loads, widths, shapes and positions, with what is "
-        "known beforehand, for the places of the recorded sensors 1 to 3 and for the best found "
-        "for as many gauges and more. The load cell is sensor 4, which reads the load alone.",
+        f"Rig {RIG}: the least mean errors over loads, widths, shapes and positions, with prior "
+        "knowledge of their ranges. The places are those of the recorded sensors 1 to 3, and the "
+        "best found for as many gauges and more. The load cell is sensor 4, which only reads the "
+        "load.",
     )
 
 

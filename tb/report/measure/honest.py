@@ -1,4 +1,4 @@
-"""Errors of networks on what they have not seen, and what it costs to train them for noise."""
+"""The errors of networks on unseen rows, and the cost of training them for noise."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ HIDDEN = 10
 FOLDS = 2
 DRAWS = 10  # of the noise, for each row that is measured
 
-# No two of the loads weigh the same.
+# All loads have different weights, so a weight identifies a load.
 SPLITS: dict[str, dict[str, Any]] = {
     "rows": {"split": "random", "split_by": ()},
     "placements": {"split": "blocks", "split_by": ("load",)},
@@ -35,14 +35,14 @@ NOISES = (0.0, 0.0005, 0.001, 0.002)
 
 
 def configured(seed: int, noise: float, settings: Mapping[str, Any]) -> Scene:
-    """The scene with this split, trained for noise, and trained on after the choice."""
+    """The scene with this split, which is trained for noise and trained on after the search."""
     scene, disturbance = load_scene(SCENE), Disturbance(noise=noise)
     own = replace(scene.training, seed=seed, refit=True, disturbance=disturbance, **settings)
     return replace(scene, training=own)
 
 
 def trained(scene: Scene) -> Stages:
-    """The networks, each the best of a few starts."""
+    """The trained networks, each the best of a few starts."""
     stages = Stages(scene)
     for number in range(len(scene.members)):
         task = stages.task(stages.chosen, number)
@@ -52,9 +52,9 @@ def trained(scene: Scene) -> Stages:
 
 
 def means(scene: Scene, mlps: list[Mlp], part: str) -> tuple[Real, Real]:
-    """Mean error of each output on a part of the rows, as recorded and with the noise expected."""
+    """The mean error of each output on a part of the rows, as recorded and with noise."""
     vectors, noise = scene.vectors(), Disturbance(noise=EXPECTED)
-    # Draws that no network was trained on.
+    # These draws were not used in training.
     rng = np.random.default_rng([scene.training.seed, 0, DRAWS])
     drawn = [vectors.with_inputs(noise.of(vectors.inputs, rng)) for _ in range(DRAWS)]
     recorded, *noisy = (_means(scene, mlps, part, given) for given in (vectors, *drawn))
@@ -77,7 +77,7 @@ def _held_out(seed: int, settings: Mapping[str, Any]) -> Iterator[tuple[Real, Re
 
 
 def honest(seed: int) -> Table:
-    """Errors on rows, placements and loads that took no part."""
+    """The errors on rows, placements and loads that took no part in training."""
     rows: list[list[Cell]] = []
     for name, settings in SPLITS.items():
         recorded, noisy = np.mean(list(_held_out(seed, settings)), axis=0)
@@ -97,7 +97,7 @@ def honest(seed: int) -> Table:
 
 
 def robustness(seed: int) -> Table:
-    """Errors of networks that are trained for more and more noise."""
+    """The errors of networks that are trained for more and more noise."""
     rows: list[list[Cell]] = []
     for noise in NOISES:
         scene = configured(seed, noise, SPLITS["placements"])

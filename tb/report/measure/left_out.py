@@ -1,4 +1,4 @@
-"""What every shipped scene leaves out: blocks, cells, clocks and words of memory."""
+"""What every shipped scene leaves out, in blocks, cells, clocks and words of memory."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ WHOLE, LEAN = "whole", "as it is"
 
 
 def words(block: Block) -> int:
-    """Words of all programs and tables of a block and its parts, each as often as it is there."""
+    """The words of all programs and tables in a block, counted as often as they are built."""
     return _words(block) + sum(map(words, block.parts()))
 
 
@@ -41,13 +41,13 @@ def _words(part: Block) -> int:
 
 
 def recorded_cells(scene: Scene) -> Lean | None:
-    """What ``make lean RECORD=1`` found of a scene; nothing where it has found nothing yet."""
+    """The record that ``make lean RECORD=1`` made for a scene, or None if there is none."""
     path = lean_path(scene.path)
     return read_lean(path) if path.is_file() else None
 
 
 def left_out(_: int) -> Table:
-    """Every shipped scene whole, with every segment, node and bit, and as it is."""
+    """Every shipped scene with every segment, node and bit, and with only what it needs."""
     rows: list[list[Cell]] = []
     for name in sorted(scene_names()):
         scene = load_scene(name)
@@ -73,8 +73,8 @@ def left_out(_: int) -> Table:
         "left_out",
         ["scene", "design", "blocks", *(f"{k}, {how}" for k in kinds for how in (WHOLE, LEAN))],
         rows,
-        f"Whole: every segment of every activation, every hidden node, every bit of a sum; as it "
-        f"is: what the scene's hardware holds. Cells: Yosys, synth_xilinx -family {FAMILY}, as "
-        "make lean RECORD=1 recorded them. Words: of programs and of the tables of activations and "
-        "of exp.",
+        f"'{WHOLE}' has every segment of every activation, every hidden node and every bit of a "
+        f"sum. '{LEAN}' is what the hardware of the scene holds. The cells are those of Yosys, "
+        f"synth_xilinx -family {FAMILY}, as make lean RECORD=1 recorded them. The words are those "
+        "of programs, and of the tables of activations and of exp.",
     )

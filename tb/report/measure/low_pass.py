@@ -1,4 +1,5 @@
-"""What the 25 Hz low-pass behind the digit's gauges costs in time and takes of the noise."""
+"""How much time the 25 Hz low pass after the digit's gauges takes, and how much noise it "
+"removes."""
 
 from __future__ import annotations
 
@@ -9,13 +10,13 @@ from golden.units import FULL_SCALE
 from tb.report.measure.table import Cell, Table
 
 SCENE = "digit"
-# Of the largest step, from no load to full scale, half a code is left.
+# A step is over when half a code is left of the largest step, from no load to full scale.
 HALF_A_CODE = SIGNAL.to_real([1])[0] / 2 / FULL_SCALE
 PARTS = {"10 %": 0.1, "1 %": 0.01, "0.1 %": 0.001, "half a code": float(HALF_A_CODE)}
 
 
 def low_pass(_: int) -> Table:
-    """How long a step takes to pass, and what the scene's hardware does meanwhile."""
+    """How long a step takes to pass, and what the hardware of the scene does in this time."""
     scene, filtered = load_scene(SCENE), LowPass()
     frames = 1e6 * scene.clock_mhz / scene.twin().interval
     rows: list[list[Cell]] = []

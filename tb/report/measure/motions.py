@@ -1,4 +1,4 @@
-"""Errors of the swing's networks on runs that they were not trained on."""
+"""The errors of the networks of the swing on runs on which they were not trained."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ SCENES = (
     "swing-window",
     "swing-window-cascade",
 )
-# The last two were made for what was chosen without them.
+# The last two runs were made after the networks were chosen.
 RUNS = tuple(f"swing-test-{n}" for n in range(1, len(ANGLES)))
 
 
 def shipped(scene: Scene) -> bool:
-    """Whether the scene is one of those that the table is about."""
+    """Whether the table contains the scene."""
     return scene.path in map(scene_path, SCENES)
 
 
 def motions(seed: int) -> Table:
-    """Equation 6.6 per output; the seeds are those of the scenes' training and of the runs."""
+    """Equation 6.6 for each output, with the networks as trained and the runs as shipped."""
     printed = thesis_table("swing")
     millimetres = tomllib.loads((DATA / "swing.toml").read_text(encoding="utf-8"))["mm_per_unit"]
     rows: list[list[Cell]] = []

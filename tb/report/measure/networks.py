@@ -1,4 +1,4 @@
-"""Errors of the shipped networks, and of those kept for comparison."""
+"""The errors of the shipped networks, and of those that are kept for comparison."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def scenes() -> list[Scene]:
 
 
 def networks(seed: int) -> Table:
-    """Errors of every output of every scene; the seeds are those of the scenes' training."""
+    """The errors of every output of every scene, with the networks as they were trained."""
     rows: list[list[Cell]] = []
     for scene in scenes():
         found, means = scene_errors(scene), held_out_means(scene)

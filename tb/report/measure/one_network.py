@@ -1,4 +1,4 @@
-"""One network in every design, and with fewer digits: cells, clocks, and error of arithmetic."""
+"""The cells, clocks and arithmetic error of one network in every design."""
 
 from __future__ import annotations
 
@@ -16,14 +16,15 @@ from tb.report.measure.costs import COST, FAMILY
 from tb.report.measure.networks import scenes
 from tb.report.measure.table import Cell, Table
 
-# The scene whose weights are taken.
+# The scene whose weights are used.
 OF = "digit-single"
 RANDOM_FRAMES = 2000
 
 
 def one_network(seed: int) -> Table:
-    """Every scene with the network of ``OF``, or with one of few digits for the same task, and
-    ``parallel``, which none of them names.
+    """Every scene with the network of ``OF``, or with one of few digits for the same task.
+
+    The design ``parallel`` is added, because no such scene names it.
     """
     source = load_scene(OF)
     alike = [
@@ -68,36 +69,36 @@ def one_network(seed: int) -> Table:
             "random, 2^-13",
         ],
         rows,
-        f"The network 4:16:4 of {OF}, its weights of 18 bits, in every design; digit-fast and "
-        "digit-fast-clock have one with few digits in its weights. Cells for Virtex-II "
-        "with the hierarchy as exported, as recorded by make synth. Mean magnitude of the "
-        "difference from the same network in floating point, saturated as the outputs are, in "
-        f"units of 2^-13, over all outputs, of the recorded frames and of "
+        f"The network 4:16:4 of {OF}, with weights of 18 bits, in every design. digit-fast and "
+        "digit-fast-clock have a network with few digits in its weights. The cells are for "
+        "Virtex-II, with the hierarchy as exported, as make synth recorded them. The errors are "
+        "the mean magnitude of the difference from the same network in floating point, saturated "
+        "as the outputs are, in units of 2^-13, over all outputs of the recorded frames and of "
         f"{RANDOM_FRAMES} random ones.",
     )
 
 
 def random_frames(seed: int, inputs: int) -> Codes:
-    """Frames in which every code is as likely."""
+    """Random frames in which every code is equally likely."""
     shape = (RANDOM_FRAMES, inputs)
     return np.random.default_rng(seed).integers(SIGNAL.low, SIGNAL.high + 1, shape)
 
 
 def floating_point(scene: Scene, frames: Codes) -> Real:
-    """What a scene's networks are in floating point."""
+    """The outputs of a scene's networks in floating point."""
     x = SIGNAL.to_real(frames)
     return process_real(scene.arrangement, scene.mlps(), x, scene.scheme.real)
 
 
 def mean_error(outputs: Codes, real: Real) -> float:
-    """Mean magnitude of the error in units of 2**-13, over frames and outputs.
+    """The mean magnitude of the error in units of 2**-13, over frames and outputs.
 
     Parameters
     ----------
     outputs : integer array, shape (frames, outputs)
-        Codes.
+        The output codes.
     real : float array, the same shape
-        What floating point computes; outside the range of a code its end is what is right.
+        The results in floating point. Beyond the range of codes, its end counts as right.
     """
     reached = np.clip(real, SIGNAL.to_real(SIGNAL.low), SIGNAL.to_real(SIGNAL.high))
     return float(np.abs(SIGNAL.to_real(outputs) - reached).mean() * (1 << SIGNAL.frac))

@@ -1,4 +1,4 @@
-"""What a scene's networks make of its recorded rows: row by row, along the positions, how sure."""
+"""The results of a scene's networks on its recorded rows, and how sure the errors are."""
 
 from __future__ import annotations
 
@@ -23,32 +23,32 @@ WORST = 5  # rows shown of every output
 RESAMPLES, SEED = 2000, 1
 SURE = 95  # per cent of the resamples that an interval holds
 RANGE = SIGNAL.to_real([SIGNAL.low, SIGNAL.high])
-# Neighbours in the file are alike when they differ by less than this part of what rows in random
-# order do (squared); then stretches of them are drawn, so many at most.
+# Neighbours in the file are alike if their squared difference is less than this part of that of
+# rows in random order. Then at most so many stretches of rows are drawn instead of single rows.
 ALIKE, STRETCHES = 0.5, 20
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """The recorded rows of a scene and what became of them.
+    """The recorded rows of a scene and their results.
 
     Attributes
     ----------
     scene : Scene
     numbers : int array, shape (rows,)
-        Rows of the CSV, from 1 for the first below the header.
+        The numbers of the rows in the CSV. The first row below the header is 1.
     readings : float array, shape (rows, sensors)
-        In the units of the sensors' columns; the newest frame where there are past ones.
+        The readings in the units of the columns. With past samples, those of the newest frame.
     targets, results : float arrays, shape (rows, outputs)
-        What was recorded and what the hardware computes, in the units of the columns.
+        The recorded and the computed values, in the units of the columns.
     errors, real : float arrays, shape (rows, outputs)
-        Errors in percent: of the hardware, and of the networks in floating point.
+        The errors in percent, of the hardware and of the networks in floating point.
     noisy : dict of float to float array, shape (rows, outputs)
-        By noise the errors of the hardware with it, the means of many draws.
+        For each noise, the errors of the hardware, as means over many draws.
     groups : float array, shape (rows,)
-        The positions; zeros where the scene names none.
+        The positions, or zeros if the scene names none.
     held_out : int array or None
-        Which of the rows neither trained nor chose a network; None where that is unknown.
+        The rows that neither trained nor chose a network, or None if that is unknown.
     """
 
     scene: Scene
@@ -64,7 +64,7 @@ class Outcome:
 
     @property
     def alike(self) -> bool:
-        """Whether neighbours in the file read more alike than rows in random order."""
+        """Whether neighbours in the file are more alike than rows in random order."""
         moving = self.readings[:, np.ptp(self.readings, axis=0) > 0]
         if not moving.size:
             return False
@@ -73,18 +73,18 @@ class Outcome:
 
     @property
     def stretches(self) -> Rows:
-        """For each row the number of what is drawn with it: of itself, or of its stretch."""
+        """For each row the number under which it is drawn: its own, or that of its stretch."""
         rows = np.arange(len(self.errors))
         return rows * min(STRETCHES, len(rows)) // len(rows) if self.alike else rows
 
     def interval(self, errors: Real, drawn: Rows) -> tuple[float, float]:
-        """Between what the mean error lies in ``SURE`` per cent of the resamples.
+        """The interval that holds the mean error in ``SURE`` per cent of the resamples.
 
         Parameters
         ----------
         errors : float array, shape (n,)
         drawn : int array, shape (n,)
-            Errors with one number are drawn together.
+            Errors with the same number are drawn together.
         """
         _, member = np.unique(drawn, return_inverse=True)
         counts = np.bincount(member)
@@ -96,7 +96,7 @@ class Outcome:
 
 
 def outcome(scene: Scene) -> Outcome:
-    """The networks' hardware on the recorded rows."""
+    """Compute the results of the hardware on the recorded rows."""
     recorded, vectors = read_recorded(scene), scene.vectors()
     codes = scene.twin().core.process(vectors.codes)
     return Outcome(
@@ -114,12 +114,12 @@ def outcome(scene: Scene) -> Outcome:
 
 
 def worst_rows(found: Outcome) -> Table:
-    """The rows with the largest errors of each output, and what they hold."""
+    """The rows with the largest errors of each output, with their readings and results."""
     scene = found.scene
     beside = [scene.group_by] if scene.group_by not in ("", *scene.outputs) else []
     rows: list[list[Cell]] = []
     for c, output in enumerate(scene.outputs):
-        # Where errors are equal, the row that comes first.
+        # Of rows with equal errors, the first one counts.
         for row in np.argsort(-found.errors[:, c], kind="stable")[:WORST]:
             values = [*found.readings[row], *[found.groups[row]] * len(beside)]
             pair = (found.targets[row, c], found.results[row, c], found.errors[row, c])
@@ -135,7 +135,7 @@ def worst_rows(found: Outcome) -> Table:
 
 
 def along(found: Outcome) -> Table:
-    """Mean errors at each position."""
+    """The mean errors at each position."""
     scene = found.scene
     rows: list[list[Cell]] = []
     for place in np.unique(found.groups):
@@ -150,7 +150,7 @@ def along(found: Outcome) -> Table:
 
 
 def confidence(found: Outcome) -> Table:
-    """Figures of each output with what a bootstrap says of them."""
+    """The errors of each output, with the confidence intervals of a bootstrap."""
     scene, stretches = found.scene, found.stretches
     rows: list[list[Cell]] = []
 
@@ -182,15 +182,16 @@ def confidence(found: Outcome) -> Table:
         "confidence",
         ["output", "figure", "rows", "%", "from", "to"],
         rows,
-        "Errors in percent, bit-true but where it says so, and between what they lie in "
-        f"{SURE} % of {RESAMPLES} resamples (bootstrap, seed {SEED}). Drawn are {unit}; at one "
-        "position single rows. It tells what chance in these rows does, not what other loads or "
-        "other sensors would do. Of a worst row it tells nothing: no draw goes beyond it.",
+        "Errors in percent, which are bit-true unless stated otherwise, and the interval that "
+        f"holds them in {SURE} % of {RESAMPLES} resamples (bootstrap, seed {SEED}). The resamples "
+        f"draw {unit}, and at one position single rows. The interval shows the effect of chance in "
+        f"these rows, and not of other loads or other sensors. For a worst row it shows nothing, "
+        f"because no draw exceeds it.",
     )
 
 
 def sensors(found: Outcome) -> Table:
-    """The range of every sensor's readings, and how many lie outside that of the codes."""
+    """The range of the readings of every sensor, and how many lie outside that of the codes."""
     rows: list[list[Cell]] = []
     scales = found.scene.scales(found.scene.sensors)
     for name, scale, column in zip(found.scene.sensors, scales, found.readings.T, strict=True):
@@ -212,14 +213,14 @@ def sensors(found: Outcome) -> Table:
             "at either end",
         ],
         rows,
-        "Readings beyond what the first and the last code stand for are replaced by the nearest "
-        "code. Many that are the least or the largest one tell of a sensor that was saturated "
-        "before it was recorded.",
+        "Readings beyond the first or the last code are replaced by the nearest code. If many "
+        "readings are the least or the largest one, the sensor was probably saturated before it "
+        "was recorded.",
     )
 
 
 def telling(scene: Scene) -> Table | None:
-    """Errors with all sensors, without each and without any; None for too few rows."""
+    """The errors with all sensors, without each and without any, or None for too few rows."""
     found = telling_of(scene)
     if found is None:
         return None
@@ -233,9 +234,10 @@ def telling(scene: Scene) -> Table | None:
         "sensors_tell",
         ["left out", "follows %", *(f"{name} %" for name in found.outputs)],
         rows,
-        "Mean errors, as the scene counts them, of a smooth map from the sensors to the outputs "
-        "(Gaussian kernel ridge regression), fitted anew without each sensor, on rows held out "
-        "from the fit; without all it is a constant. Networks err less; what a network loses "
-        "without a sensor, training tells. Follows: the part of a sensor's variance that the "
-        f"outputs, or these and the other sensors, explain; of noise it is about 0 or less.{drop}",
+        "Mean errors, by the measure of the scene, of a smooth map from the sensors to the outputs "
+        "(Gaussian kernel ridge regression). It is fitted again without each sensor, and measured "
+        "on rows held out from the fit. Without all sensors it is a constant. Networks have "
+        "smaller errors; only training shows what a network loses without a sensor. 'follows' is "
+        "the part of a sensor's variance that the outputs, or these and the other sensors, "
+        f"explain. For noise it is about 0 or less.{drop}",
     )

@@ -1,8 +1,8 @@
-"""What ``make predict`` calls outside: how much of what is wrong it sees, at how many false alarms.
+"""How many invalid readings ``make predict`` calls outside, at how many false alarms.
 
-Three rigs: the recorded digit, the rail of the tutorial and a bar whose sensors give the counts of
-a converter of 12 bits. Their readings are spoilt in every way that a rig is, and the distance that
-``golden.rig.trained_on`` gives them is compared with two plainer ones.
+There are three rigs: the recorded digit, the rail of the tutorial, and a bar whose sensors give the
+counts of a converter of 12 bits. Their readings are spoilt in all the ways that occur on a rig. The
+distance that ``golden.rig.trained_on`` gives them is compared with two simpler distances.
 """
 
 from __future__ import annotations
@@ -60,11 +60,11 @@ class Spoilt:
     Attributes
     ----------
     kind : str
-        ``""`` for frames that nothing is wrong with.
+        What is wrong with the frames, or ``""`` for good frames.
     beyond : bool array, shape (frames,)
-        Frames of which an output is beyond its range and margin.
+        Which frames have an output beyond its range and margin.
     distances : dict of float array, shape (frames,)
-        By method; above 1 for STATE is outside.
+        The distances by method. For STATE, a distance above 1 is outside.
     """
 
     kind: str
@@ -72,12 +72,12 @@ class Spoilt:
     distances: dict[str, Real]
 
     def seen(self, method: str, limit: float) -> float:
-        """The part of the frames that is called outside."""
+        """The part of the frames that a method calls outside at a limit."""
         return float(np.mean(self.beyond | (self.distances[method] > limit)))
 
 
 def rail(touches: Real, rng: np.random.Generator) -> Real:
-    """What the five sensors of the tutorial's rail read for touches of a force at a place."""
+    """The readings of the five sensors of the tutorial's rail, for forces and places."""
     at = np.array([0.1, 0.3, 0.5, 0.7, 0.9])
     plain = touches[:, :1] * np.exp(-(((touches[:, 1:] - at) / 0.3) ** 2))
     found: Real = (plain + rng.normal(0, 0.002, plain.shape)).round(4)
@@ -85,7 +85,7 @@ def rail(touches: Real, rng: np.random.Generator) -> Real:
 
 
 def bar(touches: Real, rng: np.random.Generator) -> Real:
-    """Counts of five pads under a bar: N and mm, a pad that saturates, noise of two counts."""
+    """The counts of five pads under a bar, one of which saturates, with noise of two counts."""
     at = np.array([45.0, 97.5, 150.0, 202.5, 255.0])
     force = touches[:, :1] * np.exp(-(((touches[:, 1:] - at) / 60) ** 2) / 2)
     counts = 150 + 3700 * (1 - np.exp(-force / 30)) + rng.normal(0, 2, force.shape)
@@ -103,8 +103,11 @@ def touches_within(
 def touches_beyond(
     force: tuple[float, float], place: tuple[float, float], count: int, rng: np.random.Generator
 ) -> Real:
-    """Touches of which one of the two is a half to three quarters of its range outside: the force
-    above, the place below or above."""
+    """Touches in which the force or the place lies outside, by a half to three quarters of its
+    range.
+
+    The force lies above its range, and the place below or above.
+    """
     touches = touches_within(force, place, count, rng)
     far = rng.uniform(0.5, 0.75, count)
     which = np.arange(count) % 3
@@ -115,7 +118,7 @@ def touches_beyond(
 
 
 def spoilings(plain: Real, least: Real, largest: Real, rng: np.random.Generator) -> dict[str, Real]:
-    """Readings with one thing wrong in each, by kind, all sensors and pairs one after another."""
+    """Readings with one fault in each, by kind of fault, for all sensors and pairs in turn."""
     found: dict[str, list[Real]] = {}
 
     def add(kind: str, columns: dict[int, Real]) -> None:
@@ -143,21 +146,21 @@ def rig_frames(
     beyond: Real,
     rng: np.random.Generator,
 ) -> Iterator[Spoilt]:
-    """Frames as they are and spoilt, with their distances from what ``rows`` show."""
+    """Good and spoilt frames, with their distances from the training ``rows``."""
     recorded = read_recorded(scene).inputs
     kinds = spoilings(plain, recorded.min(axis=0), recorded.max(axis=0), rng)
     nearest = _nearest(recorded[rows])
     for kind, frames in {"": plain, **kinds, OUTSIDE: beyond}.items():
         outputs = hardware_outputs(scene, frames)
         distances = known.distances(frames, outputs)
-        # Whatever the distance, what is said of the outputs.
+        # Whether outputs are beyond their range does not depend on the distance.
         said = known.reasons(outputs, np.zeros(len(frames)))
         found = {name: distance(frames) for name, distance in nearest.items()}
         yield Spoilt(kind, np.array([bool(text) for text in said]), {**found, STATE: distances})
 
 
 def _nearest(trained_rows: Real) -> dict[str, Callable[[Real], Real]]:
-    """The distance from the nearest row: each sensor by itself, and as they hang together."""
+    """The distances from the nearest row, with sensors independent or correlated."""
     unit = trained_rows.std(axis=0)
     cloud = np.cov(trained_rows.T) + 1e-6 * np.diag(unit**2)
     whitening = np.linalg.inv(np.linalg.cholesky(cloud)).T
@@ -175,7 +178,7 @@ def touched(
     place: tuple[float, float],
     rng: np.random.Generator,
 ) -> list[Spoilt]:
-    """A rig of which new touches are drawn: what ``make predict`` knows of its scene."""
+    """A rig from which new touches are drawn, compared as ``make predict`` does."""
     split, recorded = split_of(scene), read_recorded(scene)
     held, rows = np.concatenate([split.validation, split.test]), split.training
     known = learnt(
@@ -192,10 +195,10 @@ def touched(
 
 
 def digit(rng: np.random.Generator) -> list[Spoilt]:
-    """The recorded digit: of each split the test rows are new, and the validation rows held out.
+    """The recorded digit. In each split the test rows are new, and the validation rows held out.
 
-    A heavier load is the recorded reading, further from what no load reads by as much as the load
-    is heavier: so says beam theory.
+    For a heavier load, the recorded reading is moved away from that of no load in proportion to the
+    load, as beam theory says.
     """
     scene = load_scene("digit")
     recorded = read_recorded(scene)
@@ -233,7 +236,7 @@ def digit(rng: np.random.Generator) -> list[Spoilt]:
 
 
 def rail_scene(folder: Path) -> Scene:
-    """The scene of the tutorial, with networks trained in little time."""
+    """The scene of the tutorial, with networks that are trained quickly."""
     scene = load_scene(str(RAIL))
     members = tuple(
         replace(member, weights_path=folder / member.weights_path.name) for member in scene.members
@@ -242,7 +245,7 @@ def rail_scene(folder: Path) -> Scene:
 
 
 def bar_scene(folder: Path, rng: np.random.Generator) -> Scene:
-    """A scene as ``make scene`` writes it for recorded touches of the bar."""
+    """The scene that ``make scene`` writes for recorded touches of the bar."""
     touches = touches_within(BAR_FORCE, BAR_PLACE, BAR_ROWS, rng)
     table = np.column_stack([bar(touches, rng), touches.round(2)])
     names = [f"p{c}" for c in range(1, 6)]
@@ -258,7 +261,7 @@ def _with_networks(scene: Scene) -> Scene:
 
 
 def outside(seed: int) -> Table:
-    """The part of spoilt frames that is called outside, by the part of good ones that is."""
+    """The part of spoilt frames that is called outside, for each rate of false alarms."""
     rng = np.random.default_rng(seed)
     rigs = {"digit": digit(rng)}
     with TemporaryDirectory() as folder:

@@ -1,7 +1,7 @@
-"""``python -m tb.report.measure.own_rig CSV OUTPUTS``: from a CSV to VHDL with a passed bench.
+"""``python -m tb.report.measure.own_rig CSV OUTPUTS``: times the way from a CSV to tested VHDL.
 
-Each step is the command of a target of the Makefile, in an empty folder; printed is how long it
-took.
+Each step is the command of a target of the Makefile and runs in an empty folder. The time of each
+step is printed.
 
     python -m tb.report.measure.own_rig docs/tutorial/readings.csv force,place
 """
@@ -25,7 +25,7 @@ from golden.scene import load_scene
 
 
 def steps(readings: Path, outputs: str, scene: Path) -> dict[str, list[str]]:
-    """Target to module and words; the bench is that of the design as a whole."""
+    """For each target its module and words. The bench is that of the whole design."""
     return {
         "scene": ["golden.commands.scene", str(readings), outputs, "--to", str(scene)],
         "check": ["tb.check", str(scene)],
@@ -36,12 +36,12 @@ def steps(readings: Path, outputs: str, scene: Path) -> dict[str, list[str]]:
 
 
 def timed(readings: Path, outputs: str, scene: Path) -> dict[str, float]:
-    """Seconds of each step, wall clock.
+    """The seconds of each step, by the wall clock.
 
     Raises
     ------
     InputError
-        When a step fails, with what it said.
+        When a step fails, with its message.
     """
     seconds = {}
     for name, (module, *words) in steps(readings, outputs, scene).items():
@@ -64,7 +64,7 @@ def main() -> None:
     would(f"do with {arguments.csv} all that the tutorial does, and measure how long it takes")
     with tempfile.TemporaryDirectory(prefix="own-rig-") as folder:
         readings = Path(shutil.copy(arguments.csv, folder))
-        # Builds have the name of the scene: nothing of an earlier one is there.
+        # The build has the name of the scene, which is new, so no earlier build is used.
         scene = Path(folder) / f"{Path(folder).name}.toml"
         try:
             seconds = timed(readings, arguments.outputs, scene)

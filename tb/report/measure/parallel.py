@@ -7,12 +7,12 @@ from golden.scene_errors import HELD_OUT, scene_errors
 from tb.report.measure.networks import scenes
 from tb.report.measure.table import Cell, Table
 
-# The thesis' figures of this network, by its activation: golden/data/thesis_numbers.toml.
+# The tables of golden/data/thesis_numbers.toml with the printed figures, by activation.
 PRINTED = "parallel_2_6_2."
 
 
 def parallel(_: int) -> Table:
-    """Errors of the networks in parallel form beside those of Figure 5.3."""
+    """The errors of the networks in parallel form, beside those of Figure 5.3."""
     rows: list[list[Cell]] = []
     for scene in scenes():
         if not scene.reference.startswith(PRINTED):

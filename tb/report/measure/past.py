@@ -1,7 +1,7 @@
-"""How far networks are off on the swing with more and more past samples, noise and sampling rate.
+"""The errors on the swing for different past samples, noise and sampling rates.
 
-Beside each network stand linear estimators, which need no hidden nodes: least squares on the same
-samples, and the Wiener filter on every sample of the same past.
+Each network is compared with linear estimators, which need no hidden nodes: least squares on the
+same samples, and the Wiener filter on every sample of the same past.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from tb.report.measure.table import Cell, Table
 Estimate = Callable[[Real], Real]
 
 OUTPUTS = ("x", "y", "z")
-# Frames before the newest, at 200 a second; the last are those of scene swing-window.
+# How many frames back the samples lie, at 200 a second. The last are those of scene swing-window.
 DELAYS = (
     (0,),
     (0, 4),
@@ -46,17 +46,17 @@ ROUNDED = 2.0**-SIGNAL.frac / np.sqrt(6)
 
 @dataclass(frozen=True)
 class Case:
-    """One row's worth: what is varied, and to what.
+    """One case of the table: what is varied, and its values.
 
     Attributes
     ----------
     varied : str
     delays : tuple of int
-        Frames.
+        How many frames back the samples lie.
     noise : float
-        At each sensor, V.
+        The noise at each sensor in V.
     rate : float
-        Frames a second.
+        The number of frames per second.
     """
 
     varied: str
@@ -70,7 +70,7 @@ class Case:
 
 
 def cases() -> Iterator[Case]:
-    """Everything that the table has."""
+    """All cases of the table."""
     for delays in DELAYS:
         yield Case("samples", delays)
     longest = DELAYS[-1]
@@ -84,7 +84,7 @@ def cases() -> Iterator[Case]:
 
 
 def past(seed: int) -> Table:
-    """Errors of the worse of two independent runs."""
+    """The errors of the worse of two independent runs."""
     found = cache(lambda delays, noise, rate: _errors(Case("", delays, noise, rate), seed))
     rows: list[list[Cell]] = []
     for case in cases():
@@ -128,24 +128,24 @@ def past(seed: int) -> Table:
 
 
 def _words(window: Window) -> int:
-    """Of the memory that keeps the past; none where there is none."""
+    """The words of the memory that keeps the past, or 0 without a past."""
     return FrameWindow(SIGNAL, window, 0, len(window.taps)).words if window.past else 0
 
 
 @dataclass(frozen=True)
 class Release:
-    """One run: what the sensors read, and the coded targets."""
+    """One run: the readings of the sensors, and the coded targets."""
 
     sensors: Real
     targets: Real
 
     def rows(self, window: Window) -> tuple[Real, Real]:
-        """What an estimator takes, and what it shall give."""
+        """The inputs of an estimator, and the outputs that it should give."""
         return window.frames(self.sensors), self.targets[window.past :]
 
 
 def _errors(case: Case, seed: int) -> tuple[list[float], list[float], list[float]]:
-    """Of the network, of least squares and of the Wiener filter, by output."""
+    """The errors of the network, of least squares and of the Wiener filter, for each output."""
     runs = [
         record(angle, seed + n, case.noise, rate=case.rate) for n, angle in enumerate(ANGLES[:3])
     ]
@@ -168,7 +168,7 @@ def _errors(case: Case, seed: int) -> tuple[list[float], list[float], list[float
 
 
 def _network(inputs: Real, targets: Real, rng: np.random.Generator) -> Estimate:
-    """What a trained network makes of inputs."""
+    """The estimator that is a trained network."""
     step = len(inputs) // ROWS
     training, validation = (
         Rows(inputs[first::step], targets[first::step], np.ones_like(targets[first::step]))
@@ -181,7 +181,7 @@ def _network(inputs: Real, targets: Real, rng: np.random.Generator) -> Estimate:
 
 
 def _fitted(inputs: Real, targets: Real) -> Estimate:
-    """The linear estimator that fits best."""
+    """The linear estimator with the least squared error."""
     weights = np.linalg.lstsq(_with_one(inputs), targets)[0]
     return lambda given: _with_one(given) @ weights
 
@@ -189,7 +189,7 @@ def _fitted(inputs: Real, targets: Real) -> Estimate:
 def _wiener(still: Real, targets: Real, window: Window, noise: float) -> Estimate:
     """The linear estimator with the least mean square error under noise: R w = p (Wiener, Hopf).
 
-    ``still`` is what it takes of a recording without noise.
+    ``still`` holds its inputs for a recording without noise.
     """
     taken = _with_one(still)
     own = [(noise * GAINS[tap.sensor]) ** 2 + ROUNDED**2 for tap in window.taps]

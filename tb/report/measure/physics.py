@@ -1,4 +1,4 @@
-"""Physics of the two rigs: fitted sensors, and error against work for plate and swing."""
+"""The physics of the two rigs: fitted sensors, and error against work for plate and swing."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from tb.report.measure.timing import timed
 TERMS = (1, 3, 10, 30, 100, 200, 300, 1000, 3000, 10_000)
 LIMIT_TERMS = 1_000_000
 CELLS = (10, 20, 40, 80)
-# Load and point in parts of length and width; both are nodes of every grid.
+# The load and the point as parts of length and width. Both are nodes of every grid.
 PLACES = {"at the load": ((0.5, 0.5), (0.5, 0.5)), "beside it": ((0.3, 0.2), (0.5, 0.5))}
 
 TOLERANCES = (1e-3, 1e-6, 1e-8, 1e-10, 1e-12)
@@ -111,7 +111,7 @@ def plate(_: int) -> Table:
 
 @dataclass(frozen=True)
 class Case:
-    """A swing to be solved, and what is right."""
+    """A swing to be integrated, and its exact solution."""
 
     swing: Swing
     start: float
@@ -133,7 +133,7 @@ def _case(damping_rate: float, start_degrees: float) -> Case:
 
 
 def _solved(case: Case, method: str, tolerance: float) -> list[Cell]:
-    """Evaluations, ms and error; none where the work goes beyond the limit."""
+    """The evaluations, the ms and the error, or None if the work exceeds the limit."""
     try:
         motion, ms = timed(
             swing_motion,
@@ -177,7 +177,7 @@ def swing(_: int) -> Table:
 
 
 def swing_damping(_: int) -> Table:
-    """From what damping on an implicit method pays."""
+    """The damping from which on an implicit method pays off."""
     natural = Swing().natural_frequency
     rows: list[list[Cell]] = []
     for ratio in DAMPING_RATIOS:

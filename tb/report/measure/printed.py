@@ -1,4 +1,4 @@
-"""What the thesis prints of the digit's networks, beside the same measure of ours."""
+"""The printed errors of the thesis' networks for the digit, beside the same errors of ours."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from tb.report.measure.table import Cell, Table
 
 @dataclass(frozen=True)
 class Pair:
-    """A network of the thesis and the scenes that have it.
+    """A network of the thesis, and the scenes that correspond to it.
 
     Attributes
     ----------
     name : str
-        As tables and plots have it.
+        The name in tables and plots.
     alike : str
-        The scene in the thesis' own arithmetic with its own activation; empty where there is none.
+        The scene with the arithmetic and the activation of the thesis, or empty.
     today : str
-        The scene in ``exact`` precision; empty where there is none.
+        The scene in ``exact`` precision, or empty.
     hardware : str
-        Table of the printed figures of the hardware; empty where none was built.
+        The table of the printed figures of the hardware, or empty if none was built.
     in_float : str
-        Table of the printed figures in floating point, section 3.12.1; empty where there is none.
+        The table of the printed figures in floating point (section 3.12.1), or empty.
     """
 
     name: str
@@ -63,8 +63,8 @@ CASCADE_B = Pair("cascade B", "digit-thesis", "digit", "digit.cascade_b")
 FOUR_OUTPUTS = [SINGLE, MULTIPLE, CASCADE_A, CASCADE_B]
 PAIRS = [*PARALLEL, *FOUR_OUTPUTS]
 
-# The networks of a picture along the beam: in floating point as Figures 3.23 to 3.26 compare them,
-# and bit-true in the thesis' arithmetic as Figures 5.16 to 5.19.
+# The networks of the pictures along the beam: in floating point as in Figures 3.23 to 3.26, and
+# bit-true in the arithmetic of the thesis as in Figures 5.16 to 5.19.
 ALONG = {
     "floating point": {"single": SINGLE.today, "multiple": MULTIPLE.today, "cascade": "digit"},
     "bit-true": {pair.name: pair.alike for pair in (SINGLE, CASCADE_A, CASCADE_B)},
@@ -79,7 +79,7 @@ WIDTHS = {
 
 
 def printed(_: int) -> Table:
-    """Largest mean errors over the positions: as printed, and of our networks."""
+    """The largest mean errors over the positions, as printed and of our networks."""
     rows: list[list[Cell]] = []
     for pair in PAIRS:
         hardware, real = thesis_table(pair.hardware), thesis_table(pair.in_float)
@@ -112,7 +112,7 @@ def printed(_: int) -> Table:
 
 
 def largest(scene: Scene) -> list[list[float] | None]:
-    """Of every output in floating point, bit-true, and bit-true with noise on the readings."""
+    """The largest mean errors of every output: in floating point, bit-true, and with noise."""
     vectors = scene.vectors()
     kinds = [errors_of(scene, False), errors_of(scene, True)]
     kinds.append(disturbed_rows(scene, Disturbance(NOISE)))
@@ -120,12 +120,12 @@ def largest(scene: Scene) -> list[list[float] | None]:
 
 
 def errors_of(scene: Scene, bit_true: bool) -> Real:
-    """Errors in percent on the recorded rows, shape (rows, outputs)."""
+    """The errors in percent on the recorded rows, shape (rows, outputs)."""
     return scene.vectors().percent_errors(results_of(scene, bit_true))
 
 
 def results_of(scene: Scene, bit_true: bool) -> Real:
-    """What the networks or their hardware make of the recorded rows, shape (rows, outputs)."""
+    """The outputs of the networks or of their hardware for the recorded rows."""
     vectors = scene.vectors()
     if not bit_true:
         return scene.process_real(vectors.inputs)
@@ -133,7 +133,7 @@ def results_of(scene: Scene, bit_true: bool) -> Real:
 
 
 def along_beam(_: int) -> Table:
-    """Mean, least and largest error at each position, of the networks that the thesis compares."""
+    """The mean, least and largest error at each position, for networks that the thesis compares."""
     rows: list[list[Cell]] = []
     for kind, names in ALONG.items():
         for network, name in names.items():
@@ -159,7 +159,7 @@ def along_beam(_: int) -> Table:
 
 
 def widths(_: int) -> Table:
-    """Mean error of the width for loads of each width, in percent of that width."""
+    """The mean error of the width for loads of each width, in percent of this width."""
     rows: list[list[Cell]] = []
     for network, name in WIDTHS.items():
         scene = load_scene(name)

@@ -1,4 +1,4 @@
-"""MLP and RBF on the same rows, and what either costs (thesis sections 3.9 to 3.11)."""
+"""MLP and RBF on the same rows, and their costs (thesis sections 3.9 to 3.11)."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ DATA = ROOT / "golden" / "data"
 SENSORS = ["sensor1", "sensor2"]
 OUTPUTS = ["load", "position"]
 
-# Section 3.8.1 takes loads of 12.7 mm and codes 13 g, the heaviest, as 0.9. Of its loads, Appendix
-# 2 holds E, F and G (11, 9 and 6 g), coded to 23 g.
+# Section 3.8.1 uses loads of 12.7 mm, and codes the heaviest, 13 g, as 0.9. Appendix 2 contains
+# three of its loads, E, F and G (11, 9 and 6 g), and codes 23 g as 0.9.
 LOAD_WIDTH = 0.225
 HEAVIEST_G = 13.0
 
@@ -37,7 +37,7 @@ WEIGHT_DECAY = 1e-6
 
 
 def printed_figures(network: str) -> dict[str, float]:
-    """What the thesis prints of a network, such as "RBF 2:6:2"."""
+    """The printed figures of a network, such as "RBF 2:6:2"."""
     return thesis_table(network.lower().translate(_KEY))
 
 
@@ -45,13 +45,13 @@ _KEY = str.maketrans(" :", "__")
 
 
 class EitherNetwork(Protocol):
-    """What both classes have in common."""
+    """The interface of both classes of networks."""
 
     def process(self, frames: Real) -> Real: ...
 
 
 def recorded() -> tuple[Real, Real]:
-    """Samples and targets of the narrow loads, 57 rows, loads coded as in section 3.8.1."""
+    """The samples and targets of the narrow loads: 57 rows, with loads coded as in 3.8.1."""
     path = DATA / "appendix2.csv"
     rows = read_table(path, [*SENSORS, *OUTPUTS])[rows_where(path, {"width": LOAD_WIDTH})]
     targets = rows[:, len(SENSORS) :].copy()
@@ -60,13 +60,13 @@ def recorded() -> tuple[Real, Real]:
 
 
 def train_mlp(inputs: Real, targets: Real, split: Split, rng: np.random.Generator) -> Mlp:
-    """The 2:6:2 network of one start: Levenberg-Marquardt on equation 3.6, stopped early."""
+    """The 2:6:2 network of one start, trained by Levenberg-Marquardt with early stopping."""
     shape = (inputs.shape[1], 6, targets.shape[1])
     training, validation = (
         Rows(inputs[rows], targets[rows], np.ones_like(targets[rows]))
         for rows in (split.training, split.validation)
     )
-    # As patient as the steps are many: small networks that hardly overfit.
+    # The patience equals the number of steps, because such small networks hardly overfit.
     objective = Objective(shape, tanh, training, validation, WEIGHT_DECAY, patience=STEPS)
     start = pack(starting_weights(shape, rng))
     return unpack(objective.search(levenberg_marquardt.descend, start, STEPS), shape)
@@ -75,7 +75,7 @@ def train_mlp(inputs: Real, targets: Real, split: Split, rng: np.random.Generato
 def ranked(
     inputs: Real, targets: Real, split: Split, train: Callable[[int], EitherNetwork]
 ) -> list[EitherNetwork]:
-    """The networks of all starts, the least squared error on the validation rows first."""
+    """The networks of all starts, that with the least squared validation error first."""
     rows = split.validation
 
     def error(network: EitherNetwork) -> float:
@@ -85,7 +85,7 @@ def ranked(
 
 
 def classes(seed: int) -> Table:
-    """Errors of MLP 2:6:2, RBF 2:6:2 and RBF 2:7:2 beside the printed ones."""
+    """The errors of MLP 2:6:2, RBF 2:6:2 and RBF 2:7:2, beside the printed errors."""
     inputs, targets = recorded()
     split = split_rows(len(inputs), seed)
     x, t = inputs[split.training], targets[split.training]
@@ -153,7 +153,7 @@ def classes(seed: int) -> Table:
 
 
 def operations(_: int) -> Table:
-    """Multiplications and additions by equation and as the reference counts them."""
+    """The multiplications and additions of the equations, and as the reference counts them."""
     rows: list[list[Cell]] = []
     for kind, hidden, count, way in (
         ("MLP", 6, mlp_operations, "equation 3.11"),

@@ -1,4 +1,4 @@
-"""What is left of the error of a drifted digit after few or many known placements."""
+"""The remaining error of a drifted digit after few or many known placements."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ NOISES = (0.0, 0.002)  # V
 COUNTS = (3, 4, 6, 8, 10, 20, 40)
 DRAWS = 10
 
-# Little drift and much noise: where a correction may do harm.
+# With little drift and much noise, a correction could do harm.
 FEW = 8
 SMALL = (0.0, 0.05)
 MUCH_NOISE = (0.01, 0.03)  # V
@@ -33,7 +33,7 @@ NOISY_DRAWS = 5
 
 
 def errors(scene: Scene, signals: Real) -> Real:
-    """Mean error of each output over the recording, percent, floating point."""
+    """The mean error of each output over the recording, in percent and floating point."""
     found: Real = scene.vectors().percent_errors(scene.process_real(signals)).mean(axis=0)
     return found
 
@@ -45,14 +45,14 @@ def read(
     times: int,
     rng: np.random.Generator,
 ) -> Placements:
-    """Rows of the recording as placements that are read with noise, so many times each."""
+    """Rows of the recording as placements, each read ``times`` times with noise."""
     there = recorded.recorded.at(rows)
     noise = recorded.noise * rng.standard_normal((times, *there.inputs.shape)).mean(axis=0)
     return Placements(drifted[rows] + noise, there.targets, there.scale, there.times * times)
 
 
 def left(recorded: Sensitivity, drifted: Real, found: Fit) -> Real:
-    """What is left of the errors with a correction."""
+    """The errors that remain with a correction."""
     return errors(recorded.scene, readings(drifted, recorded.correction(found.theta)))
 
 
@@ -61,7 +61,7 @@ def _of(scene: Scene, noise: float) -> Sensitivity:
 
 
 def recalibration(seed: int) -> Table:
-    """Errors before and after, against the number of placements, how they are chosen and noise."""
+    """The errors before and after, for the number and choice of placements, and for noise."""
     scene, rng = load_scene(SCENE), np.random.default_rng(seed)
     vectors = scene.vectors()
     drifted = [DRIFT.of(vectors.inputs, rng) for _ in range(DRAWS)]
@@ -99,7 +99,7 @@ def recalibration(seed: int) -> Table:
 
 
 def recalibration_noise(seed: int) -> Table:
-    """Whether corrections help where sensors drifted little against their noise."""
+    """Whether corrections help if the drift of the sensors is small compared with their noise."""
     scene, rng = load_scene(SCENE), np.random.default_rng(seed)
     vectors = scene.vectors()
     rows: list[list[Cell]] = []

@@ -14,7 +14,6 @@ from tb.report.measure import (
     convergence,
     digits,
     disturbance,
-    engines,
     gauges,
     honest,
     left_out,
@@ -29,8 +28,9 @@ from tb.report.measure import (
     printed,
     rbf,
     recalibration,
-    recordings,
     sensors_dropped,
+    simulators,
+    swing_recordings,
     tanh_words,
     training,
     visualisation,
@@ -38,7 +38,7 @@ from tb.report.measure import (
 from tb.report.measure.stability.table import stability
 from tb.report.measure.table import Table
 
-# By name, in the order printed; the name is that of the table.
+# The tables by their names, in the order in which they are printed.
 TABLES: dict[str, Callable[[int], Table]] = {
     "networks": networks.networks,
     "clocks": clocks.clocks,
@@ -78,10 +78,10 @@ TABLES: dict[str, Callable[[int], Table]] = {
     "plate": physics.plate,
     "swing": physics.swing,
     "swing_damping": physics.swing_damping,
-    "recordings": recordings.recordings,
+    "recordings": swing_recordings.recordings,
     "past": past.past,
     "stability": stability,
 }
 
-# Measured when they are asked for by name: they start simulators.
-ASKED: dict[str, Callable[[int], Table]] = {"simulators": engines.simulators}
+# These start simulators, so they are measured only if they are asked for by name.
+ASKED: dict[str, Callable[[int], Table]] = {"simulators": simulators.simulators}

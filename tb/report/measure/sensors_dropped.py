@@ -1,4 +1,4 @@
-"""Which sensors a scene does not need, and how many hidden nodes go with how many sensors."""
+"""Which sensors a scene does not need, and how many hidden nodes suit how many sensors."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ HIDDEN, STARTS = 8, 6
 WORST = "worst"
 EACH, IN_ORDER = "one left out", "one after another"
 
-# Section 3.8.3 of the thesis: one network for load and position, loads of one width. The sensors of
-# each case, the hidden nodes that the thesis found best for it, and the error that it prints.
+# Section 3.8.3 of the thesis has one network for load and position, and loads of one width. These
+# are the sensors of each case, the best number of hidden nodes, and the printed error.
 NODES = range(4, 26)
 PRINTED = {2: (6, 0.00027), 3: (20, 0.000266), 4: (5, 0.000284)}
 ONE_WIDTH = 0.225
@@ -38,20 +38,20 @@ THESIS_STARTS, THESIS_SPLITS = 3, 3
 
 
 def sensors_dropped(seed: int) -> Table:
-    """Errors of scene digit without each of its sensors, and with fewer and fewer of them."""
+    """The errors of scene digit without each of its sensors, and with fewer and fewer of them."""
     return dropped(load_scene(SCENE), seed)
 
 
 def dropped(scene: Scene, seed: int, effort: Effort | None = None, splits: int = SPLITS) -> Table:
-    """Errors of a scene's outputs without each of its sensors, and with fewer and fewer of them.
+    """The errors of a scene without each of its sensors, and with fewer and fewer of them.
 
     Parameters
     ----------
     scene : Scene
     seed : int
-        Of the first split; further ones count on from it.
+        The seed of the first split. Further splits take the next seeds.
     effort : Effort, optional
-        The scene's disturbance with HIDDEN nodes and STARTS, where none is given.
+        By default the disturbance of the scene, with HIDDEN nodes and STARTS.
     splits : int
     """
     effort = effort or Effort(HIDDEN, STARTS, disturbance=scene.training.disturbance)
@@ -105,14 +105,14 @@ def nodes(
     starts: int = THESIS_STARTS,
     splits: int = THESIS_SPLITS,
 ) -> Table:
-    """Mean squared errors with each number of hidden nodes, beside the thesis' least.
+    """The mean squared errors for each number of hidden nodes, beside the least of the thesis.
 
     Parameters
     ----------
     seed : int
-        Of the first split; further ones count on from it.
+        The seed of the first split. Further splits take the next seeds.
     counts : sequence of int
-        Hidden nodes.
+        The numbers of hidden nodes.
     starts, splits : int
     """
     recording = _thesis_recording()
@@ -141,13 +141,13 @@ def nodes(
 
 
 def _squares(rms: Real) -> Real:
-    """Mean squared errors of each split, of percent a part."""
+    """The mean squared errors of each split, from rms errors in percent."""
     squares: Real = ((rms / 100) ** 2).mean(axis=1)
     return squares
 
 
 def _thesis_recording() -> Recording:
-    """Rows of one width, and errors that count as they are."""
+    """The rows of one width, with errors that are not divided by targets."""
     scene = load_scene(SCENE)
     whole = recording_of(scene)
     rows = np.flatnonzero(whole.targets[:, whole.outputs.index("width")] == ONE_WIDTH)

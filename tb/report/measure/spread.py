@@ -1,17 +1,18 @@
-"""``python -m tb.report.measure.spread``: how far floating-point figures differ by processor.
+"""``python -m tb.report.measure.spread``: measures how floating-point figures depend on a
+processor.
 
-On another processor numpy, OpenBLAS and glibc take other instructions and round the last bit
-otherwise. Environment variables make this processor compute as others do; each setting runs in
+On another processor numpy, OpenBLAS and glibc use other instructions, which round the last bit
+differently. Environment variables make this processor compute as others do. Each setting runs in
 processes of its own.
 
     python -m tb.report.measure.spread figures swing beam
     python -m tb.report.measure.spread training docs/tutorial/rig.toml --moved 30
 
-``figures`` measures tables of ``make figures`` (all, where none is named) under every setting and
-prints for each column the largest difference between two of them. ``training`` trains a scene under
-every setting, and with ``--moved`` so many times more here from starting weights that are moved by
-last bits, which is what another processor does to all numbers after them. ``--python`` adds another
-interpreter, with other versions of numpy and SciPy.
+``figures`` measures tables of ``make figures``, by default all, under every setting. For each
+column it prints the largest difference between two settings. ``training`` trains a scene under
+every setting. With ``--moved`` it also trains so many times from starting weights that are changed
+by last bits, which has the same effect as another processor. ``--python`` adds another interpreter,
+with other versions of numpy and SciPy.
 """
 
 from __future__ import annotations
@@ -58,12 +59,12 @@ Tables = Mapping[str, Mapping[str, Any]]
 
 
 def finished(command: Sequence[str], setting: Mapping[str, str]) -> bool:
-    """Run a command; whether this processor has the instructions for it.
+    """Run a command, and return whether this processor has the instructions for it.
 
     Raises
     ------
     InputError
-        With the command's own message, where it fails.
+        When the command fails, with its message.
     """
     done = subprocess.run(
         command, cwd=ROOT, env=os.environ | setting, capture_output=True, text=True, check=False
@@ -74,7 +75,7 @@ def finished(command: Sequence[str], setting: Mapping[str, str]) -> bool:
 
 
 def runs(settings: Sequence[str], pythons: Sequence[str]) -> Iterator[tuple[str, str, str]]:
-    """Name, interpreter and setting of every run."""
+    """The name, the interpreter and the setting of every run."""
     for setting in settings:
         yield setting, sys.executable, setting
     for python in pythons:
@@ -121,7 +122,7 @@ def differences(found: Mapping[str, Tables]) -> Table:
 
 
 def figures(names: Sequence[str], settings: Sequence[str], pythons: Sequence[str]) -> Table:
-    """Measure tables under every setting; what differs."""
+    """Measure tables under every setting, and return the differences."""
     found: dict[str, Tables] = {}
     with tempfile.TemporaryDirectory() as folder:
         for name, python, setting in runs(settings, pythons):
@@ -135,7 +136,7 @@ def figures(names: Sequence[str], settings: Sequence[str], pythons: Sequence[str
 
 
 class Moved(Objective):
-    """An objective whose descents start a last bit or two away."""
+    """An objective whose descents start with weights that are changed by a last bit or two."""
 
     def __init__(self, number: int, *args: Any) -> None:
         super().__init__(*args)
@@ -148,7 +149,7 @@ class Moved(Objective):
 
 @dataclass(frozen=True)
 class Trained:
-    """A network of a scene, and the errors of what it was not trained on, rms in percent."""
+    """A network of a scene, and its rms errors in percent on rows that did not train it."""
 
     mlp: Mlp
     validation: float
@@ -156,13 +157,13 @@ class Trained:
 
 
 def moved(scene: Scene, number: int) -> Iterator[Trained]:
-    """The networks of the scene, from starts that are moved by last bits."""
+    """The networks of the scene, from starts that are changed by last bits."""
     chosen: list[Mlp] = []
     for _ in scene.members:
         task = task_for(scene, scene.vectors(), chosen)
         found: list[Trained] = []
         for hidden, restart in candidates(task):
-            # A candidate that the formats cannot hold is none.
+            # A candidate that the formats cannot hold is left out.
             with suppress(InputError):
                 mlp = train(task, hidden, restart, partial(Moved, number))
                 found.append(Trained(mlp, *bit_true_errors(task, mlp)))
@@ -172,18 +173,18 @@ def moved(scene: Scene, number: int) -> Iterator[Trained]:
 
 
 def written(scene: Scene, folder: Path) -> Iterator[Trained]:
-    """The networks that ``make train`` wrote into a folder, with the errors that it states."""
+    """The networks that ``make train`` wrote into a folder, with their stated errors."""
     for member in scene.members:
         path = folder / member.weights_path.name
         story = tomllib.loads(provenance_path(path).read_text(encoding="utf-8"))
-        # As ``moved`` measures them: under noise and drift, where the scene names some.
+        # These errors are measured as in ``moved``: with noise and drift, if the scene names some.
         disturbed = "_disturbed" if not scene.training.disturbance.none else ""
         errors = (story[f"{part}{disturbed}_rms_percent"] for part in ("validation", "test"))
         yield Trained(replace(member, weights_path=path).load(), *errors)
 
 
 def training(scene: Scene, settings: Sequence[str], pythons: Sequence[str], more: int = 0) -> Table:
-    """Train a scene under every setting; the sum of ``|w1|`` and the errors of each network."""
+    """Train a scene under every setting. The table has the sum of ``|w1|`` and the errors."""
     found: dict[str, list[Trained]] = {}
     for name, python, setting in runs(settings, pythons):
         with tempfile.TemporaryDirectory() as folder:

@@ -1,4 +1,4 @@
-"""The tables of ``make figures`` for the report: recorded, kept in the store, or measured."""
+"""The tables of ``make figures`` for the report, which are recorded, kept or measured."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from typing import Any
 from joblib import Parallel, delayed
 
 from golden.fingerprint import ROOT, fingerprint, sources
-from tb.report.measure import recorded
+from tb.report.measure import table_records
 from tb.report.measure.registry import TABLES
 from tb.report.measure.store import Progress, keep, kept, once, packed, unpacked
 from tb.report.measure.table import Table
 
 
 def measuring(*rooms: str) -> list[Path]:
-    """The sources of some rooms without those that only draw and write the report."""
+    """The sources of some rooms, except those that only draw or write the report."""
     return [path for path in sources(*rooms) if path.parent.name not in ("draw", "page")]
 
 
 def measured(tell: Progress, names: Collection[str] = tuple(TABLES)) -> dict[str, Table]:
-    """Every table, or those of these names; those without run times side by side."""
+    """The tables of these names. Tables without run times are measured in parallel."""
     state = fingerprint(
-        [*measuring("golden", "tb/report"), ROOT / "golden" / "data"], str(recorded.SEED)
+        [*measuring("golden", "tb/report"), ROOT / "golden" / "data"], str(table_records.SEED)
     )
-    # Tables with run times have the machine for themselves.
-    together = [n for n in names if n not in recorded.TIMED and kept(n, state) is None]
+    # Tables with run times are measured alone.
+    together = [n for n in names if n not in table_records.TIMED and kept(n, state) is None]
     answers: dict[str, Any] = {}
     if together:
         pool = Parallel(n_jobs=-1, return_as="generator_unordered")
@@ -43,7 +43,11 @@ def measured(tell: Progress, names: Collection[str] = tuple(TABLES)) -> dict[str
 
 
 def _measure(name: str) -> dict[str, Any]:
-    table = recorded.read(name) if name in recorded.RECORDED else TABLES[name](recorded.SEED)
+    table = (
+        table_records.read(name)
+        if name in table_records.RECORDED
+        else TABLES[name](table_records.SEED)
+    )
     return packed(table)
 
 

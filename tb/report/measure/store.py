@@ -1,4 +1,4 @@
-"""What earlier reports found, by name and by the state of all that it depends on."""
+"""Keeps results for later reports, by name and by the state of all that they depend on."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ from golden.folders import BUILD
 from tb.report.measure.table import Table
 
 STORE = BUILD / "report"
-# Hears the name of a part, the seconds that it took, and whether it was kept from before.
+# A function that is told the name of a part, the seconds that it took, and whether it was kept.
 Progress = Callable[[str, float, bool], None]
 
 
 def kept(name: str, state: str) -> Any:
-    """What was kept under that name in the same state; None where nothing was."""
+    """The result that was kept under a name in the same state, or None."""
     found = read_kept(STORE / f"{name}.json")
     return found["answer"] if isinstance(found, dict) and found.get("state") == state else None
 
 
 def keep(name: str, state: str, answer: Any) -> None:
-    """Keep what JSON can hold for the next report."""
+    """Keep a result, which JSON must be able to hold, for the next report."""
     write_kept(STORE / f"{name}.json", {"state": state, "answer": answer})
 
 
 def once(name: str, state: str, tell: Progress, work: Callable[[], Any]) -> Any:
-    """What ``work`` answers, from the store where the state is the same."""
+    """The result of ``work``, from the store if the state is the same."""
     answer = kept(name, state)
     if answer is not None:
         tell(name, 0.0, True)

@@ -1,4 +1,4 @@
-"""A table of figures: printed, as CSV, as JSON."""
+"""A table of figures, which can be printed and written as CSV and JSON."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ class Table:
     Parameters
     ----------
     name : str
-        Also the name of its CSV.
+        The name of the table and of its CSV.
     columns : sequence of str
-        Headings with units.
+        The headings with their units.
     rows : sequence of sequences
-        Text, numbers, or None where there is nothing to say.
+        Cells of text or numbers, or None if there is no figure.
     note : str
-        What was measured and how, and what differs from the reference and why.
+        Says what was measured and how, and what differs from the reference and why.
     timed : sequence of str
         The columns that hold run times of this machine, which differ from call to call.
 
     Raises
     ------
     ValueError
-        When a row has another length than the columns, or holds NaN or infinity, or when a timed
-        column is none of the columns.
+        When a row and the columns differ in length, when a row holds NaN or infinity, or when a
+        timed column is not among the columns.
     """
 
     name: str
@@ -64,13 +64,13 @@ class Table:
 
     @property
     def numbers(self) -> list[bool]:
-        """For each column whether it holds nothing but numbers."""
+        """Whether each column holds nothing but numbers."""
         return [
             all(not isinstance(row[c], str) for row in self.rows) for c in range(len(self.columns))
         ]
 
     def without_times(self) -> Table:
-        """The table without its timed columns: what a machine gives again for the same seed."""
+        """The table without its timed columns, which is the same again for the same seed."""
         kept = [c for c, heading in enumerate(self.columns) if heading not in self.timed]
         return Table(
             self.name,
@@ -80,7 +80,7 @@ class Table:
         )
 
     def as_data(self) -> dict[str, Any]:
-        """The table as JSON can hold it, every digit kept."""
+        """The table as data for JSON, with all digits."""
         return {
             "columns": list(self.columns),
             "rows": [list(row) for row in self.rows],
@@ -88,14 +88,14 @@ class Table:
         }
 
     def write_csv(self, path: Path) -> None:
-        """Write the columns and rows, every digit kept; None as an empty cell."""
+        """Write the columns and rows with all digits. None becomes an empty cell."""
         with path.open("w", newline="", encoding="utf-8") as handle:
             writer = csv.writer(handle, lineterminator="\n")
             writer.writerow(self.columns)
             writer.writerows(self.rows)
 
     def lines(self) -> list[str]:
-        """The table as text: name, columns side by side, note."""
+        """The table as text: its name, its columns side by side, and its note."""
         text = [list(self.columns), *([shown(cell) for cell in row] for row in self.rows)]
         widths = [max(len(row[c]) for row in text) for c in range(len(self.columns))]
         body = [
@@ -109,7 +109,7 @@ class Table:
 
 
 def read_csv(path: Path) -> tuple[list[str], list[list[Cell]]]:
-    """The columns and rows of a CSV of numbers alone; see ``Table.write_csv``."""
+    """The columns and rows of a CSV of numbers, as ``Table.write_csv`` writes it."""
     with path.open(newline="", encoding="utf-8") as handle:
         heads, *lines = csv.reader(handle)
     return heads, [[_number(cell) for cell in line] for line in lines]
@@ -122,7 +122,7 @@ def _number(cell: str) -> Cell:
 
 
 def shown(cell: Cell) -> str:
-    """A cell for a reader: four significant digits of a float."""
+    """A cell for a reader, with four significant digits if it is a float."""
     if cell is None:
         return "-"
     return f"{cell:.4g}" if isinstance(cell, float) else str(cell)

@@ -1,4 +1,4 @@
-"""Table tanh_words: the error of an engine's tanh against the words of its table."""
+"""The table tanh_words: the error of an engine's tanh against the words of its table."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from tb.report.measure.table import Cell, Table
 
 WIDTHS = (11, 10, 9, 8, 7, 6)
 TABLE_ENDS = (Fraction(4), Fraction(9, 2), Fraction(5), Fraction(11, 2), Fraction(6))
-# Fraction bits of what is compared with.
+# The number of fraction bits of the reference.
 FRAC = 40
 
 
 def tanh_words(_: int) -> Table:
-    """Every width of a segment, with the table ending early and late."""
+    """Every width of a segment, with tables that end early and late."""
     q = np.arange(HIDDEN.low, HIDDEN.high + 1)
     floors = tanh_floors(Fraction(1, 1 << HIDDEN.frac), len(q) // 2 + 1, FRAC)
     exact = np.where(q < 0, -floors[np.abs(q)], floors[np.abs(q)])
@@ -42,8 +42,8 @@ def tanh_words(_: int) -> Table:
         "tanh_words",
         ["segment width", "end", "words", "largest units", "wrong %", "engine"],
         rows,
-        "An engine's tanh over all 2^18 codes of q, by bits of q within a segment and the q at "
-        "which the table ends: its words, the largest error in units of 2^-13, and how many "
-        "results would not be rounded correctly to 13 fraction bits. 'engine' marks what "
-        "hardware.segment_width chooses from.",
+        "An engine's tanh over all 2^18 codes of q, for the bits of q within a segment and the q "
+        "at which the table ends. The columns are the words of the table, the largest error in "
+        "units of 2^-13, and how many results would not be rounded correctly to 13 fraction bits. "
+        "'engine' marks the tables that hardware.segment_width can choose.",
     )

@@ -1,4 +1,4 @@
-"""Run times for the timed columns of a table."""
+"""Measures run times for the timed columns of a table."""
 
 from __future__ import annotations
 
@@ -9,14 +9,15 @@ from typing import ParamSpec, TypeVar
 Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
 
-# The least of a few calls is what the work takes; the rest is what else the machine does.
+# The shortest of a few calls is the time of the work. Longer ones include other work of the
+# machine.
 CALLS, ENOUGH = 5, 0.05  # calls at most, seconds after which no other begins
 
 
 def timed(
     work: Callable[Arguments, Result], *args: Arguments.args, **kwargs: Arguments.kwargs
 ) -> tuple[Result, float]:
-    """What ``work`` returns for the arguments, and the least of its run times in ms."""
+    """The result of ``work`` for the arguments, and the shortest of its run times in ms."""
     least, spent = float("inf"), 0.0
     for _ in range(CALLS):
         started = time.perf_counter()

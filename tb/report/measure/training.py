@@ -1,4 +1,4 @@
-"""Validation error against processor time: two optimisers, and the two ways to train a cascade."""
+"""Validation error against processor time, for two optimisers and two ways to train a cascade."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from golden.training.task import Task, task_for
 from tb.report.measure.table import Cell, Table
 
 RESTARTS = 3
-# A step of either costs differently; so many take a few seconds.
+# A step of each optimiser takes a different time. So many steps take a few seconds.
 STEPS = {"levenberg-marquardt": 300, "scg": 4000}
-# The evaluations at which a descent is looked at: about three for each factor of two.
+# The numbers of evaluations at which a descent is noted: about three for each factor of two.
 LOOKS = frozenset(round(2 ** (n / 2)) for n in range(30))
 
 CASCADE_RESTARTS = 6
@@ -33,7 +33,7 @@ class Watched(Objective):
     Attributes
     ----------
     notes : list of tuples
-        Evaluations of the residuals, seconds of processor time, and the best point so far.
+        The evaluations of the residuals, the seconds of processor time, and the best point so far.
     """
 
     evaluations: int = 0
@@ -76,9 +76,9 @@ def _watched(task: Task, hidden: int, restart: int) -> tuple[Mlp, list[Watched]]
 
 
 def _optimisers(seed: int) -> Iterator[list[Cell]]:
-    """The errors of digit-single's 4:16:4 on the way down, from the same starts."""
+    """The errors of the 4:16:4 network of digit-single during training, from the same starts."""
     for optimiser, steps in STEPS.items():
-        # Nothing is stopped early: the best point on the validation rows is kept in any case.
+        # Training is not stopped early. The best point on the validation rows is kept in any case.
         scene = _configured(
             "digit-single",
             seed,
@@ -100,7 +100,7 @@ def _optimisers(seed: int) -> Iterator[list[Cell]]:
 
 
 def _cascades(seed: int) -> Iterator[list[Cell]]:
-    """The candidates of each network of digit-thesis; the best of each goes before the next."""
+    """The candidates of each network of digit-thesis. The best one feeds the next network."""
     for method, earlier in CASCADES.items():
         scene = _configured("digit-thesis", seed, earlier_outputs=earlier)
         vectors = scene.vectors()
@@ -120,7 +120,7 @@ def _cascades(seed: int) -> Iterator[list[Cell]]:
 
 
 def training(seed: int) -> Table:
-    """Both optimisers on one network, then both cascades; the seed splits and starts."""
+    """Both optimisers on one network, then both cascades; the seed sets split and starts."""
     return Table(
         "training",
         ["method", "output", "restart", "evaluations", "CPU s", "validation %", "test %"],

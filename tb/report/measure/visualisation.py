@@ -17,7 +17,7 @@ from tb.report.measure.rbf import DATA
 from tb.report.measure.table import Cell, Table
 from tb.report.measure.timing import timed
 
-# Load, centre and half width of the curves of Figure 3.27; B is A with 10 terms.
+# The load, centre and half width of the curves of Figure 3.27. B is A with 10 terms.
 FIGURE_3_27 = {"A, B": (0.5, 0.5, 0.3), "C": (0.7, 0.5, 0.2)}
 TERMS = (1, 10, 100, 1000, 10_000, 100_000)
 FAR = 0.05  # from a jump, where the Gibbs overshoot has died away
@@ -63,16 +63,16 @@ def series(_: int) -> Table:
 
 
 def errors_in_units(profile: LoadProfile, frames: Codes) -> Real:
-    """Magnitude of the bit-true profile's error in units of 2**-13, shape (..., points)."""
+    """The magnitude of the error of the bit-true profile in units of 2**-13, for each point."""
     found = SIGNAL.to_real(profile.process(frames)[1])
     return np.asarray(UNITS * np.abs(found - profile.real(frames)))
 
 
 def quotient_error(profile: LoadProfile, power: int) -> float:
-    """Largest error in units of 2**-13 over every quotient t and all that it can stand for.
+    """The largest error in units of 2**-13 over every quotient t and all values that it stands for.
 
-    The profile falls with t, so the two ends of the interval that the divider truncates to one
-    quotient bound its error; the last quotient stands for every larger one.
+    The profile falls with t. So the error of a quotient is largest at one of the two ends of the
+    interval that the divider truncates to it. The last quotient stands for every larger one.
     """
     divider = profile.divider
     t = np.arange(1 << divider.out_width)

@@ -1,1 +1,1 @@
-"""The report: plots and pictures as SVG, and the page that holds them."""
+"""The page of a report, and what commands write into the pages of the documentation."""

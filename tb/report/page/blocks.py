@@ -1,6 +1,6 @@
-"""``python -m tb.report.page.blocks``: what the twins publish into the documentation.
+"""``python -m tb.report.page.blocks``: writes what the twins publish into the documentation.
 
-Rewrites what stands between the markers: the ports and the clocks of each page in ``docs/blocks``
+It rewrites the text between the markers: the ports and the clocks of each page in ``docs/blocks``,
 and the table of blocks in ``docs/README.md``. Formats and clocks are those of every scene, and of
 one network in every design, activation and precision.
 """
@@ -39,9 +39,9 @@ from tb.report.page.markers import put, write
 
 COMMAND = "make pages"
 README = ROOT / "docs" / "README.md"
-# 4:16:4, one network for all outputs; its weights suit both precisions.
+# This is a 4:16:4 network for all outputs, whose weights suit both precisions.
 EXAMPLE = "digit-single-thesis"
-# Bits of a scan's counter that are enough for every converter.
+# A counter of so many bits makes a scan long enough for every converter.
 WIDE = 13
 AREAS = (
     "activation",
@@ -54,13 +54,15 @@ AREAS = (
     "instruments",
 )
 
-# The twins of one block, by the name of the precision.
+# The twins of one block, for each precision by its name.
 Twins = dict[str, list[Block]]
 
 
 def shipped() -> Iterator[tuple[str, Network]]:
-    """Precision and design of every scene, the networks of an engine folded as well, and with every
-    converter where it has a front end; then a network in every form that there is.
+    """The precision and the design of every scene, and of variants of it.
+
+    The networks of an engine are also folded, and a scene with a front end gets every converter. At
+    the end comes one network in every existing form.
     """
     for scene in scenes():
         top = scene.twin()
@@ -100,11 +102,11 @@ def shipped() -> Iterator[tuple[str, Network]]:
 
 
 def blocks_of(designs: Iterable[tuple[str, Network]]) -> dict[str, Twins]:
-    """By block its twins in the designs, the leaves first."""
+    """For each block its twins in the designs, the innermost blocks first."""
     found: dict[str, Twins] = {}
     for precision, design in designs:
         tops = [design]
-        # No shipped scene has this interface, and any network can have it.
+        # Any network can have this interface, but no shipped scene has it.
         if design.area == "networks" and design.stream == "serial" and not design.image:
             tops.append(AxisNetwork(design))
         for top in tops:
@@ -115,14 +117,14 @@ def blocks_of(designs: Iterable[tuple[str, Network]]) -> dict[str, Twins]:
 
 
 def by_precision(texts: dict[str, str]) -> str:
-    """One text, or one for each precision where they differ."""
+    """One text, or a text for each precision if they differ."""
     if len(set(texts.values())) == 1:
         return next(iter(texts.values()))
     return "; ".join(f"{text} in `{name}`" for name, text in texts.items())
 
 
 def numbers_text(found: dict[str, set[int]]) -> str:
-    """A number of each precision, or from the least to the most where it hangs on more."""
+    """A number for each precision, or a range if it depends on more than the precision."""
     if all(len(numbers) == 1 for numbers in found.values()):
         return by_precision({name: str(*numbers) for name, numbers in found.items()})
     every = set().union(*found.values())
@@ -130,7 +132,7 @@ def numbers_text(found: dict[str, set[int]]) -> str:
 
 
 def kinds_text(found: dict[str, set[Fix | Unsigned]]) -> str:
-    """A format of each precision; of unsigned ones that hang on more, the widths."""
+    """A format for each precision, or the widths of unsigned formats that depend on more."""
     every = set().union(*found.values())
     if len(every) > len(found) and not any(isinstance(kind, Fix) for kind in every):
         return f"{numbers_text({'': {kind.width for kind in every}})} bits"
@@ -140,7 +142,7 @@ def kinds_text(found: dict[str, set[Fix | Unsigned]]) -> str:
 
 
 def port_table(twins: Twins) -> str:
-    """The ports of every entity of a block; those of a group share a row."""
+    """The ports of every entity of a block. The ports of a group share a row."""
     rows: dict[str, dict[str, list[Port]]] = {}
     for precision, blocks in twins.items():
         for port in (port for block in blocks for port in block.ports):
@@ -161,7 +163,7 @@ def port_table(twins: Twins) -> str:
 
 
 def clocks(twins: Twins, name: str) -> str:
-    """The latency or the interval, which ``name`` says, in every design."""
+    """The latency or the interval, as ``name`` says, in every design."""
     return numbers_text(
         {
             precision: {getattr(block, name) for block in blocks}
@@ -172,7 +174,7 @@ def clocks(twins: Twins, name: str) -> str:
 
 
 def clocks_table(twins: Twins) -> str:
-    """Latency and interval of every entity of a block."""
+    """The latency and the interval of every entity of a block."""
     return "\n".join(
         [
             "| latency, clocks | interval, clocks |",
@@ -183,7 +185,7 @@ def clocks_table(twins: Twins) -> str:
 
 
 def purpose(twins: Twins) -> str:
-    """What the block does: the first line of its twin's module, without the block's name."""
+    """The first line of the twin's module, without the name of the block."""
     twin = next(block for blocks in twins.values() for block in blocks)
     module = importlib.import_module(f"golden.{twin.area}.{twin.block}")
     line = (inspect.getdoc(module) or "").partition("\n")[0].removesuffix(".")
@@ -191,7 +193,7 @@ def purpose(twins: Twins) -> str:
 
 
 def block_table(found: dict[str, Twins]) -> str:
-    """A line a block, by area."""
+    """A table with a line for each block, sorted by area."""
     lines = [
         "Latency and interval are in clocks. They are ranges over the shipped scenes (those with",
         "an engine also in folded form), the scenes for comparison, and a 4:16:4 network in every",
@@ -219,9 +221,9 @@ def block_table(found: dict[str, Twins]) -> str:
 
 
 def pages() -> dict[Path, str]:
-    """Every page that holds what twins publish, as it must be."""
+    """The text of every page that shows what twins publish."""
     with warnings.catch_warnings():
-        # Those who run a scene are told; here it is drawn up.
+        # A user who runs a scene sees this warning. Here it would only disturb.
         warnings.simplefilter("ignore", UnsettledWarning)
         found = blocks_of(shipped())
     written = {README: put(README, README.read_text("utf-8"), block_table(found), COMMAND)}

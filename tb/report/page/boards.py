@@ -1,7 +1,8 @@
-"""``python -m tb.report.page.boards``: wiring and resources of each board into ``docs/boards.md``.
+"""``python -m tb.report.page.boards``: writes wiring and resources of boards into
+``docs/boards.md``.
 
-Wiring stands in the board's file; what a scene takes is recorded beside the scene by
-``make bitstream RECORD=1`` and ``python -m hdl.boards.variants``.
+The wiring is in the file of the board. ``make bitstream RECORD=1`` and ``python -m
+hdl.boards.variants`` record beside a scene what it takes.
 """
 
 from __future__ import annotations
@@ -22,12 +23,12 @@ COMMAND = "python -m tb.report.page.boards"
 PAGE = ROOT / "docs" / "boards.md"
 KINDS = ("logic cells", "flip-flops", "multipliers", "block RAMs")
 HEADS = f"{' | '.join(KINDS)} | MHz needed | MHz reached | us"
-# Who drives a wire, as the board has it.
+# Who drives a wire, seen from the board.
 INPUTS = ("miso", "rx")
 
 
 def wiring() -> str:
-    """A line a port, with its pin on each board."""
+    """A table with a line for each port, and its pin on each board."""
     boards = [load_board(name) for name in board_names()]
     heads = " | ".join(f"{board.title}, pin | where" for board in boards)
     lines = [f"| port | direction | {heads} |", "|---|---|" + "---|---|" * len(boards)]
@@ -44,7 +45,7 @@ def wiring() -> str:
 
 
 def pin_sources() -> str:
-    """Where the pins were read."""
+    """The sources of the pins."""
     lines = []
     for name in board_names():
         board = load_board(name)
@@ -53,7 +54,7 @@ def pin_sources() -> str:
 
 
 def resources() -> str:
-    """What each recorded scene takes of each board."""
+    """The resources of each board that each recorded scene takes."""
     lines = [f"| scene | board | {HEADS} |", "|" + "---|" * (5 + len(KINDS))]
     for scene in map(load_scene, scene_names()):
         for board in map(load_board, board_names()):
@@ -66,7 +67,7 @@ def resources() -> str:
 
 
 def variant_rows() -> str:
-    """What a scene takes with less in it, or with another engine."""
+    """The resources of variants of a scene, with fewer parts or with another engine."""
     lines = []
     for scene in map(load_scene, scene_names()):
         for board in map(load_board, board_names()):
@@ -92,7 +93,7 @@ def _cells(report: Report, clocks: int) -> str:
 
 
 def pages() -> dict[Path, str]:
-    """The page, as it must be."""
+    """The text of the page."""
     text = PAGE.read_text(encoding="utf-8")
     for section, made in (
         ("wiring", wiring()),

@@ -1,4 +1,4 @@
-"""Writes a report: the page, and beside it every picture and table."""
+"""Writes a report: the page, and every picture and table beside it."""
 
 from __future__ import annotations
 
@@ -16,12 +16,13 @@ from tb.report.page.page import Page, Picture
 
 
 def tell(name: str, seconds: float, kept: bool) -> None:
-    """One line for each part of the report that is ready."""
+    """Print a line for a part of the report that is ready."""
     print(f"report: {name:24} {'as before' if kept else f'{seconds:6.1f} s'}", flush=True)
 
 
 def write(scene: Scene, page: Page) -> None:
-    """Write the page, and beside it pictures and tables, each whole or not at all."""
+    """Write the page, and the pictures and tables beside it. Each is written whole or not at "
+    "all."""
     tables: dict[str, Table] = {"errors": page.errors, "costs": page.costs}
     pictures: dict[str, Picture] = {}
     for section in page.sections:
@@ -48,21 +49,21 @@ def write(scene: Scene, page: Page) -> None:
 
 
 def made(seconds: float) -> list[str]:
-    """With what the report was made."""
+    """The lines that say with which tools the report was made."""
     machine = facts(**versions("tactus", "matplotlib"), **simulator_versions())
     return [
         f"Made by make report in {seconds:.0f} s on {machine['processor']}; "
         f"{machine['instructions']}; {machine['versions']}.",
-        "Run times are those of this machine; every other figure comes out the same again on it. "
-        "Another processor rounds last bits otherwise, which changes where trainings end and how "
-        "many evaluations an integrator takes (docs/figures.md), and nothing of the hardware. Each "
-        "plot is an SVG and each table a CSV in the folder beside this file; report.json holds "
-        "all of them.",
+        "Run times are those of this machine, which reproduces every other figure exactly. Another "
+        "processor rounds last bits differently. That changes where trainings end and how many "
+        "evaluations an integrator takes (docs/figures.md), but nothing in the hardware. Each plot "
+        "is an SVG and each table a CSV in the folder beside this file. report.json holds all of "
+        "them.",
     ]
 
 
 def build_report(scene: Scene, full: bool = False, own: bool = True) -> None:
-    """Build the report of a scene; for ``full`` and ``own`` see ``content``."""
+    """Build the report of a scene. For ``full`` and ``own`` see ``content``."""
     started = time.perf_counter()
     check_writable([BUILD / scene.name / "report.html"])
     page = content(scene, tell, full, own)

@@ -1,4 +1,4 @@
-"""What stands in the report of a scene."""
+"""The content of the report of a scene."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ from tb.report.measure.outcome import (
     telling,
     worst_rows,
 )
-from tb.report.measure.recorded import SEED
 from tb.report.measure.steps import measured, measuring
 from tb.report.measure.store import Progress, once, packed, unpacked
 from tb.report.measure.table import Cell, Table
+from tb.report.measure.table_records import SEED
 from tb.report.page import project, summary
 from tb.report.page.page import Page, Picture, Section
 
@@ -50,10 +50,10 @@ Draw = Callable[[str, Sequence[Drawable]], list[Picture]]
 
 
 def content(scene: Scene, tell: Progress, full: bool = False, own: bool = True) -> Page:
-    """The report of a scene; ``tell`` hears of each part that is ready.
+    """The report of a scene. ``tell`` is called for each part that is ready.
 
-    What the project's own approximations err and cost stands in it where ``full`` asks for it, and
-    where the scene is compared with the reference and ``own`` allows it.
+    The report includes the errors and costs of the project's own approximations if ``full`` is
+    true. It also includes them if the scene is compared with the reference and ``own`` is true.
     """
     design = scene.twin()
     tools = [version(s) for s in SIMULATORS]
@@ -62,7 +62,7 @@ def content(scene: Scene, tell: Progress, full: bool = False, own: bool = True) 
     drawing = fingerprint([*sources("golden", "hdl", "tb"), *files], *tools)
 
     def drawn(name: str, plots: Sequence[Drawable]) -> list[Picture]:
-        """Drawn again when their figures or what draws them have changed."""
+        """The pictures, which are drawn again if their figures or the drawing code have changed."""
         figures = fingerprint([], drawing, repr(plots))
         svgs = once(f"{name}-{scene.name}", figures, tell, lambda: [plot.draw() for plot in plots])
         return [
@@ -119,7 +119,7 @@ def content(scene: Scene, tell: Progress, full: bool = False, own: bool = True) 
 
 
 def _limits(scene: Scene, moved: Table | None, drawn: Draw, tell: Progress) -> Section | None:
-    """What past samples are worth, where a scene of the swing sees any."""
+    """The section on the value of past samples, if a scene of the swing has any."""
     if moved is None or scene.window.plain:
         return None
     table = measured(tell, ["past"])["past"]
@@ -153,7 +153,7 @@ def _pictures(scene: Scene, state: str, tell: Progress) -> Section:
 
 
 def _verified(scene: Scene) -> Section:
-    """What the benches compared, if they have run on what is there now."""
+    """The section on what the benches compared, if they have run on the present files."""
     results = stored_results(scene)
     if results is None:
         text = (

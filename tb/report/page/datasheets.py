@@ -1,7 +1,7 @@
-"""``python -m tb.report.page.datasheets``: the recorded cells into the documentation.
+"""``python -m tb.report.page.datasheets``: writes the recorded cells into the documentation.
 
-Rewrites what stands between the markers of ``docs/synthesis.md`` and of each page in
-``docs/blocks``; the rest of a page is left alone.
+It rewrites the text between the markers of ``docs/synthesis.md`` and of each page in
+``docs/blocks``. The rest of a page stays as it is.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from hdl.synth.timing import read_timing, timing_path
 from tb.report.page.markers import put, write
 
 COMMAND = "python -m tb.report.page.datasheets"
-# The networks of section 5.2.2 and the forms of an engine that no shipped scene has.
+# These are the networks of section 5.2.2, and the forms of an engine without a shipped scene.
 COMPARED = [
     *(f"digit-parallel-{name}" for name in ("lut", "pade", "polynomial")),
     *("digit-fast-clock", "digit-fast-full"),
@@ -32,7 +32,7 @@ COLUMNS = [*KINDS, DEPTH]
 
 
 def recorded() -> Iterator[tuple[Scene, Cells]]:
-    """Every scene with a budget, and its budget."""
+    """Every scene that has a budget, with its budget."""
     names = [*scene_names(), *(f"comparison/{n}" for n in COMPARED)]
     for name in names:
         scene = load_scene(name)
@@ -40,7 +40,7 @@ def recorded() -> Iterator[tuple[Scene, Cells]]:
 
 
 def block_tables() -> dict[str, str]:
-    """By block the lines for its datasheet: in each family the entity with the most LUTs."""
+    """The lines for each datasheet, with the entity of the most LUTs in each family."""
     largest: dict[str, dict[str, tuple[int, str, str, dict[str, int]]]] = {}
     for scene, cells in recorded():
         for part in walk(scene.twin()):
@@ -69,7 +69,7 @@ def _block_table(best: dict[str, tuple[int, str, str, dict[str, int]]]) -> str:
 
 
 def scene_table() -> str:
-    """A line a scene: cells, shares of the thesis' device beside the printed ones, clock."""
+    """A table with a line for each scene: cells, shares of the thesis' device, and clock."""
     lines = [
         "| scene | LUT | in one piece | flip-flop | multiplier | block RAM | depth "
         "| % LUTs (thesis) | % multipliers (thesis) | clocks | ECP5 MHz | us | frames a second |",
@@ -101,7 +101,7 @@ def scene_table() -> str:
 
 
 def pages() -> dict[Path, str]:
-    """Every page that holds recorded cells, as it must be."""
+    """The text of every page that shows recorded cells."""
     sheets = {ROOT / "docs" / "blocks" / f"{b}.md": text for b, text in block_tables().items()}
     sheets[ROOT / "docs" / "synthesis.md"] = scene_table()
     return {

@@ -1,4 +1,4 @@
-"""``python -m tb.report.page.keys``: the keys of a scene, for its page and for an editor."""
+"""``python -m tb.report.page.keys``: writes the keys of a scene for its page and for an editor."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ PAGE = ROOT / "docs" / "scenes.md"
 
 
 def pages() -> dict[Path, str]:
-    """Every file that this command writes, as it must be."""
+    """The text of every file that this command writes."""
     text = PAGE.read_text(encoding="utf-8")
     for section, key in SCENE.keys.items():
         assert isinstance(key.kind, Table), section

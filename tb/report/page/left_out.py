@@ -1,4 +1,4 @@
-"""What stands in docs/left-out.md: what scenes leave out, and which sensors they do not need."""
+"""The content of docs/left-out.md: what scenes leave out, and which sensors they do not need."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def headline(scenes: Table, dropped: Table) -> str:
 
 
 def scene_rows(scenes: Table) -> str:
-    """Whole, as it is and saved, for every shipped scene."""
+    """A row for every shipped scene: complete, as it is, and what it saves."""
     heads = ["scene", "design", "blocks"]
     for name in CELLS.values():
         heads += [f"{name} whole", "as it is", "saved"]
@@ -45,7 +45,7 @@ def scene_rows(scenes: Table) -> str:
 
 
 def sensor_rows(dropped: Table, way: str) -> str:
-    """Errors of each output without some of the sensors."""
+    """The errors of each output without some of the sensors."""
     outputs = list(dict.fromkeys(str(row["output"]) for row in rows_of(dropped)))
     lines = [
         _row(["left out", "sensors that are left", *(f"{name}, %" for name in outputs)]),
@@ -60,7 +60,7 @@ def sensor_rows(dropped: Table, way: str) -> str:
 
 
 def sensors_plot(dropped: Table) -> Plot:
-    """Error of each output against the number of sensors that are left."""
+    """The error of each output against the number of remaining sensors."""
     rows = _all_in_order(dropped)
     groups: dict[str, list[tuple[float, float]]] = {}
     for row in rows:
@@ -81,7 +81,7 @@ def sensors_plot(dropped: Table) -> Plot:
 
 
 def nodes_rows(nodes: Table) -> str:
-    """Errors of two, three and four sensors, over all hidden nodes, beside the thesis'."""
+    """The errors with two, three and four sensors, beside those of the thesis."""
     heads = ["sensors", "thesis: best hidden nodes", "its least error", "ours with as many"]
     heads += ["ours, 4 to 25 hidden nodes", "ours on test rows, 4 to 25"]
     lines = [_row(heads), f"|{'---|' * len(heads)}"]
@@ -99,7 +99,7 @@ def nodes_rows(nodes: Table) -> str:
 
 
 def nodes_plot(nodes: Table) -> Plot:
-    """Error on test rows against hidden nodes for two, three and four sensors."""
+    """The error on test rows against hidden nodes, for two, three and four sensors."""
     groups = {
         f"{sensors} sensors": [
             (number(row, "hidden"), number(row, "test mean"))
@@ -127,8 +127,11 @@ def _all_in_order(dropped: Table) -> list[Row]:
 
 
 def fewest(dropped: Table) -> tuple[str, ...]:
-    """The fewest sensors with which the worst output, in a split at least, errs no more than the
-    mean of those with the least error."""
+    """The fewest sensors that suffice.
+
+    They suffice if the worst output has, in at least one split, no larger error than the mean with
+    the best set of sensors.
+    """
     steps = [row for row in _all_in_order(dropped) if row["output"] == WORST]
     best = min(number(row, "mean %") for row in steps)
     enough = [row for row in steps if number(row, "least %") <= best]

@@ -1,8 +1,8 @@
-"""``python -m tb.report.page.lists``: what pages list and the project knows.
+"""``python -m tb.report.page.lists``: writes lists and tables that follow from the project.
 
-Rewrites what stands between the markers of README.md and of pages in ``docs``, and the pictures of
-the networks of scene digit, of what designs cost and of an engine's tanh; the rest of a page
-is left alone.
+It rewrites the text between the markers of README.md and of pages in ``docs``, and the pictures of
+the networks of scene digit, of the cost of designs and of an engine's tanh. The rest of a page
+stays as it is.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ from tb.report.measure.clocks import clocks
 from tb.report.measure.costs import with_network_cells
 from tb.report.measure.digits import digits
 from tb.report.measure.left_out import left_out
-from tb.report.measure.recorded import SEED, read
 from tb.report.measure.sensors_dropped import EACH, IN_ORDER
 from tb.report.measure.table import Cell, Table
+from tb.report.measure.table_records import SEED, read
 from tb.report.measure.tanh_words import tanh_words
 from tb.report.page import left_out as leaving
 from tb.report.page import outside, run_time, stability
@@ -47,7 +47,7 @@ from tb.report.side_by_side import side_by_side
 COMMAND = "python -m tb.report.page.lists"
 # The networks that the pages show.
 SHOWN = "digit"
-# What was wished for, the page that shows it and the picture of that page.
+# Each wish for the project, the page that shows the result, and the picture of this page.
 WISHES = (
     (
         "report error against run time",
@@ -61,7 +61,7 @@ DISTURBED = ("digit", "digit-single", "digit-thesis", "swing-multiple")
 
 
 def scenes() -> str:
-    """Every shipped scene: the comment at the head of its file, and what it is made of."""
+    """Every shipped scene, with the comment at the head of its file and its parts."""
     lines = [
         "| shipped scene | what it is | design | activation | precision |",
         "|---|---|---|---|---|",
@@ -76,17 +76,17 @@ def scenes() -> str:
 
 
 def commands() -> str:
-    """Every command of make, with all that it may be given."""
+    """Every command of make, with all of its variables."""
     lines = ["| command | what it does |", "|---|---|"]
     for command in COMMANDS:
-        # What stands between < and > would be read as HTML.
+        # A text between < and > would be read as HTML.
         purpose = re.sub(r"\S*<\w+>[\w/]*", r"`\g<0>`", command.purpose)
         lines.append(f"| `{command.usage.replace('|', ' or ')}` | {purpose} |")
     return "\n".join([*lines, "", CLOSING.replace("DRY=1", "`DRY=1`")])
 
 
 def segments() -> str:
-    """Table 4.1 of the thesis."""
+    """The segments of Table 4.1 of the thesis."""
     lines = ["| n | up to q_n | g_n | i_n |", "|---|---|---|---|"]
     rows = zip(UPPER, GRADIENT, INTERCEPT, strict=True)
     lines += [f"| {n} | {' | '.join(map(str, row))} |" for n, row in enumerate(rows, 1)]
@@ -94,7 +94,7 @@ def segments() -> str:
 
 
 def pipeline() -> str:
-    """Every clock that an engine's pipeline counts, and what is there."""
+    """Every clock of an engine's pipeline, and what happens in it."""
     lines = ["| name | clocks | with registers | what is there |", "|---|---|---|---|"]
     forms = [Pipeline(), Pipeline(memory_registers=1)]
     for name, value in vars(Pipeline).items():
@@ -105,15 +105,15 @@ def pipeline() -> str:
 
 
 def demo() -> str:
-    """The table with which the demo ends, but for what was compared."""
+    """The table at the end of the demo, without the line on what was compared."""
     lines = side_by_side([load_scene(name) for name in DEFAULT_SCENES])
     return "\n".join(f"    {line}".rstrip() for line in lines)
 
 
 def unseen() -> str:
-    """What *held out* does not say: a load that was never trained, and what networks trained on.
+    """What *held out* does not say, about loads that were never trained and networks trained on.
 
-    Figures that were measured elsewhere are those of the pages that show them.
+    Figures that other pages show are taken from these pages.
     """
     scene = load_scene(SHOWN)
     held_out = dict(zip(scene.outputs, held_out_means(scene) or [], strict=True))
@@ -138,7 +138,7 @@ def unseen() -> str:
 
 
 def cost() -> str:
-    """What the networks of scene digit take, and the clock that it reaches."""
+    """The cells of the networks of scene digit, and the clock that it reaches."""
     scene = load_scene(SHOWN)
     design = scene.twin()
     cells = read_budget(budget_path(scene.path))
@@ -156,7 +156,7 @@ def cost() -> str:
 
 
 def disturbed() -> str:
-    """What noise and drift do to the errors of some scenes."""
+    """The errors of some scenes with noise and drift."""
     disturbances = {
         "as recorded": Disturbance(),
         "noise 1 mV": Disturbance(noise=0.001),
@@ -178,9 +178,10 @@ def disturbed() -> str:
 
 
 def robustness(page: str) -> str:
-    """The plot of the table that stands in the page, at the middle of its ranges.
+    """The plot of the table of the page, at the middle of its ranges.
 
-    It is not measured anew: on another machine trainings end elsewhere within the ranges.
+    The table is not measured again, because trainings end elsewhere in the ranges on another
+    machine.
     """
     lines = page.partition("\n## robustness\n")[2].partition("\n## ")[0].splitlines()
     cells = [[c.strip() for c in line.strip("| ").split("|")] for line in lines if "|" in line]
@@ -192,12 +193,12 @@ def robustness(page: str) -> str:
 
 
 def digits_rows() -> str:
-    """The recorded table of weights of few digits."""
+    """The recorded table on weights of few digits."""
     return _table(digits(SEED))
 
 
 def adder_chain_rows() -> str:
-    """The recorded table of adders one behind the other."""
+    """The recorded table on chains of adders."""
     return _table(adder_chains(SEED))
 
 
@@ -209,7 +210,7 @@ def _table(table: Table) -> str:
 
 
 def _row(page: str, heading: str, *start: str) -> list[str]:
-    """The further cells of the line of a page's table that begins with these."""
+    """The other cells of the row in a page's table that begins with ``start``."""
     text = (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8")
     below = text.partition(f"\n## {heading}\n")[2].partition("\n## ")[0]
     rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in below.splitlines()]
@@ -239,7 +240,7 @@ def wishes(found: dict[Path, str]) -> str:
 
 
 def pages() -> dict[Path, str]:
-    """Every file that this command writes, as it must be."""
+    """The text of every file that this command writes."""
     docs = ROOT / "docs"
     cases, dropped, nodes = (read(n) for n in ("stability", "sensors_dropped", "hidden_nodes"))
     scenes_left_out = left_out(SEED)

@@ -1,4 +1,4 @@
-"""What a command writes into a page stands between two markers; the rest of the page is written."""
+"""Replaces generated text between two markers of a page. The rest of a page is written by hand."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ END = "<!-- to here -->"
 
 
 def begin(command: str, section: str = "") -> str:
-    """The first marker: the command that writes what follows, and which of its sections it is."""
+    """The first marker, which names the command that writes the text, and the section."""
     return f"<!-- {section and section + ', '}from here: {command} -->"
 
 
@@ -23,7 +23,7 @@ def put(page: Path, old: str, text: str, command: str, section: str = "") -> str
     Parameters
     ----------
     page : Path
-        Named in the message.
+        The page, which the message names.
     old, text : str
     command, section : str
         See ``begin``.
@@ -31,7 +31,7 @@ def put(page: Path, old: str, text: str, command: str, section: str = "") -> str
     Raises
     ------
     InputError
-        When the page has not the first marker once, and the last one behind it.
+        When the page does not have the first marker once, followed by the last one.
     """
     first = begin(command, section)
     head, _, rest = old.partition(first)
@@ -41,7 +41,7 @@ def put(page: Path, old: str, text: str, command: str, section: str = "") -> str
 
 
 def write(pages: Mapping[Path, str]) -> None:
-    """Write the pages that differ or are not there, and say which."""
+    """Write the pages that differ or do not exist, and say which."""
     for page, text in pages.items():
         if not page.exists() or page.read_text(encoding="utf-8") != text:
             with replace_file(page) as temporary:

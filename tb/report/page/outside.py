@@ -1,4 +1,4 @@
-"""What stands in docs/limits.md of readings that no network was trained on."""
+"""The text of docs/limits.md on readings that are unlike those of the training."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from tb.report.measure.table import Table
 
 
 def rows(found: Table) -> str:
-    """The recorded table, in tenths of a percent."""
+    """The rows of the recorded table, rounded to tenths of a percent."""
     lines = [f"| {' | '.join(found.columns)} |", f"|{'---|' * len(found.columns)}"]
     for rig, frames, *figures in found.rows:
         cells = ["" if figure is None else f"{figure:.1f}" for figure in figures]

@@ -1,4 +1,4 @@
-"""The report as one HTML file that needs nothing beside it."""
+"""The report as one HTML file that needs no other files."""
 
 from __future__ import annotations
 
@@ -10,27 +10,27 @@ from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined, se
 
 from tb.report.measure.table import Cell, Table, shown
 
-# What the page leaves free at the left and at the right of a picture, in CSS pixels.
+# The margins of the page at the left and right of a picture, in CSS pixels.
 MARGINS = 32
-# The page is no wider than 72 rem, however wide the window is.
+# The page is at most 72 rem wide, even in a wider window.
 WIDEST, ANY = 72 * 16, 1e5
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A drawing with the sentence under it.
+    """A drawing with a sentence below it.
 
     Parameters
     ----------
     name : str
-        File name without suffix.
+        The file name without its suffix.
     title : str
     svg : str
         An ``<svg>`` element.
     sentence : str
-        What it shows, or what its figures support.
+        Says what the drawing shows, or what its figures support.
     wide : bool
-        Takes the whole width of a desktop; on a phone it scrolls sideways.
+        Whether the drawing takes the whole width of a desktop. On a phone it scrolls sideways.
     """
 
     name: str
@@ -41,7 +41,7 @@ class Picture:
 
     @property
     def scrolls_below(self) -> float:
-        """Width of a window, in CSS pixels, below which the picture has to be scrolled; 0: none."""
+        """The width of a window, in CSS pixels, below which the picture scrolls; 0 for never."""
         found = re.search(r"min-width:([\d.]+)px", self.svg) if self.wide else None
         if found is None:
             return 0.0
@@ -56,15 +56,15 @@ class Section:
     Parameters
     ----------
     name : str
-        The anchor.
+        The name of the anchor.
     title : str
     text, points : sequence of str
-        Paragraphs, and below them a list.
+        The paragraphs, and the list below them.
     pictures : sequence of Picture
     tables : sequence of Table
-        Shown in full.
+        The tables that are shown in full.
     folded : sequence of Table
-        Shown when the reader opens them, and in print.
+        The tables that are shown when the reader opens them, and in print.
     """
 
     name: str
@@ -84,12 +84,12 @@ class Page:
     ----------
     title : str
     built : sequence of str
-        What was built, a line each.
+        The lines that say what was built.
     errors, costs : Table
-        The first screen's tables.
+        The tables of the first screen.
     sections : sequence of Section
     made : sequence of str
-        With what it was made, a line each.
+        The lines that say with which tools the report was made.
     """
 
     title: str
@@ -105,7 +105,7 @@ class Page:
 
 
 def environment(package: str) -> Environment:
-    """What renders the templates of a package, which may include those of this one."""
+    """An environment for the templates of a package, which may include those of this package."""
     found = Environment(
         loader=ChoiceLoader([PackageLoader(name, ".") for name in (package, "tb.report.page")]),
         autoescape=select_autoescape(["jinja"]),
@@ -119,5 +119,5 @@ def environment(package: str) -> Environment:
 
 
 def _cell(cell: Cell) -> str:
-    """As in print, with whole numbers in groups of three digits."""
+    """A cell as it is printed, with whole numbers in groups of three digits."""
     return f"{cell:,}" if isinstance(cell, int) else shown(cell)

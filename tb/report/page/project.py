@@ -1,4 +1,4 @@
-"""What the project's own approximations err and cost: the sections that FULL=1 adds to a report."""
+"""The errors and costs of the project's own approximations, which FULL=1 adds to a report."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from tb.report.draw.past import past_plots
 from tb.report.draw.plots import Plot
 from tb.report.measure.activation_errors import thesis_figure
 from tb.report.measure.costs import with_activation_cells, with_network_cells
-from tb.report.measure.engines import engines
 from tb.report.measure.gauges import RIG, sensors, sentence
+from tb.report.measure.simulators import compare_simulators
 from tb.report.measure.steps import measured
 from tb.report.measure.store import Progress, once, packed, unpacked
 from tb.report.measure.table import Table
@@ -24,21 +24,23 @@ Draw = Callable[[str, Sequence[Plot]], list[Picture]]
 
 
 def sections(scene: Scene, state: str, draw: Draw, tell: Progress) -> list[Section]:
-    """The sections.
+    """The sections that FULL=1 adds.
 
     Parameters
     ----------
     scene : Scene
-        Whose frames every engine computes.
+        The scene whose frames every simulator computes.
     state : str
-        A digest of all that its measurement depends on.
+        A digest of all that the measurement of the scene depends on.
     draw : callable
-        Pictures of plots, by a name to keep them under.
+        Draws plots, and keeps the pictures under a name.
     tell : callable
         See ``tb.report.measure.store``.
     """
     tables = measured(tell)
-    speed = unpacked(once(f"engines-{scene.name}", state, tell, lambda: packed(engines(scene))))
+    speed = unpacked(
+        once(f"simulators-{scene.name}", state, tell, lambda: packed(compare_simulators(scene)))
+    )
     activations = with_activation_cells(tables["activations"])
     networks = with_network_cells(tables["clocks"])
     tables |= {activations.name: activations, networks.name: networks}
@@ -58,7 +60,7 @@ def sections(scene: Scene, state: str, draw: Draw, tell: Progress) -> list[Secti
         findings.recalibration_plot(tables["recalibration"]),
         findings.plate_plot(tables),
         findings.series_plot(tables),
-        findings.engines_plot(speed),
+        findings.simulators_plot(speed),
     ]
     *costly, fast = draw("plots", plots)
     places, drawn = sensors(load_rig(RIG))
@@ -80,7 +82,7 @@ def sections(scene: Scene, state: str, draw: Draw, tell: Progress) -> list[Secti
     return [
         Section("error-against-cost", "Error against cost", pictures=costly),
         _stability(tables["stability"]),
-        Section("engines", "Simulation speed", pictures=[fast], tables=[speed]),
+        Section("simulators", "Simulation speed", pictures=[fast], tables=[speed]),
         Section(
             "figures",
             "Every table",

@@ -1,6 +1,6 @@
-"""docs/error-against-run-time.md: its pictures, its tables, and the reason for every default.
+"""The pictures, the tables and the reasons of defaults for docs/error-against-run-time.md.
 
-Errors, clocks and cells are computed; run times are those that are recorded, of one machine.
+Errors, clocks and cells are computed. Run times are the recorded ones of one machine.
 """
 
 from __future__ import annotations
@@ -19,24 +19,24 @@ from golden.scene_errors import held_out_means
 from tb.report.draw import run_time as draw
 from tb.report.draw.findings import Row, number, rows_of
 from tb.report.draw.run_time import CASES, SCAN_CLOCKS, WORST, network_rows, rounded
-from tb.report.measure import recorded
+from tb.report.measure import table_records
 from tb.report.measure.activations import activations
 from tb.report.measure.costs import with_activation_cells, with_network_times
-from tb.report.measure.engines import SCENE
 from tb.report.measure.physics import DAMPING_TOLERANCE
-from tb.report.measure.recorded import SEED
+from tb.report.measure.simulators import SCENE
 from tb.report.measure.table import Table
+from tb.report.measure.table_records import SEED
 from tb.report.page.markers import put
 
 NAME = "error-against-run-time"
 PAGE, FOLDER = ROOT / "docs" / f"{NAME}.md", ROOT / "docs" / NAME
-# The networks of the default scene folded as the thesis folds, in its arithmetic; and on an engine
-# in the other arrangements.
+# The networks of the default scene, folded and in the arithmetic of the thesis; and those on an
+# engine in the other arrangements.
 FOLDED, REBUILT = "digit-hybrid", "digit-thesis"
 SINGLE, MULTIPLE = "digit-single-engine", "digit-multiple"
-# What an answer of the swing is asked to be off by, and one of the plate.
+# The error that is demanded of the swing, and that of the plate.
 SWING_ERROR, PLATE_ERROR = 1e-9, 1e-6
-# Seconds at which the optimisers are compared.
+# After how many seconds the optimisers are compared.
 EARLY, LATE = 0.01, 1.0
 SHOWS = {
     "float": "the error of the trained network before anything is rounded",
@@ -57,9 +57,9 @@ def pages(networks: Table, command: str) -> dict[Path, str]:
     networks : Table
         See ``tb.report.measure.costs.with_network_cells``.
     command : str
-        What writes them: it stands in the markers.
+        The command that writes them, which the markers name.
     """
-    tables = {name: recorded.read(name) for name in recorded.FOR_PAGES}
+    tables = {name: table_records.read(name) for name in table_records.FOR_PAGES}
     tables["clocks"] = with_network_times(networks)
     tables["activations"] = with_activation_cells(activations(SEED))
     text = PAGE.read_text(encoding="utf-8")
@@ -73,7 +73,7 @@ Tables = dict[str, Table]
 
 
 def headline(tables: Tables) -> Iterator[str]:
-    """The default beside the best that the thesis prints."""
+    """The default network beside the best one that the thesis prints."""
     scene = load_scene(SCENE)
     default, rebuilt = _network(tables, SCENE), _network(tables, REBUILT)
     held = held_out_means(scene) or []
@@ -99,7 +99,7 @@ def headline(tables: Tables) -> Iterator[str]:
 
 
 def defaults(tables: Tables) -> Iterator[str]:
-    """Every default, and the reason that the plot gives."""
+    """Every default, with the reason that its plot gives."""
     default, folded = _network(tables, SCENE), _network(tables, FOLDED)
     rebuilt, single = _network(tables, REBUILT), _network(tables, SINGLE)
     multiple = _network(tables, MULTIPLE)
@@ -183,7 +183,7 @@ def defaults(tables: Tables) -> Iterator[str]:
 
 
 def networks(tables: Tables) -> Iterator[str]:
-    """The picture, its sentence and the table."""
+    """The picture of the networks, its sentence and its table."""
     clock = float(thesis_table("board")["clock_mhz"])
     rows = network_rows(tables["clocks"])
     default, folded = _network(tables, SCENE), _network(tables, FOLDED)
@@ -227,7 +227,7 @@ def networks(tables: Tables) -> Iterator[str]:
 
 
 def schemes(tables: Tables) -> Iterator[str]:
-    """The pictures of activations, and their sentences."""
+    """The pictures of the activations, and their sentences."""
     rows = draw.activation_rows(tables["activations"])
     by_error = sorted(rows, key=lambda row: number(row, "largest units"))
     best = by_error[0]
@@ -366,7 +366,7 @@ def simulators(tables: Tables) -> Iterator[str]:
     rows = sorted(rows_of(tables["simulators"]), key=lambda row: -number(row, RATE))
     errors = {rounded(number(row, "mean error %, worst output"), 3) for row in rows}
     twin = _rate(tables, "bit-true, numpy")
-    yield _picture("simulators", "Frames a second of the default network in every engine")
+    yield _picture("simulators", "Frames a second of the default network in every simulator")
     yield ""
     same = " and ".join(sorted(errors))
     yield (
@@ -378,14 +378,14 @@ def simulators(tables: Tables) -> Iterator[str]:
     yield "| what computes | frames per second | times as long as the twin | what it shows |"
     yield "|---|---|---|---|"
     for row in rows:
-        name, rate = str(row["engine"]), number(row, RATE)
+        name, rate = str(row["simulator"]), number(row, RATE)
         shows = next(text for start, text in SHOWS.items() if name.startswith(start))
         yield f"| {name} | {rounded(rate)} | {rounded(twin / rate)} | {shows} |"
 
 
 def machine(_: Tables) -> Iterator[str]:
-    """Where the run times are from."""
-    yield f"Run times are those of one machine, {recorded.machine()}."
+    """A sentence that names the machine of the run times."""
+    yield f"Run times are those of one machine, {table_records.machine()}."
 
 
 CLOCKS, RATE = "clocks a frame", "frames a second"
@@ -401,7 +401,7 @@ SECTIONS: dict[str, Callable[[Tables], Iterator[str]]] = {
     "profile": profile,
     "simulators": simulators,
 }
-# By the picture's name the table that it is drawn from, and what draws it.
+# For each picture, the table from which it is drawn, and the function that draws it.
 DRAWN: dict[str, tuple[str, Callable[[Table], str]]] = {
     "networks": ("clocks", draw.networks),
     "activations": ("activations", draw.activations),
@@ -464,7 +464,7 @@ def _pade(tables: Tables) -> list[Row]:
 
 
 def settled_after(tables: Tables) -> dict[float, float]:
-    """By rho after how many iterations the largest error is the least that any reaches."""
+    """For each rho, after how many iterations the largest error is as small as it can get."""
     rows = _pade(tables)
     floor = min(number(row, "largest units") for row in rows)
     found: dict[float, float] = {}
@@ -479,7 +479,7 @@ def _descents(tables: Tables) -> list[Row]:
 
 
 def best_error(tables: Tables, method: str, seconds: float) -> float:
-    """The least validation error that a start has come to by then."""
+    """The least validation error of all starts after so many seconds."""
     return min(
         number(row, "validation %")
         for row in _descents(tables)
@@ -488,7 +488,7 @@ def best_error(tables: Tables, method: str, seconds: float) -> float:
 
 
 def _reached(tables: Tables, case: str, method: str) -> Row:
-    """The run with the least time that comes to the error; empty where none does."""
+    """The fastest run that reaches the demanded error, or an empty row."""
     rows = [
         row
         for row in rows_of(tables["swing"], case=case, method=method)
@@ -511,9 +511,9 @@ def plate_row(tables: Tables, terms: int) -> Row:
     return found
 
 
-def _rate(tables: Tables, engine: str) -> float:
-    found = [row for row in rows_of(tables["simulators"]) if str(row["engine"]).startswith(engine)]
-    return number(found[0], RATE)
+def _rate(tables: Tables, name: str) -> float:
+    rows = rows_of(tables["simulators"])
+    return number(next(row for row in rows if str(row["simulator"]).startswith(name)), RATE)
 
 
 def _small(value: float) -> str:

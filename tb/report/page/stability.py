@@ -1,4 +1,4 @@
-"""What stands in docs/stability.md: stiff and extreme cases, margins, what would break them."""
+"""The content of docs/stability.md: stiff and extreme cases, margins, what would break them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from tb.report.measure.stability.margins import Case, cases, closest
 from tb.report.measure.table import Table
 
 CLOSEST = 5
-# By what must happen: which change would make a figure exceed its bound.
+# For each thing that must happen: a change that would make a figure exceed its bound.
 BREAKS = {
     "refuse them": "a missing check of the arguments",
     "refuse it": "a missing check of the arguments",
@@ -53,7 +53,7 @@ BREAKS = {
 
 
 def headline(table: Table) -> str:
-    """How many cases hold, and how many of these have no margin because they need none."""
+    """A headline on how many cases hold, and how many of them need no margin."""
     found = cases(table)
     holding = sum(case.holds for case in found)
     exact = sum(case.part is None for case in found)
@@ -72,7 +72,7 @@ def headline(table: Table) -> str:
 
 
 def nearest(table: Table) -> str:
-    """The cases that are closest to their bound, one of each model and figure."""
+    """The cases closest to their bound, one for each model and figure."""
     lines = [
         "| model | case | figure | measured | bound | margin | what would break it |",
         "|---|---|---|---|---|---|---|",
@@ -111,7 +111,7 @@ def _figures(case: Case) -> tuple[str, str, str, str]:
 
 
 def margin(case: Case) -> str:
-    """How many times the figure goes into its bound."""
+    """How many times as large as the figure its bound is."""
     if case.part is None:
         return "must be 0"
     if case.reached:
@@ -122,5 +122,5 @@ def margin(case: Case) -> str:
 
 
 def _row(*cells: str) -> str:
-    # A bar within a cell would end it.
+    # A vertical bar would end the cell.
     return f"| {' | '.join(cell.replace('|', '&#124;') for cell in cells)} |"

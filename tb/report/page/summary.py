@@ -1,4 +1,4 @@
-"""The report's first screen: what was built, how far off, what it costs, what was left out."""
+"""The first screen of the report: what was built, its errors, its costs, what was left out."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from tb.report.measure.table import Cell, Table
 
 
 def built(scene: Scene, design: Network) -> list[str]:
-    """What the scene is, in sentences."""
+    """Sentences that say what the scene is."""
     entities = list(walk(design))
     blocks = {part.block for part in entities}
     vectors, unused = scene.vectors(), unused_text(scene)
@@ -35,7 +35,7 @@ def built(scene: Scene, design: Network) -> list[str]:
 
 
 def errors(found: Outcome, moved: Table | None) -> Table:
-    """Errors of every output, as recorded and with noise, and those of the reference."""
+    """The errors of every output, as recorded and with noise, and those of the reference."""
     scene = found.scene
     if moved is not None:
         return _motion_errors(scene, moved)
@@ -50,10 +50,10 @@ def errors(found: Outcome, moved: Table | None) -> Table:
         noisy = [float(errors[:, c].mean()) for errors in found.noisy.values()]
         rows.append([name, error.mean, error.largest_mean, error.worst, held, *noisy])
     note = (
-        "Bit-true, which is what the hardware computes, on the recorded rows"
-        + (f"; largest: the largest mean at one {scene.group_by}. " if scene.group_by else ". ")
-        + f"Held out: the mean; rows: {held_out_text(scene)}. Noise: the mean "
-        "with so much on every reading, in its unit."
+        "Bit-true errors, which are those of the hardware, on the recorded rows. "
+        + (f"Largest is the largest mean at one {scene.group_by}. " if scene.group_by else "")
+        + f"Held out is the mean on held-out rows; rows: {held_out_text(scene)}. Noise is the mean "
+        "with noise of this size on every reading, in its unit."
     )
     if not scene.group_by:
         columns, rows = _without(2, columns), [_without(2, row) for row in rows]
@@ -85,9 +85,9 @@ def _motion_errors(scene: Scene, motions: Table) -> Table:
 
 
 def cost_table(scene: Scene, design: Network, found: Costs | None, compared: bool) -> Table:
-    """Clocks and, where ``make synth`` recorded them, clock and cells.
+    """The clocks and, if ``make synth`` recorded them, the frequency and the cells.
 
-    ``compared`` has the reference's beside them, and shares of its device.
+    With ``compared``, the figures of the reference stand beside them, and the shares of its device.
     """
     clocks = clocks_per_frame(design)
     rows: list[list[Cell]] = [
@@ -122,13 +122,13 @@ def cost_table(scene: Scene, design: Network, found: Costs | None, compared: boo
 
 
 def _share(found: Costs, what: str, key: str) -> list[list[Cell]]:
-    """A share of the reference's device."""
+    """The share of the reference's device."""
     figure = found.share.get("thesis", {}).get(key)
     return [[f"Virtex-II {what}, % of XC2V3000", found.share[key], figure]]
 
 
 def left_out(scene: Scene, design: Network) -> list[str]:
-    """What the project has and this scene does not build."""
+    """Sentences on what the project has and this scene does not build."""
     lines = of_network(design)
     if scene.front_end is None:
         lines.append("the scan sequencer: the scene has no front_end")

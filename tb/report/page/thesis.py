@@ -1,7 +1,7 @@
-"""``python -m tb.report.page.thesis``: what the thesis prints, beside what is measured here.
+"""``python -m tb.report.page.thesis``: writes printed figures of the thesis beside measured ones.
 
-Rewrites what stands between its markers in ``docs/thesis.md``, ``docs/physics.md`` and
-``docs/activations.md``, and the pictures in ``docs/thesis``; the rest of a page is left alone.
+It rewrites the text between its markers in ``docs/thesis.md``, ``docs/physics.md`` and
+``docs/activations.md``, and the pictures in ``docs/thesis``. The rest of a page stays as it is.
 """
 
 from __future__ import annotations
@@ -17,18 +17,18 @@ from golden.scene import load_scene, thesis_table
 from hdl.synth.budget import budget_path, read_budget
 from tb.report.draw import along, rigs
 from tb.report.draw.convergence import convergence_plot
-from tb.report.measure import recorded
+from tb.report.measure import table_records
 from tb.report.measure.camera import camera
 from tb.report.measure.low_pass import low_pass
 from tb.report.measure.printed import ALONG, PARALLEL, along_beam, printed, widths
-from tb.report.measure.recorded import SEED
 from tb.report.measure.table import Cell, Table
+from tb.report.measure.table_records import SEED
 from tb.report.page.markers import put, write
 
 COMMAND = "python -m tb.report.page.thesis"
 DOCS = ROOT / "docs"
 PICTURES = DOCS / "thesis"
-# Table of the printed figures, scene of the same form, and scene on an engine.
+# The table of the printed figures, the scene of the same form, and the scene on an engine.
 RESOURCES = {
     "2:6:2, gradient": ("parallel_2_6_2.gradient", "digit-parallel", ""),
     **{
@@ -42,7 +42,7 @@ RESOURCES = {
 
 
 def errors() -> str:
-    """Table ``printed``, and how many figures of ours are below the printed ones."""
+    """The table ``printed``, and how many of our figures are below the printed ones."""
     table = printed(SEED)
     heads = [
         *("network", "output", "printed, float", "bit-true", "real time"),
@@ -58,7 +58,7 @@ def errors() -> str:
     )
 
 
-# What is printed, what of ours stands beside it, and how a sentence says so.
+# The printed column, our column beside it, and the words for both in a sentence.
 COMPARED = [
     (
         "printed, simulation %",
@@ -80,7 +80,7 @@ MEASURED = ("printed, simulation %", "printed, real time %")
 
 
 def _pairs(table: Table, one: str, other: str) -> list[tuple[str, float, float]]:
-    """What a row is about and its figures in both columns, of rows that have both."""
+    """The subject and the figures of both columns, for the rows that have both."""
     a, b = (list(table.columns).index(name) for name in (one, other))
     return [
         (
@@ -101,7 +101,7 @@ def _below(table: Table, theirs: str, ours: str, text: str) -> str:
 
 
 def resources() -> str:
-    """Printed slices, LUTs, multipliers and gates, beside the shares that our scenes take."""
+    """The printed slices, LUTs, multipliers and gates, beside the shares of our scenes."""
     heads = [
         *("network", "printed slices %", "LUTs %", "multipliers %", "gates"),
         *("same form", "slices %, at least", "LUTs %", "multipliers %"),
@@ -116,12 +116,12 @@ def resources() -> str:
 
 
 def _shares(name: str) -> list[Cell]:
-    """Scene, and its percent of slices, LUTs and multipliers of the thesis' device."""
+    """The scene, and the percentage of slices, LUTs and multipliers of the thesis' device."""
     if not name:
         return [None] * 4
     scene, device = load_scene(name), thesis_table("board")
     top = read_budget(budget_path(scene.path))["xc2v"][scene.twin().entity]
-    # A slice has two of each, so it takes half of the larger number of them at the least.
+    # A slice has two LUTs and two flip-flops, so it takes at least half of the larger number.
     slices = -(-max(top["LUT"], top["flip-flop"]) // 2)
     shares = [
         slices / device["slices"],
@@ -132,7 +132,7 @@ def _shares(name: str) -> list[Cell]:
 
 
 def cells() -> str:
-    """Printed gates of each activation of the thesis, and the cells of ours as recorded."""
+    """The printed gates of each activation of the thesis, and our recorded cells."""
     kinds = ("LUT", "flip-flop", "multiplier", "block RAM")
     rows: list[list[Cell]] = []
     for pair in PARALLEL:
@@ -146,7 +146,7 @@ def cells() -> str:
 
 
 def lengths() -> str:
-    """Table ``camera``, and which printed figures lie below the cameras' error."""
+    """The table ``camera``, and which printed figures lie below the error of the cameras."""
     table = camera(SEED)
     heads = [name.replace("swing-", "") for name in table.columns]
     named = [name for name in table.columns if name.startswith("printed")]
@@ -164,7 +164,7 @@ def lengths() -> str:
 
 
 def settling() -> str:
-    """Table ``low_pass``, and its note."""
+    """The table ``low_pass`` and its note."""
     table = low_pass(SEED)
     return f"{_table(table.columns, table.rows, 1)}\n\n{table.note}"
 
@@ -185,9 +185,9 @@ def _shown(cell: Cell, digits: int) -> str:
 
 
 def drawn() -> dict[str, tuple[str, str]]:
-    """By name each picture and the sentence under it."""
+    """Each picture, by its name, with the sentence below it."""
     beam, width = along_beam(SEED), along.widths_plot(widths(SEED))
-    training = convergence_plot(recorded.read("convergence"))
+    training = convergence_plot(table_records.read("convergence"))
     sagging, swinging = rigs.deflections(), rigs.forces()
     found = {
         along.name_of(kind): (along.along_beam(beam, kind), along.along_sentence(beam, kind))
@@ -203,7 +203,7 @@ def drawn() -> dict[str, tuple[str, str]]:
 
 
 def pages() -> dict[Path, str]:
-    """Every file that this command writes, as it must be."""
+    """The text of every file that this command writes."""
     pictures = drawn()
     sections: list[tuple[str, str, Callable[[], str]]] = [
         ("thesis", "errors", errors),
@@ -224,7 +224,7 @@ def pages() -> dict[Path, str]:
     return found
 
 
-# Pictures whose sentence stands in docs/physics.md; the others' is in docs/thesis.md.
+# The sentences of these pictures are in docs/physics.md, those of the others in docs/thesis.md.
 ON_PHYSICS = ("deflections", "forces")
 
 

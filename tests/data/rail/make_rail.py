@@ -1,8 +1,8 @@
 """Writes rail.csv: a rail with five sensors, touched at 17 places with 5 forces, in newton and mm.
 
-The networks beside it are what ``make train SCENE=tests/data/rail/rail.toml`` wrote. They err most
-at the ends of the rail under the least force, as networks of few rows do, and stay as they are:
-their errors are part of what ``test_recalibration.py`` is about.
+``make train SCENE=tests/data/rail/rail.toml`` wrote the networks beside it. Their errors are
+largest at the ends of the rail under the least force, as is usual for networks trained on few rows.
+They stay as they are, because ``test_recalibration.py`` depends on these errors.
 """
 
 from pathlib import Path

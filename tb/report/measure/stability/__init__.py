@@ -1,1 +1,1 @@
-"""Stiff and extreme cases: what must happen, and what did; a file for each field."""
+"""Stiff and extreme cases: what must happen and what did happen, with a file for each field."""

@@ -16,7 +16,7 @@ from tb.report.measure.activation_errors import built
 from tb.report.measure.stability.case import Row, largest
 
 FACTORS = (1, 5, 512)
-# Settles up to |q| of 1.447 and 2.371 only.
+# With these, the regression settles only up to |q| of 1.447 and 2.371.
 SMALL_RHOS = (1.0, 2.0)
 ITERATIONS = (2, 3, 41, 200)
 
@@ -26,7 +26,7 @@ def _every_code(fmt: Fix) -> Codes:
 
 
 def most_negative() -> Iterator[Row]:
-    """-1 through ABS, and through every activation."""
+    """The code of -1, through ABS and through every activation."""
     for precision in (THESIS, EXACT):
         fmt = precision.hidden_fmt
         mag, negative = AbsUnit(fmt).process(_every_code(fmt))
@@ -52,7 +52,7 @@ def most_negative() -> Iterator[Row]:
 
 
 def divergence() -> Iterator[Row]:
-    """Pade with a rho so small that its regression diverges below the gate."""
+    """Pade with such a small rho that its regression diverges below the gate."""
     for precision, factor in ((THESIS, 5), (EXACT, 1)):
         fmt = precision.hidden_fmt
         codes = _every_code(fmt)
@@ -78,7 +78,7 @@ def divergence() -> Iterator[Row]:
         value, _ = pade_real(q, rho, most)
         case = f"rho = {rho:g}, {most} iterations, floating point"
         yield Row("pade", case, "stay in -1 to 1", "value", largest(value), 1)
-        # What the rows above stop: by itself the regression leaves every format.
+        # Without the gate, which the rows above test, the regression leaves every format.
         grown = float(abs(rho_regression(0.99 * GATE, rho, most)))
         case = f"rho = {rho:g}, {most} iterations, settles below |q| = {stable_below(rho):.3f} only"
         yield Row("pade", case, "diverge without saturation", "1 / |r|", 1 / grown, 1e-6)

@@ -1,4 +1,4 @@
-"""One case of the table, and how its figure is found."""
+"""One case of the table, and the functions that compute its figure."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from golden.input_error import InputError
 
 @dataclass(frozen=True)
 class Row:
-    """One case that was run: what must happen, a figure, and the bound that it must not exceed."""
+    """A case that was run: what must happen, its figure, and the bound of the figure."""
 
     model: str
     case: str
@@ -25,18 +25,18 @@ class Row:
 
     @property
     def holds(self) -> bool:
-        """Whether the figure keeps its bound; NaN does not."""
+        """Whether the figure keeps its bound. NaN does not."""
         return bool(self.value <= self.bound)
 
 
 def largest(*values: ArrayLike) -> float:
-    """Largest magnitude; infinite where any value is not finite, so that no bound holds."""
+    """The largest magnitude, or infinity if a value is not finite, so that no bound holds."""
     together = np.concatenate([np.asarray(v, dtype=np.float64).ravel() for v in values])
     return float(np.abs(together).max()) if np.isfinite(together).all() else math.inf
 
 
 def accepted(calls: Iterable[Callable[[], object]]) -> int:
-    """How many of some calls with invalid arguments do not raise ``InputError``."""
+    """How many of the calls, which have invalid arguments, do not raise ``InputError``."""
     count = 0
     for call in calls:
         try:

@@ -1,4 +1,4 @@
-"""A scene's networks in integers of any width."""
+"""Computes the networks of a scene in integers of unlimited width."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from golden.networks.oracle import exact
 
 
 def exact_network(design: Network, arrangement: str, frames: Codes) -> Codes:
-    """Output codes, shape (frames, outputs), of frames of sample codes, shape (frames, inputs).
+    """The output codes, shape (frames, outputs), for sample codes, shape (frames, inputs).
 
     Parameters
     ----------
     design : Network
     arrangement : str
-        How the designs in ``design`` stand to each other.
+        The arrangement of the networks in ``design``.
     frames : int64 array
     """
     parts = [block for block in walk(design) if isinstance(block, Design)]

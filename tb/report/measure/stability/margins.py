@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 from tb.report.measure.table import Cell, Table
 
-# A figure so near to its bound is one that must come to it: a saturated code is the largest code.
+# A figure so near to its bound must reach it. For example, a saturated code is the largest code.
 REACHED = 0.999
 
 
 @dataclass(frozen=True)
 class Case:
-    """A row of the table, read.
+    """A row of the table as an object.
 
     Attributes
     ----------
@@ -31,28 +31,28 @@ class Case:
 
     @property
     def part(self) -> float | None:
-        """The figure as a part of its bound; None where nothing but 0 holds."""
+        """The figure as a part of its bound, or None if the bound is 0."""
         return self.value / self.bound if self.bound else None
 
     @property
     def reached(self) -> bool:
-        """Whether the figure is as large as its bound lets it be."""
+        """Whether the figure reaches its bound."""
         return self.part is not None and self.part >= REACHED
 
 
 def cases(table: Table) -> list[Case]:
-    """The rows of table ``stability``; a value that is not finite is infinite."""
+    """The rows of table ``stability``. A value that is not finite counts as infinite."""
     return [_case(list(row)) for row in table.rows]
 
 
 def nearest_first(found: list[Case]) -> list[Case]:
-    """Those that hang on a bound above 0, without those that reach it, the nearest first."""
+    """The cases with a bound above 0 that do not reach it, the nearest to the bound first."""
     hanging = [case for case in found if case.part is not None and not case.reached]
     return sorted(hanging, key=lambda case: -(case.part or 0.0))
 
 
 def closest(found: list[Case], count: int) -> list[Case]:
-    """The nearest, one of each model and figure."""
+    """The cases nearest to their bounds, one for each model and figure."""
     chosen: dict[tuple[str, str], Case] = {}
     for case in nearest_first(found):
         chosen.setdefault((case.model, case.figure), case)

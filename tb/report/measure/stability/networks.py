@@ -34,18 +34,18 @@ BOUNDED = "err by no more than rounding can cause"
 
 
 def _combinations(values: tuple[int, ...], inputs: int) -> Codes:
-    """Every frame of some codes."""
+    """Every frame whose samples are among some codes."""
     return np.array(list(itertools.product(values, repeat=inputs)))
 
 
 def _alternating(inputs: int) -> Codes:
-    """Rail against rail from sensor to sensor, and the other way round."""
-    # Rows of an odd length, so that the second begins with the other rail.
+    """A frame with alternating rails, and its opposite."""
+    # The rows have odd length, so the second row begins with the other rail.
     return np.resize([LOW, HIGH], (2, inputs + inputs % 2 + 1))[:, :inputs]
 
 
 def readings() -> Iterator[Row]:
-    """What no sensor should give."""
+    """Readings that no sensor should give."""
     network = load_scene("digit-single").twin()
     bad = [np.nan, np.inf, -np.inf]
     count = accepted([partial(SIGNAL.quantise, [0.0, value]) for value in bad])
@@ -63,7 +63,7 @@ def readings() -> Iterator[Row]:
     weights = [partial(Mlp, one * value, one[0], one, one[0]) for value in bad]
     count = accepted(weights)
     yield Row("weights", "NaN and infinity", "refuse them", "accepted of 3", count, 0)
-    # Three samples, four, six and four again, for a network of four.
+    # Frames of three, four, six and again four samples, for a network with four inputs.
     last = np.zeros(17, dtype=bool)
     last[[2, 6, 12, 16]] = True
     scan = InputController(4, 0).process(last, np.arange(17))
@@ -79,7 +79,7 @@ def rails() -> Iterator[Row]:
         scene = load_scene(name)
         network = scene.twin()
         if isinstance(network, ConverterInstrument):
-            # The codes of a converter are fewer: what is behind it is given all of them.
+            # A converter gives fewer codes, so all codes are given to the hardware after it.
             network = network.readout
         for case, sent in _sent(scene).items():
             found = network.process(sent)
@@ -90,7 +90,7 @@ def rails() -> Iterator[Row]:
 
 
 def _sent(scene: Scene) -> dict[str, Codes]:
-    """Frames of the sensors by case; where there is a past, one after the other in time."""
+    """The frames of the sensors for each case. With past samples they follow in time."""
     inputs, past = len(scene.sensors), scene.window.past
     if not past:
         return {
@@ -110,10 +110,10 @@ def _sent(scene: Scene) -> dict[str, Codes]:
 
 
 def _worst(scene: Scene, frames: Codes, found: Codes) -> tuple[float, float]:
-    """Error and bound, in units of 2^-13, of the output that comes nearest to its bound.
+    """The error and bound, in units of 2^-13, of the output that is nearest to its bound.
 
-    Each network is compared on the codes that it sees, so that in a cascade the errors of the
-    earlier ones do not count twice.
+    Each network is compared with its own inputs, so that in a cascade the errors of earlier
+    networks do not count twice.
     """
     columns = [found[:, [i]] for i in range(found.shape[1])]
     pairs: list[tuple[float, float]] = []
@@ -126,7 +126,7 @@ def _worst(scene: Scene, frames: Codes, found: Codes) -> tuple[float, float]:
 
 
 def huge_weights() -> Iterator[Row]:
-    """Weights that make Q_j huge, up to where a format can no longer hold them."""
+    """Weights that make Q_j huge, up to the limit of a format."""
     rng = np.random.default_rng(0)
     mlp = Mlp(rng.normal(0, 60, (3, 4)), rng.normal(0, 60, 3), np.full((1, 3), 0.3), np.zeros(1))
     most = int(normalisation(mlp.w1, mlp.b1).max())
@@ -165,7 +165,8 @@ def accumulators() -> Iterator[Row]:
     for precision, fmt in ((THESIS, SIGNAL), (EXACT, wide)):
         shift, hidden = precision.product_shift, precision.hidden_fmt
         blocks: dict[str, list[InputIntegral | Neuron | OutputIntegral]] = {}
-        # A weight and a bias fill 31 bits or the 32nd, where the twin changes its integers.
+        # A weight and a bias fill 31 bits, or also the 32nd, at which the twin takes wider
+        # integers.
         for count, bias, weight in itertools.product(
             (1, 2, 25), (fmt.low, fmt.high), (fmt.low, fmt.high)
         ):
@@ -187,7 +188,7 @@ def accumulators() -> Iterator[Row]:
 
 
 def _filled(block: InputIntegral | Neuron | OutputIntegral) -> tuple[float, int, int]:
-    """Codes off Python's integers, bits of the largest sum, and those that the hardware has."""
+    """Codes that differ from Python's integers, bits of the largest sum, bits of the hardware."""
     if isinstance(block, Neuron):
         weights, bias = block.weights, block.bias
     else:

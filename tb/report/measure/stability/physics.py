@@ -33,12 +33,13 @@ def swings() -> Iterator[Row]:
         heavy = Swing(damping=rate * Swing().arm)
         motion = swing_motion(heavy, start, 5)
         case = f"damped at {rate:g} 1/s"
-        # Overdamped: no kinetic energy to speak of, so the angle creeps down and never rises.
+        # An overdamped swing has hardly any kinetic energy, so its angle falls slowly and never
+        # rises.
         rise = max(0.0, float(np.diff(motion.angle).max()))
         yield Row("swing", case, "creep down, never rise", "largest rise rad", rise, 1e-9)
         forces = largest(*foot_forces(heavy, motion.angle, motion.speed))
         yield Row("swing", case, "press less than twice its weight", "foot force N", forces, 200)
-    # In units of its own natural frequency every undamped pendulum moves alike.
+    # Measured in units of its natural frequency, every undamped pendulum moves alike.
     jacobi = "follow Jacobi's closed form"
     for arm in (1e-3, 1e-2, 1.0, 10.0, 100.0):
         other = Swing(arm=arm, damping=0)
@@ -52,7 +53,7 @@ def swings() -> Iterator[Row]:
     miss = largest(motion.angle - undamped_angle(free, steep, motion.time))
     yield Row("swing", "from 179.9 degrees", jacobi, "error rad", miss, 1e-6)
     forces = largest(*bearing_forces(free, motion.angle, motion.speed))
-    # Energy bounds the pull: D a_g (3 - 2 cos(start)) at the bottom.
+    # The energy gives a bound of the pull: D a_g (3 - 2 cos(start)) at the bottom.
     most = float(free.mass * 9.80665 * (3 - 2 * math.cos(steep))) * (1 + 1e-4)
     must = "pull no more than its energy allows"
     yield Row("swing", "from 179.9 degrees", must, "bearing force N", forces, most)

@@ -1,4 +1,4 @@
-"""A bit-true network against real arithmetic that saturates, and how far apart they can be."""
+"""A bit-true network against real arithmetic that saturates, with a bound of the difference."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from golden.precision import SIGNAL, Precision
 def real_error(
     mlp: Mlp, precision: Precision, network: Design, frames: Codes, found: Codes, sensors: int
 ) -> list[tuple[float, float]]:
-    """Error and bound of each output, in units of 2**-13, the largest over the frames.
+    """The largest error over the frames, and its bound, for each output in units of 2**-13.
 
-    Compared with tanh and the unrounded weights; q saturates to the range of its format, y to that
-    of the signals.
+    The reference uses tanh and the unrounded weights. In it, q saturates to the range of its
+    format, and y to that of the signals.
 
     Parameters
     ----------
     mlp : Mlp
     precision : Precision
     network : Design
-        Bit-true, with every hidden node of ``mlp``.
+        The bit-true network, with every hidden node of ``mlp``.
     frames, found : int64 arrays
-        Samples and results.
+        The samples and the results.
     sensors : int
-        Inputs that are samples; those behind them are outputs of earlier networks.
+        How many inputs are samples. The inputs after them are outputs of earlier networks.
     """
     factors = quantised(mlp.w1, mlp.b1, precision, "layer 1 weights").factors
     hidden = precision.hidden_fmt

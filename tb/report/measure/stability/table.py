@@ -9,7 +9,7 @@ from tb.report.measure.stability import activations, networks, physics, visualis
 from tb.report.measure.stability.case import Row
 from tb.report.measure.table import Cell, Table
 
-# In the order of the table.
+# The fields in the order of the table.
 CASES: tuple[Callable[[], Iterator[Row]], ...] = (
     networks.readings,
     networks.rails,

@@ -17,7 +17,7 @@ from golden.visualisation.load_profile import RECTANGLE, LoadProfile, load_profi
 from tb.report.measure.stability.case import Row, largest
 from tb.report.measure.visualisation import errors_in_units
 
-# The bound of LoadProfile, over every quotient.
+# The bound of the error of LoadProfile over every quotient.
 PROFILE_ERROR = 1.81
 
 
@@ -25,7 +25,7 @@ def narrow_loads() -> Iterator[Row]:
     """Equation 3.18 with widths down to one code and below, P = 6."""
     design = load_profile()
     gain = design.divider.gain / 2**design.divider.gain_frac
-    # Next to every position that is drawn, and far from all.
+    # These lie next to every drawn position, and far from all of them.
     beside = np.add.outer(design.ramp.process(), np.arange(-20, 21)).ravel()
     centres = [*beside[beside >= 0], *range(SIGNAL.low, SIGNAL.high + 1, 61)]
     for width in (SIGNAL.low, 0, 1, 3, 30, 300):
@@ -50,15 +50,16 @@ def narrow_loads() -> Iterator[Row]:
 
 
 def _fold(design: LoadProfile) -> Iterator[Row]:
-    """power_fold and divider over everything that they can meet."""
+    """power_fold and divider over all inputs that they can get."""
     fold = design.power_fold
     t = np.arange(1 << fold.in_width)
     found = fold.process(t, np.asarray(RECTANGLE)) / 2**fold.out_frac
     exact = (t / 2**fold.in_frac) ** RECTANGLE
     top = 2.0 ** (fold.out_width - fold.out_frac)
     error = 2**fold.out_frac * np.abs(found - np.minimum(exact, top))
-    # Half an LSB a step, each multiplied by t in the next, for t up to where t^6 saturates; and
-    # one LSB that the largest code lies below the end of the range.
+    # Each step adds half an LSB, which the next step multiplies by t, for t up to the value at
+    # which t^6 saturates. One more LSB is the distance of the largest code from the end of the
+    # range.
     bound = (top - 1) / (top ** (1 / RECTANGLE) - 1) / 2 + 1
     must = "saturate where t^6 does"
     yield Row("power_fold", "P = 6, every t", must, "error in LSB", float(error.max()), bound)
@@ -77,7 +78,7 @@ def _fold(design: LoadProfile) -> Iterator[Row]:
 
 
 def jumps() -> Iterator[Row]:
-    """Equation 3.17 at both of its jumps and beside them."""
+    """Equation 3.17 at both of its jumps and next to them."""
     places = np.array([0.2, 0.8])
     for beside in (0.0, 1e-15, 1e-12, 1e-6):
         at = np.concatenate([places - beside, places + beside])

@@ -1,12 +1,15 @@
-"""Tables that are recorded: those that train for long, and those that pages show.
+"""The tables that are recorded: those that need long trainings, and those that pages show.
 
     make figures TABLE=honest RECORD=1
 
-measures one and records it. A record names the code and the data that it is of: of others it is
-stale, which a test tells. What trains for long the report and its tests take as recorded.
-``stability`` is quick, and recorded since another processor has other last bits, and its page shows
-every figure: test_stability.py measures it anew. What is recorded for pages holds the run times of
-one machine, which the record names; a test compares the rest of each table with what is measured.
+measures one table and records it. A record of trained networks names a digest of the code and data
+that it came from. If these have changed since, the record is stale, and a test says so. The report
+and its tests show such tables as they were recorded, because they take long to measure.
+
+``stability`` is measured quickly. It is recorded because its page shows every figure, and another
+processor rounds last bits differently; test_stability.py measures the table anew. The tables for
+pages hold the run times of one machine, which the record names. A test compares all their other
+columns with what it measures.
 """
 
 from __future__ import annotations
@@ -26,7 +29,7 @@ from tb.common.code import code_of
 from tb.report.measure import convergence, honest, outside, past, sensors_dropped, stability, store
 from tb.report.measure.table import Table
 
-# By name, where they stand and what they hang on beside what trains.
+# By name of the table: the modules that its figures depend on, besides those of training.
 RECORDED = {
     "honest": (honest,),
     "robustness": (honest,),
@@ -37,7 +40,7 @@ RECORDED = {
     "outside": (outside, honest, smooth_map, trained_on),
     "stability": (stability,),
 }
-# With run times in every report.
+# These are measured for every report, since they hold run times.
 TIMED = ("series", "plate", "swing", "swing_damping", "training")
 FOR_PAGES = (*TIMED, "iterations", "simulators")
 FOLDER = Path(__file__).parent / "records"
@@ -45,10 +48,10 @@ SEED = 1
 
 
 def state(name: str) -> str:
-    """A digest of what a table's figures hang on: what trains, and what is trained on.
+    """A digest of what a table's figures depend on: the code that trains, and the data.
 
-    Comments, docstrings and imports are no part of it. The printed figures that others are
-    compared with train nothing.
+    Comments, docstrings and imports do not enter it. Neither do the figures that the thesis
+    prints, because nothing is trained on them.
     """
     own = [file for module in RECORDED[name] for file in _files(Path(str(module.__file__)))]
     data = sorted(path for path in (ROOT / "golden" / "data").iterdir() if path != NUMBERS)
@@ -57,12 +60,12 @@ def state(name: str) -> str:
 
 
 def read(name: str) -> Table:
-    """What was recorded, whatever has changed since."""
+    """The recorded table, whether or not it is stale."""
     return store.unpacked(_found(name)["table"])
 
 
 def is_stale(name: str) -> bool:
-    """Whether it is of other code or other data."""
+    """Whether the code or the data has changed since the table was recorded."""
     return bool(_found(name)["state"] != state(name))
 
 
@@ -80,7 +83,7 @@ def machine() -> str:
     Raises
     ------
     InputError
-        When they are of several: record all of them on one.
+        When the records name several processors. All of them must be recorded on one.
     """
     found = {_found(name)["machine"]["processor"] for name in FOR_PAGES}
     if len(found) > 1:
@@ -89,7 +92,7 @@ def machine() -> str:
 
 
 def _files(module: Path) -> list[Path]:
-    """A module's file; of a package all of them."""
+    """The file of a module, or all files of a package."""
     return sorted(module.parent.glob("*.py")) if module.name == "__init__.py" else [module]
 
 

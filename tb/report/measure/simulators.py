@@ -1,4 +1,4 @@
-"""Frames a second of every engine on the same frames."""
+"""How many frames a second each simulator computes, all on the same frames."""
 
 from __future__ import annotations
 
@@ -16,29 +16,28 @@ from tb.report.measure.timing import timed
 from tb.sign_off.netlist import NETLISTS_RUN_IN, on_cells
 
 MANY = 1_000_000
-# Of the table that is recorded: the default scene, and the family that its cells are counted for.
+# The recorded table is of the default scene, and of the family that its cells are counted for.
 SCENE, FAMILY = "digit", "virtex-2"
 
 
 def simulators(_: int) -> Table:
-    """Every engine and the netlist on the frames of the default scene."""
-    found = engines(load_scene(SCENE), netlist=True)
-    return dataclasses.replace(found, name="simulators")
+    """Every simulator, and the netlist, on the recorded frames of the default scene."""
+    return compare_simulators(load_scene(SCENE), netlist=True)
 
 
-def engines(scene: Scene, netlist: bool = False) -> Table:
-    """Float, bit-true numpy, MyHDL, Icarus and GHDL on the scene's recorded frames.
+def compare_simulators(scene: Scene, netlist: bool = False) -> Table:
+    """Floating point, bit-true numpy, MyHDL, Icarus and GHDL on a scene's recorded frames.
 
     Parameters
     ----------
     scene : Scene
     netlist : bool
-        Whether the cells of a Virtex-II that it is mapped to are simulated, too.
+        Whether the netlist of Virtex-II cells is simulated, too.
 
     Raises
     ------
     RuntimeError
-        When an engine's results are not those of the twin.
+        When the results of a simulator are not those of the twin.
     """
     vectors = scene.vectors()
     design = scene.twin().core
@@ -78,9 +77,9 @@ def engines(scene: Scene, netlist: bool = False) -> Table:
         if netlist and simulator == NETLISTS_RUN_IN:
             play(f"{FAMILY} netlist, {name}", on_cells(job, FAMILY))
     return Table(
-        "engines",
+        "simulators",
         [
-            "engine",
+            "simulator",
             "frames",
             "seconds",
             "frames a second",
@@ -89,9 +88,9 @@ def engines(scene: Scene, netlist: bool = False) -> Table:
         ],
         rows,
         f"The {len(codes)} recorded frames of scene {scene.name} through {design.entity}, as close "
-        "as it takes them; in numpy all at once, and repeated to a million. Elaboration and "
-        "compilation are left out, cocotb's driving and recording are in. The bench compares what "
-        "GHDL and Icarus give; any difference fails the report.",
+        "as it takes them; in numpy all at once, and repeated to a million. The times do not "
+        "include elaboration and compilation, but they include driving and recording by cocotb. "
+        "The bench compares the results of GHDL and Icarus, and any difference fails the report.",
         timed=["seconds", "frames a second"],
     )
 

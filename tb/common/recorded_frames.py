@@ -1,4 +1,4 @@
-"""What a block sees while the recorded frames of its scene run through the design."""
+"""The inputs that a block gets while the recorded frames of its scene run through the design."""
 
 from __future__ import annotations
 
@@ -13,20 +13,22 @@ from golden.seen import seen
 from tb.common.bench import Bench
 from tb.common.stream import check_stream
 
-# Of what it sees, evenly spaced: a quarter of an hour of frames would be simulated for hours.
+# At most so many inputs, evenly spaced. A quarter of an hour of frames would take hours.
 MOST_SEEN = 4000
 MOST_FRAMES = 20_000
 
 
 def recorded_frames(bench: Bench, most: int = MOST_FRAMES) -> Codes:
-    """The recorded frames that yield outputs, or as many, and the past of the first."""
+    """The recorded frames that yield outputs, at most so many, and the past of the first."""
     vectors, past = bench.scene.vectors(), bench.design.past
     frames = np.concatenate(vectors.recordings) if past else vectors.codes
     return frames[: past + most]
 
 
-def recorded(bench: Bench, part: Block | None = None, most: int = MOST_SEEN) -> tuple[Codes, ...]:
-    """The inputs of the block under test, or of another one, as its twin takes them."""
+def recorded_inputs(
+    bench: Bench, part: Block | None = None, most: int = MOST_SEEN
+) -> tuple[Codes, ...]:
+    """The inputs of the block under test, or of ``part``, as the twin takes them."""
     found = seen(bench.design, part or bench.twin, recorded_frames(bench))
     count = len(found[0])
     kept = np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
@@ -40,17 +42,17 @@ async def check_recorded(
     twin: Callable[..., Any],
     operands: tuple[Codes, ...] | None = None,
 ) -> None:
-    """Play them back to back; every one of them is compared, and the clock of its result.
+    """Play the recorded inputs back to back, and compare every result and its clock.
 
     Parameters
     ----------
     inputs, outputs, twin
         See ``check_stream``.
     operands : tuple of int array, optional
-        In the order of ``inputs``, what stands on the ports where that is not what ``process`` of
-        the twin takes.
+        The values of the ports in the order of ``inputs``, if they are not those that ``process``
+        of the twin takes.
     """
-    operands = recorded(bench) if operands is None else operands
+    operands = recorded_inputs(bench) if operands is None else operands
     items = dict(zip(inputs, operands, strict=True))
     await check_stream(bench, items, inputs, outputs, twin)
     count = len(operands[0])

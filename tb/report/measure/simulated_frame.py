@@ -1,7 +1,7 @@
 """One recorded frame through the exported Verilog of a scene, for the report's timing diagram.
 
-No bench: nothing is compared here. Icarus plays the frame into the top and prints the streams of
-the top and of the networks in it, clock by clock.
+This is not a bench: nothing is compared here. Icarus plays the frame into the top entity and prints
+the streams of the top and of the networks in it, clock by clock.
 """
 
 from __future__ import annotations
@@ -24,23 +24,23 @@ from tb.common.runner import export
 from tb.common.tools import check_simulator
 from tb.report.draw.waveforms import Row
 
-# Clocks before the first element and behind the last output.
+# How many clocks are recorded before the first element and after the last output.
 BEFORE, BEHIND = 1, 2
-# Values of input ports, and for how many clocks they stand there.
+# Values of input ports, and for how many clocks they are held.
 Held = tuple[dict[str, int], int]
 MEMBER = ("in_valid", "in_data", "in_last", "out_valid", "out_data")
 
 
 @dataclass(frozen=True)
 class Watched:
-    """A port that is recorded: where it stands in the simulation, and as the picture names it."""
+    """A recorded port: where it is in the simulation, and how the picture names it."""
 
     path: str
     owner: str
     name: str
 
 
-def record(scene: Scene, frame: int = 0, build: Path = BUILD) -> list[Row]:
+def simulate_frame(scene: Scene, frame: int = 0, build: Path = BUILD) -> list[Row]:
     """The streams of the scene's top, and of the networks of a cascade, during one frame.
 
     Parameters
@@ -48,15 +48,15 @@ def record(scene: Scene, frame: int = 0, build: Path = BUILD) -> list[Row]:
     scene : Scene
         One whose design takes a stream of samples, or all of them at once.
     frame : int
-        Row of the scene's recorded vectors, of the first recording where there are several.
+        Row of the scene's recorded vectors. If there are several recordings, of the first.
     build : Path
-        Where the export is, or goes.
+        The folder of the export, which is made if it is not there.
 
     Raises
     ------
     InputError
-        When Icarus is not there or refuses the design, or the scene cannot be exported.
-        For a frame that the vectors do not have, or a design that is driven in another way.
+        When Icarus is missing or refuses the design, or when the scene cannot be exported.
+        Also for a frame number beyond the vectors, and for a design without such a stream.
     """
     check_simulator("icarus")
     design = scene.twin()
@@ -74,7 +74,7 @@ def record(scene: Scene, frame: int = 0, build: Path = BUILD) -> list[Row]:
     folder = build / scene.name / "verilog"
     watched = list(_watched(scene, design, folder))
     drive = _drive(design, shown)
-    # Neither the image nor the frames of the past are shown.
+    # Loading the image and playing the past frames are not shown.
     hidden = [*_loading(design.image), *(step for each in before for step in _passed(design, each))]
     paths = [port.path for port in watched]
     rows = _simulate(folder, design, hidden, drive, paths)
@@ -83,7 +83,7 @@ def record(scene: Scene, frame: int = 0, build: Path = BUILD) -> list[Row]:
 
 
 def _drive(design: Network, samples: list[int]) -> list[dict[str, int]]:
-    """The input ports in every clock, from the first after the reset."""
+    """The values of the input ports in every clock, from the first clock after the reset."""
     if design.stream == "words":
         busy = [{"in_valid": 1} | {f"in_data_{k}": code for k, code in enumerate(samples)}]
     else:
@@ -99,7 +99,7 @@ def _drive(design: Network, samples: list[int]) -> list[dict[str, int]]:
 
 
 def _loading(image: bytes) -> list[Held]:
-    """The input ports while an image is loaded."""
+    """The values of the input ports while an image is loaded."""
     busy = [
         {"load_valid": 1, "load_data": byte, "load_last": int(n == len(image))}
         for n, byte in enumerate(image, 1)
@@ -108,7 +108,7 @@ def _loading(image: bytes) -> list[Held]:
 
 
 def _passed(design: Network, samples: list[int]) -> list[Held]:
-    """The input ports during a frame of the past, and until the next."""
+    """The values of the input ports during a past frame and up to the next frame."""
     busy = [values for values in _drive(design, samples) if values["in_valid"]]
     idle = dict.fromkeys(busy[0], 0)
     return [*((values, 1) for values in busy), (idle, design.interval)]
@@ -153,7 +153,7 @@ def _simulate(
     drive: list[dict[str, int]],
     watched: list[str],
 ) -> list[list[str]]:
-    """One row a clock of ``drive``: the watched signals as bits, just before its rising edge."""
+    """The bits of the watched signals before each rising edge: one row for each clock."""
     top = design.entity
     ports = {port.name: port for port in design.ports}
     given = [*(values for values, _ in hidden), drive[0]]
@@ -191,7 +191,7 @@ def _run(command: list[str]) -> str:
 
 
 def _port(watched: Watched, bits: tuple[str, ...]) -> Row:
-    """A flag where the name says no data; of data the code."""
+    """A port of the picture; one whose name says that it holds data gets a format."""
     known = [int(word, 2) if set(word) <= {"0", "1"} else None for word in bits]
     if "_data" not in watched.name:
         return Row(watched.owner, watched.name, tuple(known))

@@ -1,4 +1,4 @@
-"""How far networks are off on the recordings of the swing, for more and more noise."""
+"""The errors of networks on the generated recordings of the swing, for more and more noise."""
 
 from __future__ import annotations
 
