@@ -32,7 +32,7 @@ from golden.link.uart_receiver import UartReceiver
 from golden.link.uart_transmitter import BYTE_BITS, bits_of
 from golden.mlp import Mlp
 from tb.common import readout
-from tb.common.bench import RESET_CLOCKS, Bench
+from tb.common.bench import RESET_CLOCKS, Bench, test_of
 from tb.common.images import image_for
 from tb.common.network import recorded_frames
 from tb.common.profile import check_profile
@@ -399,13 +399,11 @@ def until_a_profile_ends(twin, network, packet, profiles):
     return levels, before * twin.interval + int(last_sample) + drawn
 
 
-@cocotb.test()
+@test_of(lambda t: t.analogue and len(t.image) * BYTE_BITS * t.divisor <= SHORT)
 async def drawn_slowly(dut):
     """The profiles that reach furthest, each point of them, and resets where a profile ends."""
     bench = Bench(dut)
     twin, shown = bench.twin, bench.twin.readout
-    if not twin.analogue or len(twin.image) * BYTE_BITS * twin.divisor > SHORT:
-        return
     points, network, packet = twin.packet_sender.points, shown, b""
     if twin.image:
         image = far_reaching(twin)
@@ -439,13 +437,11 @@ async def drawn_slowly(dut):
     bench.finish(at_least=len(frames) * twin.outputs)
 
 
-@cocotb.test()
+@test_of(lambda t: bool(t.image) and t.core.loaded.sizes.program_words >= ROOMY)
 async def other_images(dut):
     """Of other numbers of samples and outputs, and of a program that takes longer than a scan."""
     bench = Bench(dut)
     twin = bench.twin
-    if not twin.image or twin.core.loaded.sizes.program_words < ROOMY:
-        return
     inputs, outputs = twin.inputs, twin.outputs
     shapes = [
         (inputs, 2, outputs + 2),

@@ -15,16 +15,15 @@ that were loaded. Measures the clocks of a frame.
 Does not prove: anything about the accuracy of the network (the report of `make demo` does).
 """
 
-import cocotb
 import numpy as np
 
 from golden.precision import SIGNAL
 from golden.scene import load_scene
 from golden.scene.image import scene_image
-from tb.common.bench import Bench
+from tb.common.bench import Bench, test_of
 from tb.common.framing import random_lengths
 from tb.common.images import image_for
-from tb.common.loading import Sent, check_loading, exchange
+from tb.common.loading import Sent, check_loading, exchange, loaded
 from tb.common.network import (
     corners_and_random,
     recorded,
@@ -92,12 +91,10 @@ def wrong_images(rng, image):
     return wrong
 
 
-@cocotb.test()
+@test_of(loaded)
 async def images_one_after_the_other(dut):
     """Its own image and those of shipped scenes, each with its recorded frames."""
     bench = Bench(dut)
-    if not bench.twin.image:
-        return
     hardware = bench.twin
     for scene in (bench.scene, *map(load_scene, SCENES)):
         bench.twin = hardware.running(scene_image(scene, hardware))
@@ -110,12 +107,10 @@ async def images_one_after_the_other(dut):
     bench.finish(at_least=bench.frames)
 
 
-@cocotb.test()
+@test_of(loaded)
 async def other_numbers_of_samples(dut):
     """Each bit of the number that the image names is 1 in one of two and 0 in the other."""
     bench = Bench(dut)
-    if not bench.twin.image:
-        return
     hardware = bench.twin
     sizes = hardware.loaded.sizes
     every_other = sum(1 << bit for bit in range(0, sizes.operand_addr_width, 2))
@@ -130,12 +125,10 @@ async def other_numbers_of_samples(dut):
     bench.finish(at_least=16)
 
 
-@cocotb.test()
+@test_of(loaded)
 async def wrong_images_among_good_ones(dut):
     """No frame is taken from the first byte of an image on that is not good."""
     bench = Bench(dut)
-    if not bench.twin.image:
-        return
     rng, image = bench.rng, bench.twin.image
     sent, at, sound = [Sent(0, image)], 0, 1
     for wrong in wrong_images(rng, image):
@@ -153,12 +146,10 @@ async def wrong_images_among_good_ones(dut):
     bench.finish(at_least=100)
 
 
-@cocotb.test()
+@test_of(loaded)
 async def frames_while_loading(dut):
     """Images in the middle of frames and of their computation, of two scenes in turn."""
     bench = Bench(dut)
-    if not bench.twin.image:
-        return
     rng = bench.rng
     other = scene_image(load_scene(SCENES[-1]), bench.twin).to_bytes()
     sent, at = [], 0
@@ -173,12 +164,10 @@ async def frames_while_loading(dut):
     bench.finish(at_least=100)
 
 
-@cocotb.test()
+@test_of(loaded)
 async def resets_while_loading(dut):
     """Resets at random clocks, also in mid-load; each forgets the image."""
     bench = Bench(dut)
-    if not bench.twin.image:
-        return
     image = bench.twin.image
     sent = [Sent(at, image) for at in range(0, 24 * len(image), 2 * len(image))]
     drive = traffic(bench, 4 * len(image), most=40)

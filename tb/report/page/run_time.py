@@ -35,7 +35,7 @@ PAGE, FOLDER = ROOT / "docs" / f"{NAME}.md", ROOT / "docs" / NAME
 FOLDED, REBUILT = "digit-hybrid", "digit-thesis"
 SINGLE, MULTIPLE = "digit-single-engine", "digit-multiple"
 # What an answer of the swing is asked to be off by, and one of the plate.
-SWING_ERROR, PLATE_ERROR = 1e-9, 1e-6
+SWING_ERROR = 1e-9
 # Seconds at which the optimisers are compared.
 EARLY, LATE = 0.01, 1.0
 SHOWS = {
