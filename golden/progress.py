@@ -1,4 +1,9 @@
-"""What a long step says while it runs: what, how many of how many, and about how long still."""
+"""What a long step says while it runs: what, how many of how many, and about how long still.
+
+Not by a library such as rich: it would draw the one line on a terminal, some ten lines of this
+module. Where the output is a pipe or a log it is silent until the end, and there the lines that
+come every few seconds, with what runs and for how long still, are what this module is for.
+"""
 
 from __future__ import annotations
 

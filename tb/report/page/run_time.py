@@ -34,7 +34,7 @@ PAGE, FOLDER = ROOT / "docs" / f"{NAME}.md", ROOT / "docs" / NAME
 # in the other arrangements.
 FOLDED, REBUILT = "digit-hybrid", "digit-thesis"
 SINGLE, MULTIPLE = "digit-single-engine", "digit-multiple"
-# What an answer of the swing is asked to be off by, and one of the plate.
+# What an answer of the swing is asked to be off by.
 SWING_ERROR = 1e-9
 # Seconds at which the optimisers are compared.
 EARLY, LATE = 0.01, 1.0
