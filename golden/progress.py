@@ -1,4 +1,8 @@
-"""Shows what a long step does, how many parts are done, and about how long the rest takes."""
+"""Shows what a long step does, how many parts are done, and about how long the rest takes.
+
+A library such as rich would replace only the ten lines that draw the one line on a terminal. In a
+pipe or a log it prints nothing until the end, and there a line every few seconds is needed.
+"""
 
 from __future__ import annotations
 

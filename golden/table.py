@@ -1,11 +1,16 @@
-"""Recorded vectors: a CSV file of numbers with a header, checked cell by cell."""
+"""Reads and writes CSV files with a header, and says which cell of one is wrong."""
 
 from __future__ import annotations
 
 import csv
 import difflib
+import io
 import math
+import re
+import shlex
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +19,109 @@ from numpy.typing import ArrayLike, NDArray
 from golden.files import check_file, reading, replace_file
 from golden.input_error import InputError
 
+# What spreadsheets write between cells instead of a comma.
+FOREIGN = {";": "a semicolon", "\t": "a tab", "|": "a bar"}
+DECIMAL_COMMA = re.compile(r"\s*[-+]?\d*,\d+([eE][-+]?\d+)?\s*")
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column.
+
+    Attributes
+    ----------
+    name : str
+    values : float array, shape (rows,)
+        NaN where a cell holds no finite number.
+    odd : tuple of (int, str)
+        Line in the file and text of the cells that hold none.
+    """
+
+    name: str
+    values: NDArray[np.float64]
+    odd: tuple[tuple[int, str], ...]
+
+    @property
+    def numeric(self) -> bool:
+        """Whether it is meant to hold numbers: half of its cells or more do."""
+        return 2 * len(self.odd) <= len(self.values)
+
+    def fault(self, path: Path) -> str:
+        """What keeps a column of numbers from being one; empty where nothing does."""
+        if not self.odd:
+            return ""
+        line, text = self.odd[0]
+        got = repr(text) if text.strip() else "an empty cell"
+        expected = "a number"
+        if _number(text) is not None:
+            expected = "a finite number"
+        if DECIMAL_COMMA.fullmatch(text):
+            expected = f"{text.strip().replace(',', '.')!r} with a decimal point"
+        others = f"; {len(self.odd)} cells of the column are none" if len(self.odd) > 1 else ""
+        return f"{path}:{line}: column {self.name!r}: got {got}, expected {expected}{others}"
+
+
+@dataclass(frozen=True)
+class CsvFile:
+    """Every cell of a CSV file.
+
+    Attributes
+    ----------
+    path : Path
+    names : tuple of str
+        The header, blanks around the names taken off.
+    lines : tuple of int
+        Where each row stands in the file.
+    rows : tuple of tuple of str
+    """
+
+    path: Path
+    names: tuple[str, ...]
+    lines: tuple[int, ...]
+    rows: tuple[tuple[str, ...], ...]
+    _columns: dict[str, Column] = field(default_factory=dict, repr=False, compare=False)
+
+    def column(self, name: str) -> Column:
+        """A column by its name."""
+        if name not in self._columns:
+            at = self.names.index(name)
+            texts = [row[at] for row in self.rows]
+            numbers = map(_number, texts)
+            values = np.array([math.nan if number is None else number for number in numbers])
+            bad = ~np.isfinite(values)
+            values[bad] = np.nan
+            odd = tuple((self.lines[r], texts[r]) for r in np.flatnonzero(bad))
+            self._columns[name] = Column(name, values, odd)
+        return self._columns[name]
+
+    def refuse_numbers(self) -> None:
+        """Refuse a first line of numbers.
+
+        Raises
+        ------
+        InputError
+        """
+        numbers = [_number(name) for name in self.names]
+        if all(number is not None and math.isfinite(number) for number in numbers):
+            raise InputError(
+                f"{self.path}: the first line holds numbers, expected the names of the columns"
+            )
+
+
+def read_csv_file(path: Path) -> CsvFile:
+    """Read a CSV file: UTF-8, comma separated, the first line the names of the columns.
+
+    Raises
+    ------
+    InputError
+        When there is no such file, or it cannot be read.
+        For text that is not UTF-8, another separator than a comma, no rows, a header of numbers,
+        a name that stands twice, or rows of another length than the header.
+    """
+    found = _read(path)
+    found.refuse_numbers()
+    return found
+
 
 def read_table(path: Path, columns: Sequence[str]) -> NDArray[np.float64]:
     """Read some columns of a CSV file, by their names.
@@ -21,7 +129,7 @@ def read_table(path: Path, columns: Sequence[str]) -> NDArray[np.float64]:
     Parameters
     ----------
     path : Path
-        A file in UTF-8, separated by commas, whose first line holds the names of the columns.
+        See ``read_csv_file``; a name may be a number.
     columns : sequence of str
         Names of the columns, in the order of the result.
 
@@ -32,32 +140,52 @@ def read_table(path: Path, columns: Sequence[str]) -> NDArray[np.float64]:
     Raises
     ------
     InputError
-        When there is no such file, or when it cannot be read. For an empty file, a missing or
-        repeated column, a row of another length than the header, or a cell that is no number, NaN
-        or infinity; the message names file, line and column.
+        See ``read_csv_file``; also for a missing column, or a cell that is no number, NaN or
+        infinity; the message names file, line and column.
     """
+    found = _read(path)
+    for name in columns:
+        if name not in found.names:
+            found.refuse_numbers()
+            known = ", ".join(found.names)
+            raise InputError(f"{path}: no column {name!r}, got {known}{suggest(name, found.names)}")
+    for wrong in (found.column(name).fault(path) for name in columns):
+        if wrong:
+            raise InputError(wrong)
+    table = [found.column(name).values for name in columns]
+    return np.stack(table, axis=1) if table else np.empty((len(found.rows), 0))
+
+
+def _read(path: Path) -> CsvFile:
     check_file(path)
-    with reading(path, "CSV"), path.open(newline="", encoding="utf-8-sig") as handle:
-        rows = [(reader.line_num, row) for reader in [csv.reader(handle)] for row in reader if row]
+    with reading(path, "CSV"):
+        data = path.read_bytes()
+    return _parsed(path, data)
+
+
+# A scene's recordings are asked for again and again, for other columns.
+@lru_cache(maxsize=16)
+def _parsed(path: Path, data: bytes) -> CsvFile:
+    text = _text(path, data)
+    _refuse_separator(path, text)
+    reader = csv.reader(io.StringIO(text, newline=""))
+    with reading(path, "CSV"):
+        rows = [(reader.line_num, tuple(row)) for row in reader if any(map(str.strip, row))]
     if len(rows) < 2:
         raise InputError(f"{path}: got {len(rows)} lines, expected a header and at least one row")
-    header = [name.strip() for name in rows[0][1]]
-    repeated = sorted({name for name in header if header.count(name) > 1})
-    if repeated:
-        raise InputError(f"{path}: column {repeated[0]!r} stands twice in the header")
-    for name in columns:
-        if name not in header:
-            raise InputError(
-                f"{path}: no column {name!r}, got {', '.join(header)}{suggest(name, header)}"
-            )
-    where = [header.index(name) for name in columns]
-    values = np.empty((len(rows) - 1, len(columns)))
-    for r, (line, row) in enumerate(rows[1:]):
-        if len(row) != len(header):
-            raise InputError(f"{path}:{line}: got {len(row)} cells, expected {len(header)}")
-        for c, at in enumerate(where):
-            values[r, c] = _number(row[at], f"{path}:{line}: column {columns[c]!r}")
-    return values
+    names = tuple(name.strip() for name in rows[0][1])
+    for name in names:
+        if name and names.count(name) > 1:
+            raise InputError(f"{path}: column {name!r} stands twice in the header")
+    for line, row in rows[1:]:
+        if len(row) != len(names):
+            hint = ""
+            if len(row) == 2 * len(names):
+                hint = "; is that a decimal comma? expected a decimal point, 0.5 and not 0,5"
+            raise InputError(f"{path}:{line}: got {len(row)} cells, expected {len(names)}{hint}")
+    return CsvFile(
+        path, names, tuple(line for line, _ in rows[1:]), tuple(row for _, row in rows[1:])
+    )
 
 
 def rows_where(path: Path, where: Mapping[str, float]) -> NDArray[np.intp]:
@@ -104,15 +232,47 @@ def write_table(path: Path, columns: Sequence[str], values: ArrayLike, decimals:
         temporary.write_text("\n".join([",".join(columns), *lines, ""]), encoding="utf-8")
 
 
-def _number(text: str, place: str) -> float:
+def _text(path: Path, data: bytes) -> str:
+    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        raise InputError(f"{path}: got UTF-16, expected UTF-8; save it as 'CSV UTF-8'")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data[: error.start].count(b"\n") + 1
+        raise InputError(
+            f"{path}:{line}: got byte 0x{data[error.start]:02x}, expected UTF-8; save it as "
+            "'CSV UTF-8'"
+        ) from None
+
+
+def _refuse_separator(path: Path, text: str) -> None:
+    """A header of one cell in which another sign stands is a table of another kind."""
+    header = next((line for line in text.splitlines() if line.strip()), "")
+    if len(next(csv.reader([header]), [])) > 1:
+        return
+    for sign, name in FOREIGN.items():
+        if sign in header:
+            below = text.partition(header)[2]
+            decimal = "," in below
+            got = f"{name} between the cells" + (" and decimal commas" if decimal else "")
+            change, into = (f"{sign},", ",.") if decimal else (sign, ",")
+            shown = change.replace("\t", "\\t")
+            raise InputError(
+                f"{path}: got {got}, expected a comma{' and decimal points' if decimal else ''}; "
+                f"tr '{shown}' '{into}' < {shlex.quote(str(path))} > comma.csv makes it so"
+            )
+    words = header.split()
+    if len(words) > 1 and any(len(line.split()) == len(words) for line in text.splitlines()[1:2]):
+        raise InputError(f"{path}: got blanks between the cells, expected a comma")
+
+
+def _number(text: str) -> float | None:
+    """The number in a cell, finite or not."""
     try:
         # Python also accepts 1_0 and digits of other scripts, which are more likely mistakes here.
-        value = float(text if text.isascii() and "_" not in text else "")
+        return float(text if text.isascii() and "_" not in text else "")
     except ValueError:
-        raise InputError(f"{place}: got {text!r}, expected a number") from None
-    if not math.isfinite(value):
-        raise InputError(f"{place}: got {text.strip()}, expected a finite number")
-    return value
+        return None
 
 
 def suggest(name: str, known: Sequence[str]) -> str:

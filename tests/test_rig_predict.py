@@ -13,12 +13,11 @@ import pytest
 from golden.input_error import InputError
 from golden.network_files.network_file import save_network
 from golden.precision import SIGNAL
-from golden.rig.csv_file import read_csv_file
 from golden.rig.predict import check_place, predict, readings_of, write_prediction
 from golden.rig.trained_on import UNLIKE, TrainedOn, learnt, stretches_of, trained_on
 from golden.scene import Scene, load_scene
 from golden.scene.vectors import read_recorded
-from golden.table import read_table, write_table
+from golden.table import read_csv_file, read_table, write_table
 from golden.training.split import split_of, split_story
 from tb.common.cases import random_mlp, write_scene
 

@@ -17,13 +17,12 @@ from jsonschema import Draft7Validator
 from golden.finding import FAULT
 from golden.input_error import InputError
 from golden.rig import readings
-from golden.rig.csv_file import read_csv_file
 from golden.rig.draft import weights
 from golden.rig.survey import Survey, survey
 from golden.rig.write_scene import names_of, write_scene
 from golden.scene import Scene, load_scene
 from golden.scene.schema import EDITOR_SCHEMA
-from golden.table import read_table
+from golden.table import read_csv_file, read_table
 from golden.training.scaling import scaled
 
 ROOT = Path(__file__).parents[1]

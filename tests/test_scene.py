@@ -169,9 +169,9 @@ def test_an_unknown_scene_lists_the_known_ones() -> None:
     ("line", "message"),
     [
         ("0.1,0.2,oops,0.4,0.5", r"small.csv:3: column 'x2': got 'oops', expected a number"),
-        ("0.1,0.2,nan,0.4,0.5", r"small.csv:3: column 'x2': got nan, expected a finite number"),
-        ("0.1,0.2,inf,0.4,0.5", r"small.csv:3: column 'x2': got inf, expected a finite number"),
-        ("0.1,0.2,,0.4,0.5", r"small.csv:3: column 'x2': got '', expected a number"),
+        ("0.1,0.2,nan,0.4,0.5", r"small.csv:3: column 'x2': got 'nan', expected a finite number"),
+        ("0.1,0.2,inf,0.4,0.5", r"small.csv:3: column 'x2': got 'inf', expected a finite number"),
+        ("0.1,0.2,,0.4,0.5", r"small.csv:3: column 'x2': got an empty cell, expected a number"),
         ("0.1,0.2", r"small.csv:3: got 2 cells, expected 5"),
         ("0.1,0.2,0.3,1.5,0.5", r"column 'y0': got a target of 1.5 in row 2, expected -1 to 1"),
         ("0.1,0.2,0.3,0.0,0.5", r"column 'y0' holds a target of 0"),

@@ -11,13 +11,12 @@ import pytest
 
 from golden.finding import OK, WARNING
 from golden.fingerprint import ROOT
-from golden.rig.csv_file import read_csv_file
 from golden.rig.sensors_needed import Recording, recording_of
 from golden.rig.sensors_tell import Telling, findings, measured, telling_of
 from golden.rig.survey import survey
 from golden.rig.write_scene import write_scene
 from golden.scene import Scene, load_scene
-from golden.table import read_table, write_table
+from golden.table import read_csv_file, read_table, write_table
 from golden.training.scaling import scaled
 from golden.training.split import split_of
 from tb.report.measure.outcome import telling

@@ -267,7 +267,7 @@ def test_a_broken_budget_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "scene.budget.csv"
     with pytest.raises(MissingFileError, match=r"scene\.budget\.csv: no such file"):
         read_budget(path)
-    path.write_text("family,entity\n")
+    path.write_text("family,entity\nxc7,one\n")
     with pytest.raises(InputError, match=r"scene\.budget\.csv: got columns family, entity, exp"):
         read_budget(path)
     path.write_text(f"{','.join(COLUMNS)}\nxc7,one,few{',0' * 6}\n")

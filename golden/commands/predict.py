@@ -8,10 +8,10 @@ from pathlib import Path
 
 from golden.cli import run, would
 from golden.input_error import InputError
-from golden.rig.csv_file import read_csv_file
 from golden.rig.predict import check_place, predict, readings_of, write_prediction
 from golden.rig.trained_on import trained_on
 from golden.scene import load_scene
+from golden.table import read_csv_file
 
 
 def main() -> None:

@@ -12,10 +12,10 @@ from golden.files import check_file, check_writable
 from golden.finding import refuse
 from golden.input_error import InputError
 from golden.rig import sensors_tell
-from golden.rig.csv_file import read_csv_file
 from golden.rig.survey import survey
 from golden.rig.write_scene import check_sensors, names_of, write_scene
 from golden.scene import load_scene
+from golden.table import read_csv_file
 from golden.training.scaling import scaled
 
 

@@ -30,7 +30,7 @@ from golden.scene import Scene
 from golden.scene.converter_scale import codes_of
 from golden.scene.scale import Scale, on_readings, on_signals, readings, signals
 from golden.scene.trained_scale import story
-from golden.table import read_table
+from golden.table import read_csv_file, read_table
 
 # Number of digits of a reading. They are two more than a code of fourteen bits can need.
 DIGITS = 9
@@ -130,17 +130,13 @@ def _write_recording(scene: Scene, correction: Sequence[Scale], path: Path) -> N
     now = now_read(scene, correction, recorded)
     if scene.converter_scales and np.array_equal(recorded, recorded.round()):
         now = codes_of(scene, now)
-    with (
-        reading(scene.data_path, "CSV"),
-        scene.data_path.open(newline="", encoding="utf-8-sig") as handle,
-    ):
-        header, *rows = [row for row in csv.reader(handle) if row]
-    at = [[name.strip() for name in header].index(name) for name in scene.sensors]
+    found = read_csv_file(scene.data_path)
+    at, rows = [found.names.index(name) for name in scene.sensors], list(map(list, found.rows))
     for row, values in zip(rows, now.tolist(), strict=True):
         for column, value in zip(at, values, strict=True):
             row[column] = f"{value:.{DIGITS}g}"
     with replace_file(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as out:
-        csv.writer(out, lineterminator="\n").writerows([header, *rows])
+        csv.writer(out, lineterminator="\n").writerows([found.names, *rows])
 
 
 def _scene_text(scene: Scene, data: str, weights: list[str]) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,11 +9,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from golden.files import reading
 from golden.input_error import InputError
 from golden.real import Real
 from golden.scene import Vectors
-from golden.table import read_table
+from golden.table import read_csv_file, read_table
 
 # Column of a CSV file. Rows with the same number in it are readings of one placement.
 COLUMN = "placement"
@@ -69,9 +67,7 @@ def numbers_of(path: Path, columns: Sequence[str]) -> Real | None:
     columns : sequence of str
         Columns of the scene.
     """
-    with reading(path, "CSV"), path.open(newline="", encoding="utf-8-sig") as handle:
-        header = next((row for row in csv.reader(handle) if row), [])
-    if COLUMN in columns or COLUMN not in [name.strip() for name in header]:
+    if COLUMN in columns or COLUMN not in read_csv_file(path).names:
         return None
     result: Real = read_table(path, [COLUMN])[:, 0]
     return result

@@ -22,11 +22,11 @@ from golden.mlp import Mlp
 from golden.network_files.network_file import check_targets, write_network
 from golden.precision import SIGNAL
 from golden.rig import readings, sensors_tell
-from golden.rig.csv_file import read_csv_file
 from golden.scene import Scene, scene_names
 from golden.scene.saturation import saturating
 from golden.scene.scale import on_readings, signals
 from golden.scene.vectors import Recorded, read_recorded
+from golden.table import read_csv_file
 from golden.training.scaling import scaled
 from golden.training.split import split_of
 

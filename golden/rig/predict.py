@@ -14,10 +14,9 @@ from golden.finding import fault, refuse
 from golden.input_error import InputError
 from golden.precision import SIGNAL
 from golden.real import Real
-from golden.rig.csv_file import CsvFile
 from golden.rig.trained_on import TrainedOn, hardware_outputs
 from golden.scene import Scene
-from golden.table import suggest
+from golden.table import CsvFile, suggest
 
 DISTANCE, OUTSIDE, REASON = "distance", "outside", "reason"
 NO_PAST = "no whole past"

@@ -11,8 +11,7 @@ from golden.finding import FAULT, NOTE, Finding, fault
 from golden.precision import SIGNAL
 from golden.real import Real
 from golden.rig import readings
-from golden.rig.csv_file import Column, CsvFile
-from golden.table import suggest
+from golden.table import Column, CsvFile, suggest
 
 
 @dataclass(frozen=True)

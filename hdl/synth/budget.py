@@ -6,9 +6,10 @@ import csv
 from pathlib import Path
 
 from golden.block import walk
-from golden.files import check_file, reading, replace_file
+from golden.files import replace_file
 from golden.input_error import InputError
 from golden.networks.network import Network
+from golden.table import read_csv_file
 from hdl.synth.cells import DEPTH
 from hdl.synth.netlist import KINDS
 
@@ -58,24 +59,18 @@ def read_budget(path: Path) -> Cells:
     InputError
         For other columns, or a field that is no number; the message names file and line.
     """
-    check_file(path)
-    with reading(path, "CSV"), path.open(newline="", encoding="utf-8") as handle:
-        reader = csv.DictReader(handle)
-        rows = [(reader.line_num, row) for row in reader]
-    if reader.fieldnames != COLUMNS:
+    read = read_csv_file(path)
+    if list(read.names) != COLUMNS:
         raise InputError(
-            f"{path}: got columns {', '.join(reader.fieldnames or [])}, "
-            f"expected {', '.join(COLUMNS)}"
+            f"{path}: got columns {', '.join(read.names)}, expected {', '.join(COLUMNS)}"
         )
     found: Cells = {}
-    for line, row in rows:
+    for line, (family, entity, *cells) in zip(read.lines, read.rows, strict=True):
         try:
-            cells = {name: int(row[name]) for name in COLUMNS[2:]}
-        except (TypeError, ValueError):
-            raise InputError(
-                f"{path}:{line}: got {list(row.values())}, expected whole numbers"
-            ) from None
-        found.setdefault(row["family"], {})[row["entity"]] = cells
+            counts = dict(zip(COLUMNS[2:], map(int, cells), strict=True))
+        except ValueError:
+            raise InputError(f"{path}:{line}: got {cells}, expected whole numbers") from None
+        found.setdefault(family, {})[entity] = counts
     return found
 
 

@@ -13,6 +13,7 @@ import json
 import os
 import time
 from collections.abc import Callable, Iterator
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import TypeVar
@@ -30,6 +31,7 @@ from tb.common.coverage import Coverage
 RESET_CLOCKS = 2
 CONFIGURATION = "TACTUS_BENCH"
 Kind = TypeVar("Kind", bound=Block)
+Test = TypeVar("Test", bound=Callable[..., object])
 
 
 class Recording:
@@ -79,6 +81,24 @@ class Recording:
         """Whether no reset falls on any of the rows first to last, for each pair."""
         resets = self.resets()
         return np.searchsorted(resets, last, side="right") == np.searchsorted(resets, first)
+
+
+def test_of(applies: Callable[[Block], bool]) -> Callable[[Test], Test]:
+    """A cocotb test of those twins alone for which something holds; of others it is no test."""
+
+    def chosen(test: Test) -> Test:
+        given = os.environ.get(CONFIGURATION)
+        # Outside a simulator a bench is read for its cases and faults.
+        return cocotb.test()(test) if given is None or applies(_under_test(given)) else test
+
+    return chosen
+
+
+@cache
+def _under_test(configuration: str) -> Block:
+    given = json.loads(configuration)
+    parts = walk(load_scene(given["scene"]).twin())
+    return next(block for block in parts if block.entity == given["entity"])
 
 
 class Bench:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from golden.block import Block
 from golden.engine.image import Image
 from tb.common.bench import RESET_CLOCKS, Bench, Recording, changed, each_half, reader, writer
 
@@ -33,6 +34,11 @@ class Sent:
     data: bytes
     closed: bool = True
     gap: float = 0.0
+
+
+def loaded(twin: Block) -> bool:
+    """Whether an image is loaded into the hardware."""
+    return bool(twin.image)
 
 
 def after_loading(drive: dict[str, np.ndarray], image: bytes) -> dict[str, np.ndarray]:

@@ -15,7 +15,7 @@ import cocotb
 import numpy as np
 
 from tb.common import readout
-from tb.common.bench import RESET_CLOCKS, Bench
+from tb.common.bench import RESET_CLOCKS, Bench, test_of
 from tb.common.network import check_outputs, recorded_frames
 from tb.common.small import INSTRUMENTS
 from tb.common.stimulus import random_resets
@@ -104,13 +104,11 @@ async def recorded(dut):
     bench.finish(at_least=(len(frames) - past) * bench.twin.outputs)
 
 
-@cocotb.test()
+@test_of(lambda twin: bool(twin.readout.load_profile))
 async def highest_and_deepest(dut):
     """Play the frames with the highest and the deepest profile."""
     bench = Bench(dut)
     shown = bench.twin.readout
-    if not shown.load_profile:
-        return
     during = shown.load_profile.interval // bench.twin.interval
     await check(bench, codes_of(bench, readout.extremes(bench, shown, times=1 + during)))
     bench.finish(at_least=bench.twin.outputs)

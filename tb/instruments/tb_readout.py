@@ -18,8 +18,8 @@ import cocotb
 import numpy as np
 
 from tb.common import readout
-from tb.common.bench import Bench
-from tb.common.loading import Sent, after_loading, check_loading, exchange
+from tb.common.bench import Bench, test_of
+from tb.common.loading import Sent, after_loading, check_loading, exchange, loaded
 from tb.common.network import (
     WATCH,
     corners_and_random,
@@ -103,13 +103,11 @@ async def shown_and_resets(dut):
     bench.finish(at_least=5 * bench.twin.outputs)
 
 
-@cocotb.test()
+@test_of(loaded)
 async def images(dut):
     """Load a wrong image between good ones, through the ports of the engine inside."""
     bench = Bench(dut)
     whole = bench.twin
-    if not whole.image:
-        return
     bench.twin = whole.core
     image = whole.image
     wrong = bytes([*image[:-1], image[-1] ^ 1])

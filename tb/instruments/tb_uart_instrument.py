@@ -32,7 +32,7 @@ from golden.link.uart_receiver import UartReceiver
 from golden.link.uart_transmitter import BYTE_BITS, bits_of
 from golden.mlp import Mlp
 from tb.common import readout
-from tb.common.bench import RESET_CLOCKS, Bench
+from tb.common.bench import RESET_CLOCKS, Bench, test_of
 from tb.common.images import image_for
 from tb.common.network import recorded_frames
 from tb.common.profile import check_profile
@@ -400,13 +400,11 @@ def until_a_profile_ends(twin, network, packet, profiles):
     return levels, before * twin.interval + int(last_sample) + drawn
 
 
-@cocotb.test()
+@test_of(lambda t: t.analogue and len(t.image) * BYTE_BITS * t.divisor <= SHORT)
 async def drawn_slowly(dut):
     """Draw every point of the highest and the deepest profile, with resets when a profile ends."""
     bench = Bench(dut)
     twin, shown = bench.twin, bench.twin.readout
-    if not twin.analogue or len(twin.image) * BYTE_BITS * twin.divisor > SHORT:
-        return
     points, network, packet = twin.packet_sender.points, shown, b""
     if twin.image:
         image = far_reaching(twin)
@@ -440,13 +438,11 @@ async def drawn_slowly(dut):
     bench.finish(at_least=len(frames) * twin.outputs)
 
 
-@cocotb.test()
+@test_of(lambda t: bool(t.image) and t.core.loaded.sizes.program_words >= ROOMY)
 async def other_images(dut):
     """Load images with other numbers of samples and outputs, and one longer than a scan."""
     bench = Bench(dut)
     twin = bench.twin
-    if not twin.image or twin.core.loaded.sizes.program_words < ROOMY:
-        return
     inputs, outputs = twin.inputs, twin.outputs
     shapes = [
         (inputs, 2, outputs + 2),

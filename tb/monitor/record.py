@@ -18,9 +18,8 @@ from golden.input_error import InputError
 from golden.link.decoder import Decoder
 from golden.link.packets import Frame
 from golden.real import Real
-from golden.rig.csv_file import read_csv_file
 from golden.scene import Scene
-from golden.table import suggest
+from golden.table import read_csv_file, suggest
 from tb.monitor.board import MOST_BAUD, Board, board_of
 from tb.monitor.csv_file import GrowingCsv, refuse_there
 from tb.monitor.line import Line, Simulated

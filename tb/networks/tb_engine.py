@@ -15,17 +15,16 @@ words. The bench also measures the clocks of a frame.
 Does not prove: how accurate the network is (the report of `make demo` shows that).
 """
 
-import cocotb
 import numpy as np
 
 from golden.engine.image import CHECK_BYTES, WORD_BYTES
 from golden.precision import SIGNAL
 from golden.scene import load_scene
 from golden.scene.image import scene_image
-from tb.common.bench import Bench
+from tb.common.bench import Bench, test_of
 from tb.common.framing import random_lengths
 from tb.common.images import fitting_checks, image_for
-from tb.common.loading import Sent, check_loading, exchange
+from tb.common.loading import Sent, check_loading, exchange, loaded
 from tb.common.network import (
     corners_and_random,
     recorded,
@@ -95,12 +94,10 @@ def wrong_images(rng, sizes, image):
     return wrong + fitting_checks(sizes, image, words)
 
 
-@cocotb.test()
+@test_of(loaded)
 async def images_one_after_the_other(dut):
     """Load the own image and those of shipped scenes, and play the recorded frames of each."""
     bench = Bench(dut)
-    if not bench.twin.image:
-        return
     hardware = bench.twin
     for scene in (bench.scene, *map(load_scene, SCENES)):
         bench.twin = hardware.running(scene_image(scene, hardware))
@@ -113,13 +110,10 @@ async def images_one_after_the_other(dut):
     bench.finish(at_least=bench.frames)
 
 
-@cocotb.test()
+@test_of(loaded)
 async def other_numbers_of_samples(dut):
-    """Load two images, so that each bit of their number of samples is 1 in one and 0 in the "
-    "other."""
+    """Load two images; each bit of the number of samples is 1 in one and 0 in the other."""
     bench = Bench(dut)
-    if not bench.twin.image:
-        return
     hardware = bench.twin
     sizes = hardware.loaded.sizes
     every_other = sum(1 << bit for bit in range(0, sizes.operand_addr_width, 2))
@@ -134,12 +128,10 @@ async def other_numbers_of_samples(dut):
     bench.finish(at_least=16)
 
 
-@cocotb.test()
+@test_of(loaded)
 async def wrong_images_among_good_ones(dut):
     """Check that no frame is taken from the first byte of a wrong image on."""
     bench = Bench(dut)
-    if not bench.twin.image:
-        return
     rng, image = bench.rng, bench.twin.image
     sent, at, sound = [Sent(0, image)], 0, 1
     for wrong in wrong_images(rng, bench.twin.loaded.sizes, image):
@@ -157,12 +149,10 @@ async def wrong_images_among_good_ones(dut):
     bench.finish(at_least=100)
 
 
-@cocotb.test()
+@test_of(loaded)
 async def frames_while_loading(dut):
     """Load images of two scenes in turn, in the middle of frames and of their computation."""
     bench = Bench(dut)
-    if not bench.twin.image:
-        return
     rng = bench.rng
     other = scene_image(load_scene(SCENES[-1]), bench.twin).to_bytes()
     sent, at = [], 0
@@ -177,12 +167,10 @@ async def frames_while_loading(dut):
     bench.finish(at_least=100)
 
 
-@cocotb.test()
+@test_of(loaded)
 async def resets_while_loading(dut):
     """Play resets at random clocks, also during loading. Each reset discards the image."""
     bench = Bench(dut)
-    if not bench.twin.image:
-        return
     image = bench.twin.image
     sent = [Sent(at, image) for at in range(0, 24 * len(image), 2 * len(image))]
     drive = traffic(bench, 4 * len(image), most=40)

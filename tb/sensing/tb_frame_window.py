@@ -14,7 +14,7 @@ Does not prove: what is in the slots after the samples, which has no effect.
 import cocotb
 import numpy as np
 
-from tb.common.bench import Bench
+from tb.common.bench import Bench, test_of
 from tb.common.framing import random_lengths, scan, yielding
 from tb.common.small import WINDOWS
 from tb.common.stimulus import corner_frames, random_resets, spread
@@ -125,14 +125,12 @@ async def wrong_frames(dut):
     bench.finish(at_least=twin.elements * len(kept) // 8)
 
 
-@cocotb.test()
+@test_of(lambda twin: twin.interval > twin.sensors)
 async def too_early(dut):
     """Play good frames, each followed by one that comes 1, 2, 4, ... clocks too early."""
     bench = Bench(dut)
     twin = bench.twin
     early = 2 ** np.arange(closest(bench).bit_length())
-    if not len(early):
-        return
     frames = twin.past + 2 * len(early)
     data, last = whole(random_frames(bench, frames))
     pause = np.zeros((frames, twin.sensors), dtype=np.int64)

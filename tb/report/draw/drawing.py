@@ -1,4 +1,9 @@
-"""The few SVG elements that the pictures are drawn with."""
+"""The few SVG elements that the pictures are drawn with.
+
+Diagrams stand beside the plots of matplotlib, and are not drawn with it: boxes that share a size,
+tips, links and animations are what SVG has and a plot has not, and their bytes hang on no version
+of a library, so that a test compares what pages show with what is drawn now.
+"""
 
 from __future__ import annotations
 

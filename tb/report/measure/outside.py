@@ -23,13 +23,12 @@ from golden.physics.beam import Beam
 from golden.physics.digit_data import RECORDED, SENSORS
 from golden.physics.strain_sensor import COLUMNS, fit_sensors, loads_from_codes, read_sensors
 from golden.real import Real
-from golden.rig.csv_file import read_csv_file
 from golden.rig.survey import survey
 from golden.rig.trained_on import TrainedOn, code_steps, hardware_outputs, learnt
 from golden.rig.write_scene import write_scene
 from golden.scene import Scene, load_scene
 from golden.scene.vectors import read_recorded
-from golden.table import read_table, write_table
+from golden.table import read_csv_file, read_table, write_table
 from golden.training.scaling import scaled
 from golden.training.split import split_of
 from tb.report.measure.honest import trained

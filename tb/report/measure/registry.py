@@ -1,87 +1,44 @@
-"""The tables of ``make figures``. To add one, write a function of the seed and name it here."""
+"""The tables of ``make figures``: each function of this package that makes a table of a seed.
+
+To add a table, write such a function; its name is that of the table.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import inspect
+import pkgutil
+from collections.abc import Callable, Iterator
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
 
-from tb.report.measure import (
-    activations,
-    adder_chains,
-    adder_errors,
-    bounds,
-    camera,
-    clocks,
-    convergence,
-    digits,
-    disturbance,
-    gauges,
-    honest,
-    left_out,
-    low_pass,
-    motions,
-    networks,
-    one_network,
-    outside,
-    parallel,
-    past,
-    physics,
-    printed,
-    rbf,
-    recalibration,
-    sensors_dropped,
-    simulators,
-    swing_recordings,
-    tanh_words,
-    training,
-    visualisation,
-)
-from tb.report.measure.stability.table import stability
 from tb.report.measure.table import Table
 
-# The tables by their names, in the order in which they are printed.
-TABLES: dict[str, Callable[[int], Table]] = {
-    "networks": networks.networks,
-    "clocks": clocks.clocks,
-    "one_network": one_network.one_network,
-    "adder_errors": adder_errors.adder_errors,
-    "adder_chains": adder_chains.adder_chains,
-    "activations": activations.activations,
-    "iterations": activations.iterations,
-    "tanh_words": tanh_words.tanh_words,
-    "training": training.training,
-    "convergence": convergence.convergence,
-    "honest": honest.honest,
-    "robustness": honest.robustness,
-    "digits": digits.digits,
-    "parallel": parallel.parallel,
-    "printed": printed.printed,
-    "along_beam": printed.along_beam,
-    "widths": printed.widths,
-    "motions": motions.motions,
-    "camera": camera.camera,
-    "disturbance": disturbance.disturbance,
-    "left_out": left_out.left_out,
-    "sensors_dropped": sensors_dropped.sensors_dropped,
-    "hidden_nodes": sensors_dropped.hidden_nodes,
-    "classes": rbf.classes,
-    "operations": rbf.operations,
-    "series": visualisation.series,
-    "profile": visualisation.profile,
-    "beam": physics.beam,
-    "low_pass": low_pass.low_pass,
-    "bounds": bounds.bounds,
-    "bound_along": bounds.bound_along,
-    "gauge_places": gauges.gauge_places,
-    "recalibration": recalibration.recalibration,
-    "outside": outside.outside,
-    "recalibration_noise": recalibration.recalibration_noise,
-    "plate": physics.plate,
-    "swing": physics.swing,
-    "swing_damping": physics.swing_damping,
-    "recordings": swing_recordings.recordings,
-    "past": past.past,
-    "stability": stability,
-}
-
+Measured = Callable[[int], Table]
+# These modules import this one.
+ASKING = ("__main__", "registry", "steps")
 # These start simulators, so they are measured only if they are asked for by name.
-ASKED: dict[str, Callable[[int], Table]] = {"simulators": simulators.simulators}
+ON_REQUEST = ("simulators",)
+
+
+def _found() -> dict[str, Measured]:
+    package = __name__.rpartition(".")[0]
+    names = [module.name for module in pkgutil.iter_modules([str(Path(__file__).parent)])]
+    modules = [import_module(f"{package}.{name}") for name in names if name not in ASKING]
+    return {name: table for module in modules for name, table in _tables(module)}
+
+
+def _tables(module: ModuleType) -> Iterator[tuple[str, Measured]]:
+    """Those that are written in a module, or in the modules of a package that shows them."""
+    for name, value in vars(module).items():
+        if inspect.isfunction(value) and value.__module__.startswith(module.__name__):
+            signature = inspect.signature(value, eval_str=False)
+            taken = [parameter.annotation for parameter in signature.parameters.values()]
+            if (taken, signature.return_annotation) == (["int"], "Table"):
+                yield name, value
+
+
+_ALL = _found()
+# By name, in the order printed: of the modules by the alphabet, and in each as they are written.
+TABLES = {name: table for name, table in _ALL.items() if name not in ON_REQUEST}
+ASKED = {name: _ALL[name] for name in ON_REQUEST}

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from golden.table import read_csv_file
+
 Cell = str | int | float | None
 
 
@@ -109,10 +111,9 @@ class Table:
 
 
 def read_csv(path: Path) -> tuple[list[str], list[list[Cell]]]:
-    """The columns and rows of a CSV of numbers, as ``Table.write_csv`` writes it."""
-    with path.open(newline="", encoding="utf-8") as handle:
-        heads, *lines = csv.reader(handle)
-    return heads, [[_number(cell) for cell in line] for line in lines]
+    """The columns and rows of a CSV of numbers alone; see ``Table.write_csv``."""
+    found = read_csv_file(path)
+    return list(found.names), [[_number(cell) for cell in row] for row in found.rows]
 
 
 def _number(cell: str) -> Cell:

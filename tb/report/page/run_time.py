@@ -34,8 +34,8 @@ PAGE, FOLDER = ROOT / "docs" / f"{NAME}.md", ROOT / "docs" / NAME
 # engine in the other arrangements.
 FOLDED, REBUILT = "digit-hybrid", "digit-thesis"
 SINGLE, MULTIPLE = "digit-single-engine", "digit-multiple"
-# The error that is demanded of the swing, and that of the plate.
-SWING_ERROR, PLATE_ERROR = 1e-9, 1e-6
+# The error that is demanded of an answer of the swing.
+SWING_ERROR = 1e-9
 # After how many seconds the optimisers are compared.
 EARLY, LATE = 0.01, 1.0
 SHOWS = {
