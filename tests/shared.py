@@ -31,6 +31,9 @@ class Shared:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.build = folder / "build"
+        # A scene builds its twin once; hundreds of tests of a worker ask for the same few.
+        self._scenes: dict[str, Scene] = {}
+        self._jobs: dict[tuple[str, str], list[Job]] = {}
 
     @contextmanager
     def alone(self, name: str) -> Iterator[Path]:
@@ -49,13 +52,18 @@ class Shared:
                 made.touch()
 
     def scene(self, name: str) -> Scene:
-        """A case's scene by the case's name, or a shipped scene."""
+        """A case's scene by the case's name, or a shipped scene; read once, not to be changed."""
+        if name not in self._scenes:
+            self._scenes[name] = load_scene(self._path(name))
+        return self._scenes[name]
+
+    def _path(self, name: str) -> str:
         if name not in CASES:
-            return load_scene(name)
+            return name
         folder = self.folder / "scenes"
         folder.mkdir(parents=True, exist_ok=True)
         self.once(f"scene {name}", lambda: CASES[name].scene(folder, name))
-        return load_scene(str(folder / f"{name}.toml"))
+        return str(folder / f"{name}.toml")
 
     def export(self, name: str, tongue: str) -> Path:
         """The folder with a scene's VHDL or Verilog, not to be changed."""
@@ -65,11 +73,13 @@ class Shared:
 
     def jobs(self, name: str, simulator: str) -> list[Job]:
         """A scene's benches in a simulator, on those exports."""
-        self.export(name, language(simulator))
-        scene = self.scene(name)
-        if simulator == "ghdl":
-            self.once(f"{name} library", lambda: compile_vhdl(scene, self.build))
-        return jobs(scene, simulator, build=self.build)
+        if (name, simulator) not in self._jobs:
+            self.export(name, language(simulator))
+            scene = self.scene(name)
+            if simulator == "ghdl":
+                self.once(f"{name} library", lambda: compile_vhdl(scene, self.build))
+            self._jobs[name, simulator] = jobs(scene, simulator, build=self.build)
+        return self._jobs[name, simulator]
 
     def subject(self, block: str, simulator: str = "icarus", case: str | None = None) -> Job:
         """The entity that stands for a block, as in ``tb.sign_off.subject``, on those exports."""

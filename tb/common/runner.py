@@ -27,6 +27,7 @@ from golden.folders import BUILD
 from golden.input_error import InputError
 from golden.scene import Scene, load_scene, scene_path
 from hdl.export.exporter import MANIFEST, ORDER
+from hdl.export.repeatable import HASH_SEED
 from tb.common.bench import CONFIGURATION
 from tb.common.coverage import Counts, add, missing
 from tb.common.simulate import Run, analyse, simulate
@@ -148,7 +149,7 @@ def ready_scene(name: str) -> Scene:
 
 
 def export(scene: Scene, tongue: str, build: Path = BUILD) -> None:
-    """Export the scene in a fresh process, whose hash seed the exporter fixes.
+    """Export the scene in a fresh process that begins with the hash seed the exporter wants.
 
     Raises
     ------
@@ -157,7 +158,11 @@ def export(scene: Scene, tongue: str, build: Path = BUILD) -> None:
     """
     command = [sys.executable, "-m", "hdl.export", str(scene.path.resolve()), tongue]
     command += ["--build", str(build.resolve())]
-    result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    # So it need not start itself a second time.
+    environment = os.environ | HASH_SEED
+    result = subprocess.run(
+        command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False
+    )
     if result.returncode == 2:
         # In front of the message may stand warnings.
         raise InputError(re.split("^error: ", result.stderr, maxsplit=1, flags=re.M)[-1].strip())
