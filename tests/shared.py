@@ -13,7 +13,7 @@ from pathlib import Path
 from golden.files import read_kept, write_kept
 from golden.scene import Scene, load_scene
 from tb.common.collected import CASES, CASES_OF
-from tb.common.runner import Job, Outcome, compile_vhdl, export, jobs, run_jobs
+from tb.common.runner import Job, Outcome, compile_vhdl, export, jobs, library, run_jobs
 from tb.common.tools import language
 from tb.report.measure import recorded, store
 from tb.report.measure.registry import TABLES
@@ -75,11 +75,17 @@ class Shared:
         """A scene's benches in a simulator, on those exports."""
         if (name, simulator) not in self._jobs:
             self.export(name, language(simulator))
-            scene = self.scene(name)
             if simulator == "ghdl":
-                self.once(f"{name} library", lambda: compile_vhdl(scene, self.build))
-            self._jobs[name, simulator] = jobs(scene, simulator, build=self.build)
+                self.library(name)
+            self._jobs[name, simulator] = jobs(self.scene(name), simulator, build=self.build)
         return self._jobs[name, simulator]
+
+    def library(self, name: str) -> Path:
+        """Where GHDL has compiled a scene's VHDL, not to be changed."""
+        self.export(name, "vhdl")
+        scene = self.scene(name)
+        self.once(f"{name} library", lambda: compile_vhdl(scene, self.build))
+        return library(scene, self.build)
 
     def subject(self, block: str, simulator: str = "icarus", case: str | None = None) -> Job:
         """The entity that stands for a block, as in ``tb.sign_off.subject``, on those exports."""

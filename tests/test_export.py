@@ -36,19 +36,19 @@ ROOT = Path(__file__).parents[1]
 # One network each; the cascades and multiple networks among the others stand for the larger scenes.
 SHIPPED = ("digit-load", "digit-parallel", "digit-single", "digit-single-thesis")
 
-# Shapes, arrangements and activations that these do not have.
+# Shapes, arrangements and activations that these do not have, of scenes that benches run on too.
 OTHERS = (
-    "wide-thesis",
+    "wide",
     "logic",
     "block-ram",
-    "precise-parallel",
-    "gradient_parallel-thesis",
+    "rails-parallel",
+    "rails-gradient_parallel",
     "lut-thesis",
-    "pade-thesis",
-    "polynomial-thesis",
-    "deep-cascade",
-    "wide-multiple",
-    "axis-cascade",
+    "rails-pade",
+    "rails-polynomial",
+    "chain",
+    "three",
+    "axis-chain",
 )
 
 
