@@ -7,7 +7,7 @@ SITE ?= build/site
 # What a user may give. Recipes read it from the environment, as "$$SCENE", and never as text that
 # make puts in: so no character of it is special, neither to make, which would expand a $ on the
 # way, nor to the shell. Only whether it is given may be asked of make: $(if $(BLOCK),...).
-GIVEN := ALL BAUD BESIDE BLOCK BOARD CLUSTER CSV DEVICE DRIFT DRY FRAMES FULL HARDWARE LABELS LINKS MACHINE NETLIST NOISE ONLY OUTPUT OUTPUTS PORT PYTHON \
+GIVEN := ALL BAUD BESIDE BLOCK BOARD CLUSTER CSV DEVICE DRIFT DRY FRAMES FULL HARDWARE LABELS LINKS MACHINE NETLIST NOISE ONLY OUTPUT OUTPUTS PAGES PORT PYTHON \
 	RECORD RIG SAMPLE SCENE SEED SIM SITE TABLE TESTS TO VENV WAVES WHOLE
 literal = $(if $(value $(1)),$(eval override $(1) := $$(value $(1)))$(eval export $(1)))
 $(foreach name,$(GIVEN),$(call literal,$(name)))
@@ -38,7 +38,7 @@ $(CALLED): $(READY)
 	@$(RUN) -m tb.commands $@
 
 test: $(READY) $(if $(DRY_RUN),,tools browser)
-	@$(RUN) $(if $(MACHINE),tests/machines.py --only="$$MACHINE" --show --whole,tests/chosen.py $(if $(SAMPLE),--sample="$$SAMPLE") $(if $(filter-out 0,$(RECORD)),--record)) \
+	@$(RUN) $(if $(MACHINE),tests/machines.py --only="$$MACHINE" --show --whole,tests/chosen.py $(if $(BLOCK),--block="$$BLOCK") $(if $(filter-out 0,$(PAGES)),--pages) $(if $(SAMPLE),--sample="$$SAMPLE") $(if $(filter-out 0,$(RECORD)),--record)) \
 		--tests="$$TESTS" $(if $(filter-out 0,$(ALL)),--all)
 
 machines: $(READY) $(if $(DRY_RUN),,tools browser)

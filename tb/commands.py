@@ -160,11 +160,21 @@ COMMANDS = (
     ),
     Command(
         "test",
-        "Runs the tests, or those that TESTS= names. ALL=1 adds every constant of every scene; "
+        "Runs the tests: all, those that TESTS= names, those that concern the block that BLOCK= "
+        "names, or with PAGES=1 those of the documentation. ALL=1 adds every constant of every "
+        "scene; "
         "SAMPLE= adds a random part of these tests that takes about so many seconds. RECORD=1 with "
         "ALL=1 records how long each test takes. MACHINE= runs the tests as they would run on "
         "another machine.",
-        (TESTS, ALL, option("SAMPLE", "180"), RECORD, word("MACHINE", "name")),
+        (
+            TESTS,
+            BLOCK,
+            flag("PAGES"),
+            ALL,
+            option("SAMPLE", "180"),
+            RECORD,
+            word("MACHINE", "name"),
+        ),
     ),
     Command(
         "machines",

@@ -1,31 +1,48 @@
-"""``make test``: runs pytest on all cores, for the named tests or for all."""
+"""``make test``: runs pytest on all cores, for named tests, for those of a block, or for all."""
 
 from __future__ import annotations
 
 import argparse
 import os
 import sys
+from pathlib import Path
 
 from machines import CORES
 
 from golden.cli import run, whole, words, would
+from tb.common.where import check_name
 
 MOST_SECONDS = 86400
+
+
+def files_of_pages() -> list[str]:
+    """The files that hold tests of the documentation: to collect the others takes longer."""
+    files = sorted(Path(__file__).parent.glob("test_*.py"))
+    marked = [file for file in files if "mark.pages" in file.read_text(encoding="utf-8")]
+    return [f"tests/{file.name}" for file in marked]
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="make test", description=__doc__)
     parser.add_argument("--tests", default="", help="arguments of pytest, quoted as for a shell")
+    parser.add_argument("--block", help="what concerns a block")
+    parser.add_argument("--pages", action="store_true", help="the tests of the documentation")
     parser.add_argument("--all", action="store_true", help="what ALL=1 adds, too")
     parser.add_argument("--sample", type=whole("SAMPLE", 1, MOST_SECONDS))
     parser.add_argument("--record", action="store_true", help="with ALL=1, how long its tests take")
     arguments = parser.parse_args()
     command = [sys.executable, "-m", "pytest", *CORES, *["--all"] * arguments.all]
-    would(f"run {' '.join(['pytest', *words('TESTS', arguments.tests)])}")
+    chosen = words("TESTS", arguments.tests)
+    if arguments.block is not None:
+        check_name(arguments.block)
+        chosen += ["--block", arguments.block]
+    if arguments.pages:
+        chosen += ["-m", "pages", *([] if arguments.tests else files_of_pages())]
+    would(f"run {' '.join(['pytest', *chosen])}")
     command += ["--record"] * arguments.record
     if arguments.sample:
         command += ["--sample", str(arguments.sample)]
-    os.execv(sys.executable, [*command, *words("TESTS", arguments.tests)])
+    os.execv(sys.executable, [*command, *chosen])
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 import sample
+from concerned import concerns
 from front_door import GIVEN
 from hypothesis import HealthCheck, settings
 from refused import Desk
@@ -26,8 +27,9 @@ STARTED = time.perf_counter()
 TIMES: dict[str, float] = {}
 # Tests that simulate, synthesise, or measure.
 LONG = (
-    *("test_benches", "test_cells", "test_docs", "test_export", "test_handover", "test_image"),
-    *("test_lean", "test_new_design", "test_report", "test_site", "test_synth", "test_tutorial"),
+    *("test_benches", "test_cells", "test_export", "test_handover", "test_image", "test_lean"),
+    *("test_new_block", "test_new_design", "test_report", "test_site", "test_synth"),
+    "test_tutorial",
 )
 
 # No test may depend on how busy the cores are.
@@ -38,11 +40,13 @@ settings.load_profile("untimed")
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--all", action="store_true", help="what make test ALL=1 adds, too")
     parser.addoption("--sample", type=float, help="so many seconds of what ALL=1 adds")
+    parser.addoption("--block", help="only what concerns this block")
     parser.addoption("--record", action="store_true", help="how long the tests of ALL=1 take")
 
 
 def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "all_only: run by make test ALL=1 alone")
+    config.addinivalue_line("markers", "pages: of the documentation; make test PAGES=1 runs these")
     # Hundreds of processes import the same modules. None of them should compile these again.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     # matplotlib keeps the list of fonts that it once found, for all environments of a user. One
@@ -90,6 +94,8 @@ def long_first(items: list[pytest.Item], workers: int) -> list[pytest.Item]:
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Skip the tests of the other tier, so that the summary counts them."""
+    if block := config.getoption("--block"):
+        items[:] = [item for item in items if concerns(item, block, LONG)]
     items[:] = long_first(items, int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")))
     left = [item for item in items if item.get_closest_marker("all_only")]
     if config.getoption("--all"):

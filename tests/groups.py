@@ -78,9 +78,9 @@ EXPORTED = Rest(
 EXPORTED_AGAIN = Rest(
     "More exports are made and read, by what test_export.py and test_new_design.py try too.",
     (
-        "test_docs.py::test_the_worked_example_works",
         "test_handover.py",
         "test_lean.py",
+        "test_new_block.py",
         "test_synth.py",
     ),
 )

@@ -55,8 +55,7 @@ def section(page: str, heading: str) -> str:
 
 
 def cells(page: str, *start: str) -> list[str]:
-    """The other cells of the one line, of a table or of printed words, that begins with "
-    "``start``."""
+    """The other cells of the one line of a table or text that begins with ``start``."""
     found = []
     for line in page.splitlines():
         words = line[1:].rstrip().removesuffix("|").split("|") if line[:1] == "|" else line.split()

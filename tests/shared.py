@@ -13,7 +13,7 @@ from pathlib import Path
 from golden.files import read_kept, write_kept
 from golden.scene import Scene, load_scene
 from tb.common.collected import CASES, CASES_OF
-from tb.common.runner import Job, Outcome, compile_vhdl, export, jobs, run_jobs
+from tb.common.runner import Job, Outcome, compile_vhdl, export, jobs, library, run_jobs
 from tb.common.tools import language
 from tb.report.measure import store, table_records
 from tb.report.measure.registry import TABLES
@@ -31,11 +31,16 @@ class Shared:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.build = folder / "build"
+        # A scene builds its twin once; hundreds of tests of a worker ask for the same few.
+        self._scenes: dict[str, Scene] = {}
+        self._jobs: dict[tuple[str, str], list[Job]] = {}
 
     @contextmanager
     def alone(self, name: str) -> Iterator[Path]:
-        """Let one process at a time make a part. It touches the yielded file when the part is "
-        "made."""
+        """Let one process at a time make a part.
+
+        It touches the yielded file when the part is made.
+        """
         made = self.folder / "made" / name.replace("/", "-")
         made.parent.mkdir(parents=True, exist_ok=True)
         with made.with_name(f"{made.name}.lock").open("w") as handle:
@@ -50,31 +55,45 @@ class Shared:
                 made.touch()
 
     def scene(self, name: str) -> Scene:
-        """The scene of a case, by the name of the case, or a shipped scene."""
+        """The scene of a case, by its name, or a shipped scene. Tests must not change it."""
+        if name not in self._scenes:
+            self._scenes[name] = load_scene(self._path(name))
+        return self._scenes[name]
+
+    def _path(self, name: str) -> str:
         if name not in CASES:
-            return load_scene(name)
+            return name
         folder = self.folder / "scenes"
         folder.mkdir(parents=True, exist_ok=True)
         self.once(f"scene {name}", lambda: CASES[name].scene(folder, name))
-        return load_scene(str(folder / f"{name}.toml"))
+        return str(folder / f"{name}.toml")
 
     def export(self, name: str, tongue: str) -> Path:
         """The folder with the VHDL or Verilog of a scene. Tests must not change it."""
         scene = self.scene(name)
-        self.once(f"{name} {tongue}", lambda: export(scene, tongue, self.build))
+        # A case is simulated in both languages. Most tests of a shipped scene need only one.
+        wanted = "both" if name in CASES else tongue
+        self.once(f"{name} {wanted}", lambda: export(scene, wanted, self.build))
         return self.build / scene.name / tongue
 
     def jobs(self, name: str, simulator: str) -> list[Job]:
         """The benches of a scene in a simulator, on the shared exports."""
-        self.export(name, language(simulator))
+        if (name, simulator) not in self._jobs:
+            self.export(name, language(simulator))
+            if simulator == "ghdl":
+                self.library(name)
+            self._jobs[name, simulator] = jobs(self.scene(name), simulator, build=self.build)
+        return self._jobs[name, simulator]
+
+    def library(self, name: str) -> Path:
+        """The folder into which GHDL compiled the VHDL of a scene. Tests must not change it."""
+        self.export(name, "vhdl")
         scene = self.scene(name)
-        if simulator == "ghdl":
-            self.once(f"{name} library", lambda: compile_vhdl(scene, self.build))
-        return jobs(scene, simulator, build=self.build)
+        self.once(f"{name} library", lambda: compile_vhdl(scene, self.build))
+        return library(scene, self.build)
 
     def subject(self, block: str, simulator: str = "icarus", case: str | None = None) -> Job:
-        """The entity that represents a block, as in ``tb.sign_off.subject``, on the shared "
-        "exports."""
+        """The entity that represents a block (``tb.sign_off.subject``), on the shared exports."""
         return first(self.jobs(case or CASES_OF[block][0], simulator), block)
 
     def recorded(self, name: str, anew: bool) -> Table:

@@ -42,8 +42,10 @@ class PlannedError(Exception):
 
 @dataclass
 class Subject:
-    """A replacement for the simulator's object. A bench that asks it for a port is going to "
-    "play."""
+    """A replacement for the simulator's object.
+
+    A bench that asks it for a port is going to play.
+    """
 
     scene: Scene
     design: Block

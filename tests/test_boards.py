@@ -252,8 +252,7 @@ def test_the_pins_files_name_every_pin_that_is_used(tmp_path: Path) -> None:
 
 
 def test_the_command(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
-    """It makes a bitstream, takes it from the store the second time, and refuses slow or large "
-    "ones."""
+    """It makes a bitstream, takes it from the store later, and refuses slow or large ones."""
     scene_with(desk.folder, 12.0)
     desk.refuses("bitstream", "tiny.toml", "icebraker", says="'icebraker'.*'icebreaker'?")
     desk.refuses("bitstream", "mine.toml", "ulx3s", says="converter: got none", faults=2)

@@ -134,8 +134,7 @@ def test_who_knows_the_loads_needs_no_reading_of_their_width(known: dict) -> Non
 
 
 def test_who_knows_the_widths_alone_guesses_where_no_reading_holds_one(known: dict) -> None:
-    """It guesses the middle of the widths, and a rectangle, which has the smaller relative "
-    "error."""
+    """It guesses the middle of the widths, and a rectangle, whose relative error is smaller."""
     bound = least_mean_errors(SENSORS_FITTED, TARGETS, NOISE, SCALE[:, :3])
     absent = np.isinf(bound[:, 2])
     guess = 100 * np.abs(TARGETS[absent, 2] - (0.45 + 0.675) / 2) / FULL_SCALE

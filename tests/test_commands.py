@@ -153,8 +153,10 @@ INSTALL = "env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install
     ],
 )
 def test_missing_tools_are_installed_or_named(tmp_path: Path, user: int, sudo: int, done) -> None:
-    """They are installed as root or by a sudo without password. Other users get the command to "
-    "run."""
+    """They are installed as root or by a sudo without password.
+
+    Other users get the command to run.
+    """
     log = tmp_path / "log"
     # The output of apt-get is printed, because it takes a minute.
     for name, script in {

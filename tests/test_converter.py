@@ -83,8 +83,7 @@ def test_every_voltage_comes_back(part: str, most: int) -> None:
 
 
 def test_the_worst_error_of_the_rounding() -> None:
-    """Over all codes of 16 bits it is two quarters of a step, or three for the largest two "
-    "codes."""
+    """Over all codes of 16 bits it is two quarters of a step; for the largest two, three."""
     codes = np.arange(1 << 16)
     error = np.abs(4 * reader("ads8344").process(codes) - (codes - 32768))
     assert error[:-2].max() == 2

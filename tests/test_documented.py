@@ -28,7 +28,10 @@ from refused import main_of
 from golden.cli import run
 from tb.commands import BY_NAME
 
-pytestmark = pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning")
+pytestmark = [
+    pytest.mark.pages,
+    pytest.mark.filterwarnings("ignore::golden.activation.pade.UnsettledWarning"),
+]
 
 FOUND = documented()
 # Make does these itself. With DRY=1 its recipes say what they would do.
@@ -57,12 +60,16 @@ def words_of(item: Documented) -> tuple[str, list[str]]:
         return module, words
     given = item.variables
     words = [f"--tests={given.get('TESTS', '')}"]
+    chosen = [
+        *([f"--block={given['BLOCK']}"] if "BLOCK" in given else []),
+        *(["--pages"] if "PAGES" in given else []),
+    ]
     if item.command.name == "machines":
         return "machines", [f"--only={given.get('ONLY', '')}", *words]
     return (
         ("machines", [f"--only={given['MACHINE']}", *words])
         if "MACHINE" in given
-        else ("chosen", words)
+        else ("chosen", [*chosen, *words])
     )
 
 

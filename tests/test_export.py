@@ -36,19 +36,19 @@ ROOT = Path(__file__).parents[1]
 # These have one network each. Cascades and multiple networks below represent the larger scenes.
 SHIPPED = ("digit-load", "digit-parallel", "digit-single", "digit-single-thesis")
 
-# These add shapes, arrangements and activations that the scenes above do not have.
+# These add shapes, arrangements and activations. Benches run on the same scenes.
 OTHERS = (
-    "wide-thesis",
+    "wide",
     "logic",
     "block-ram",
-    "precise-parallel",
-    "gradient_parallel-thesis",
+    "rails-parallel",
+    "rails-gradient_parallel",
     "lut-thesis",
-    "pade-thesis",
-    "polynomial-thesis",
-    "deep-cascade",
-    "wide-multiple",
-    "axis-cascade",
+    "rails-pade",
+    "rails-polynomial",
+    "chain",
+    "three",
+    "axis-chain",
 )
 
 

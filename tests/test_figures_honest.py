@@ -73,8 +73,10 @@ def test_a_load_that_was_never_trained_is_not_told(tables: dict[str, Table]) -> 
 
 
 def test_what_is_trained_for_noise_errs_less_with_it(tables: dict[str, Table]) -> None:
-    """Tests the load, whose trainings end nearly alike. Its error as recorded is larger in "
-    "return."""
+    """Tests the load, whose trainings end nearly alike.
+
+    Its error as recorded is larger in return.
+    """
     none, much = (
         figures(tables["robustness"], 1e3 * noise)["load"] for noise in (0.0, honest.EXPECTED)
     )

@@ -8,6 +8,8 @@ import pytest
 from golden.table import read_table
 from tb.report.measure import outside, table_records
 
+pytestmark = pytest.mark.pages
+
 RIGS = ("digit", "tutorial", "bar")
 COLUMNS = {f"{100 * part:g} %": part for part in outside.FALSE_ALARMS}
 

@@ -25,8 +25,10 @@ def test_every_magnitude_reads_the_word_of_its_step(precision, factor: int) -> N
 
 
 def test_mean_error_of_equation_4_32() -> None:
-    """The thesis prints 1.08 %. With 128 steps over 0 to 3.5 it is 0.91 %, with steps of 1/32 "
-    "1.04 %."""
+    """The thesis prints 1.08 %.
+
+    With 128 steps over 0 to 3.5 it is 0.91 %, with steps of 1/32 1.04 %.
+    """
     codes = np.arange(SIGNAL.low, SIGNAL.high + 1)
     q = 3 * SIGNAL.to_real(codes)
     error = SIGNAL.to_real(lut_for(THESIS, 3, SIGNAL.high).process(codes)) - np.tanh(q)

@@ -222,3 +222,10 @@ def test_a_sample_reaches_the_tests(tmp_path: Path) -> None:
     result = make(tmp_path, "test", VENV=str(tmp_path / "venv"), SAMPLE="1; 2", RECORD="1")
     assert result.returncode == 0, result.stderr
     assert calls(log) == [["tests/chosen.py", "--sample=1; 2", "--record", "--tests="]]
+
+
+def test_a_selection_reaches_the_tests(tmp_path: Path) -> None:
+    log = environment(tmp_path)
+    result = make(tmp_path, "test", VENV=str(tmp_path / "venv"), BLOCK="`x`", PAGES="1")
+    assert result.returncode == 0, result.stderr
+    assert calls(log) == [["tests/chosen.py", "--block=`x`", "--pages", "--tests="]]

@@ -298,8 +298,10 @@ def test_a_simulated_board_is_touched_by_itself(hardware: Scene, simulated: Twin
 
 
 def test_the_simulated_hardware_sends_what_its_converter_reads(hardware: Scene) -> None:
-    """The first two packets come before any image. ALL=1 tests more "
-    "(tests/test_monitor_loop.py)."""
+    """The first two packets come before any image.
+
+    ALL=1 tests more (tests/test_monitor_loop.py).
+    """
     board = Board(hardware, hardware)
     with open_line("sim", None, board) as line:
         values = recording.gather(line, board, 1)

@@ -11,11 +11,11 @@ from pathlib import Path
 
 import pytest
 from conftest import random_mlp, write_scene
+from copied import ROOT, copy_room
 
-ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "new-design.md").read_text()
 NAMED = r"^`([\w/.-]+)`[^\n]*(?:\n[^\n]+)*\n\n```(?:python|markdown)\n(.*?)```"
-SHAPES = {"single": [(2, 5, 2)], "cascade": [(2, 4, 1), (3, 5, 1)]}
+SHAPES = {"single": [(2, 5, 2)], "cascade": [(1, 1, 1), (2, 2, 1)]}
 # Compares the design with hybrid, runs the cases of stability, and checks words of its picture.
 ASKED = """
 import sys
@@ -43,8 +43,7 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of the project with the four files."""
     folder = tmp_path_factory.mktemp("design") / "tactus"
     for room in ("golden", "hdl", "tb", "docs", "tests"):
-        ignore = shutil.ignore_patterns("__pycache__")
-        shutil.copytree(ROOT / room, folder / room, ignore=ignore)
+        copy_room(room, folder)
     for name in ("Makefile", "pyproject.toml"):
         shutil.copy(ROOT / name, folder)
     files = re.findall(NAMED, PAGE, re.M | re.S)

@@ -27,6 +27,8 @@ from golden.scene.write_image import hex_text
 from golden.sensing.scan import Scan
 from tb.common.collected import CASES, CASES_OF
 
+pytestmark = pytest.mark.pages
+
 PAGE = (DOCS / "blocks" / "engine.md").read_text(encoding="utf-8")
 TEXT = " ".join(PAGE.split())
 COMPARISON = ROOT / "golden" / "scenes" / "comparison"

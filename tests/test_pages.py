@@ -23,6 +23,8 @@ from tb.report.measure import table_records
 from tb.report.page import lists, sign_off
 from tb.report.page.markers import END, begin, put
 
+pytestmark = pytest.mark.pages
+
 HDL, SCENES = ROOT / "hdl", ROOT / "golden" / "scenes"
 PAGE = Path("page.md")
 COMMAND = "python -m this"

@@ -78,8 +78,7 @@ def printed_6_1(x: float, y: float, xi: float, eta: float, terms: int) -> float:
 
 
 def printed_6_3(x: float, xi: float, off: float, terms: int, clamped: bool) -> float:
-    """Equation 6.3 or 6.2 as printed, over D / P, with the load on the axis and the point off "
-    "it."""
+    """Equation 6.3 or 6.2 as printed, over D / P; the load is on the axis, the point off it."""
     first = second = 0.0
     for m in range(1, terms + 1):
         alpha = m * math.pi * B / (2 * A)
@@ -224,8 +223,10 @@ def test_stiffness_and_the_order_of_size() -> None:
 
 
 def test_the_natural_frequency_is_that_of_section_6_1() -> None:
-    """The thesis prints 53 Hz. The 0.7 Hz of the swing are far below, so its forces act "
-    "statically."""
+    """The thesis prints 53 Hz.
+
+    The 0.7 Hz of the swing are far below, so its forces act statically.
+    """
     assert natural_frequency(PLATE, 7850, 40, 40) == pytest.approx(53, rel=0.05)
     supported = replace(PLATE, clamped=False)
     mass = 7850 * PLATE.thickness

@@ -125,8 +125,7 @@ def test_new_readings_get_what_is_shown(scene: Path) -> None:
 
 
 def test_what_was_never_trained_is_outside(scene: Path) -> None:
-    """At one false alarm in a hundred, swapped columns and touches half a range outside are "
-    "marked."""
+    """At 1 % false alarms, swapped columns and touches half a range outside are marked."""
     rng = np.random.default_rng(1)
     good, *wrong = outside.touched(
         load_scene(str(scene)), outside.rail, outside.FORCE, outside.PLACE, rng

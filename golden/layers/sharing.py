@@ -265,7 +265,7 @@ def shared(matrix: Matrix, levels: int, spare: int) -> ShiftAdd:
         graph = Growing(len(matrix.weights[0]), matrix.low, matrix.high)
         rows = [dict(row) for row in digits]
         Sharing(graph, rows, matrix.place, SPREADS[run % len(SPREADS)], Random(run)).run()
-        clocks, least = 1, 0
+        clocks, least = max(1, -(-(least_depth(graph, rows) + spare) // levels)), 0
         while not least or clocks <= least + 1:
             depth = clocks * levels - spare
             made = finished(matrix, graph.copy(), rows, depth)
@@ -277,6 +277,12 @@ def shared(matrix: Matrix, levels: int, spare: int) -> ShiftAdd:
     bits, _, chosen = min(found[least])
     more_bits, _, more = min(found[least + 1])
     return more if more_bits * (PAYS + 1) < bits * PAYS else chosen
+
+
+def least_depth(graph: Growing, rows: Sequence[dict[Term, int]]) -> int:
+    """Levels below which the terms of some row cannot be added up; see ``add_up``."""
+    weights = (sum(1 << graph.levels[node] for node, _ in row) for row in rows)
+    return max((weight - 1).bit_length() if weight else 0 for weight in weights)
 
 
 def finished(

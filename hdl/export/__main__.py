@@ -1,4 +1,4 @@
-"""``python -m hdl.export [SCENE] LANGUAGE``: write a scene as VHDL or Verilog, a file per entity.
+"""``python -m hdl.export [SCENE] LANGUAGE``: write a scene as VHDL, Verilog or both.
 
 Without a scene the default scenes are exported. The same scene gives the same bytes on every run
 (``hdl.export.repeatable``).
@@ -7,6 +7,7 @@ Without a scene the default scenes are exported. The same scene gives the same b
 from __future__ import annotations
 
 import argparse
+from itertools import product
 from pathlib import Path
 
 from golden.cli import would
@@ -20,20 +21,24 @@ from hdl.export.hierarchy import LANGUAGES
 from hdl.export.repeatable import run_repeatable
 from hdl.export.stamp import is_current, write_stamp
 
+# In the place of a language: every one, one after the other.
+BOTH = "both"
+
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m hdl.export", description=__doc__)
     parser.add_argument("scene", nargs="?", help=f"{' and '.join(DEFAULT_SCENES)} when left out")
-    parser.add_argument("language", choices=sorted(LANGUAGES))
+    parser.add_argument("language", choices=[*sorted(LANGUAGES), BOTH])
     parser.add_argument("--build", type=Path, default=BUILD)
     arguments = parser.parse_args()
     names = DEFAULT_SCENES if arguments.scene is None else (arguments.scene,)
     scenes = [load_scene(name) for name in names]
-    folders = [arguments.build / scene.name / arguments.language for scene in scenes]
+    languages = sorted(LANGUAGES) if arguments.language == BOTH else [arguments.language]
+    folders = [arguments.build / scene.name / tongue for scene in scenes for tongue in languages]
     tops = [scene.twin().entity for scene in scenes]
     would(f"export {' and '.join(tops)} into {' and '.join(map(str, folders))}")
-    for scene, folder in zip(scenes, folders, strict=True):
-        export_scene(scene, arguments.language, folder)
+    for folder, (scene, tongue) in zip(folders, product(scenes, languages), strict=True):
+        export_scene(scene, tongue, folder)
 
 
 def export_scene(scene: Scene, language: str, folder: Path) -> None:

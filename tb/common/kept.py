@@ -54,6 +54,8 @@ def _path(job: Job) -> Path:
 
 @cache
 def _version(simulator: str) -> str:
-    """The version of a simulator. It is asked only once, as a scene may have hundreds of "
-    "benches."""
+    """The version of a simulator.
+
+    It is asked only once, as a scene may have hundreds of benches.
+    """
     return version(simulator)

@@ -27,12 +27,14 @@ from golden.folders import BUILD
 from golden.input_error import InputError
 from golden.scene import Scene, load_scene, scene_path
 from hdl.export.exporter import MANIFEST, ORDER
+from hdl.export.repeatable import HASH_SEED
 from tb.common.bench import CONFIGURATION
 from tb.common.coverage import Counts, add, missing
 from tb.common.simulate import Run, analyse, simulate
 from tb.common.tools import SIMULATORS, check_simulator, language
 from tb.common.where import check_block
 
+STAND_IN = Path(__file__).parent / "stand_in"
 SEED = 1
 # How many random frames the bench of a network plays.
 FRAMES = 100
@@ -147,7 +149,7 @@ def ready_scene(name: str) -> Scene:
 
 
 def export(scene: Scene, tongue: str, build: Path = BUILD) -> None:
-    """Export the scene in a fresh process, whose hash seed the exporter fixes.
+    """Export the scene in a fresh process that begins with the hash seed the exporter wants.
 
     Raises
     ------
@@ -156,7 +158,11 @@ def export(scene: Scene, tongue: str, build: Path = BUILD) -> None:
     """
     command = [sys.executable, "-m", "hdl.export", str(scene.path.resolve()), tongue]
     command += ["--build", str(build.resolve())]
-    result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    # So it need not start itself a second time.
+    environment = os.environ | HASH_SEED
+    result = subprocess.run(
+        command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False
+    )
     if result.returncode == 2:
         # There may be warnings before the message.
         raise InputError(re.split("^error: ", result.stderr, maxsplit=1, flags=re.M)[-1].strip())
@@ -285,7 +291,7 @@ def run_job(job: Job) -> Outcome:
         CONFIGURATION: json.dumps(configuration),
         "COCOTB_RANDOM_SEED": str(job.seed),
         "COCOTB_TEST_FILTER": f"\\.{job.test}$" if job.test else "",
-        "PYTHONPATH": str(ROOT),
+        "PYTHONPATH": os.pathsep.join([str(STAND_IN), str(ROOT)]),
         # One failed test decides the result.
         "COCOTB_MAX_FAILURES": "1",
         # numpy gets one thread, because as many simulations run as there are cores.

@@ -57,7 +57,7 @@ def places(scene: str | None, block: str | None, build: Path = BUILD) -> list[Pl
     default = f"the default scenes, {' and '.join(DEFAULT_SCENES)}"
     if block is None:
         return [Place(load_scene(n), f"scene {n}: one of {default}") for n in DEFAULT_SCENES]
-    _check_name(block)
+    check_name(block)
     found = [name for name in DEFAULT_SCENES if block in _blocks_in(name)]
     if found:
         why = f"one of {default}, contains {block}"
@@ -91,7 +91,7 @@ def check_block(scene: Scene, block: str | None) -> None:
     present = blocks_in(scene)
     if block in present:
         return
-    _check_name(block)
+    check_name(block)
     raise InputError(
         f"BLOCK={block}: scene {scene.name} has no such block, expected one of "
         f"{', '.join(sorted(present))}; {_elsewhere(block)}"
@@ -109,7 +109,13 @@ def _elsewhere(block: str) -> str:
     return "no shipped scene contains it"
 
 
-def _check_name(block: str) -> None:
+def check_name(block: str) -> None:
+    """Refuse a block that there is not.
+
+    Raises
+    ------
+    InputError
+    """
     known = block_names()
     if block not in known:
         hint = suggest(block, known) or f", expected one of {', '.join(known)}"

@@ -87,8 +87,7 @@ def noise_and_images(bench, images):
 
 
 async def answered(bench, reader, resets, rx, watch, convert, fault):
-    """Play the block once, with the answers of the converter, which sees the same wires each "
-    "scan."""
+    """Play the block once, with a converter that sees the same wires in each scan."""
     scan = reader.scan_clocks
     short = np.zeros(2 * scan, dtype=np.int64)
     drive = {"miso": short, "rst": short} | ({} if rx is None else {"rx": 1 - short})

@@ -37,8 +37,7 @@ CLOCK_NS = 10
 
 
 def wire(bench, stretches):
-    """The levels of the line, for levels and the number of bits of ``bit`` clocks that each "
-    "lasts."""
+    """The levels of the line; each lasts a given number of bits of ``bit`` clocks."""
     edges = np.cumsum([0.0, *(length for _, length in stretches)]) + bench.rng.random()
     clocks = np.arange(int(edges[-1]) + 3 * bench.twin.interval)
     place = np.searchsorted(edges, clocks, side="right") - 1

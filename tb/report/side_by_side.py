@@ -146,8 +146,7 @@ def _clocks(scenes: Sequence[Scene], results: Mapping[str, dict[str, Any]] | Non
 
 
 def _cells(scenes: Sequence[Scene]) -> list[Row]:
-    """The recorded cells of the scene and of its networks, and their share of the thesis' "
-    "device."""
+    """The recorded cells of the scene and its networks, and their share of the thesis' device."""
     device, printed = thesis_table("board"), thesis_table(scenes[0].reference)
     rows: list[Row] = []
     cells = [read_budget(budget_path(scene.path))[FAMILY] for scene in scenes]

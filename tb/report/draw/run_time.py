@@ -106,8 +106,7 @@ def activation_rows(table: Table) -> list[Row]:
 
 
 def pade(table: Table) -> str:
-    """The mean and the largest error of the Pade regression against its iterations, for each "
-    "rho."""
+    """Mean and largest error of the Pade regression against its iterations, for each rho."""
     rows = [row for row in rows_of(table, arithmetic="exact") if row["rho"] in SETTLING]
     plots = [
         _panel("", "iterations", up, _by(rows, "rho", "iterations", column, "rho "))

@@ -66,8 +66,10 @@ class Limits:
 
 @cache
 def limits(noise: float | None, seed: int) -> Limits:
-    """The limits at one noise of every sensor in V. With None, the noise is the residual of each "
-    "fit."""
+    """The limits at one noise of every sensor in V.
+
+    With None, the noise is the residual of each fit.
+    """
     scene = load_scene(SCENE)
     table = read_table(RECORDED, [*SENSORS, *COLUMNS])
     readings, targets = table[:, : len(SENSORS)], table[:, len(SENSORS) :]

@@ -21,8 +21,10 @@ def tell(name: str, seconds: float, kept: bool) -> None:
 
 
 def write(scene: Scene, page: Page) -> None:
-    """Write the page, and the pictures and tables beside it. Each is written whole or not at "
-    "all."""
+    """Write the page, and the pictures and tables beside it.
+
+    Each is written whole or not at all.
+    """
     tables: dict[str, Table] = {"errors": page.errors, "costs": page.costs}
     pictures: dict[str, Picture] = {}
     for section in page.sections:

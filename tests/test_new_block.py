@@ -1,0 +1,70 @@
+"""docs/new-block.md, typed in as it stands: the block trains, simulates and is found out."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+from copied import ROOT, copy_room
+
+
+def apply(diff: str, folder: Path) -> None:
+    """Apply a unified diff of one file; each hunk's old lines must stand in it just once."""
+    name = re.search(r"^\+\+\+ b/(\S+)$", diff, re.M)
+    assert name
+    file = folder / name[1]
+    text = file.read_text()
+    for hunk in re.split(r"^@@.*@@.*\n", diff, flags=re.M)[1:]:
+        lines = hunk.splitlines()
+        old, new = (
+            "".join(f"{x[1:]}\n" for x in lines if x[:1] in signs) for signs in (" -", " +")
+        )
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    file.write_text(text)
+
+
+def test_the_worked_example_works(tmp_path: Path) -> None:
+    """docs/new-block.md, typed in as it stands: the block trains, simulates and is found out."""
+    page = (ROOT / "docs" / "new-block.md").read_text()
+    copy = tmp_path / "tactus"
+    for room in ("golden", "hdl", "tb", "docs"):
+        copy_room(room, copy)
+    named = r"^`([\w/.-]+\.(?:py|toml))`[^\n]*(?:\n[^\n]+)*:\n\n```(?:python|toml)\n(.*?)```"
+    files = re.findall(named, page, re.M | re.S)
+    assert len(files) >= 4
+    for name, text in files:
+        (copy / name).parent.mkdir(exist_ok=True)
+        (copy / name).write_text(text)
+    sheet = re.search(r"^`(docs/blocks/\w+\.md)`.*?\n````markdown\n(.*?)````$", page, re.M | re.S)
+    assert sheet
+    (copy / sheet[1]).write_text(sheet[2])
+    diff = re.search(r"```diff\n(.*?)```", page, re.S)
+    assert diff
+    apply(diff[1], copy)
+    scene = next(name for name, _ in files if name.endswith(".toml"))
+
+    def run(*words: str) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, "-m", *words]
+        return subprocess.run(command, cwd=copy, capture_output=True, text=True, check=False)
+
+    written = run("tb.report.page.blocks")
+    assert written.returncode == 0, written.stderr
+    assert "| `in_data` | in | signed | `in_fmt`: Fix(18,14) |" in (copy / sheet[1]).read_text()
+    assert "| [relu](blocks/relu.md) |" in (copy / "docs" / "README.md").read_text()
+    trained = run("golden.commands.train", scene)
+    assert trained.returncode == 0, trained.stderr
+    simulated = run("tb.sim", scene, "--block", "relu")
+    assert simulated.returncode == 0, simulated.stdout + simulated.stderr
+    assert "2 benches, 0 failed" in simulated.stdout
+    verilog = (copy / "build" / "digit-relu" / "verilog" / "relu.v").read_text()
+    faults = re.findall(r'^    \(r"(.*?)", ', dict(files)["tb/activation/tb_relu.py"], re.M)
+    assert faults
+    assert all(re.search(pattern, verilog) for pattern in faults)
+    hardware = copy / "hdl" / "activation" / "relu.py"
+    hardware.write_text(hardware.read_text().replace("Rounding.ROUND", "Rounding.TRUNCATE"))
+    broken = run("tb.sim", scene, "--block", "relu", "--sim", "icarus")
+    assert broken.returncode == 1
+    assert "results differ" in broken.stdout
